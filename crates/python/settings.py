@@ -1,4 +1,4 @@
-"""Texts on the settings of estimators: `palpate schema | python crates/python/settings.py` writes them."""
+"""Writes texts about the settings of estimators: `palpate schema | python crates/python/settings.py`."""
 
 import json
 import re
@@ -9,14 +9,14 @@ from pathlib import Path
 PACKAGE = Path(__file__).parent
 STUBS = PACKAGE / "python" / "palpate" / "_native.pyi"
 
-# Settings whose arguments have other names.
+# Settings whose arguments have another name.
 ARGUMENTS = {"kind": "method", "normals": "tangent_normals"}
 TYPES = {"integer": "int", "number": "float"}
 LIMITS = {"exclusiveMinimum": "above", "minimum": "at least", "maximum": "at most"}
 
 
 def settings(schema, scene):
-    """Schema of each setting of a scene's estimator by its argument, and the kinds that have it."""
+    """The settings of a scene's estimator by argument: the schema of each, and the kinds of estimators that have it."""
     scenes = (scene["properties"] for scene in schema["properties"]["scene"]["oneOf"])
     estimator = next(parts for parts in scenes if parts["kind"]["const"] == scene)["estimator"]
     words = [{**kind["properties"]["kind"], "description": kind["description"]} for kind in estimator["oneOf"]]
@@ -25,14 +25,14 @@ def settings(schema, scene):
     found = {"method": (kind, names)}
     for name, kind in zip(names, estimator["oneOf"]):
         for key, setting in kind["properties"].items():
-            # Readings of a press state their indentation.
+            # The indentation of a press is stated with the readings.
             if key != "kind" and not key.startswith("indentation"):
                 found.setdefault(ARGUMENTS.get(key, key), (setting, []))[1].append(name)
     return found
 
 
 def described(name, setting, kinds, all_kinds):
-    """Entry of a setting in a list of parameters."""
+    """The entry of a setting in the list of parameters of a docstring."""
     words = [f'"{word["const"]}" ({word["description"].split(". ")[0].rstrip(".")})' for word in setting.get("oneOf", [])]
     facts = ["of method " + " or ".join(kinds)] if kinds != all_kinds else []
     facts += ["length"] if setting.get("x-unit") == "length" else []
@@ -46,7 +46,7 @@ def described(name, setting, kinds, all_kinds):
 
 
 def texts(schema):
-    """Content of each file by its path."""
+    """The new content of each file, by its path."""
     stubs = STUBS.read_text()
     files = {}
     for scene in ("glide", "press"):

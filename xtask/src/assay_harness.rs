@@ -1,4 +1,4 @@
-//! Harnesses of palpate-assay that compare answers and intervals with references.
+//! Runs test programs of palpate-assay, which compare answers and intervals with references.
 
 use anyhow::Result;
 use clap::Args;
@@ -9,25 +9,25 @@ use crate::programs;
 #[derive(Args)]
 #[command(disable_help_flag = true)]
 pub(crate) struct Options {
-    /// Options of the harness; --help lists them.
+    /// Options that are passed to the test program; its --help lists them.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     options: Vec<String>,
 }
 
-/// Folder of the tables of intervals.
+/// Folder of the tables with the measured coverage of intervals.
 const FAMILIES: &str = "crates/palpate/src/coverage";
 
-/// Writes `results/answers.csv`.
+/// Compares answers with references, and writes `results/answers.csv`.
 pub(crate) fn answers(shell: &Shell, options: &Options) -> Result<()> {
     harness(shell, ["answers", "--out", "results/answers.csv"], options)
 }
 
-/// Writes the measured columns of the tables of intervals.
+/// Measures the coverage of intervals, and writes the measured columns of its tables.
 pub(crate) fn intervals(shell: &Shell, options: &Options) -> Result<()> {
     harness(shell, ["intervals", "--tables", FAMILIES], options)
 }
 
-/// Step of CI: computes a part of the answers, in a few seconds.
+/// Step of CI: compares some of the answers with references. It takes only a few seconds.
 pub(crate) fn check_answers(shell: &Shell) -> Result<()> {
     let table = programs::target_dir(shell).join("answers.csv");
     let options = "--seeds 5 --pairs 100000 --only cylinder".split(' ');

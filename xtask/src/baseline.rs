@@ -1,4 +1,4 @@
-//! Table of named figures, compared with the committed baseline.
+//! Compares a table of named numbers with a committed table, the baseline.
 
 use std::fmt;
 
@@ -7,10 +7,10 @@ use anyhow::{Result, ensure};
 /// Folder of the baselines.
 pub(crate) const DIRECTORY: &str = "crates/assay/baseline";
 
-/// Names and figures, in the order of the table.
+/// Names and numbers, in the order of the table.
 pub(crate) type Figures = Vec<(String, f64)>;
 
-/// Reads a table with a header and two columns: name and figure.
+/// Reads a table with a header and two columns: name and number.
 pub(crate) fn read(text: &str) -> Result<Figures> {
     let rows = csv::Reader::from_reader(text.as_bytes()).into_deserialize();
     let figures = rows.collect::<Result<Figures, _>>()?;
@@ -32,7 +32,7 @@ fn find(figures: &[(String, f64)], name: &str) -> Option<f64> {
     found.map(|(_, figure)| *figure)
 }
 
-/// Text of a figure: counts in full, errors with six digits.
+/// A number of the table as text. Counts are written with all digits, errors with six digits.
 fn text(figure: f64) -> String {
     if figure.fract() == 0.0 {
         figure.to_string()
@@ -41,15 +41,15 @@ fn text(figure: f64) -> String {
     }
 }
 
-/// Limits of the change of figures.
+/// Limits for the changes of the numbers.
 #[derive(Debug)]
 pub(crate) struct Limits {
     pub(crate) what: &'static str,
-    /// Harness that prints the figures; also the file name of the baseline.
+    /// Name of the test program that prints the numbers. The baseline file has the same name.
     pub(crate) harness: &'static str,
-    /// Allowed growth, as a share of the earlier figure.
+    /// Allowed increase of a number, as a share of the number in the baseline.
     pub(crate) allowed: f64,
-    /// Floor of the figures: it replaces smaller figures before they are compared.
+    /// Smallest number that is compared. Smaller numbers are replaced by this number.
     pub(crate) floor: f64,
 }
 
@@ -59,18 +59,18 @@ impl Limits {
     }
 }
 
-/// Change of a figure against the baseline.
+/// Change of a number relative to the baseline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Change {
-    /// Within the limits.
+    /// The number is within the limits.
     Same,
-    /// Larger than allowed.
+    /// The number is larger than allowed.
     Worse,
-    /// Smaller by more than the allowed growth.
+    /// The number is smaller than in the baseline, by more than the allowed increase.
     Better,
-    /// Absent from the baseline.
+    /// The number is not in the baseline.
     New,
-    /// Present in the baseline only.
+    /// The number is only in the baseline.
     Missing,
 }
 
@@ -86,7 +86,7 @@ impl fmt::Display for Change {
     }
 }
 
-/// A baseline and the measured figures.
+/// A baseline and the measured numbers.
 pub(crate) struct Comparison {
     pub(crate) limits: &'static Limits,
     pub(crate) before: Figures,
@@ -94,14 +94,15 @@ pub(crate) struct Comparison {
 }
 
 impl Comparison {
-    /// Whether a figure is worse, new or missing.
+    /// Whether a number has become worse, is new or is missing.
     pub(crate) fn fails(&self) -> bool {
         let is_failure = |change| matches!(change, Change::Worse | Change::New | Change::Missing);
         self.rows()
             .any(|(_, figures)| is_failure(self.change(figures)))
     }
 
-    /// Whether a figure is new or missing, or differs by more than the floor and the digits of the baseline.
+    /// Whether a number is new or missing, or differs from the baseline by more than the floor and the rounding of the
+    /// baseline.
     pub(crate) fn alters(&self) -> bool {
         self.rows().any(|(_, figures)| match figures {
             [Some(before), Some(now)] => {
@@ -111,7 +112,7 @@ impl Comparison {
         })
     }
 
-    /// The measured figures as a table for [`read`].
+    /// The measured numbers as a table that [`read`] can read.
     pub(crate) fn to_csv(&self) -> Result<String> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(["name", self.limits.what])?;
@@ -121,7 +122,8 @@ impl Comparison {
         Ok(String::from_utf8(writer.into_inner()?)?)
     }
 
-    /// Every name with its figures in the baseline and now. Missing names are at the end.
+    /// Each name with two numbers: the number in the baseline and the measured number. Names that were not measured are
+    /// at the end.
     fn rows(&self) -> impl Iterator<Item = (&str, [Option<f64>; 2])> {
         let now = self.now.iter();
         let now = now.map(|(name, now)| (name.as_str(), [find(&self.before, name), Some(*now)]));
@@ -148,7 +150,7 @@ impl Comparison {
         }
     }
 
-    /// Table of the figures that differ.
+    /// Table of the numbers that differ from the baseline.
     pub(crate) fn render(&self) -> String {
         let what = self.limits.what;
         let (mut rows, mut is_better) = (String::new(), false);

@@ -1,7 +1,7 @@
 //! Comparison of instruction counts and errors with the committed baseline.
 //!
-//! Wall time is not compared. `cargo bench` reports it; see crates/assay/BENCHES.md. This task also checks that this page
-//! lists all bench targets, and that the changelog describes every change of an error.
+//! Run times are not compared, but `cargo bench` reports them; see crates/assay/BENCHES.md. This task also checks that
+//! this page lists all bench targets, and that the changelog describes every change of an error.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -16,14 +16,15 @@ use crate::peers::replace;
 use crate::programs;
 use crate::tools::has;
 
-/// Counts hardly vary between runs, but depend on how the linker arranges the code.
+/// Limits for instruction counts. Counts hardly vary between runs, but they depend on the order in which the linker
+/// arranges the code.
 pub(crate) const COST: Limits = Limits {
     what: "instructions",
     harness: "instructions",
     allowed: 0.03,
     floor: 0.0,
 };
-/// Errors below the floor, about 20 rounding errors, depend on the mathematical library.
+/// Limits for errors. Errors below the floor (about 20 rounding errors) depend on the mathematical library.
 pub(crate) const ERROR: Limits = Limits {
     what: "error",
     harness: "accuracy",
@@ -33,7 +34,7 @@ pub(crate) const ERROR: Limits = Limits {
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Replace the baseline by the measured figures. If an error changes, CHANGELOG.md must describe why.
+    /// Replace the baseline by the measured numbers. If an error changes, CHANGELOG.md must describe the reason.
     #[arg(long)]
     pub(crate) accept: bool,
 }
@@ -59,7 +60,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Runs a harness of palpate-assay, compares its figures with the baseline and prints those that differ.
+/// Runs a test program of palpate-assay, compares its numbers with the baseline, and prints the numbers that differ.
 fn compare(shell: &Shell, limits: &'static Limits) -> Result<Comparison> {
     let (assay, harness) = (programs::build(shell, "palpate-assay")?, limits.harness);
     let now = baseline::read(&cmd!(shell, "{assay} {harness}").quiet().read()?)?;
@@ -112,11 +113,11 @@ fn check_page(shell: &Shell) -> Result<()> {
     if !differences.is_empty() {
         bail!("{PAGE}: {}", differences.join("; "));
     }
-    println!("benches: {} targets as in {PAGE}", existing.len());
+    println!("benches: {PAGE} lists all {} bench targets", existing.len());
     Ok(())
 }
 
-/// `package/target` of every bench.
+/// Names of all bench targets, in the form `package/target`.
 fn targets(packages: &[Value]) -> Result<BTreeSet<String>> {
     let mut benches = BTreeSet::new();
     for package in packages {
@@ -133,7 +134,7 @@ fn targets(packages: &[Value]) -> Result<BTreeSet<String>> {
     Ok(benches)
 }
 
-/// First cells of the page's table: `` `package/target` ``.
+/// Bench targets in the first column of the page's table, in the form `` `package/target` ``.
 fn listed(page: &str) -> BTreeSet<String> {
     let cell = |line: &str| {
         line.strip_prefix("| `")?
@@ -147,7 +148,7 @@ const CHANGELOG: &str = "CHANGELOG.md";
 /// Section that must have a line for every change of an error.
 const HEADING: &str = "### Numerical changes";
 
-/// Fails unless the changelog's section of numerical changes has a line that the last commit does not have.
+/// Fails unless the section "Numerical changes" of the changelog has a line that the last commit does not have.
 fn require_changelog_line(shell: &Shell) -> Result<()> {
     let committed = cmd!(shell, "git show HEAD:{CHANGELOG}")
         .quiet()
@@ -167,7 +168,7 @@ fn has_new_line(committed: &str, now: &str) -> bool {
     section(now).any(|line| !known.contains(line))
 }
 
-/// The lines below the heading that are not empty, up to the next heading.
+/// The lines between the heading and the next heading, without empty lines.
 fn section(text: &str) -> impl Iterator<Item = &str> {
     let below = text
         .lines()

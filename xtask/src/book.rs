@@ -1,4 +1,4 @@
-//! Builds the book in `docs/` and checks README.md and the book: every command in them is run.
+//! Builds the book in `docs/`, and checks README.md and the book by running every command in them.
 
 use std::env;
 use std::ffi::OsString;
@@ -11,13 +11,13 @@ use xshell::{Shell, cmd};
 
 use crate::{Cli, programs, python};
 
-/// Folders of the repository that the commands need.
+/// Folders of the repository that the commands in the documents need.
 const COPIED: [&str; 3] = ["sim-configs", "examples", "results"];
-/// Folder of the outputs, which git ignores.
+/// Folder for the output of the commands, which git ignores.
 const OUTPUT: &str = "out";
-/// Folder of the book.
+/// Folder with the pages of the book.
 const BOOK: &str = "docs";
-/// Documents beside the book, which its pages link to.
+/// Documents outside of the book's folder to which its pages link.
 const PAGES: [&str; 6] = [
     "README.md",
     "ARCHITECTURE.md",
@@ -26,11 +26,11 @@ const PAGES: [&str; 6] = [
     "SECURITY.md",
     "CITATION.cff",
 ];
-/// The generated page.
+/// Page that `palpate explain --markdown` generates.
 const GLOSSARY: &str = "docs/glossary.md";
 /// The page that lists the papers' claims with their verdicts.
 const CLAIMS: &str = "docs/papers.md";
-/// Most lines and words of a document.
+/// Documents, each with its largest allowed number of lines and of words.
 const LIMITS: [(&str, usize, usize); 3] = [
     ("README.md", 200, 2200),
     ("ARCHITECTURE.md", 150, usize::MAX),
@@ -44,9 +44,10 @@ pub(crate) fn run(shell: &Shell) -> Result<()> {
     build(shell)
 }
 
-/// Checks the documents: their length, the glossary, links, claims, quoted files, commands and paths.
+/// Checks the documents: their length, the glossary, links, claims, quoted files, commands and paths in them.
 ///
-/// Commands of cargo are not run, because they would run this check again. But `cargo xtask …` must parse.
+/// Commands that begin with `cargo` are not run, because they would run this check again. But each `cargo xtask …` is
+/// checked to be a valid command.
 pub(crate) fn check(shell: &Shell) -> Result<()> {
     check_texts(shell)?;
     let program = programs::build(shell, "palpate")?;
@@ -60,7 +61,7 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     run_commands(shell, &program)
 }
 
-/// Checks what needs no program: lengths, claims, quoted files and paths.
+/// Checks everything that needs no other program: lengths, claims, quoted files and paths.
 fn check_texts(shell: &Shell) -> Result<()> {
     for (name, lines, words) in LIMITS {
         let text = shell.read_file(name)?;
@@ -92,7 +93,7 @@ fn check_texts(shell: &Shell) -> Result<()> {
     Ok(())
 }
 
-/// Checks that the page of the papers has the verdicts of `results/*/claims.csv`.
+/// Checks that the page of the papers states the same verdicts as `results/*/claims.csv`.
 fn check_claims(shell: &Shell) -> Result<()> {
     let page = shell.read_file(CLAIMS)?;
     let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| ")).collect();
@@ -119,7 +120,7 @@ fn check_claims(shell: &Shell) -> Result<()> {
     Ok(())
 }
 
-/// Paths of source files in code spans, with `{a,b}` expanded.
+/// Paths of source files in the code spans of a document. Braces such as `{a,b}` are expanded.
 fn source_paths(markdown: &str) -> Vec<String> {
     let spans = markdown.split('`').skip(1).step_by(2);
     let is_path = |span: &&str| {
@@ -143,7 +144,7 @@ fn source_paths(markdown: &str) -> Vec<String> {
         .collect()
 }
 
-/// The glossary as the program prints it.
+/// The glossary as Markdown, printed by the program.
 fn glossary(shell: &Shell, program: &Path) -> Result<String> {
     Ok(cmd!(shell, "{program} explain --markdown").quiet().read()? + "\n")
 }
@@ -188,7 +189,7 @@ fn run_commands(shell: &Shell, program: &Path) -> Result<()> {
     for page in pages(shell)? {
         let (text, name) = (shell.read_file(&page)?, page.display());
         for command in commands(&text) {
-            // A command that an earlier page has already run.
+            // Do not run a command again if an earlier page contains it.
             if !done.contains(&command) {
                 run_command(&sandbox, &command).with_context(|| format!("{name}: `{command}`"))?;
                 done.push(command);
@@ -209,7 +210,7 @@ fn pages(shell: &Shell) -> Result<Vec<PathBuf>> {
     Ok(pages)
 }
 
-/// Files that `toml` blocks quote, with the quoted lines. The first line of such a block is `# from FILE`.
+/// Files that `toml` blocks quote, each with the quoted lines. The first line of such a block is `# from FILE`.
 fn quotes(markdown: &str) -> Vec<(&str, String)> {
     markdown
         .split("```toml\n# from ")
@@ -219,7 +220,7 @@ fn quotes(markdown: &str) -> Vec<(&str, String)> {
         .collect()
 }
 
-/// Names that are neither inputs nor the folder of outputs.
+/// Names of files and folders that the commands wrote outside of the folder for output.
 fn strays(directory: &Path) -> Result<Vec<OsString>> {
     let names = fs::read_dir(directory)?.map(|entry| Ok(entry?.file_name()));
     let mut names: Vec<OsString> = names.collect::<Result<_>>()?;
@@ -244,7 +245,7 @@ fn run_command(sandbox: &Shell, command: &str) -> Result<()> {
     Ok(())
 }
 
-/// The commands of all blocks with the tag `sh`. A line that ends with `\` continues in the next one.
+/// The commands in all `sh` blocks. A line that ends with `\` continues on the next line.
 fn commands(markdown: &str) -> Vec<String> {
     let mut commands = Vec::new();
     let mut block: Option<bool> = None;

@@ -1,4 +1,4 @@
-//! Continuous integration: all steps, one after the other.
+//! Continuous integration: runs all steps, one after the other.
 
 use std::time::Instant;
 
@@ -8,7 +8,7 @@ use xshell::{Shell, cmd};
 use crate::programs::{FEATURES, PYTHON};
 use crate::{assay_harness, bench_check, book, crate_imports, programs, python, reproduce, tools};
 
-/// Environment for checks of the Python package, which need no interpreter to link against.
+/// Environment variables for checks of the Python package. With these variables, linking needs no Python interpreter.
 const NO_INTERPRETER: [(&str, &str); 2] = [
     ("PYO3_NO_PYTHON", "1"),
     ("PYO3_BUILD_EXTENSION_MODULE", "1"),
@@ -33,7 +33,7 @@ const STEPS: [Step; 14] = [
     ("documents", book::check),
 ];
 
-/// Runs every step; stops at the first that fails.
+/// Runs every step, and stops at the first step that fails.
 pub(crate) fn run(shell: &Shell) -> Result<()> {
     let start = Instant::now();
     for (name, step) in STEPS {
@@ -58,8 +58,8 @@ fn clippy(shell: &Shell) -> Result<()> {
     Ok(clippy.envs(NO_INTERPRETER).run()?)
 }
 
-/// Runs all tests and doc tests, but no benchmarks. Property tests use the same random cases each time, so that only a
-/// change of the code changes the outcome. Tests that are run by hand draw other cases.
+/// Runs all tests and doc tests, but no benchmarks. Property tests use the same random cases in every run of CI, so
+/// that only a change of the code can change their result. Tests that a developer runs by hand use other random cases.
 fn tests(shell: &Shell) -> Result<()> {
     let tests = cmd!(
         shell,
@@ -68,7 +68,7 @@ fn tests(shell: &Shell) -> Result<()> {
     Ok(tests.env("PROPTEST_RNG_SEED", "1996").run()?)
 }
 
-/// Runs every example program of the library. They are built with the tests.
+/// Runs every example program of the library. The step `tests` has built them.
 fn examples(shell: &Shell) -> Result<()> {
     for file in shell.read_dir("crates/palpate/examples")? {
         let name = file.file_stem().unwrap_or_default();
@@ -97,13 +97,14 @@ fn licences(shell: &Shell) -> Result<()> {
     }
 }
 
-/// Compares instructions and accuracy with the baseline. The check of `auto` and the fuzz corpus are among the tests.
+/// Compares instructions and accuracy with the baseline. The check of `auto` and the fuzz corpus run in the step
+/// `tests`.
 fn bench(shell: &Shell) -> Result<()> {
     bench_check::run(shell, &bench_check::Options { accept: false })
 }
 
-/// Tests the Python package. The wheel uses the crates that the earlier steps have built. Without an interpreter, the first
-/// step has already reported that this one is skipped.
+/// Tests the Python package. The wheel uses the crates that the earlier steps have built. If there is no interpreter,
+/// this step is skipped; the first step has already reported that.
 fn python(shell: &Shell) -> Result<()> {
     match tools::has(shell, "python3") {
         true => python::check(shell),
@@ -111,7 +112,7 @@ fn python(shell: &Shell) -> Result<()> {
     }
 }
 
-/// Checks that the libraries compile for a browser.
+/// Checks that the libraries compile for WebAssembly in a browser.
 fn web_assembly(shell: &Shell) -> Result<()> {
     let target = tools::WASM;
     let check = cmd!(

@@ -1,4 +1,4 @@
-//! Comparison of a study's files with the committed ones.
+//! Compares a study's files with the committed files.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,29 +6,30 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 
-/// Table with a row for every cell of a run.
+/// Table that has rows for every cell of a run.
 const CELLS: &str = "cells.csv";
-/// Table that reports write, but runs do not.
+/// Table that `palpate report` writes, but `palpate run` does not.
 const SCORED: &str = "claims.csv";
-/// Palpate's list of the files that it wrote, which is not committed.
+/// Palpate's list of the files that it wrote. It is not committed.
 pub(crate) const MANIFEST: &str = ".palpate.toml";
-/// Column that identifies the rows of a partial run among the committed ones.
+/// Name of the column by which the rows of a partial run are found in the committed tables.
 const CELL: &str = "cell";
-/// Relative tolerance for differences due to another C library or processor.
+/// Relative tolerance for differences between machines with different C libraries or processors.
 const TOLERANCE: f64 = 1e-9;
-/// Smaller numbers have the absolute tolerance of this one.
+/// Numbers with a smaller absolute value are compared with the fixed absolute tolerance `TOLERANCE * SMALL`.
 const SMALL: f64 = 1e-3;
-/// Statistics from a histogram, and the width of its bins relative to the distance from the true value.
+/// Statistics that are computed from a histogram. The next constant is the width of its bins, relative to the distance
+/// from the true value.
 const QUANTILES: [&str; 3] = ["q05", "q50", "q95"];
 const BIN: f64 = 0.008;
-/// Placeholder for a missing file.
+/// Text that is shown for a missing file.
 const ABSENT: &str = "–";
 
 /// A number, text or row that differs from the committed one.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Difference {
     file: String,
-    /// Fields of the row before the one that differs.
+    /// The first fields of the row, up to the field that differs.
     row: String,
     column: String,
     committed: String,
@@ -36,14 +37,14 @@ pub(crate) struct Difference {
 }
 
 impl Difference {
-    /// Difference of two numbers relative to the larger one; `None` for texts.
+    /// Difference of two numbers, divided by the larger number; `None` for texts.
     fn relative(&self) -> Option<f64> {
         let (old, new): (f64, f64) = (self.committed.parse().ok()?, self.now.parse().ok()?);
         Some((old - new).abs() / old.abs().max(new.abs()))
     }
 }
 
-/// Whether a field of a row equals the committed one, except for differences due to another C library or processor.
+/// Whether a field equals the committed field, apart from differences that are normal between machines.
 fn is_alike(header: &[String], place: usize, old: &[String], new: &[String]) -> bool {
     let number = |text: &String| text.parse::<f64>().ok();
     let (Some(then), Some(now)) = (number(&old[place]), number(&new[place])) else {
@@ -61,8 +62,8 @@ fn is_alike(header: &[String], place: usize, old: &[String], new: &[String]) -> 
     (then - now).abs() <= bin + TOLERANCE * then.abs().max(now.abs()).max(SMALL)
 }
 
-/// Differences between the present tables and configs of a study and the committed ones. Differences in the last
-/// digits, as between hosts, do not count. After a partial run, only the cells that were run are compared.
+/// Differences between the tables and configs of a study and the committed ones. Differences in the last digits, which
+/// are normal between machines, are ignored. After a partial run, only the cells that were run are compared.
 pub(crate) fn study(
     name: &str,
     committed: &Path,
@@ -97,7 +98,7 @@ pub(crate) fn study(
     Ok(differences)
 }
 
-/// Numbers of the cells of a run.
+/// Numbers of the cells that were run.
 fn cells_run(folder: &Path) -> Result<BTreeSet<String>> {
     let (header, rows) = table(&fs::read_to_string(folder.join(CELLS))?)?;
     let place = header.iter().position(|name| name == CELL);
@@ -112,7 +113,7 @@ fn cells_run(folder: &Path) -> Result<BTreeSet<String>> {
     }
 }
 
-/// Names of the tables and configs in a folder, except those of a report.
+/// Names of the tables and configs in a folder. Files that `palpate report` writes are left out.
 fn texts(folder: &Path) -> Result<BTreeSet<String>> {
     let names = fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name().into_string().ok()));
     let names: Vec<Option<String>> = names.collect::<Result<_>>()?;
@@ -122,7 +123,7 @@ fn texts(folder: &Path) -> Result<BTreeSet<String>> {
     Ok(names.into_iter().flatten().filter(is_text).collect())
 }
 
-/// Differences of a file. If `cells` is given, only the rows of these cells count.
+/// Differences in a file. If `cells` is given, only the rows of these cells are compared.
 fn compare(
     file: &str,
     committed: &str,
@@ -172,7 +173,7 @@ fn compare(
 
 type Row = Vec<String>;
 
-/// Header and rows, all of the same length.
+/// Header and rows of a table; all rows have the same length.
 fn table(text: &str) -> Result<(Row, Vec<Row>)> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let owned = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect::<Row>();
@@ -184,7 +185,7 @@ fn table(text: &str) -> Result<(Row, Vec<Row>)> {
     Ok((header, rows.collect::<Result<_>>()?))
 }
 
-/// Number of the differences, the largest one, and a list of at most `shown`.
+/// Text that states the number of differences and the largest one, and lists at most `shown` of them.
 pub(crate) fn render(differences: &[Difference], shown: usize) -> String {
     let relative: Vec<f64> = differences
         .iter()
@@ -274,7 +275,7 @@ cell,radius,quantity,truth,mean
             1
         );
         assert_ne!(found(CELLS, ran, &[]), []);
-        // Cell 0 has no rows.
+        // Cell 0 is missing in the table.
         assert_eq!(found(CELLS, ran, &["0", "7"]), [pair("", "rows")]);
     }
 

@@ -1,4 +1,4 @@
-//! Allowed imports between the crates of the workspace.
+//! Checks which crates of the workspace import which other crates.
 
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
@@ -8,12 +8,12 @@ use crate::programs;
 
 /// Document whose table lists the crates that each crate may import in addition to [`COMMON`].
 const DOCUMENT: &str = "ARCHITECTURE.md";
-/// Word in the table for a crate that may import any other.
+/// Word in the table for a crate that may import every other crate.
 const ANY: &str = "any";
 /// Crates that every crate may import.
 const COMMON: [&str; 1] = ["statistics"];
 
-/// Checks that crates import only what the table allows. Imports of tests and benchmarks do not count.
+/// Checks that crates import only the crates that the table allows. Imports of tests and benchmarks are not checked.
 pub(crate) fn check(shell: &Shell) -> Result<()> {
     let packages = programs::packages(shell)?;
     let document = shell.read_file(DOCUMENT)?;
@@ -28,7 +28,8 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     Ok(())
 }
 
-/// Crates and the crates that each may import: first and last column of the rows `| `crate` | … | a, b |`.
+/// The crates that each crate may import. They are in the last column of the rows `| `crate` | … | a, b |`, and the
+/// name of the crate is in the first column.
 fn allowed_imports(document: &str) -> Vec<(&str, Vec<&str>)> {
     let cells = |line| {
         let row = str::strip_prefix(line, "| `")?.strip_suffix(" |")?;

@@ -1,4 +1,4 @@
-//! Fuzzing of the readers of files.
+//! Fuzzes the parsers of files.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -9,16 +9,16 @@ use xshell::{Shell, cmd};
 
 use crate::programs::target_dir;
 
-/// Names of the readers in `palpate-fuzz`.
+/// Names of the parsers in `palpate-fuzz`.
 const TARGETS: [&str; 5] = ["config", "formula", "readings", "frame", "calibration"];
 
-/// Corpus, with a folder for each reader.
+/// Folder of the corpus, with one folder for each parser.
 const CORPUS: &str = "crates/fuzz/corpus";
 
-/// Readers with further input files, which are not part of the corpus.
+/// Parsers for which there are further input files outside of the corpus.
 const SEEDS: [(&str, &str); 2] = [("config", "sim-configs"), ("config", "examples")];
 
-/// Compiler flags for libFuzzer: coverage counters, comparisons and a table of code addresses.
+/// Compiler flags that libFuzzer needs: coverage counters, comparisons and a table of code addresses.
 const COVERAGE: &str = "-Cpasses=sancov-module \
     -Cllvm-args=-sanitizer-coverage-level=4 \
     -Cllvm-args=-sanitizer-coverage-inline-8bit-counters \
@@ -27,13 +27,13 @@ const COVERAGE: &str = "-Cpasses=sancov-module \
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Readers to fuzz; all of them by default: config, formula, readings, frame, calibration.
+    /// Parsers to fuzz: config, formula, readings, frame, calibration; by default all of them.
     #[arg(value_name = "READER")]
     readers: Vec<String>,
-    /// Time for each reader.
+    /// Time for each parser, s.
     #[arg(long, default_value_t = 60)]
     seconds: u32,
-    /// Add inputs that reach new code to crates/fuzz/corpus.
+    /// Add inputs that reach new code to the corpus, crates/fuzz/corpus.
     #[arg(long)]
     keep: bool,
 }
@@ -68,12 +68,12 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Builds the program, and returns its path.
+/// Builds the fuzzing program, and returns its path.
 fn build(shell: &Shell) -> Result<PathBuf> {
     let version = cmd!(shell, "rustc -vV").read()?;
     let host = version.lines().find_map(|line| line.strip_prefix("host: "));
     let host = host.context("`rustc -vV` has no host")?;
-    // With an explicit target, build scripts and macros have no counters.
+    // State the target explicitly. Otherwise, build scripts and macros would contain coverage counters too.
     let target = target_dir(shell).join("fuzzing");
     cmd!(
         shell,
@@ -86,7 +86,7 @@ fn build(shell: &Shell) -> Result<PathBuf> {
     Ok(target.join(host).join("fuzz/palpate-fuzz"))
 }
 
-/// Fuzzes one reader, and returns whether it passed. Inputs that break it are stored in a folder.
+/// Fuzzes one parser. Returns false if an input broke the parser. Such inputs are stored in a folder.
 fn fuzz(
     shell: &Shell,
     program: &Path,

@@ -34,25 +34,27 @@ pub(crate) struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Run all checks of a change: format, lints, tests, docs, licences, results, documents.
+    /// Run all checks that a change must pass: format, lints, tests, docs, licences, results, documents.
     Ci,
     /// Run the studies in sim-configs/, draw their figures and score the papers' claims.
     Reproduce(reproduce::Options),
-    /// Kill runs, fill a disk, and share a study on a local cluster: the results must be those of one undisturbed run.
+    /// Kill runs, fill a disk, and share a study on a local cluster. Each run must write the same bytes as a run
+    /// without interruption.
     Scale(scale::Options),
-    /// Measure every ladder of models: error against cost, into results/tradeoff/.
+    /// Measure error against cost of all contact models; writes results/tradeoff/.
     Tradeoff(tradeoff::Options),
-    /// Compare answers on fixed scenes with references, into results/answers.csv.
+    /// Compare the answers of design and distinguish on fixed scenes with references; writes results/answers.csv.
     Answers(assay_harness::Options),
-    /// Compare the intervals and warnings of random scenes with the truth, into the tables that `palpate check` reads.
+    /// Compare the intervals and warnings of estimates on random scenes with the true values; writes the tables that
+    /// `palpate check` reads.
     Intervals(assay_harness::Options),
     /// Compare instruction counts and accuracy with the committed baseline.
     BenchCheck(bench_check::Options),
-    /// Compare palpate with other programs on the same tasks, into results/peers.csv.
+    /// Compare palpate with other programs on the same tasks; writes results/peers.csv.
     Peers(peers::Options),
     /// Build the wheel of the Python package, install it into a separate environment, and test it there.
     Python(python::Options),
-    /// Fuzz the readers of files.
+    /// Fuzz the parsers of files.
     Fuzz(fuzz::Options),
     /// Write the glossary, and build the book from README.md and docs/.
     Book,

@@ -1,5 +1,5 @@
-//! Comparison of palpate with other programs that a user could use instead: the same tasks with the same inputs in the
-//! same run, on one core.
+//! Compares palpate with other programs (peers) that a user could use instead. They solve the same tasks with the same
+//! inputs in the same run, on one core.
 
 mod peer_programs;
 mod peer_table;
@@ -15,35 +15,36 @@ use crate::programs;
 use peer_programs::{Absent, Kind, PeerPrograms};
 use peer_table::{Figure, medians};
 
-/// Name of palpate for Python. xtask/peers/python_package.py times it together with its peers.
+/// Name of the Python package in the table. The script xtask/peers/python_package.py measures it together with its
+/// peers.
 const PACKAGE: &str = "palpate for Python";
 
-/// The committed table.
+/// The committed table of results.
 const RESULTS: &str = "results/peers.csv";
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Groups of tasks; all of them by default.
+    /// Groups of tasks to run; all of them by default.
     #[arg(value_name = "GROUP")]
     groups: Vec<String>,
-    /// Number of alternating runs of a peer and of palpate.
+    /// Number of runs of a peer and of palpate. The runs alternate.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
     rounds: u32,
-    /// The core to run on.
+    /// Number of the processor core to run on.
     #[arg(long, default_value_t = 0)]
     core: usize,
 }
 
-/// Tasks of one run of a peer.
+/// Tasks that a peer runs in one process.
 struct Group {
     name: &'static str,
     peer: Kind,
-    /// Target ratio of the peer's time to that of palpate.
+    /// Required ratio of the peer's time to palpate's time.
     target: f64,
-    /// Other targets of single tasks.
+    /// Required ratios of single tasks that differ from `target`.
     task_targets: &'static [(&'static str, f64)],
-    /// Allowed excess of palpate's error, as a share of the peer's error: 0 if both have the same inputs, the sampling
-    /// error if each draws its own.
+    /// Amount by which palpate's error may exceed the peer's error, as a share of the peer's error. It is 0 if both
+    /// programs use the same inputs, and the sampling error if each program draws its own random inputs.
     slack: f64,
 }
 
@@ -69,7 +70,7 @@ const GROUPS: [Group; 11] = [
         task_targets: &[],
         slack: 0.0,
     },
-    // The root mean square over 100 000 trials has a standard error of 0.2 %.
+    // The slack is needed because the root mean square over 100 000 trials has a standard error of 0.2 %.
     Group {
         name: "ep1-trial",
         peer: Kind::Python("ep1_trial.py"),
@@ -119,7 +120,7 @@ const GROUPS: [Group; 11] = [
         task_targets: &[],
         slack: 1e-9,
     },
-    // The peer is palpate in Rust: this measures the overhead of Python.
+    // In this group, the peer is palpate in Rust, to measure the overhead of Python.
     Group {
         name: "python-glide",
         peer: Kind::Package("python-glide"),
@@ -188,7 +189,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
             };
             match package.is_empty() {
                 true => mine.extend(in_rust()?),
-                // The package times its peers itself, except palpate in Rust.
+                // The Python script measures all its peers itself, except palpate in Rust.
                 false if name == "python-glide" => theirs.extend(in_rust()?),
                 false => {}
             }
@@ -204,7 +205,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     print!("{}", peer_table::render(&rows));
     let path = shell.current_dir().join(RESULTS);
     let text = peer_table::csv(&rows, &programs::machine(shell))?;
-    // A row compares times of one run on one machine. If only some tasks ran, the rows of the other tasks are kept.
+    // Each row compares times of one run on one machine, so the rows of tasks that were not run can be kept.
     let text = match is_whole {
         true => text,
         false => peer_table::merged(&fs::read_to_string(&path).unwrap_or_default(), &text)?,
@@ -214,7 +215,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Smallest error of the peers on each task, as the limit for a rung with a tolerance.
+/// For each task, the smallest error of the peers. It is the error limit for a model of palpate that has a tolerance.
 fn strictest(theirs: &[Figure]) -> Vec<String> {
     let mut least: Vec<(&str, f64)> = Vec::new();
     for figure in theirs {
@@ -239,7 +240,7 @@ fn chosen(asked: &[String]) -> Result<Vec<&'static Group>> {
     asked.iter().map(find).collect()
 }
 
-/// Writes a file as a whole or not at all.
+/// Writes a file completely or not at all.
 pub(crate) fn replace(path: &Path, text: &str) -> Result<()> {
     let unfinished = path.with_extension("unfinished");
     fs::write(&unfinished, text)

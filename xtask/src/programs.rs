@@ -13,15 +13,15 @@ pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
     shell.current_dir().join(target)
 }
 
-/// The crate that needs Python. `cargo xtask python` builds and tests it.
+/// The crate that needs a Python interpreter. `cargo xtask python` builds and tests it.
 pub(crate) const PYTHON: &str = "palpate-python";
 
-/// Features that are off by default, but on for lints and tests. Tests are built for this choice only, because each
-/// further build would take minutes. Later steps build the program without these features.
+/// Features that are off by default, but on for lints and tests. Tests are built only with this set of features,
+/// because building them with another set would take minutes. Later steps build the program without these features.
 pub(crate) const FEATURES: &str = "palpate/parquet";
 
-/// Selection of packages for all release builds, without counters, like the palpate of users. Cargo unites the features of
-/// all selected packages, so another selection would build most crates again.
+/// Packages that every release build selects. They are built without counters of work, like the palpate that users
+/// install. Cargo combines the features of all selected packages, so another selection would build most crates again.
 const RELEASED: [&str; 7] = [
     "-p",
     "palpate",
@@ -32,7 +32,7 @@ const RELEASED: [&str; 7] = [
     "palpate/cli",
 ];
 
-/// Builds the release programs, and returns the path of one.
+/// Builds the release programs, and returns the path of one of them.
 pub(crate) fn build(shell: &Shell, program: &str) -> Result<PathBuf> {
     let build = cmd!(shell, "cargo build --release {RELEASED...} --bins");
     build.quiet().run()?;

@@ -1,4 +1,4 @@
-//! The Python package: its wheel, a virtual environment with it, and its tests.
+//! The Python package: builds its wheel, installs it into a virtual environment, and tests it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,10 +10,10 @@ use xshell::{Shell, cmd};
 
 use crate::programs;
 
-/// Folder of the package.
+/// Folder of the Python package.
 const PACKAGE: &str = "crates/python";
 
-/// List of the other packages of the environment.
+/// List of the Python packages that the environment contains besides palpate.
 const REQUIREMENTS: &str = "crates/python/requirements.txt";
 
 /// Largest size of a wheel, MB.
@@ -21,16 +21,16 @@ const MAX_WHEEL_MB: f64 = 8.0;
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Build and install the wheel, and test nothing.
+    /// Build and install the wheel, but test nothing.
     #[arg(long)]
     install: bool,
-    /// Install the package as a new user does instead: `pip install .` in a fresh clone and an empty virtual environment, then
-    /// run the Python lines of README.md. Prints the time.
+    /// Install the package in the way a new user does: `pip install .` in a new clone and an empty virtual environment.
+    /// Then run the Python lines of README.md, and print the time.
     #[arg(long, conflicts_with = "install")]
     from_clone: bool,
 }
 
-/// Runs a part of the work, and prints its time.
+/// Does a part of the work, and prints the time that it takes.
 fn timed<T>(what: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     let start = Instant::now();
     let done = work()?;
@@ -79,11 +79,11 @@ pub(crate) fn installed(shell: &Shell) -> Result<PathBuf> {
 
 /// Builds the wheel, installs it, and runs the tests, the type checkers and the notebooks.
 pub(crate) fn check(shell: &Shell) -> Result<()> {
-    // The tests compare the package with this program. The wheel uses the same crates.
+    // The tests compare the package with this program. Wheel and program share the same compiled crates.
     let program = timed("program", || programs::build(shell, "palpate"))?;
     let python = installed(shell)?;
     let root = shell.current_dir();
-    // IPython, Jupyter and Matplotlib write user files into HOME.
+    // IPython, Jupyter and Matplotlib write user files into HOME, so use a temporary one.
     let _home = shell.push_env("HOME", shell.create_dir(place(shell).join("home"))?);
     timed("tests", || tests(shell, &python, &program))?;
     timed("types", || types(shell, &python))?;
@@ -93,7 +93,7 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
 fn tests(shell: &Shell, python: &Path, program: &Path) -> Result<()> {
     let root = shell.current_dir();
     let tests = root.join(PACKAGE).join("tests");
-    // Outside the sources, so that Python imports the wheel.
+    // The tests run outside the source folder, so that Python imports the wheel and not the sources.
     let _elsewhere = shell.push_dir(place(shell));
     cmd!(shell, "{python} -m pytest -q -p no:cacheprovider {tests}")
         .env("PALPATE", program)
@@ -117,7 +117,7 @@ fn types(shell: &Shell, python: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Clones the repository, installs the clone by pip alone into an empty virtual environment, and runs the Python lines of
+/// Clones the repository, installs the clone with pip into an empty virtual environment, and runs the Python lines of
 /// README.md there.
 fn from_clone(shell: &Shell) -> Result<()> {
     let place = place(shell);
@@ -138,7 +138,7 @@ fn from_clone(shell: &Shell) -> Result<()> {
             shell,
             "{python} -m pip install --quiet --disable-pip-version-check ."
         );
-        // Without the shared target directory, as for a new user.
+        // The shared target directory is not used, because a new user does not have it.
         Ok(install.env_remove("CARGO_TARGET_DIR").run()?)
     })?;
     let readme = shell.read_file("README.md")?;
@@ -163,7 +163,8 @@ fn notebooks(shell: &Shell, python: &Path, root: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Interpreter of a virtual environment with the packages of a list. Creates it if it is missing or differs.
+/// Interpreter of a virtual environment that contains the packages of a list. If the environment is missing or has
+/// other packages, it is created.
 pub(crate) fn environment(shell: &Shell, environment: &Path, list: &str) -> Result<PathBuf> {
     let python = environment.join("bin").join("python");
     let wanted = shell.current_dir().join(list);
@@ -189,7 +190,8 @@ pub(crate) fn environment(shell: &Shell, environment: &Path, list: &str) -> Resu
     Ok(python)
 }
 
-/// Builds the wheel with the same settings as the release programs, so that they share crates.
+/// Builds the wheel with the settings of the release programs, so that it can use the crates that were compiled for
+/// them.
 fn wheel(shell: &Shell, python: &Path, place: &Path) -> Result<PathBuf> {
     let wheels = place.join("wheels");
     shell.remove_path(&wheels)?;

@@ -1,4 +1,4 @@
-//! Reproduction of the results: runs and plots the configs in `sim-configs/`.
+//! Reproduces the results: runs the configs in `sim-configs/`, and draws their plots.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -9,24 +9,24 @@ use xshell::{Shell, cmd};
 
 use crate::{compare, programs};
 
-/// `--quick` runs every n-th cell, with this n.
+/// With `--quick`, only every n-th cell is run. This constant is n.
 const QUICK_STRIDE: usize = 13;
-/// Largest number of differences that are printed.
+/// Largest number of differences from the committed tables that are printed.
 const SHOWN: usize = 20;
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Names of configs in sim-configs/, without `.toml`. By default those that score a claim of the papers.
+    /// Names of configs in sim-configs/, without `.toml`. By default all configs that test a claim of the papers.
     #[arg(value_name = "STUDY")]
     pub(crate) studies: Vec<String>,
-    /// Run all studies, also those that score no claim.
+    /// Run all studies, including those that test no claim.
     #[arg(long, conflicts_with = "studies")]
     pub(crate) all: bool,
     /// Run only every thirteenth cell, and do not write to results/.
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Compare with the committed results instead of replacing them: numbers within 1e-9, quantiles within a bin of their
-    /// histogram.
+    /// Compare with the committed results instead of replacing them. Numbers must agree within 1e-9, quantiles within a
+    /// bin of their histogram.
     #[arg(long)]
     pub(crate) check: bool,
 }
@@ -58,7 +58,7 @@ pub(crate) fn run_with(shell: &Shell, palpate: &Path, options: &Options) -> Resu
     Ok(())
 }
 
-/// Runs and plots the studies, then scores all that have results.
+/// Runs the studies and draws their plots. Then scores the claims of all studies that have results.
 fn draw(
     shell: &Shell,
     palpate: &Path,
@@ -73,7 +73,8 @@ fn draw(
     for study in studies {
         let start = Instant::now();
         let out = results.join(study);
-        // Without its manifest, palpate overwrites the committed files.
+        // Remove the manifest of the last run, so that palpate overwrites the committed files even if they changed
+        // since that run.
         shell.remove_path(out.join(compare::MANIFEST))?;
         simulate(shell, palpate, study, &out, quick)?;
         cmd!(shell, "{palpate} plot {out}")
@@ -131,7 +132,7 @@ fn simulate(shell: &Shell, palpate: &Path, study: &str, out: &Path, quick: bool)
     let config = format!("sim-configs/{study}.toml");
     let stride = quick.then(|| ["--every-nth-cell".to_owned(), QUICK_STRIDE.to_string()]);
     let stride = stride.into_iter().flatten();
-    // The run writes its warnings to warnings.txt.
+    // The output of the run is ignored, because the run writes its warnings to warnings.txt.
     let run = cmd!(
         shell,
         "{palpate} run {config} --out {out} --quiet {stride...}"
@@ -153,13 +154,13 @@ fn known_studies(shell: &Shell) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// Whether the config of a study names claims of the papers.
+/// Whether the config of a study lists claims of the papers.
 fn scores_claims(shell: &Shell, study: &str) -> bool {
     let config = shell.read_file(format!("sim-configs/{study}.toml"));
     config.is_ok_and(|config| config.lines().any(|line| line.starts_with("claims =")))
 }
 
-/// The requested studies; an unknown name is an error.
+/// The studies that the user requested. An unknown name is an error.
 fn chosen(known: &[String], asked: &[String]) -> Result<Vec<String>> {
     if let Some(name) = asked.iter().find(|name| !known.contains(name)) {
         bail!(

@@ -1,4 +1,5 @@
-//! Runs that are killed, runs on a full disk, and runs on a cluster. Each must write the same bytes as an undisturbed run.
+//! Runs that are killed, runs on a full disk, and runs on a cluster. Each must write the same bytes as a run without
+//! interruption.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,7 +15,7 @@ use crate::programs;
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Number of runs to kill, each at a random time.
+    /// Number of runs that are killed, each at a random time.
     #[arg(long, value_name = "N", default_value_t = 50)]
     pub(crate) kills: u32,
 }
@@ -23,7 +24,7 @@ pub(crate) struct Options {
 const TABLES: [&str; 3] = ["cells.csv", "failures.csv", "run.toml"];
 /// Number of shards on the cluster.
 const SHARDS: u64 = 16;
-/// Longest time for a submission to the cluster.
+/// Longest time to wait for a submission to the cluster.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
@@ -44,7 +45,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     }
 }
 
-/// The first requirement of the cluster that this machine does not meet, if any.
+/// The first requirement of a cluster that this machine does not meet; `None` if it meets all of them.
 fn missing(shell: &Shell) -> Option<String> {
     // Slurm's daemons are in /usr/sbin. Test for the files, because its commands fail without a config.
     let places = ["/usr/sbin", "/usr/local/sbin", "/usr/bin", "/usr/local/bin"];
@@ -70,7 +71,7 @@ fn is_root(shell: &Shell) -> bool {
         .is_ok_and(|id| id == "0")
 }
 
-/// Directory of the runs, and the program under test.
+/// Directory for the runs, and the program under test.
 struct TestBench<'a> {
     shell: &'a Shell,
     program: PathBuf,
@@ -82,8 +83,8 @@ impl TestBench<'_> {
         self.dir.path().join(name)
     }
 
-    /// Writes a config of rolls on balls of different radii, one per cell. `trials`: number of trials of the first
-    /// cell, and of each other cell.
+    /// Writes a config of rolls on balls of different radii, one radius per cell. `trials` contains the number of
+    /// trials of the first cell, and the number of trials of every other cell.
     fn config(&self, name: &str, cells: u64, trials: [u64; 2]) -> Result<PathBuf> {
         let rows: Vec<String> = (0..cells)
             .map(|cell| format!("[{}, {}]", 20 + cell, trials[usize::from(cell > 0)]))
@@ -121,7 +122,7 @@ impl TestBench<'_> {
 
     /// Kills runs at random times, and resumes them.
     fn kill(&self, kills: u32) -> Result<()> {
-        // One cell with many trials, and 23 with few.
+        // One cell has many trials, and 23 cells have few.
         let config = self.config("killed.toml", 24, [2_200_000, 20_000])?;
         let whole = self.path("whole");
         let start = Instant::now();
@@ -144,7 +145,7 @@ impl TestBench<'_> {
         Ok(())
     }
 
-    /// Fills a disk, enlarges it, and resumes the run.
+    /// Runs a study until the disk is full, enlarges the disk, and resumes the run.
     fn fill_a_disk(&self) -> Result<()> {
         if !is_root(self.shell) {
             println!("the full disk is skipped: only root can mount one");
@@ -190,7 +191,7 @@ impl TestBench<'_> {
         bail!("a disk of 8 MB was too small")
     }
 
-    /// Shares a study among the nodes of a cluster, with a killed shard, a failing one and a node that goes down.
+    /// Runs a study on several nodes of a cluster. One shard is killed, one fails, and one node goes down.
     fn cluster(&self) -> Result<()> {
         let shell = self.shell;
         let start = Instant::now();
@@ -198,7 +199,7 @@ impl TestBench<'_> {
         let scripts = shell.current_dir().join("xtask/slurm");
         let (up, down) = (scripts.join("up.sh"), scripts.join("down.sh"));
         if let Err(error) = cmd!(shell, "{up} {lab}").quiet().run() {
-            // Some machines do not allow daemons with their own host names.
+            // Some machines do not allow daemons that use their own host names.
             println!("the cluster is skipped: it does not start on this machine: {error}");
             cmd!(shell, "{down} {lab}")
                 .quiet()
@@ -236,7 +237,7 @@ impl TestBench<'_> {
         self.replace_by_failing(&program, 5)?;
         self.hold(false)?;
         let killed = self.running()?;
-        // The process may already have ended.
+        // An error is ignored, because the process may already have ended.
         let kill = cmd!(shell, "kill -9 {killed}");
         kill.quiet().ignore_status().ignore_stderr().run()?;
         self.running()?;
@@ -244,7 +245,7 @@ impl TestBench<'_> {
             .quiet()
             .run()?;
         sleep(Duration::from_millis(500));
-        // The node may already be back.
+        // An error is ignored, because the node may already be back.
         let back = cmd!(shell, "scontrol update NodeName=n2 State=RESUME");
         back.quiet().ignore_status().ignore_stderr().run()?;
         self.wait()?;
@@ -255,7 +256,7 @@ impl TestBench<'_> {
         );
         ensure!(
             !out.join("cells.csv").exists(),
-            "a table was written without a shard"
+            "a table was written although a shard is missing"
         );
         let job = format!("{array}_5");
         let state = cmd!(shell, "scontrol show job {job}").quiet().read()?;
@@ -300,7 +301,7 @@ impl TestBench<'_> {
         Ok(job.with_context(|| said.clone())?.to_owned())
     }
 
-    /// Stops or starts the queue.
+    /// Stops or restarts the queue of the cluster.
     fn hold(&self, is_held: bool) -> Result<()> {
         let state = if is_held { "DOWN" } else { "UP" };
         let shell = self.shell;
@@ -308,7 +309,8 @@ impl TestBench<'_> {
         Ok(update.quiet().run()?)
     }
 
-    /// Replaces the program by a script that exits with 3 for one of the shards, and otherwise runs the program.
+    /// Replaces the program by a script. For one of the shards, the script exits with status 3; for all others, it runs
+    /// the program.
     fn replace_by_failing(&self, program: &Path, shard: u64) -> Result<()> {
         let real = self.program.display();
         let script = format!(
@@ -320,11 +322,11 @@ impl TestBench<'_> {
         Ok(cmd!(shell, "chmod +x {program}").quiet().run()?)
     }
 
-    /// Identifier of the process of a shard. Shard 5 ends at once.
+    /// Process number of a running shard. Shard 5 fails at once, so it is never found.
     fn running(&self) -> Result<String> {
         let shell = self.shell;
         let start = Instant::now();
-        // With the brackets, the search does not find its own process.
+        // The brackets prevent the search from finding its own process.
         let words = "[c]luster/run.toml --shard";
         while start.elapsed() < PATIENCE {
             let found = cmd!(shell, "pgrep -n -f {words}");

@@ -1,4 +1,4 @@
-//! Tools that tasks call. Missing ones are installed by cargo or rustup; missing programs of the system are reported.
+//! Tools that tasks call. Missing tools are installed with cargo or rustup. Missing system programs are only reported.
 
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
@@ -27,8 +27,8 @@ const INSTALLED: [[&str; 3]; 3] = [
     ],
 ];
 
-/// Optional programs, the check that is skipped without each, and the command that installs it. To build cargo-deny would
-/// take longer than most steps.
+/// Optional programs. For each, the check that is skipped without it, and the command that installs it. They are not
+/// installed automatically, because building cargo-deny would take longer than most steps.
 const OPTIONAL: [[&str; 3]; 3] = [
     [
         "valgrind",
@@ -50,7 +50,7 @@ const OPTIONAL: [[&str; 3]; 3] = [
 /// Installs missing tools, and reports missing programs of the system.
 ///
 /// # Errors
-/// If an installation fails.
+/// An error if an installation fails.
 pub(crate) fn prepare(shell: &Shell) -> Result<()> {
     for [probe, shows, install] in INSTALLED {
         if output(shell, probe).is_some_and(|text| text.contains(shows)) {
@@ -67,7 +67,7 @@ pub(crate) fn prepare(shell: &Shell) -> Result<()> {
             println!("{skipped}: {program} is missing ({install})");
         }
     }
-    // All platforms, so that licences can be checked without a network.
+    // Fetch the crates for all platforms, so that licences can be checked without a network.
     cmd!(shell, "cargo fetch --quiet --locked").run()?;
     Ok(())
 }

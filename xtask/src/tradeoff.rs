@@ -1,4 +1,4 @@
-//! Error against cost of every ladder, measured and drawn into `results/tradeoff/`; and the check of `auto`
+//! Measures error and cost of all contact models, draws them into `results/tradeoff/`, and checks the choices of `auto`
 //! (`promise.csv`).
 
 use std::path::Path;
@@ -11,15 +11,15 @@ use xshell::{Shell, cmd};
 use crate::programs;
 
 const RESULTS: &str = "results/tradeoff";
-/// Table of the check of `auto`.
+/// File name of the table that checks the choices of `auto`.
 const AUTO_CHECK: &str = "promise.csv";
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Measure for a short time only, into the target directory instead of results/.
+    /// Measure only for a short time, and write into the target directory instead of results/.
     #[arg(long)]
     quick: bool,
-    /// Draw the committed tables again without measuring.
+    /// Draw the figures of the committed tables again, without measuring.
     #[arg(long, conflicts_with = "quick")]
     draw: bool,
 }
@@ -39,7 +39,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     };
     let parent = out.parent().context("the results have no parent folder")?;
     shell.create_dir(parent)?;
-    // The new tables are next to the old ones, so that renaming their folder replaces all tables at once.
+    // Write the new tables next to the old ones, so that renaming their folder replaces all tables at once.
     let temporary = tempfile::tempdir_in(parent)?;
     let fresh = temporary.path().join("tradeoff");
     measure(shell, &assay, &fresh, options.quick)?;
@@ -50,7 +50,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     let checked = check_auto(shell, &assay, &fresh.join(AUTO_CHECK));
     keep(AUTO_CHECK, &fresh, &out)?;
     replace(&fresh, &out)?;
-    // The tables are kept even if the check fails.
+    // Report a failed check only here, so that the tables are kept even then.
     checked?;
     println!(
         "{}: {:.1} s; `cargo xtask reproduce` adds it to the page",
@@ -60,7 +60,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Measures on the last core, if taskset is available.
+/// Measures the models. If taskset is available, the last core is used.
 fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
     let machine = programs::machine(shell);
     let quick = quick.then_some("--quick");
@@ -85,7 +85,7 @@ fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
     Ok(())
 }
 
-/// Checks the choices of `auto` by instructions.
+/// Checks the choices of `auto`. Their cost is measured in processor instructions.
 fn check_auto(shell: &Shell, assay: &Path, table: &Path) -> Result<()> {
     let valgrind = cmd!(shell, "valgrind --version").quiet().ignore_stdout();
     if valgrind.ignore_stderr().run().is_err() {
@@ -98,7 +98,7 @@ fn check_auto(shell: &Shell, assay: &Path, table: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Copies a file from the old folder to the new one if the new one lacks it.
+/// Copies a file from the old folder to the new folder, if the new folder does not have it.
 fn keep(name: &str, fresh: &Path, out: &Path) -> Result<()> {
     let (missing, known) = (fresh.join(name), out.join(name));
     if !missing.exists() && known.exists() {
@@ -108,7 +108,7 @@ fn keep(name: &str, fresh: &Path, out: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Replaces a folder by a new one, and moves the old one to the parent of the new one.
+/// Replaces a folder by a new one. The old folder is moved into the parent of the new one, which is a temporary folder.
 fn replace(fresh: &Path, out: &Path) -> Result<()> {
     if out.exists() {
         std::fs::rename(out, fresh.with_file_name("replaced"))

@@ -12,45 +12,46 @@ use crate::search::{Curves, ScoreRequest, Scores};
 use crate::target_score::{NoValue, SceneTarget};
 use crate::trial_counts::TrialCounts;
 
-/// Number of the first trial that verifies an answer. The search uses the trials before.
+/// Number of the first trial that is used only to verify an answer. The search uses the trials with smaller numbers.
 const FIRST_FRESH_TRIAL: u64 = 1 << 40;
-/// Largest number of scenes that are stored for further trials. Scenes with a camera are large.
+/// Largest number of scenes that are kept in memory for further trials. Scenes with a camera are large.
 const MAX_CACHED_SCENES: usize = 64;
-/// Failure of readings that determine an estimate only because of their noise.
+/// Kind of failure for scenes whose readings determine an estimate only because of their noise.
 const UNDETERMINED: &str = "undetermined";
 
-/// Trials of the cells of a study at the values of the searched field that the search has run.
+/// The trials that the search has run: for each cell of a study and each tested value of the searched field.
 pub(crate) struct CellTrials<'a> {
     source: Source<'a>,
     runner: &'a Runner,
-    /// Receives the number of values and of trials so far.
+    /// Function that receives the number of tested values and the number of trials so far.
     progress: &'a dyn Fn(usize, u64),
-    /// Scenes by value and cell.
+    /// Scene of each value and cell.
     scenes: BTreeMap<Place, Setup>,
-    /// Trials by value and cell, those of the search (`false`) and fresh ones (`true`).
+    /// Trials of each value and cell. The flag is `false` for the trials of the search, and `true` for the fresh trials
+    /// that verify the answer.
     samples: BTreeMap<(Place, bool), (Batches, Sample)>,
 }
 
-/// Study with the fields of the grid fixed.
+/// The study with one combination of values for the fields of the grid.
 struct Source<'a> {
     study: &'a Study,
     region: &'a Region,
     fixed: Vec<(String, Vec<toml::Value>)>,
 }
 
-/// Value, by its bits, and cell.
+/// A value of the searched field (as the bits of the number), and the index of a cell.
 type Place = (u64, usize);
 
-/// Scene of a cell at a value.
+/// The scene of a cell at a value, or the reason why it has no estimate.
 enum Setup {
-    /// A scene, and the target in it.
+    /// A scene, and the target for its statistics.
     Scene(Box<SceneTrial>, SceneTarget),
-    /// The readings determine no estimate: kind of the failure.
+    /// The readings do not determine an estimate. The text is the kind of failure.
     NotEstimable(&'static str),
 }
 
 impl<'a> CellTrials<'a> {
-    /// No trials yet, at a place in the grid of a region.
+    /// An empty collection of trials for one combination of the grid's values.
     pub(crate) fn new(
         study: &'a Study,
         region: &'a Region,
@@ -71,7 +72,8 @@ impl<'a> CellTrials<'a> {
         }
     }
 
-    /// Trials of each cell at a value: those of the search, or fresh ones.
+    /// Results of the trials of each cell at a value. With `is_fresh`, these are the fresh trials, otherwise the trials
+    /// of the search.
     pub(crate) fn samples_at(&self, value: f64, is_fresh: bool) -> Vec<Sample> {
         let bits = value.to_bits();
         let at_value = self
@@ -81,7 +83,7 @@ impl<'a> CellTrials<'a> {
         chosen.map(|(_, (_, sample))| *sample).collect()
     }
 
-    /// Sets up the scenes of values and cells that have none yet.
+    /// Sets up the scenes for these values and cells, if they are not set up yet.
     fn set_up(&mut self, places: &BTreeSet<Place>) -> Result<(), AnswerError> {
         if self.scenes.len() > MAX_CACHED_SCENES {
             self.scenes.retain(|place, _| places.contains(place));
@@ -107,7 +109,7 @@ impl<'a> CellTrials<'a> {
         Ok(())
     }
 
-    /// Error for a statistic without a value.
+    /// The error for a statistic of the target that is undefined.
     fn undefined(&self, ask: &ScoreRequest, why: &'static str) -> AnswerError {
         let found = self.source.study_at(ask.value);
         let found = found.and_then(|study| Ok((study.cell(ask.cell)?.coordinates, study)));

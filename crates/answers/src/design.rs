@@ -1,14 +1,15 @@
-//! Which values of one or several fields of a study meet a target, found by Monte Carlo.
+//! Finds, by Monte Carlo simulation, which values of one or several fields of a study meet a target.
 //!
-//! One field is searched. The others take the values of a grid, and at each combination of these the search is repeated.
-//! Around the best value the grid is refined.
+//! One field is searched. The other varied fields form a grid, and the search is repeated at each combination of the
+//! grid's values. The grid is refined around the best value.
 //!
-//! Each tried value is a study of its own: the config with that value. Trials with the same number draw the same random
-//! numbers at every value, so that values compare trial by trial. All cells of the study must meet the target. Failed trials
-//! count as misses, because the remaining trials alone would look too good.
+//! At each tested value, the same trials are run as in a study with this value in its config. Trials with the same
+//! number draw the same random numbers at every value, so that values can be compared trial by trial. All cells of the
+//! study must meet the target. Failed trials count as misses, because the result of the remaining trials alone would be
+//! too good.
 //!
-//! Each search may be wrong with the same part of the allowed probability, so that the whole region is right with the
-//! confidence of the question.
+//! The allowed probability of a wrong answer is divided evenly among the searches, so that the whole region is right
+//! with the confidence of the question.
 
 use std::cell::Cell;
 
@@ -22,15 +23,15 @@ use crate::question::Question;
 use crate::region::{DesignPoint, Region, RegionColumn};
 use crate::search::{Curves, Run, ScoreRequest, Search, Side, search};
 
-/// Number of trials of the best value if no value meets the target.
+/// Number of trials that are run at the best value, if no value meets the target.
 const BEST_VALUE_TRIALS: u64 = 4096;
 /// Number of times that the grid is refined around the best value.
 const REFINEMENTS: usize = 3;
 
-/// Finds which values of one or several fields meet a target, and the best value of one of them.
+/// Finds the values of one or several fields that meet a target, and the best value of one of these fields.
 ///
-/// `progress` receives the number of tried values and of trials so far. Without a budget the result depends on the study and
-/// the question alone. The combinations of the grid share a budget.
+/// `progress` receives the number of tested values and the number of trials so far. Without a budget, the result
+/// depends only on the study and the question. The combinations of the grid share the budget.
 ///
 /// ```
 /// use std::time::Instant;
@@ -72,7 +73,7 @@ const REFINEMENTS: usize = 3;
 /// ```
 ///
 /// # Errors
-/// [`AnswerError`].
+/// [`AnswerError`] if the question has no answer.
 pub fn design(
     study: &Study,
     question: &Question,
@@ -117,20 +118,21 @@ pub fn design(
     Ok(region)
 }
 
-/// Searches at the combinations of a grid, one after the other.
+/// Runs the search at each combination of the grid, one after another.
 struct Searches<'a> {
     study: &'a Study,
     runner: &'a Runner,
     clock: &'a Clock<'a>,
     progress: &'a dyn Fn(usize, u64),
-    /// Largest number of searches.
+    /// Largest number of searches, that is, of combinations of the grid.
     max_columns: usize,
-    /// Number of values and of trials so far.
+    /// Number of tested values and number of trials so far.
     done: Cell<(usize, u64)>,
 }
 
 impl Searches<'_> {
-    /// Searches at a place in the grid of a region. Each of the remaining searches gets the same share of the remaining time.
+    /// Runs the search at one combination of the grid's values. The remaining time is divided evenly among this search
+    /// and the searches that follow.
     fn column(&self, region: &Region, place: Vec<f64>) -> Result<RegionColumn, AnswerError> {
         let question = &region.question;
         let start = (self.clock)();
@@ -172,7 +174,8 @@ impl Searches<'_> {
             narrowed: found.narrowed,
             ended: found.ended,
         };
-        // If no value meets the target, the answer states how near the best one comes, so that one gets more trials.
+        // If no value meets the target, the answer states how near the best value comes to the target. Therefore more
+        // trials are run at this value.
         if column.on(Side::Meets).next().is_none()
             && let Some((_, point, sample)) = region.nearest([&column])
         {
@@ -194,7 +197,7 @@ impl Searches<'_> {
     }
 }
 
-/// Side of the run that contains a value.
+/// Side of the target for a value, from the range (run) that contains the value; `None` outside of all ranges.
 fn side_of(runs: &[Run], value: f64) -> Option<Side> {
     let run = runs.iter().find(|run| (run.from..=run.to).contains(&value));
     run.map(|run| run.side)

@@ -1,4 +1,5 @@
-//! Result of `distinguish`: how certainly objects are distinguished; as sentences, table, JSON and figure.
+//! The result of `distinguish`: how reliably the estimates put objects in the right order. It is output as sentences,
+//! table, JSON and figure.
 
 use palpate_report::{Figure, Heat, HeatPanel, ReportError, heat_figure};
 use palpate_study::config::Study;
@@ -9,51 +10,52 @@ use serde_json::{Value, json};
 use crate::trial_counts::TrialCounts;
 use crate::words::{percent, settings_in_words};
 
-/// Share of failed trials above which the answer states them.
+/// Share of failed trials above which the sentences state it.
 const STATED_FAILURES: f64 = 0.05;
 
-/// How certainly the objects of a study are distinguished, by one trial of each and by the mean of several.
+/// How reliably the objects of a study are distinguished, by one trial of each object and by the mean of several
+/// trials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Discrimination {
-    /// Quantity that distinguishes them.
+    /// The quantity whose estimates distinguish the objects.
     pub quantity: Quantity,
-    /// Its unit, as in `cells.csv`.
+    /// Unit of the quantity, as in `cells.csv`.
     pub unit: &'static str,
-    /// Required probability that the means of repeated trials distinguish two objects.
+    /// Required probability that the means of several trials distinguish two objects.
     pub confidence: f64,
-    /// Name of the repeated experiment: presses, glides, or trials of several rolls.
+    /// Name for the trials: `presses`, `glides`, or for example `trials of 8 rolls`.
     pub trials: String,
     /// Columns of the swept fields that define the objects.
     pub object_columns: Vec<String>,
     /// Columns of the other swept fields.
     pub columns: Vec<String>,
-    /// For each combination of the other swept fields, the objects with these settings.
+    /// One group of objects for each combination of values of the other swept fields.
     pub groups: Vec<Group>,
 }
 
-/// Objects with the same other settings.
+/// Objects for which all other swept fields have the same values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// Values of the other swept fields, as the tables show them.
+    /// Values of the other swept fields, formatted as in the tables.
     pub settings: Vec<String>,
-    /// The objects, by increasing true value; for classes, in the order of the config.
+    /// The objects, in the order of increasing true value. If the quantity is the class, in the order of the config.
     pub objects: Vec<Object>,
     /// All pairs of objects.
     pub pairs: Vec<Pair>,
 }
 
-/// Object of a group.
+/// An object of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
-    /// Number of its cell.
+    /// Index of the object's cell.
     pub cell: usize,
-    /// Swept values that define it, as the tables show them.
+    /// Swept values that define the object, formatted as in the tables.
     pub label: Vec<String>,
-    /// True value of the quantity, its mean over a patch; `None` if every trial failed.
+    /// True value of the quantity, averaged over a patch; `None` if every trial failed.
     pub truth: Option<f64>,
-    /// True class of most places of a patch, if the quantity is the class.
+    /// If the quantity is the class, the true class at most places of the patch.
     pub class: Option<&'static str>,
-    /// Numbers of trials.
+    /// Number of trials, and number of failed trials.
     pub counts: TrialCounts,
     /// Mean of the estimates; `None` if every trial failed.
     pub mean: Option<f64>,
@@ -64,17 +66,18 @@ pub struct Object {
 pub struct Pair {
     /// Index of one object in the group.
     pub first: usize,
-    /// Index of the other object, which is larger.
+    /// Index of the other object in the group. Its true value is larger.
     pub second: usize,
-    /// Probability that one trial of each distinguishes them; `None` if the quantity is the same for both.
+    /// Probability that one trial of each object distinguishes the two objects; `None` if both have the same true
+    /// value.
     pub order: Option<Order>,
-    /// Number of trials of each whose mean distinguishes them with the required confidence; `None` if the quantity is the
-    /// same for both.
+    /// Number of trials of each object whose means distinguish the two objects with the required confidence; `None` if
+    /// both have the same true value.
     pub repeats: Option<Repeats>,
 }
 
 impl Object {
-    /// Object of a cell with the means of its trials.
+    /// The object of a cell, from the means of its trials.
     pub(crate) fn new(
         cell: usize,
         label: Vec<String>,
@@ -87,7 +90,8 @@ impl Object {
             let mean: f64 = found().map(|one| of(one) / count).sum();
             (count > 0.0 && mean.is_finite()).then_some(mean)
         };
-        // The true value is the same in all trials, except for rounding. The indentation of a press may differ.
+        // The true values of all trials are equal, apart from rounding errors and from the indentation of a press. So
+        // the first one is used.
         let first = found().next().map(|(_, truth)| *truth);
         let is_same = found().all(|(_, truth)| Some(*truth) == first);
         Self {
@@ -105,8 +109,9 @@ impl Object {
 }
 
 impl Discrimination {
-    /// Table with one row per pair of objects: both objects, the probability that one trial of each distinguishes them with
-    /// its 95 % interval, and the number of trials whose mean does so with the required confidence.
+    /// Table with one row per pair of objects. It contains both objects, the probability that one trial of each
+    /// distinguishes them (with its 95 % interval), and the number of trials whose means distinguish them with the
+    /// required confidence.
     pub fn table(&self) -> Table {
         let names = |of: &str| -> Vec<String> {
             self.object_columns
@@ -178,7 +183,8 @@ impl Discrimination {
         table
     }
 
-    /// A sentence for each two neighbouring objects of a group, after the settings of the group.
+    /// One sentence for each pair of neighbouring objects in a group. The sentence starts with the settings of the
+    /// group.
     pub fn sentences(&self) -> Vec<String> {
         let mut sentences = Vec::new();
         for group in &self.groups {
@@ -196,12 +202,12 @@ impl Discrimination {
         sentences
     }
 
-    /// Settings of a group in words; empty if no other field is swept.
+    /// The settings of a group in words; empty if the study sweeps only fields of the object.
     pub(crate) fn settings_in_words(&self, group: &Group) -> String {
         settings_in_words(&self.columns, &group.settings)
     }
 
-    /// Object in words: its swept values with their units.
+    /// An object in words, that is, its swept values with their units.
     pub(crate) fn object_in_words(&self, object: &Object) -> String {
         let pairs = self.object_columns.iter().zip(&object.label);
         let said = pairs.map(|(column, text)| Label::of_field(column).value(text));
@@ -213,7 +219,7 @@ impl Discrimination {
         let [one, other] = objects.map(|object| self.object_in_words(object));
         let trials = &self.trials;
         let (Some(order), Some(repeats)) = (pair.order, pair.repeats) else {
-            return format!("{one} and {other} are alike in {}", self.quantity.words);
+            return format!("{one} and {other} have the same {}", self.quantity.words);
         };
         let sure = percent(self.confidence);
         let repeats = match repeats {
@@ -224,7 +230,7 @@ impl Discrimination {
             }
             Repeats::Never => format!("no number of {trials} is enough for {sure} %"),
             Repeats::Unknown => {
-                format!("more {trials} than were simulated are needed for {sure} %")
+                format!("{sure} % needs more {trials} than were simulated")
             }
         };
         let failing = objects
@@ -235,7 +241,8 @@ impl Discrimination {
             format!("; {}", object.counts.failures_in_words(trials, &at))
         });
         format!(
-            "{one} and {other}: {} % of single {trials} tell them apart ({} to {}); {repeats}{}",
+            "{one} and {other}: {} % of single {trials} put them in the right order ({} to {}); \
+             {repeats}{}",
             percent(order.probability),
             percent(order.low),
             percent(order.high),
@@ -286,11 +293,11 @@ impl Discrimination {
         })
     }
 
-    /// Heat map of the probability that one trial of each of two objects distinguishes them, a panel per group. `name` is
-    /// the name of its files.
+    /// Heat map of the probability that one trial of each of two objects distinguishes them, with one panel per group.
+    /// `name` is the name of the figure's files.
     ///
     /// # Errors
-    /// [`ReportError`] if it cannot be drawn.
+    /// [`ReportError`] if the figure cannot be drawn.
     pub fn figure(&self, name: &str, title: &str) -> Result<Figure, ReportError> {
         let panel = |group: &Group| {
             let count = group.objects.len();
@@ -312,10 +319,10 @@ impl Discrimination {
         };
         let by = label::quantity(self.quantity.name);
         let (right, equal) = match self.quantity == Quantity::CLASS {
-            true => ("classes of most places of both right".to_owned(), ""),
+            true => ("the right class at most points of both".to_owned(), ""),
             false => (
                 format!("estimates of {by} in the right order"),
-                ", a pair of equal estimates as half right",
+                "; a pair of equal estimates counts as half right",
             ),
         };
         let objects = self.groups.iter().flat_map(|group| &group.objects);

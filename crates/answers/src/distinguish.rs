@@ -1,4 +1,4 @@
-//! How certainly trials distinguish the swept objects of a study.
+//! Computes how reliably trials distinguish the swept objects of a study.
 
 use palpate_scene::{SceneTrial, Scenes, quantities_of};
 use palpate_study::Quantity;
@@ -8,17 +8,19 @@ use palpate_sweep::{Runner, TrialMeans, in_order, repeats};
 use crate::discrimination::{Discrimination, Group, Object, Pair};
 use crate::error::{AnswerError, MAX_CELLS};
 
-/// A class holds for a patch if it holds for more than this share of its places.
+/// A patch counts as correctly classified if the share of its correctly classified places is larger than this value.
 const MAJORITY: f64 = 0.5;
-/// Distance between the trial numbers of two cells, so that no two cells draw the same random numbers.
+/// Difference between the first trial numbers of two consecutive cells. It is so large that no two cells use the same
+/// trial numbers, and so the same random numbers.
 const TRIALS_PER_CELL: u64 = 1 << 40;
 
-/// Computes, for each two objects that a study sweeps, the probability that one trial of each puts them in the right order,
-/// and the number of trials whose mean does so with the probability `confidence`.
+/// For each pair of objects that a study sweeps, computes the probability that the estimates of one trial of each
+/// object are in the right order, and the number of trials whose means are in the right order with the probability
+/// `confidence`.
 ///
-/// Without `quantity`, the object's curvature is compared: `object_curvature` of a press, else `mean_curvature`. A failed
-/// trial distinguishes nothing, nor do equal estimates. With the quantity `class` of a glide, two objects are
-/// distinguished if most places of both are classified correctly; objects of the same class never are.
+/// Without `quantity`, the object's curvature is compared: `object_curvature` for a press, otherwise `mean_curvature`.
+/// A failed trial distinguishes no objects. With the quantity `class` of a glide, two objects are distinguished if most
+/// places of both are classified correctly. Objects of the same class are never distinguished.
 ///
 /// ```
 /// use palpate_answers::distinguish;
@@ -51,7 +53,7 @@ const TRIALS_PER_CELL: u64 = 1 << 40;
 /// ```
 ///
 /// # Errors
-/// [`AnswerError`].
+/// [`AnswerError`] if the question has no answer.
 pub fn distinguish(
     study: &Study,
     quantity: Option<&str>,
@@ -64,7 +66,7 @@ pub fn distinguish(
     if cells > MAX_CELLS {
         return Err(AnswerError::TooManyCells(cells));
     }
-    // A wrong quantity is reported before missing objects.
+    // Check the quantity first, so that a wrong quantity is reported before missing objects.
     let first = study.cell(0)?.config.scene;
     let (_, compared) = place_of(quantities_of(&first), first.kind(), quantity)?;
     let layout = grouped(study)?;
@@ -128,7 +130,8 @@ pub fn distinguish(
     })
 }
 
-/// Name of the repeated experiment. A trial of a roll scene consists of several rolls.
+/// Name for the trials. For a scene with rolls, the name contains the number of rolls, because one trial consists of
+/// several rolls.
 fn trials(scene: &SceneConfig) -> String {
     match scene {
         SceneConfig::Press(_) => "presses".to_owned(),
@@ -138,7 +141,7 @@ fn trials(scene: &SceneConfig) -> String {
     }
 }
 
-/// The compared quantity, and its index among those of the scene.
+/// The quantity that is compared, and its index among the quantities of the scene.
 pub(crate) fn place_of(
     quantities: &'static [Quantity],
     kind: &'static str,
@@ -156,7 +159,8 @@ pub(crate) fn place_of(
     Ok((place, quantities[place]))
 }
 
-/// Swept fields that define objects, the other swept fields, and the cells that share the values of the latter.
+/// How the cells of a study form objects and groups: the swept fields that define objects, the other swept fields, and
+/// groups of cells in which the other fields have the same values.
 struct Layout {
     /// Columns of the fields that define objects.
     objects: Vec<String>,
@@ -165,10 +169,10 @@ struct Layout {
     groups: Vec<(Vec<String>, Members)>,
 }
 
-/// Cells, and the values that define their objects.
+/// Indices of cells, each with the values that define its object.
 type Members = Vec<(usize, Vec<String>)>;
 
-/// Groups of at least two cells that differ only in their objects, in the order of the study.
+/// Groups of at least two cells that differ only in their objects, in the order of the study's cells.
 fn grouped(study: &Study) -> Result<Layout, AnswerError> {
     let is_object = |path: &String| path == "scene.object" || path.starts_with("scene.object.");
     let texts_of = |of_object: bool, texts: &[String]| -> Vec<String> {

@@ -1,4 +1,4 @@
-//! Reasons why a question has no answer.
+//! Errors: the reasons why a question has no answer.
 
 use palpate_study::Quantity;
 use palpate_study::config::ConfigError;
@@ -6,67 +6,68 @@ use thiserror::Error;
 
 use crate::grid::MAX_COLUMNS;
 
-/// Largest number of cells of a study.
+/// Largest allowed number of cells of a study.
 pub(crate) const MAX_CELLS: usize = 1000;
 
 /// Reason why a question has no answer.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum AnswerError {
-    /// Config that is invalid, or invalid with the values of a field.
+    /// The config is invalid, either by itself or with some values of a varied field.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// Setting that is out of its range.
+    /// A setting is out of its range.
     #[error("{setting} is {value}; it must be {expected}")]
     OutOfRange {
         /// Name of the setting.
         setting: &'static str,
-        /// Its value.
+        /// Value of the setting.
         value: f64,
-        /// Allowed values.
+        /// Values that the setting may have, as text.
         expected: &'static str,
     },
-    /// Range for a field that is no number, or a range without a whole number for a field of whole numbers.
+    /// The field does not accept the range: the field is not a number, or it needs whole numbers and the range contains
+    /// none.
     #[error("{path} {why}")]
     NoRange {
         /// Path of the field.
         path: String,
-        /// Reason, and what would be right.
+        /// Text with the reason, and with what would be right.
         why: &'static str,
     },
-    /// Field that is set or varied twice.
+    /// A field is set or varied twice.
     #[error("{0} is given twice")]
     Twice(String),
     /// No field is varied.
     #[error("no field is varied")]
     NothingVaried,
-    /// Sought field that is not varied.
+    /// The question asks for the best value of a field, but the field is not varied.
     #[error("{0} is not varied, so it has no best value: vary it over a range, such as {0}=1..2")]
     NotVaried(String),
-    /// Sought field whose values are not numbers.
+    /// The question asks for the best value of a field, but the values of the field are not numbers.
     #[error("{path} has no largest or smallest value, because {text:?} is no number")]
     NoOrder {
         /// Path of the field.
         path: String,
-        /// Value that is no number.
+        /// The value that is not a number.
         text: String,
     },
-    /// No object is swept.
+    /// No field of the object is swept.
     #[error(
         "no field of `scene.object` is swept, so there are no objects to compare: vary one, such as \
          scene.object.radius=20,25,30"
     )]
     NoObjects,
-    /// Scene without the quantity of the question.
+    /// The scene does not have the quantity of the question.
     #[error("a {scene} has no quantity {name:?} (known: {known})")]
     NoQuantity {
         /// Kind of the scene.
         scene: &'static str,
         /// Name of the quantity.
         name: String,
-        /// Quantities of the scene.
+        /// Names of the quantities of the scene.
         known: String,
     },
-    /// Statistic that has no value although trials succeed.
+    /// The statistic of the target is undefined, although some trials succeed.
     #[error("{statistic} of {quantity} has no value where {place}: {why}")]
     Undefined {
         /// Name of the statistic.
@@ -75,26 +76,27 @@ pub enum AnswerError {
         quantity: &'static str,
         /// Swept values of the cell.
         place: String,
-        /// Reason, and what would be right.
+        /// Reason, and what would be right, as text.
         why: &'static str,
     },
-    /// Trials without an error that could change.
+    /// The trials have no error that a field could change.
     #[error("the scene has no error that could change: {0}")]
     NoError(&'static str),
-    /// Too many combinations of values.
+    /// There are too many combinations of values.
     #[error(
-        "{0} combinations of values would each be searched, and at most {MAX_COLUMNS} are: list fewer values, or vary fewer fields"
+        "{0} combinations of values would each be searched; at most {MAX_COLUMNS} are allowed: \
+         list fewer values, or vary fewer fields"
     )]
     TooManyColumns(usize),
-    /// Too many cells.
+    /// The study has too many cells.
     #[error(
-        "the study has {0} cells, and at most {MAX_CELLS} are possible: set some of the swept fields"
+        "the study has {0} cells; at most {MAX_CELLS} are possible: set some of the swept fields"
     )]
     TooManyCells(usize),
 }
 
 impl AnswerError {
-    /// Error for a scene of this kind that has only these quantities.
+    /// The error for a quantity that a scene of this kind does not have. `quantities` are the quantities of the scene.
     pub(crate) fn no_quantity(scene: &'static str, name: &str, quantities: &[Quantity]) -> Self {
         let known: Vec<&str> = quantities.iter().map(|one| one.name).collect();
         Self::NoQuantity {
@@ -104,7 +106,7 @@ impl AnswerError {
         }
     }
 
-    /// Checks that a confidence is above 0 and below 1.
+    /// Returns an error if a confidence is not above 0 and below 1.
     pub(crate) fn unless_confidence(value: f64) -> Result<(), Self> {
         Self::unless(
             value > 0.0 && value < 1.0,
@@ -114,7 +116,7 @@ impl AnswerError {
         )
     }
 
-    /// Error for the value of a setting, unless it is in its range.
+    /// Returns an error for the value of a setting if `is_in_range` is false.
     pub(crate) fn unless(
         is_in_range: bool,
         setting: &'static str,

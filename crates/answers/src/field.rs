@@ -1,4 +1,4 @@
-//! A varied field: its values as numbers, and as the config has them.
+//! A varied field, with its values as numbers and as config values.
 
 use palpate_study::config::{Study, Takes, Varied, Vary};
 use palpate_study::{Label, number};
@@ -6,33 +6,33 @@ use palpate_study::{Label, number};
 use crate::error::AnswerError;
 use crate::search::{SearchRange, Span};
 
-/// Varied field.
+/// A varied field of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
-    /// Its path.
+    /// Path of the field in the config.
     pub path: String,
-    /// Its column: the path with the unit, if it has one.
+    /// Name of the field's column. It is the path, with the unit appended if there is one.
     pub column: String,
-    /// Its words and its unit.
+    /// Name of the field in words, and its unit.
     pub label: Label,
     /// Listed values; empty for a range of numbers.
     pub listed: Vec<toml::Value>,
-    /// Range of the numbers. For listed values, the range of their indices.
+    /// Range of the values. For listed values, it is the range of their indices.
     pub span: Span,
 }
 
 impl Field {
-    /// Field of a study that is varied as `vary` says, beside `fixed` fields with one value each.
+    /// The field of a study that `vary` describes. Each of the `fixed` fields has one value.
     ///
     /// # Errors
-    /// [`AnswerError`] if there is no such field, or if it does not accept such values.
+    /// [`AnswerError`] if the field does not exist or does not accept these values.
     pub(crate) fn new(
         study: &Study,
         fixed: &[(String, Vec<toml::Value>)],
         vary: &Vary,
     ) -> Result<Self, AnswerError> {
         let path = vary.path.clone();
-        // Fixed fields may decide which type of value this field accepts.
+        // Set the fixed fields first, because they may decide which type of value this field accepts.
         let takes = study.varied(fixed)?.takes(&path);
         let no_range = |why| {
             let path = path.clone();
@@ -44,7 +44,7 @@ impl Field {
                 (values.clone(), Span::new(0.0, last, true))
             }
             (Varied::Range { .. }, Some(Takes::Other)) => {
-                return no_range("takes no numbers: list its values, as PATH=A,B,C");
+                return no_range("has no numeric values: list its values, as PATH=A,B,C");
             }
             (Varied::Range { from, to }, takes) => {
                 let is_whole = takes == Some(Takes::Whole);
@@ -53,7 +53,7 @@ impl Field {
                     false => [*from, *to],
                 };
                 if from > to {
-                    return no_range("takes whole numbers, and the range has none");
+                    return no_range("needs whole numbers, but the range contains none");
                 }
                 (Vec::new(), Span::new(from, to, is_whole))
             }
@@ -65,14 +65,14 @@ impl Field {
             listed,
             span,
         };
-        // The config reports an unknown path, or a value that the field does not accept.
+        // This call fails if the path is unknown, or if the field does not accept the value.
         let varied = study.varied(&[fixed, &[field.fixed_at(field.first())]].concat())?;
         field.column = varied.columns.last().cloned().unwrap_or_default();
         field.label = Label::of_field(&field.column);
         Ok(field)
     }
 
-    /// Values for the search.
+    /// The values that a search may test, as a range or a list.
     pub(crate) fn among(&self) -> SearchRange {
         match self.listed.len() {
             0 => SearchRange::Span(self.span),
@@ -80,7 +80,7 @@ impl Field {
         }
     }
 
-    /// First value; of listed values, its index.
+    /// First value of the range. For listed values, the index of the first value.
     pub(crate) fn first(&self) -> f64 {
         match self.is_listed() {
             true => 0.0,
@@ -88,7 +88,7 @@ impl Field {
         }
     }
 
-    /// The field with one value, as the config has it.
+    /// The path of the field, with one value in the form of the config.
     pub(crate) fn fixed_at(&self, value: f64) -> (String, Vec<toml::Value>) {
         let value = match self.listed.get(value as usize) {
             Some(listed) => listed.clone(),
@@ -98,7 +98,7 @@ impl Field {
         (self.path.clone(), vec![value])
     }
 
-    /// Value as a number; `None` for a listed value that is not a number.
+    /// The value as a number; `None` for a listed value that is not a number.
     pub(crate) fn number(&self, value: f64) -> Option<f64> {
         match self.listed.get(value as usize) {
             Some(toml::Value::Float(number)) => Some(*number),
@@ -108,22 +108,22 @@ impl Field {
         }
     }
 
-    /// Whether the values are listed. Else they are the numbers of a range.
+    /// Whether the values are listed. Otherwise they are the numbers of a range.
     pub(crate) fn is_listed(&self) -> bool {
         !self.listed.is_empty()
     }
 
-    /// Value with its unit.
+    /// Text of a value with its unit.
     pub(crate) fn value(&self, value: f64) -> String {
         self.label.value(&self.text(value))
     }
 
-    /// The field and a value, in words.
+    /// The field's name and a value, in words.
     pub(crate) fn named_value(&self, value: f64) -> String {
         format!("{} {}", self.label.words, self.value(value))
     }
 
-    /// Values from one to another with their unit.
+    /// The range between two values in words, with their unit.
     pub(crate) fn between(&self, from: f64, to: f64) -> String {
         match from == to {
             true => self.value(from),
@@ -134,7 +134,7 @@ impl Field {
         }
     }
 
-    /// Value as the tables show it.
+    /// The value, formatted as in the tables.
     pub(crate) fn text(&self, value: f64) -> String {
         match self.listed.get(value as usize) {
             Some(toml::Value::String(text)) => text.clone(),

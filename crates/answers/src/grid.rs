@@ -1,15 +1,17 @@
-//! Grid of the fields that are not searched: all combinations of their values.
+//! The grid of the varied fields that are not searched. It contains all combinations of their values.
 
 use crate::error::AnswerError;
 use crate::field::Field;
 use crate::search::SearchRange;
 
-/// Largest number of combinations of the grid's values.
+/// Largest number of combinations in the grid.
 pub(crate) const MAX_COLUMNS: usize = 64;
-/// Number of values of a range on the grid, by the number of fields on the grid.
+/// Number of values that the grid has for a field with a range. The three entries are for one, for two, and for three
+/// or more fields on the grid.
 const VALUES_PER_FIELD: [usize; 3] = [9, 5, 3];
 
-/// Combinations of the values of some fields; the last field varies fastest. Without fields, a single empty one.
+/// All combinations of the values of the grid's fields. The last field varies fastest. Without fields, there is one
+/// empty combination.
 pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, AnswerError> {
     let count = VALUES_PER_FIELD[fields.len().clamp(1, VALUES_PER_FIELD.len()) - 1];
     let mut places: Vec<Vec<f64>> = vec![Vec::new()];
@@ -32,7 +34,8 @@ pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, 
     Ok(places)
 }
 
-/// Combinations midway between the best combination and its neighbours among the `known` combinations, along each range.
+/// New combinations near `best`: along each field with a range, the midpoints between the best combination and its
+/// neighbours among the `known` combinations.
 pub(crate) fn neighbours(
     fields: &[Field],
     gap: f64,

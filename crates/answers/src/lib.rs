@@ -1,12 +1,13 @@
-//! Answers about a study: which values of its fields meet a target, and which of its objects its trials distinguish.
+//! Answers to two questions about a study: which values of its fields meet a target, and which of its objects can be
+//! distinguished by trials.
 //!
 //! | question | answer |
 //! |---|---|
 //! | [`Question`]: which values of one or several fields meet a target? | [`design`] returns a [`Region`] |
-//! | how certainly do trials distinguish the swept objects? | [`distinguish`] returns a [`Discrimination`] |
+//! | how reliably do trials distinguish the swept objects? | [`distinguish`] returns a [`Discrimination`] |
 //!
-//! Both run trials on a [`Runner`](palpate_sweep::Runner). An answer prints itself as sentences, tables, JSON and a figure.
-//! If failed trials decide an answer, it names the most frequent kind of failure.
+//! Both functions run trials on a [`Runner`](palpate_sweep::Runner). Their answers can be output as sentences, tables,
+//! JSON and a figure. If failed trials decide an answer, the answer names the most frequent kind of failure.
 
 mod cell_trials;
 mod design;

@@ -1,4 +1,4 @@
-//! Questions that a design answers.
+//! The questions that [`design`](crate::design) answers.
 
 use std::time::Duration;
 
@@ -8,60 +8,61 @@ use palpate_study::config::{Varied, Vary};
 use crate::error::AnswerError;
 use crate::search::Span;
 
-/// Question: which values of one or several fields, taken together, meet a target?
+/// The question which values of one or several fields, in combination, meet a target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
     /// Target that all cells of the study must meet.
     pub target: Target,
-    /// Field that is searched at each combination of the grid's values. Its values, like those of the other varied and set
-    /// fields, replace the values in the config and its sweeps.
+    /// Field that is searched at each combination of the grid's values. The values of all varied and set fields replace
+    /// the values that the config states or sweeps.
     pub searched: Vary,
-    /// The other varied fields. Each takes some values of its range, or all listed values.
+    /// The other varied fields, which form the grid. A field with listed values has all of them on the grid; a field
+    /// with a range has some of its values.
     pub grid: Vec<Vary>,
-    /// Field whose best value the answer names: the searched field or a field of the grid.
+    /// Field whose best value the answer states: the searched field or a field of the grid.
     pub sought: Option<Sought>,
-    /// Fields with one value each.
+    /// Fields that are set to one value each.
     pub set: Vec<(String, toml::Value)>,
-    /// Largest share of the trials that may fail, above 0 and at most 1. With 1, failures do not count.
+    /// Largest share of the trials that may fail, above 0 and at most 1. With 1, failed trials are ignored.
     pub max_failures: f64,
-    /// Largest gap between values that meet the target and values that miss it: relative to the value if values are
-    /// spaced by ratios, else to half the range.
+    /// Largest gap between values that meet the target and values that miss it. If values are spaced by ratios, the gap
+    /// is relative to the value, otherwise relative to half the range.
     pub gap: f64,
-    /// Largest number of trials of a cell at one value.
+    /// Largest number of trials that a cell runs at one value.
     pub most_trials: u64,
-    /// Time after which no new value is tried. The first scan and the verification are always finished.
+    /// Time after which the search tests no more values. The first scan and the verification run in any case.
     pub budget: Option<Duration>,
     /// Probability that the whole answer is right, above 0 and below 1.
     pub confidence: f64,
 }
 
-/// Field whose largest or smallest value that meets the target is wanted.
+/// The field whose largest or smallest value that meets the target is the answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sought {
-    /// Its path.
+    /// Path of the field.
     pub path: String,
-    /// Which of its values is best.
+    /// Whether the answer is the largest or the smallest value.
     pub extreme: Extreme,
 }
 
-/// Which of several values is best.
+/// Rule for the best of several values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extreme {
-    /// The largest.
+    /// The largest value is best.
     Largest,
-    /// The smallest.
+    /// The smallest value is best.
     Smallest,
 }
 
 impl Question {
-    /// Question about these fields with at most 5 % of failures, a gap of 5 %, at most 4,194,304 trials of a cell at one
-    /// value, no time limit, and a confidence of 95 %.
+    /// A question about these fields with default settings. These are: at most 5 % failed trials, a gap of 5 %, at most
+    /// 4,194,304 trials of a cell at one value, no time limit, and a confidence of 95 %.
     ///
-    /// The sought field is searched if it has a range, else the last field with a range, else the last field. The others
-    /// make the grid, in their order.
+    /// The optimised field is searched if it has a range; otherwise the last field with a range; otherwise the last
+    /// field. The other fields form the grid, in their order.
     ///
     /// # Errors
-    /// If no field is varied, or if the sought field is not varied.
+    /// [`AnswerError`] if no field is varied, or if the optimised field is not varied.
     pub fn new(
         target: Target,
         mut fields: Vec<Vary>,
@@ -93,10 +94,10 @@ impl Question {
         })
     }
 
-    /// Rejects settings that are out of their ranges, and a field with two roles.
+    /// Returns an error if a setting is out of its range, or if a field is both set and varied, or varied twice.
     pub(crate) fn check(&self) -> Result<(), AnswerError> {
         let (failures, gap) = (self.max_failures, self.gap);
-        let expected = "above 0, for no number of trials shows that none fails, and at most 1";
+        let expected = "above 0 and at most 1 (0 cannot be verified with any number of trials)";
         AnswerError::unless(
             failures > 0.0 && failures <= 1.0,
             "max_failures",
@@ -118,7 +119,7 @@ impl Question {
 }
 
 impl Extreme {
-    /// Whether `one` is better than `other`.
+    /// Whether the value `one` is better than `other`.
     pub(crate) fn prefers(self, one: f64, other: f64) -> bool {
         match self {
             Self::Largest => one > other,
@@ -126,7 +127,7 @@ impl Extreme {
         }
     }
 
-    /// End of a range that is best.
+    /// The best end of a range: its largest or its smallest value.
     pub(crate) const fn end_of(self, span: Span) -> f64 {
         match self {
             Self::Largest => span.to,
@@ -134,7 +135,7 @@ impl Extreme {
         }
     }
 
-    /// The word for it, and the word for values beyond the best one.
+    /// The word for the best value ("largest"), and the word for values beyond it.
     pub(crate) const fn words(self) -> [&'static str; 2] {
         match self {
             Self::Largest => ["largest", "more"],

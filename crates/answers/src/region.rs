@@ -1,4 +1,5 @@
-//! Answer of a design: the values of one or several fields that, taken together, meet a target, and the trials behind it.
+//! The answer of [`design`](crate::design): the values of one or several fields that together meet a target, and the
+//! results of the trials.
 
 use std::cmp::Ordering;
 
@@ -12,86 +13,91 @@ use crate::question::{Extreme, Question, Sought};
 use crate::search::{EndReason, Run, Side};
 use crate::trial_counts::TrialCounts;
 
-/// Values of one or several fields that, taken together, meet a target.
+/// The values of one or several fields that together meet a target.
 ///
-/// Values between [`RegionColumn::runs`] are undecided. Between tried values nothing was observed.
+/// Whether the values between the ranges in [`RegionColumn::runs`] meet the target is undecided. No trials were run
+/// between the tested values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
-    /// The question; its target has a quantity.
+    /// The question, in which the quantity of the target is set.
     pub question: Question,
-    /// Fields of the grid; none if a single field is varied.
+    /// Fields of the grid; empty if only one field is varied.
     pub grid: Vec<Field>,
     /// Field that is searched at each combination of the grid's values.
     pub searched: Field,
     /// Unit of the target's statistic, as in `cells.csv`.
     pub unit: &'static str,
-    /// Columns of the other swept fields. All their cells must meet the target together.
+    /// Columns of the fields that the study itself sweeps. All cells of this sweep must meet the target.
     pub cell_columns: Vec<String>,
-    /// Values of these fields in each cell, as the tables show them.
+    /// For each cell, the values of these fields, formatted as in the tables.
     pub cells: Vec<Vec<String>>,
-    /// Combinations of the grid's values in ascending order, with the result at each; at least one.
+    /// Combinations of the grid's values in ascending order, with the result at each combination. There is at least one
+    /// combination.
     pub columns: Vec<RegionColumn>,
 }
 
-/// Combination of the grid's values, and the values of the searched field that meet the target there.
+/// A combination of the grid's values, and the values of the searched field that meet the target at this combination.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionColumn {
-    /// Value of each field of the grid; of listed values, the index.
+    /// Value of each field of the grid; for listed values, the index.
     pub at: Vec<f64>,
-    /// Tried values, ascending; listed values in the order of the list.
+    /// Tested values in ascending order. Listed values are in the order of the list.
     pub points: Vec<DesignPoint>,
-    /// Neighbouring values on one side, ascending; of listed values, their indices.
+    /// Ranges of neighbouring values on the same side of the target, in ascending order. For listed values, the ranges
+    /// contain the indices of the values.
     pub runs: Vec<Run>,
-    /// Number of ends of runs that fresh trials did not verify, so that the answer is narrower there.
+    /// Number of range ends that fresh trials did not verify at the first attempt. The ranges are narrower at these
+    /// ends.
     pub narrowed: usize,
     /// Reason why the search ended.
     pub ended: EndReason,
 }
 
-/// Tried value of the searched field.
+/// A tested value of the searched field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DesignPoint {
-    /// The value; of listed values, its index.
+    /// The value. For a listed value, its index.
     pub value: f64,
-    /// Side of the target; `None`: undecided.
+    /// Side of the target on which the value lies; `None` if it is undecided.
     pub side: Option<Side>,
-    /// Cell that meets the target with the least certainty, or misses it with the greatest.
+    /// Index of the cell that decides at this value: it meets the target with the least certainty, or misses it with
+    /// the greatest certainty.
     pub worst: usize,
-    /// Trials of each cell that the search used, in the order of the cells.
+    /// Results of the trials of each cell in the search, in the order of the cells.
     pub searched: Vec<Sample>,
-    /// Trials that verify the answer, if any.
+    /// Results of the fresh trials that verify the answer, if there are any.
     pub fresh: Vec<Sample>,
 }
 
-/// Trials of a cell at a value.
+/// Result of the trials of a cell at a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// The cell.
+    /// Index of the cell.
     pub cell: usize,
-    /// Numbers of trials.
+    /// Number of trials, and number of failed trials.
     pub counts: TrialCounts,
-    /// The target's statistic and its standard error; `None` if it is undefined.
+    /// The statistic of the target and its standard error; `None` if the statistic is undefined.
     pub statistic: Option<(f64, f64)>,
 }
 
-/// Best value of the sought field.
+/// The best value of the optimised field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Best<'a> {
-    /// The value; of listed values, the index.
+    /// The value. For a listed value, its index.
     pub value: f64,
-    /// Column in which it meets the target.
+    /// Combination of the grid's values at which the value meets the target.
     pub column: &'a RegionColumn,
-    /// Value of the searched field; of listed values, the index.
+    /// Value of the searched field at which the sought value meets the target. For a listed value, its index.
     pub searched: f64,
 }
 
 impl RegionColumn {
-    /// Runs of values that meet the target, or miss it.
+    /// The ranges of values on one side of the target.
     pub fn on(&self, side: Side) -> impl Iterator<Item = &Run> {
         self.runs.iter().filter(move |run| run.side == side)
     }
 
-    /// All samples of all values.
+    /// The results of all cells at all tested values.
     pub(crate) fn samples(&self) -> impl Iterator<Item = &Sample> {
         let points = self.points.iter();
         points.flat_map(|point| point.searched.iter().chain(&point.fresh))
@@ -99,7 +105,7 @@ impl RegionColumn {
 }
 
 impl Region {
-    /// Region before the first search.
+    /// The region before the first search. It has no results yet.
     pub(crate) fn new(study: &Study, question: &Question) -> Result<Self, AnswerError> {
         let mut fixed: Vec<_> = single_values(&question.set).collect();
         let mut fields = Vec::new();
@@ -114,7 +120,7 @@ impl Region {
         if study.cell_count() > MAX_CELLS {
             return Err(AnswerError::TooManyCells(study.cell_count()));
         }
-        // The fixed fields are the last axes, and have one value each.
+        // Leave out the fixed fields, which are the last axes and have one value each.
         let axes = study.columns.len() - fixed.len();
         let cells = (0..study.cell_count()).map(|cell| {
             let coordinates = study.cell(cell)?.coordinates;
@@ -145,14 +151,14 @@ impl Region {
         })
     }
 
-    /// Values of the set fields, and of the grid's fields at one grid point.
+    /// Fields with one value each: the set fields, and the fields of the grid at one combination.
     pub(crate) fn fixed_at(&self, place: &[f64]) -> Vec<(String, Vec<toml::Value>)> {
         let grid = self.grid.iter().zip(place);
         let grid = grid.map(|(field, value)| field.fixed_at(*value));
         single_values(&self.question.set).chain(grid).collect()
     }
 
-    /// Field whose best value was wanted, with its place in the grid; `None`: it is the searched one.
+    /// The field whose best value is wanted, and its index in the grid; `None` if it is the searched field.
     pub(crate) fn sought_field(&self, sought: &Sought) -> (&Field, Option<usize>) {
         match self.grid.iter().position(|field| field.path == sought.path) {
             Some(place) => (&self.grid[place], Some(place)),
@@ -160,13 +166,14 @@ impl Region {
         }
     }
 
-    /// Which value of the searched field was wanted, if it is the sought one.
+    /// Whether the largest or the smallest value of the searched field is wanted; `None` if another field is optimised.
     pub(crate) fn searched_extreme(&self) -> Option<Extreme> {
         let sought = self.question.sought.as_ref()?;
         (sought.path == self.searched.path).then_some(sought.extreme)
     }
 
-    /// Best value of the sought field that certainly meets the target; `None` if there is none, or no field is sought.
+    /// Best value of the optimised field that certainly meets the target; `None` if there is none, or if no field is
+    /// optimised.
     pub(crate) fn best(&self) -> Option<Best<'_>> {
         let sought = self.question.sought.as_ref()?;
         let (field, place) = self.sought_field(sought);
@@ -196,8 +203,9 @@ impl Region {
         best
     }
 
-    /// Value from which on every value misses the target in every column, in the sought direction; `None` if this is open
-    /// in some column, or if the sought field is not a searched range.
+    /// The value of the optimised field from which all better values miss the target at every combination of the grid.
+    /// `None` if this is undecided at some combination, or if the optimised field is not the searched field or has
+    /// listed values.
     pub(crate) fn missed_from(&self) -> Option<f64> {
         let extreme = self.searched_extreme()?;
         if self.searched.is_listed() {
@@ -218,20 +226,21 @@ impl Region {
         })
     }
 
-    /// Whether more trials of a sample fail than the question allows.
+    /// Whether more trials of the sample fail than the question allows.
     pub(crate) fn is_failing(&self, sample: &Sample) -> bool {
         sample.counts.failure_rate() > self.question.max_failures
     }
 
-    /// The sample that decides at a tried value: if too many trials fail in some cell, the one with the largest share of
-    /// failures, else the one whose statistic is furthest on the wrong side.
+    /// The result of the cell that decides at a tested value. If too many trials fail in some cell, it is the result
+    /// with the largest share of failures. Otherwise, it is the result with the worst statistic.
     pub(crate) fn decisive<'a>(&self, point: &'a DesignPoint) -> Option<&'a Sample> {
         let samples = point.searched.iter();
         samples.max_by(|one, other| self.by_rank(one, other))
     }
 
-    /// Value that comes nearest to the target in some columns, with its column and its decisive sample: the best statistic
-    /// of the values with few enough failures, else the fewest failures.
+    /// The value that comes nearest to meeting the target at some combinations, with its combination and its decisive
+    /// result. It is the value with the best statistic among the values with few enough failures. If there are no such
+    /// values, it is the value with the fewest failures.
     pub(crate) fn nearest<'a>(
         &self,
         columns: impl IntoIterator<Item = &'a RegionColumn>,
@@ -243,8 +252,9 @@ impl Region {
         all.min_by(|one, other| self.by_rank(one.2, other.2))
     }
 
-    /// Orders samples, the worse one last: by their statistics, and above all of these by their shares of failures if these
-    /// are too large or leave no statistic.
+    /// Compares two results; the worse result is the greater one. Results are compared by their statistics. A result
+    /// with too many failures, or without a statistic, is worse than all other results. Such results are compared by
+    /// their shares of failures.
     fn by_rank(&self, one: &Sample, other: &Sample) -> Ordering {
         let rank = |sample: &Sample| match (sample.statistic, self.question.target.bound) {
             _ if self.is_failing(sample) => (1, sample.counts.failure_rate()),
@@ -257,7 +267,7 @@ impl Region {
     }
 }
 
-/// Set fields as varied fields with one value each.
+/// The set fields, in the form of varied fields with one value each.
 fn single_values(
     set: &[(String, toml::Value)],
 ) -> impl Iterator<Item = (String, Vec<toml::Value>)> {
@@ -265,7 +275,7 @@ fn single_values(
     fields.map(|(path, value)| (path.clone(), vec![value.clone()]))
 }
 
-/// Rejects a sought field that is not varied, or whose values are not numbers.
+/// Returns an error if the optimised field is not varied, or if its values are not numbers.
 fn check_order(fields: &[Field], path: &str) -> Result<(), AnswerError> {
     let field = fields.iter().find(|field| field.path == path);
     let field = field.ok_or_else(|| AnswerError::NotVaried(path.to_owned()))?;

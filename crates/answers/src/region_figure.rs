@@ -1,4 +1,4 @@
-//! Figure of a design's answer.
+//! The figure of a region.
 
 use palpate_report::{
     CurveLine, CurvePoint, DesignChart, DesignCurve, DesignFigure, DesignMap, FieldAxis, Figure,
@@ -11,15 +11,17 @@ use crate::region::{DesignPoint, Region, RegionColumn, Sample};
 use crate::search::Side;
 use crate::words::settings_in_words;
 
-/// Largest number of cells with a line each. If there are more, only the decisive cell is drawn.
+/// Largest number of cells for which each cell has its own line. If there are more cells, only the line of the decisive
+/// cell is drawn.
 const MAX_LINES: usize = 7;
 
 impl Region {
-    /// Figure of the region: the searched field over the last field of the grid, in a panel for each combination of the
-    /// others. Without a grid: the target's statistic over the searched field. `name` is the name of its files.
+    /// Figure of the region. With a grid, the searched field is plotted over the last field of the grid, with one panel
+    /// for each combination of the other fields. Without a grid, the target's statistic is plotted over the searched
+    /// field. `name` is the file name of the figure, without extension.
     ///
     /// # Errors
-    /// [`ReportError`] if it cannot be drawn.
+    /// [`ReportError`] if the figure cannot be drawn.
     pub fn figure(&self, name: &str, title: &str) -> Result<Figure, ReportError> {
         let mut notes = vec![self.sentence()];
         let chart = match self.grid.split_last() {
@@ -41,7 +43,8 @@ impl Region {
             one.at[..further.len()] == other.at[..further.len()]
         };
         let mut panels: Vec<&[RegionColumn]> = self.columns.chunk_by(is_beside).collect();
-        // A combination that was only tried near the best value gets no panel.
+        // Do not draw a panel for combinations that were tested only to refine the best value, because they have no
+        // neighbours.
         if panels.iter().any(|columns| columns.len() > 1) {
             panels.retain(|columns| columns.len() > 1);
         }

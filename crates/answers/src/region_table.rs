@@ -1,4 +1,4 @@
-//! Answer of a design as tables and as JSON.
+//! A region as tables and JSON.
 
 use palpate_study::config::Study;
 use palpate_study::{Table, number};
@@ -9,8 +9,9 @@ use crate::region::{DesignPoint, Region, RegionColumn, Sample};
 use crate::search::Side;
 
 impl Region {
-    /// Table of all trials: one row per combination of the grid, value, cell and sample (trials of the search, and fresh
-    /// trials that verify), with the target's statistic, its standard error, and the side of the target.
+    /// Table of the results of all trials. It has one row per combination of the grid, value, cell and kind of trials
+    /// (trials of the search, or fresh trials that verify the answer). A row contains the target's statistic, its
+    /// standard error, and the side of the target.
     pub fn table(&self) -> Table {
         let grid = self.grid.iter().map(|field| &field.column);
         let fields = grid.chain([&self.searched.column]).cloned();
@@ -61,8 +62,8 @@ impl Region {
         table
     }
 
-    /// Table of the runs: one row per run of values of the searched field that meet the target, or miss it, after the
-    /// values of the grid. Values between runs are undecided.
+    /// Table of the ranges of values that meet or miss the target, with one row per range. The first columns are the
+    /// values of the grid's fields. Whether values between the ranges meet the target is undecided.
     pub fn runs(&self) -> Table {
         let field = &self.searched;
         let fields = self.grid.iter().map(|field| field.column.clone());
@@ -79,14 +80,15 @@ impl Region {
         table
     }
 
-    /// Values of the grid at a column, as the tables show them.
+    /// Values of the grid's fields at one combination, formatted as in the tables.
     fn grid_texts(&self, column: &RegionColumn) -> impl Iterator<Item = String> {
         let pairs = self.grid.iter().zip(&column.at);
         pairs.map(|(field, value)| field.text(*value))
     }
 
-    /// The answer as JSON: its sentence, the runs of values that meet the target and that miss it at each combination of
-    /// the grid, and the best value. The results of a single column are also fields of the whole answer.
+    /// The answer as JSON: the sentence, the ranges of values that meet or miss the target at each combination of the
+    /// grid, and the best value. Without a grid, the fields of the only combination are also fields of the answer
+    /// itself.
     pub fn to_json(&self, study: &Study) -> Value {
         let columns = self.columns.iter().map(|column| {
             let at: Map<_, _> = self.grid_json(column).collect();
@@ -129,13 +131,13 @@ impl Region {
         value
     }
 
-    /// Values of the grid at a column, by their paths.
+    /// Path and value of each field of the grid at one combination. The paths become keys of a JSON object.
     fn grid_json(&self, column: &RegionColumn) -> impl Iterator<Item = (String, Value)> {
         let pairs = self.grid.iter().zip(&column.at);
         pairs.map(|(field, value)| (field.path.clone(), json_of(field, *value)))
     }
 
-    /// Results of a column.
+    /// The results at one combination of the grid, as fields of a JSON object.
     fn column_json(&self, column: &RegionColumn) -> Map<String, Value> {
         let value = |value: f64| json_of(&self.searched, value);
         let runs = |side: Side| -> Value {
@@ -168,7 +170,7 @@ impl Region {
     }
 }
 
-/// Value of a field: a number, or the text of a listed value.
+/// A field's value as JSON: a number, or the text of a listed value.
 fn json_of(field: &Field, value: f64) -> Value {
     match field.is_listed() {
         true => json!(field.text(value)),
@@ -176,7 +178,7 @@ fn json_of(field: &Field, value: f64) -> Value {
     }
 }
 
-/// Side of the target as a word.
+/// The word for a side of the target.
 fn verdict(side: Option<Side>) -> &'static str {
     match side {
         Some(Side::Meets) => "meets",

@@ -1,4 +1,4 @@
-//! Answer of a design in sentences.
+//! A region in sentences.
 
 use palpate_study::{Bound, Label, Statistic, number};
 
@@ -7,13 +7,14 @@ use crate::region::{Best, DesignPoint, Region, RegionColumn, Sample};
 use crate::search::{EndReason, Run, Side};
 use crate::words::{DIGITS, capitalized, joined, percent, settings_in_words};
 
-/// Digits of a standard error in a sentence.
+/// Number of significant digits of a standard error in a sentence.
 const ERROR_DIGITS: usize = 1;
 /// Largest number of clauses in a sentence.
 const MAX_CLAUSES: usize = 12;
 
 impl Region {
-    /// The answer in one sentence: the best value of the sought field, or the values that meet the target.
+    /// The answer in one sentence: the best value of the optimised field or, if no field is optimised, the values that
+    /// meet the target.
     pub fn sentence(&self) -> String {
         let text = match (&self.question.sought, self.grid.is_empty()) {
             (Some(sought), _) => self.best_in_words(sought),
@@ -27,16 +28,16 @@ impl Region {
         format!("{}.", capitalized(&text))
     }
 
-    /// Lines below the sentence: the target, the numbers of values and trials, notes on the limits of the searches, and
-    /// the answer at each combination of the grid.
+    /// The lines that follow the sentence: the target, the numbers of values and trials, notes on searches that reached
+    /// a limit, and the answer at each combination of the grid.
     pub fn lines(&self) -> Vec<String> {
         let samples = || self.columns.iter().flat_map(RegionColumn::samples);
         let points = self.columns.iter().flat_map(|column| &column.points);
         let fresh = points.flat_map(|point| &point.fresh);
         let trials = match samples().any(|sample| sample.counts.trials > 1) {
-            false => "1 of each value: nothing is random".to_owned(),
+            false => "1 per value, because the scene has no random numbers".to_owned(),
             true => format!(
-                "{}, of which {} fresh ones verify the answer",
+                "{}, of which {} new ones verify the answer",
                 number::grouped(samples().map(|sample| sample.counts.trials).sum()),
                 number::grouped(fresh.map(|sample| sample.counts.trials).sum())
             ),
@@ -57,7 +58,7 @@ impl Region {
         lines
     }
 
-    /// Notes on the limits of the searches.
+    /// Notes about searches that reached one of their limits.
     fn notes(&self) -> Vec<String> {
         let narrowed: usize = self.columns.iter().map(|column| column.narrowed).sum();
         let ends = match narrowed {
@@ -69,17 +70,19 @@ impl Region {
             (
                 narrowed > 0,
                 format!(
-                    "fresh trials did not verify {ends} where the search had found it: the answer is narrower there"
+                    "new trials did not verify {ends} of the answer, so the answer is narrower \
+                     there"
                 ),
             ),
             (
                 has_ended(EndReason::Time),
-                "the time was used up before the gap was as small as requested: a larger budget narrows it"
+                "the time ran out before the gap was as small as requested; a larger --budget \
+                 narrows the gap"
                     .to_owned(),
             ),
             (
                 has_ended(EndReason::Trials),
-                "some values are so near the limit that more trials than allowed would be needed"
+                "some values are so close to the limit that they need more trials than allowed"
                     .to_owned(),
             ),
         ];
@@ -87,7 +90,7 @@ impl Region {
         notes.map(|(_, note)| format!("note     {note}")).collect()
     }
 
-    /// Label of the target's statistic.
+    /// Label of the statistic of the target, with its unit.
     pub(crate) fn label(&self) -> Label {
         let target = &self.question.target;
         let name = target.quantity.map_or("", |quantity| quantity.name);
@@ -103,9 +106,9 @@ impl Region {
         };
         let limit = label.value(&number::exact(self.question.target.limit));
         let failures = match self.question.max_failures {
-            share if share >= 1.0 => "however many trials fail".to_owned(),
+            share if share >= 1.0 => "any share of the trials may fail".to_owned(),
             share => format!(
-                "at most {} % of the trials failing",
+                "at most {} % of the trials may fail",
                 number::rounded(100.0 * share)
             ),
         };
@@ -120,7 +123,7 @@ impl Region {
         format!("{} {bound} {limit}, {failures}{cells}", label.words)
     }
 
-    /// The tried values of the searched field.
+    /// The tested values of the searched field in words.
     fn values_in_words(&self) -> String {
         let points = self.columns.iter().map(|column| column.points.len());
         let count: usize = points.sum();
@@ -143,20 +146,21 @@ impl Region {
         format!("{values}{}", self.worst_cell())
     }
 
-    /// The cell that decides most of the tried values, if there are several cells.
+    /// Text about the cell that decides at most of the tested values; empty if the study has only one cell.
     fn worst_cell(&self) -> String {
         if self.cells.len() < 2 {
             return String::new();
         }
         let points = || self.columns.iter().flat_map(|column| &column.points);
         let decided = |cell: &usize| points().filter(|point| point.worst == *cell).count();
-        // The first of those that decide as many values.
+        // The order is reversed so that, of several cells that decide the same number of values, the first is used.
         let worst = (0..self.cells.len()).rev().max_by_key(decided);
         let settings = settings_in_words(&self.cell_columns, &self.cells[worst.unwrap_or(0)]);
-        format!("; the worst cell is mostly that of {settings}")
+        format!("; the worst cell is mostly {settings}")
     }
 
-    /// Values of a column that meet the target, that miss it, and that are undecided; `certainty` follows the first verdict.
+    /// The values at one combination of the grid in words: the values that meet the target, that miss it, and that are
+    /// undecided. `certainty` is inserted after the first of these statements.
     fn column_in_words(&self, column: &RegionColumn, certainty: &str) -> String {
         let runs = |side: Side| {
             let runs: Vec<String> = column.on(side).map(|run| self.run(run)).collect();
@@ -187,7 +191,8 @@ impl Region {
         }
     }
 
-    /// Reason for which the neighbours of the values that meet the target miss it, if too many of their trials fail.
+    /// The failures in words, if values next to the range that meets the target miss it because too many of their
+    /// trials fail.
     fn failures_in_words(&self, column: &RegionColumn) -> String {
         match self.failing_end(column) {
             Some((point, sample)) => format!(", because {}", self.result_at(point, sample)),
@@ -195,8 +200,8 @@ impl Region {
         }
     }
 
-    /// The first end of a run of values that miss the target because too many trials fail there; ends of the range do not
-    /// count.
+    /// The first end of a range of values that miss the target because too many of their trials fail. An end of the
+    /// whole searched range is ignored.
     pub(crate) fn failing_end<'a>(
         &self,
         column: &'a RegionColumn,
@@ -213,7 +218,7 @@ impl Region {
         })
     }
 
-    /// Words for all values together.
+    /// Text for a combination at which all values lie on the same side of the target.
     fn all_values(&self, column: &RegionColumn) -> String {
         let (field, span) = (&self.searched, self.searched.span);
         match (field.is_listed(), span.from == span.to) {
@@ -226,7 +231,7 @@ impl Region {
         }
     }
 
-    /// Words for the undecided values.
+    /// Text for the values that are undecided.
     fn undecided(&self, column: &RegionColumn) -> Option<String> {
         let (field, span, runs) = (&self.searched, self.searched.span, &column.runs);
         if field.is_listed() {
@@ -256,13 +261,13 @@ impl Region {
             && matches!(runs[..], [first, second] if first.from == span.from && second.to == span.to);
         match open.is_empty() {
             true => None,
-            _ if is_between => Some("between them is undecided".to_owned()),
+            _ if is_between => Some("values between them are undecided".to_owned()),
             _ if runs.is_empty() => Some("all is undecided".to_owned()),
             _ => Some(format!("{} is undecided", joined(open))),
         }
     }
 
-    /// Values of a run.
+    /// The values of a range in words.
     fn run(&self, run: &Run) -> String {
         let (field, span) = (&self.searched, self.searched.span);
         if field.is_listed() || run.from == run.to {
@@ -275,7 +280,7 @@ impl Region {
         }
     }
 
-    /// The statistic at a value, or the failures if too many trials fail.
+    /// The result at a value in words: the statistic or, if too many trials fail, the failures.
     fn result_at(&self, point: &DesignPoint, sample: &Sample) -> String {
         let (value, label) = (self.searched.value(point.value), self.label());
         if self.is_failing(sample) || sample.counts.failed == sample.counts.trials {
@@ -300,7 +305,7 @@ impl Region {
         }
     }
 
-    /// Words for the confidence of the answer.
+    /// The confidence of the answer in words.
     fn certainty(&self) -> String {
         format!("{} % sure", percent(self.question.confidence))
     }
@@ -334,7 +339,7 @@ impl Region {
         }
     }
 
-    /// Words for the values of the other fields at the best value.
+    /// The values of the other fields at the best value, in words.
     fn at_best(&self, best: &Best<'_>, sought: Option<usize>) -> String {
         let grid = self.grid.iter().zip(&best.column.at).enumerate();
         let grid = grid.filter(|(place, _)| Some(*place) != sought);
@@ -349,7 +354,7 @@ impl Region {
         }
     }
 
-    /// Words for a region without a value that certainly meets the target.
+    /// Text for a region in which no value certainly meets the target.
     fn no_value_meets(&self) -> String {
         let span = self.searched.span;
         let all_miss = self.columns.iter().all(|column| {
@@ -385,8 +390,8 @@ impl Region {
         }
     }
 
-    /// Values that meet the target at each combination of the grid. Neighbours along a single field with the same values
-    /// share a clause.
+    /// Text with the values that meet the target at each combination of the grid. Neighbouring combinations with the
+    /// same result share a clause if they differ in a single field.
     fn values_that_meet(&self) -> String {
         let words = &self.searched.label.words;
         let certainty = match self.columns.len() {
@@ -434,7 +439,7 @@ impl Region {
         )
     }
 
-    /// Values of a column that meet the target.
+    /// The values that meet the target at one combination, in words.
     fn values_that_meet_in(&self, column: &RegionColumn) -> String {
         let (span, is_listed) = (self.searched.span, self.searched.is_listed());
         let mut runs = column.on(Side::Meets).peekable();
@@ -448,13 +453,13 @@ impl Region {
         }
     }
 
-    /// Values of the grid at a column, in words.
+    /// The values of the grid's fields at one combination, in words.
     fn at(&self, column: &RegionColumn) -> String {
         let pairs = self.grid.iter().zip(&column.at);
         joined(pairs.map(|(field, value)| field.named_value(*value)))
     }
 
-    /// The columns, in words.
+    /// All combinations in words.
     fn all_columns(&self) -> String {
         match self.columns.len() {
             2 => format!("both {}", self.columns_in_words()),
@@ -468,6 +473,6 @@ impl Region {
             1 => "values",
             _ => "combinations",
         };
-        format!("{things} of {fields} that were looked at")
+        format!("{things} of {fields} that were tested")
     }
 }

@@ -1,10 +1,10 @@
-//! Search for the values of a field at which a target is met, from scores with noise.
+//! Searches the values of a field at which a target is met, from noisy scores.
 //!
-//! Scores at all values come from trials with the same random numbers. Fresh trials verify the answer. All steps of a
-//! search together are wrong with at most the probability [`Search::wrong`]. One fifth of it is divided evenly among at
-//! most 400 tests of values, the rest among the ends of the runs. Each attempt at an end gets half the probability of
-//! the attempt before. This holds for any curve. Only between the tested values, the curve may cross the limit
-//! unnoticed.
+//! The trials at all values use the same random numbers. The answer is verified with fresh trials. The probability that
+//! any step of a search is wrong is at most [`Search::wrong`]. One fifth of this probability is divided evenly among at
+//! most 400 tests of values, and the rest among the ends of the ranges in the answer. Each attempt to verify an end may
+//! be wrong with half the probability of the previous attempt. These bounds are valid for any curve of the scores.
+//! However, the search does not detect a curve that crosses the limit and returns between two tested values.
 
 mod explore;
 mod limits;
@@ -24,86 +24,89 @@ pub use points::Side;
 pub use span::Span;
 pub use verify::Run;
 
-/// Scores of the two conditions of a target in one cell: the number of standard deviations by which the condition is
-/// met, negative if it is missed. The first score is for the statistic, the second for the share of trials that fail.
+/// Scores of the two conditions of a target in one cell. A score is the number of standard deviations by which the
+/// condition is met; it is negative if the condition is missed. The first condition is for the statistic, the second
+/// for the share of trials that fail.
 pub(crate) type Scores = [f64; 2];
 
-/// Request for the scores of a cell at a value.
+/// A request for the scores of a cell at a value of the field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ScoreRequest {
-    /// Value of the varied field; for listed values, the index in the list.
+    /// Value of the varied field, or the index of the value in a list of values.
     pub(crate) value: f64,
-    /// Index of the cell among those that must all meet the target.
+    /// Index of the cell. All cells must meet the target.
     pub(crate) cell: usize,
     /// Smallest number of trials.
     pub(crate) trials: u64,
-    /// Whether the trials must be new: not used by this search before.
+    /// Whether the trials must be fresh, that is, not used in this search before.
     pub(crate) fresh: bool,
 }
 
-/// Scores of some cells over the values of a field.
+/// Functions that return the scores of some cells at a value of the field.
 ///
 /// A trial must draw the same random numbers at every value, so that values can be compared trial by trial.
 pub(crate) trait Curves {
-    /// Reason why a score is missing.
+    /// Type of error if a score cannot be computed.
     type Error;
 
-    /// Number of cells that must all meet the target; at least 1.
+    /// Number of cells that must all meet the target, at least 1.
     fn cells(&self) -> usize;
 
-    /// Scores for some requests, in their order.
+    /// Scores for some requests, in the order of the requests.
     ///
     /// # Errors
-    /// Reason why a request has no score.
+    /// Reason why a score cannot be computed.
     fn scores(&mut self, requests: &[ScoreRequest]) -> Result<Vec<Scores>, Self::Error>;
 }
 
 /// Settings of a search for values that meet a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Search {
-    /// Values that the search may test.
+    /// Range or list of the values that the search may test.
     pub(crate) among: SearchRange,
-    /// Largest gap that may stay between values that meet the target and values that miss it, by [`Span::gap`].
+    /// Largest gap that may remain between values that meet the target and values that miss it. It is measured by
+    /// [`Span::gap`].
     pub(crate) gap: f64,
     /// Largest number of trials of a cell at one value.
     pub(crate) most_trials: u64,
-    /// Time after which the search explores no more values; the scan and the verification are always done.
+    /// Time after which the search tests no more values. The first scan and the verification are always done.
     pub(crate) budget: Option<Duration>,
     /// Probability that any part of the answer is wrong, above 0 and below 1. If it is 0, negative or NaN, the answer
-    /// is empty; a value above 1 counts as 1.
+    /// is empty; a value above 1 is treated as 1.
     pub(crate) wrong: f64,
 }
 
-/// Values that meet a target, and values that miss it.
+/// Result of a search: the values that meet the target, and the values that miss it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SearchResult {
     /// Values that were tested, ascending.
     pub(crate) tested: Vec<TestedValue>,
-    /// Ranges of neighbouring values on one side, ascending; values between the ranges are undecided.
+    /// Ranges of neighbouring values that all meet or all miss the target, in ascending order. Whether values between
+    /// the ranges meet the target is undecided.
     pub(crate) runs: Vec<Run>,
-    /// Number of ends of runs that fresh trials did not verify at the first attempt. Each was moved, or its run was
-    /// dropped.
+    /// Number of range ends that fresh trials did not verify at the first attempt. Each such end was moved inwards, or
+    /// its range was dropped.
     pub(crate) narrowed: usize,
     /// Reason why the search ended.
     pub(crate) ended: EndReason,
 }
 
-/// Value that a search has tested.
+/// A value that a search has tested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TestedValue {
-    /// The value.
+    /// The value of the field that was tested.
     pub(crate) value: f64,
-    /// Side of the target on which it lies; `None` if that is undecided.
+    /// Whether the value meets or misses the target; `None` if the tests have not decided this.
     pub(crate) side: Option<Side>,
-    /// Cell with the smallest score.
+    /// Index of the cell that has the smallest score at this value.
     pub(crate) worst: usize,
-    /// Largest number of trials of a cell.
+    /// Largest number of trials of any cell at this value.
     pub(crate) trials: u64,
 }
 
 /// Searches for the values at which all cells of a curve meet their target.
 ///
-/// Without a budget the result depends only on the scores.
+/// Without a budget, the result depends only on the scores.
 ///
 /// # Errors
 /// The error of the curve.

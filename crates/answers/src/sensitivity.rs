@@ -1,4 +1,4 @@
-//! Which numeric field of a scene changes the error of an estimate most.
+//! Finds the numeric field of a scene that changes the error of an estimate most.
 
 use palpate_report::{Bars, Figure, ReportError, bar_figure};
 use palpate_scene::{Scene, Scenes, SharedModels, quantities_of};
@@ -10,61 +10,65 @@ use serde_json::{Value, json};
 use crate::distinguish::place_of;
 use crate::error::AnswerError;
 
-/// Number of trials that a thread runs at a time.
+/// Number of trials that a thread runs without interruption.
 const BLOCK: u64 = 32;
-/// Lists of more numbers than this are skipped: no single entry of a long list is a design choice.
+/// Longest list whose numbers are changed. In longer lists, a single number is no choice of a design.
 const LONGEST_LIST: usize = 3;
 /// Largest rms error, relative to the true value, that counts as rounding.
 const ROUNDING: f64 = 1e-10;
 /// Largest number of bars in the figure.
 const MAX_BARS: usize = 12;
 
-/// Influence of the numeric fields of a scene on the rms error of a quantity.
+/// Effect of the numeric fields of a scene on the rms error of a quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensitivity {
-    /// The quantity.
+    /// The estimated quantity.
     pub quantity: Quantity,
-    /// Its unit, as in `cells.csv`.
+    /// Unit of the quantity, as in `cells.csv`.
     pub unit: &'static str,
-    /// Number of trials of each value.
+    /// Number of trials for each value of a field.
     pub trials: u64,
-    /// The rms error at the values of the config.
+    /// Rms error of the quantity for the values in the config.
     pub rms_error: f64,
-    /// Fields with their effects, the largest effect first.
+    /// Fields with their effects on the error, the largest effect first.
     pub effects: Vec<FieldEffect>,
-    /// Fields without an effect that can be measured, with the reason.
+    /// Paths of the fields whose effect cannot be measured, each with the reason.
     pub skipped: Vec<(String, String)>,
 }
 
-/// Effect of a field on the rms error.
+/// Effect of one field on the rms error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldEffect {
     /// Column of the field: its path with its unit.
     pub column: String,
-    /// Value in the config.
+    /// Value of the field in the config.
     pub value: f64,
-    /// The two values that are compared.
+    /// The two values of the field that are compared.
     pub values: [f64; 2],
-    /// The rms errors at these values.
+    /// Rms errors for the two values.
     pub rms_errors: [f64; 2],
-    /// Relative change of the error per relative change of the field: 1 if the error is proportional to the field.
+    /// Relative change of the error, divided by the relative change of the field. It is 1 if the error is proportional
+    /// to the field.
     pub effect: f64,
     /// Standard error of the effect.
     pub effect_std: f64,
-    /// Number of trials that failed at one of the values. They do not count.
+    /// Number of trials that failed for at least one of the two values. They are left out.
     pub failures: u64,
 }
 
-/// Squared error of each trial at one value, averaged over the places of a patch; `None` if the trial failed.
+/// Squared error of each trial for one value of a field, averaged over the points of a patch; `None` if the trial
+/// failed.
 type SquaredErrors = Vec<Option<f64>>;
 
-/// Finds which numeric field of the study's scene changes the rms error of a quantity most.
+/// Finds the numeric field of the study's scene that changes the rms error of a quantity most.
 ///
-/// Each field is changed alone by the relative `step` in both directions; whole numbers change by at least 1. If only one
-/// direction is possible, the other value is that of the config. Trials with the same number draw the same random numbers
-/// at every value, so that small effects are visible in few trials. If the study sweeps fields, its first cell is used.
+/// Each field is changed alone, by the relative `step` in both directions; whole numbers change by at least 1. If only
+/// one direction is possible, the second value is the value in the config. Trials with the same number draw the same
+/// random numbers for every value, so that a few trials show small effects. If the study sweeps fields, its first cell
+/// is used.
 ///
-/// Without `quantity`, the object's curvature is used: `object_curvature` of a press, else `mean_curvature`.
+/// If `quantity` is `None`, the curvature of the object is used: `object_curvature` for a press, otherwise
+/// `mean_curvature`.
 ///
 /// ```
 /// use palpate_answers::sensitivity;
@@ -84,7 +88,7 @@ type SquaredErrors = Vec<Option<f64>>;
 /// let study = parse("a-ball.toml", text)?;
 /// let runner = Runner::new(&RunOptions::default())?;
 /// let found = sensitivity(&study, None, 500, 0.05, &runner, &|_, _| ())?;
-/// // The error is proportional to the sensor's noise.
+/// // The error is proportional to the noise of the sensor.
 /// let noise = found.effects.iter().find(|one| one.column == "scene.sensor.std_mm");
 /// assert!(noise.is_some_and(|noise| (noise.effect - 1.0).abs() < 0.01));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -148,7 +152,7 @@ pub fn sensitivity(
     Ok(found)
 }
 
-/// Adds the numeric fields of a table and of its tables, with their paths.
+/// Adds the numeric fields of a table, and of the tables in it, with their paths and values.
 fn numbers(node: &Value, path: &str, fields: &mut Vec<(String, f64)>) {
     let mut child = |key: &str, node: &Value| numbers(node, &format!("{path}.{key}"), fields);
     match node {
@@ -164,7 +168,7 @@ fn numbers(node: &Value, path: &str, fields: &mut Vec<(String, f64)>) {
     }
 }
 
-/// Runs of the trials with other values of a field.
+/// Runs the trials of the scene, with other values of a field.
 struct ErrorRuns<'a> {
     study: &'a Study,
     quantity: Quantity,
@@ -174,7 +178,7 @@ struct ErrorRuns<'a> {
 }
 
 impl ErrorRuns<'_> {
-    /// Root mean square of the true values, and the squared errors of the trials, with these values of fields.
+    /// Root mean square of the true values, and the squared errors of the trials, for these values of fields.
     fn at(
         &self,
         fields: &[(String, Vec<toml::Value>)],
@@ -208,7 +212,7 @@ impl ErrorRuns<'_> {
         Ok((truth.sqrt(), errors))
     }
 
-    /// Effect of a field with this value in the config, or the reason why there is none.
+    /// Effect of the field `path`, whose value in the config is `value`, or the reason for which it cannot be measured.
     fn effect(
         &self,
         path: &str,
@@ -257,7 +261,7 @@ impl ErrorRuns<'_> {
         if !effect.is_finite() {
             return Err("no trial succeeds at both values, or one value has no error".to_owned());
         }
-        // Both means come from the same random numbers, so their errors are correlated.
+        // Both means are computed from the same random numbers, so that their errors are correlated.
         let influences = pairs
             .iter()
             .map(|pair| 0.5 * (pair[1] / means[1] - pair[0] / means[0]));
@@ -275,7 +279,7 @@ impl ErrorRuns<'_> {
     }
 }
 
-/// Means of the squared errors and of the squared true values of a trial; `None` if it failed.
+/// Means of the squared errors and of the squared true values in a trial; `None` if the trial failed.
 fn squares(scene: &Scene, trial: u64, place: usize) -> Option<(f64, f64)> {
     let (mut errors, mut truths, mut count) = (0.0, 0.0, 0.0);
     let run = scene.trial(trial, |quantity, observed| {
@@ -308,7 +312,7 @@ impl Sensitivity {
         table
     }
 
-    /// Lines for a terminal: the error, then a line per field, then the fields without a measured effect.
+    /// Lines for a terminal: the error, one line per field, and the fields whose effect cannot be measured.
     pub fn lines(&self) -> Vec<String> {
         let size = number::significant(self.rms_error, 3);
         let mut lines = vec![
@@ -369,7 +373,7 @@ impl Sensitivity {
     /// Bar chart of the largest effects. `name` is the name of its files.
     ///
     /// # Errors
-    /// [`ReportError`] if it cannot be drawn.
+    /// [`ReportError`] if the chart cannot be drawn.
     pub fn figure(&self, name: &str, title: &str) -> Result<Figure, ReportError> {
         let bars = self.effects.iter().take(MAX_BARS).map(|one| {
             let words = Label::of_field(&one.column).words;

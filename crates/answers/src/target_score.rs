@@ -1,30 +1,31 @@
-//! Scores of the trials of a cell against a target: how certainly they meet it or miss it.
+//! Scores of the trials of a cell. A score states how certainly the cell meets or misses the target.
 
 use crate::search::Scores;
 use palpate_scene::{Scene, drop_undefined_moments};
 use palpate_study::{Bound, Quantity, QuantityKind, Statistic, Target};
 use palpate_sweep::{Batches, CERTAIN, CellStatistics, Estimate, Summary, share_at_most};
 
-/// Share of failures that a cell without any success must certainly exceed to miss the target.
+/// Share of failures for cells without a successful trial. Such a cell counts as missing the target if its share of
+/// failures is certainly larger than this value.
 const NO_ESTIMATE_SHARE: f64 = 0.5;
-/// The histogram resolves a quantile to this part of its distance to the true value.
+/// Relative resolution of the distance between a quantile and the true value, which comes from a histogram.
 const QUANTILE_RESOLUTION: f64 = 1.0 / 256.0;
 
-/// Target in a scene: a limit on a statistic of one of its quantities.
+/// A target in a scene: a limit on a statistic of one of the scene's quantities.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SceneTarget {
     target: Target,
     max_failures: f64,
     quantities: &'static [Quantity],
-    /// Place of the target's quantity among those of the scene.
+    /// Index of the target's quantity among the quantities of the scene.
     place: usize,
 }
 
-/// Reason why a statistic has no value although trials succeed.
+/// Reason why a statistic is undefined although some trials succeed.
 pub(crate) struct NoValue(pub(crate) &'static str);
 
 impl SceneTarget {
-    /// Target in a scene with these quantities; `None` if the target's quantity is not among them.
+    /// The target in a scene with these quantities; `None` if the scene does not have the target's quantity.
     pub(crate) fn new(
         target: Target,
         max_failures: f64,
@@ -47,7 +48,7 @@ impl SceneTarget {
         self.quantities[self.place]
     }
 
-    /// Batches without trials yet. They will store only the quantities that the target needs.
+    /// Empty batches that will store only the quantities that the target needs.
     pub(crate) fn batches(&self, first: u64) -> Batches {
         let of = self.quantity().inverse_of();
         let of = of.and_then(|of| self.quantities.iter().position(|one| *one == of));
@@ -59,7 +60,7 @@ impl SceneTarget {
         Batches::from_trial(first).keeping(stored, is_quantile)
     }
 
-    /// The statistic with its standard error; `None` if it is undefined.
+    /// The statistic of the target with its standard error; `None` if the statistic is undefined.
     fn estimate(&self, scene: &Scene, batches: &Batches) -> Option<Estimate> {
         let estimate = batches.estimate(|all| self.statistic(scene, all))?;
         let truth = batches.statistics().quantities[self.place].truth;
@@ -83,7 +84,7 @@ impl SceneTarget {
         }
     }
 
-    /// Scores of the statistic and of the share of failures, and the statistic if it is defined.
+    /// The scores of the statistic and of the share of failures. Also the statistic, if it is defined.
     pub(crate) fn scores(
         &self,
         scene: &Scene,
@@ -115,7 +116,7 @@ impl SceneTarget {
         Ok(([of_statistic, of_failures], estimate))
     }
 
-    /// Reason why the statistic has no value with any number of trials; `None` if more trials may give one.
+    /// Reason why the statistic is undefined for any number of trials. `None` if more trials may define it.
     fn why_undefined(&self, all: &CellStatistics) -> Option<&'static str> {
         let summary = &all.quantities[self.place];
         let is_relative = matches!(
@@ -125,26 +126,26 @@ impl SceneTarget {
         match self.target.statistic {
             _ if summary.observations == 0 => None,
             _ if is_relative && summary.truth == Some(0.0) => {
-                Some("the true value is 0; take rms_error or mean_abs_error")
+                Some("the true value is 0; use rms_error or mean_abs_error")
             }
             _ if is_relative && summary.truth.is_none() => {
-                Some("the true value differs from place to place; take rms_error or mean_abs_error")
+                Some("the true value differs from point to point; use rms_error or mean_abs_error")
             }
             Statistic::Q05 | Statistic::Q50 | Statistic::Q95 if summary.truth.is_none() => {
-                Some("the true value differs from place to place")
+                Some("the true value differs from point to point")
             }
             statistic if statistic == Statistic::MeanReportedStd || statistic.is_coverage() => {
                 Some("the estimator states no standard deviation")
             }
-            Statistic::StdBound => Some("there is no bound; only presses with noise have one"),
+            Statistic::StdBound => Some("there is no bound; only presses with noise have a bound"),
             _ if self.quantity().inverse_of().is_some() => {
-                Some("its sign is undecided; take a quantile, or the curvature")
+                Some("its sign is undecided; use a quantile, or the curvature")
             }
             _ => None,
         }
     }
 
-    /// Score of a statistic against the limit, after this number of successful trials.
+    /// Score of an estimated statistic relative to the limit, after `successes` successful trials.
     fn score(&self, estimate: &Estimate, successes: u64) -> f64 {
         let Target {
             statistic,
@@ -156,7 +157,7 @@ impl SceneTarget {
             Bound::AtMost => estimate.at_most(limit),
             Bound::AtLeast => estimate.at_least(limit),
         };
-        // The logarithm of an error size is closer to normal than the size itself.
+        // Use the logarithm of the size of an error, because its distribution is closer to a normal distribution.
         let logs = match statistic.is_size() && limit > 0.0 {
             true => estimate.map(libm::log),
             false => None,
@@ -170,7 +171,9 @@ impl SceneTarget {
         if !(is_share && limit > 0.0 && limit < 1.0) {
             return score;
         }
-        // If all batches have the same share, its standard error is 0, although the true share may differ.
+        // If the share is the same in all batches, its estimated standard error is 0, although the true share may
+        // differ. Therefore a second score is computed from the number of trials, and the less certain of the two
+        // scores is used.
         let (share, limit) = match bound {
             Bound::AtMost => (estimate.value, limit),
             Bound::AtLeast => (1.0 - estimate.value, 1.0 - limit),
@@ -185,7 +188,7 @@ impl SceneTarget {
     }
 }
 
-/// Value of a statistic of a quantity's trials.
+/// The value of a statistic in the summary of a quantity's trials.
 fn of_summary(summary: &Summary, statistic: Statistic) -> Option<f64> {
     match statistic {
         Statistic::Mean => summary.mean,
@@ -203,7 +206,7 @@ fn of_summary(summary: &Summary, statistic: Statistic) -> Option<f64> {
         Statistic::Coverage50 => summary.coverage50,
         Statistic::Coverage80 => summary.coverage80,
         Statistic::Coverage95 => summary.coverage95,
-        // These are the same for all trials, or no statistics of estimates.
+        // These statistics are no targets, because they are the same for all trials or do not describe the estimates.
         Statistic::Truth | Statistic::Trials | Statistic::Failures | Statistic::StdBound => None,
     }
 }

@@ -1,4 +1,4 @@
-//! Numbers of trials and of failed trials.
+//! Number of trials, and number of failed trials.
 
 use std::collections::BTreeMap;
 
@@ -6,19 +6,19 @@ use palpate_sweep::{CellStatistics, TrialMeans};
 
 use crate::words::percent;
 
-/// Number of trials of a cell, and how many of them failed.
+/// Number of trials of a cell, and number of its failed trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TrialCounts {
-    /// Number of trials; 0 if the readings determine no estimate.
+    /// Number of trials; 0 if no trial was run because the readings do not determine an estimate.
     pub trials: u64,
     /// Number of failed trials.
     pub failed: u64,
-    /// Most frequent kind of failure, and its number of trials.
+    /// The most frequent kind of failure, and the number of trials that failed in this way.
     pub main_failure: Option<(&'static str, u64)>,
 }
 
 impl TrialCounts {
-    /// Counts of a cell whose readings determine no estimate, for this reason.
+    /// Counts of a cell whose readings do not determine an estimate. `kind` names the kind of failure.
     pub(crate) fn not_estimable(kind: &'static str) -> Self {
         Self {
             main_failure: Some((kind, 0)),
@@ -26,7 +26,7 @@ impl TrialCounts {
         }
     }
 
-    /// Share of the trials that failed; 1 without trials.
+    /// Share of failed trials; 1 without trials.
     pub(crate) fn failure_rate(&self) -> f64 {
         match self.trials {
             0 => 1.0,
@@ -34,7 +34,8 @@ impl TrialCounts {
         }
     }
 
-    /// The failures in words, with the share of the most frequent kind. `trials` is the word for trials, `at` names the cell.
+    /// The failures in words, with the share of the most frequent kind. `trials` is the word for trials, and `at`
+    /// describes the cell.
     pub(crate) fn failures_in_words(&self, trials: &str, at: &str) -> String {
         let kind = |share: String| match self.main_failure {
             Some((kind, _)) => format!(" (`{kind}`{share})"),
@@ -42,7 +43,7 @@ impl TrialCounts {
         };
         if self.trials == 0 {
             return format!(
-                "the readings determine no estimate at {at}{}",
+                "no estimate is possible from the readings at {at}{}",
                 kind(String::new())
             );
         }

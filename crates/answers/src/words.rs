@@ -2,22 +2,22 @@
 
 use palpate_study::{Label, number};
 
-/// Digits of a number in a sentence.
+/// Number of significant digits of a number in a sentence.
 pub(crate) const DIGITS: usize = 3;
 
-/// Share in percent, without the sign.
+/// A share in percent, without the percent sign.
 pub(crate) fn percent(share: f64) -> String {
     number::significant(100.0 * share, DIGITS)
 }
 
-/// Text with a capital at its start.
+/// The text with a capital first letter.
 pub(crate) fn capitalized(words: &str) -> String {
     let mut letters = words.chars();
     let first = letters.next().into_iter().flat_map(char::to_uppercase);
     first.chain(letters).collect()
 }
 
-/// `a`, `a and b`, `a, b and c`.
+/// A list in words: `a`, `a and b`, or `a, b and c`.
 pub(crate) fn joined(words: impl IntoIterator<Item = String>) -> String {
     match words.into_iter().collect::<Vec<_>>().as_slice() {
         [] => String::new(),
@@ -26,7 +26,7 @@ pub(crate) fn joined(words: impl IntoIterator<Item = String>) -> String {
     }
 }
 
-/// Values of swept fields with their names and units.
+/// The values of swept fields in words, with their names and units.
 pub(crate) fn settings_in_words(columns: &[String], values: &[String]) -> String {
     let pairs = columns.iter().zip(values).map(|(column, text)| {
         let label = Label::of_field(column);

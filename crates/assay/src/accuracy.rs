@@ -1,8 +1,8 @@
-//! Errors of palpate on fixed scenes and seeds: fidelity levels against closed forms, estimators against the true
-//! values of the scenes, and the tracker against the true places of the discs in its frames.
+//! Errors of palpate on fixed scenes with fixed seeds: errors of models against closed forms, of estimators against the
+//! true values of the scenes, and of the marker tracker against the true places of the discs in its frames.
 //!
-//! `cargo xtask bench-check` compares them with `baseline/accuracy.csv`, so that no change makes an answer worse
-//! unnoticed. An error is relative, or in the unit that its name ends with.
+//! `cargo xtask bench-check` compares these errors with `baseline/accuracy.csv`, so that a change which makes an answer
+//! less accurate is noticed. An error is relative unless its name ends with a unit.
 
 use anyhow::{Context, Result, ensure};
 use palpate_ep2::{Curvature, Method, Penalised, Quadric, TwoPass};
@@ -20,10 +20,10 @@ use crate::workloads::unit_rolls::{self, Chart, Ep1, Model, paraboloid, roller, 
 
 type Figures = Vec<(String, f64)>;
 
-/// All errors with their names: rolls, EP1 trials, EP2 fits, presses, frames.
+/// Names and values of all errors, for rolls, EP1 trials, EP2 fits, presses and frames.
 ///
 /// # Errors
-/// If a scene cannot be run, or an error is not finite.
+/// An error if a scene cannot be run, or an error is not finite.
 pub fn figures() -> Result<Vec<(String, f64)>> {
     let figures = [
         roll_errors()?,
@@ -39,14 +39,14 @@ pub fn figures() -> Result<Vec<(String, f64)>> {
     Ok(figures)
 }
 
-/// Root mean square.
+/// Root mean square of the errors.
 pub(crate) fn rms(errors: impl IntoIterator<Item = f64>) -> f64 {
     let square = |(sum, count): (f64, u32), error: f64| (sum + error * error, count + 1);
     let (sum, count) = errors.into_iter().fold((0.0, 0), square);
     (sum / f64::from(count)).sqrt()
 }
 
-/// Errors of rolls at every fidelity level, compared with closed forms.
+/// Errors of rolls with each model, compared with closed forms.
 fn roll_errors() -> Result<Figures> {
     let charts = Chart::Montana(HeldAxis::Transported);
     let rk4 = |chart| Model::Rk4 { steps: 64, chart };
@@ -76,7 +76,7 @@ fn roll_errors() -> Result<Figures> {
     Ok(figures)
 }
 
-/// Trials of EP1.
+/// Errors of EP1 estimates in repeated trials.
 fn trial_errors() -> Result<Figures> {
     let mut figures = Vec::new();
     for (sensor, setting) in [("uniform errors", Ep1::UNIFORM), ("pads", Ep1::PADS)] {
@@ -123,7 +123,7 @@ fn ep2_errors() -> Result<Figures> {
     Ok(figures)
 }
 
-/// Errors of the markers that the tracker finds in a frame with a dark background and in a rendered frame.
+/// Errors of the markers that the tracker finds in two frames. One frame has a dark background, the other is rendered.
 fn frame_errors() -> Result<Figures> {
     let (frame, discs) = camera_frames::frame(640);
     let dark = camera_frames::errors(&camera_frames::finder(640).find(&frame)?.markers, &discs);
@@ -150,7 +150,7 @@ const THICKNESS: f64 = 5.0;
 /// Depth of the markers, mm.
 const DEPTH: f64 = 2.0;
 
-/// Errors of the displacement field of a press, and of the curvatures that the fits estimate from it.
+/// Errors of the displacement field of a press. Also errors of the curvatures that fits estimate from this field.
 fn press_errors() -> Result<Figures> {
     let half_space = Body::half_space(0.5, DEPTH)?;
     let table = Body::bonded_layer(THICKNESS, DEPTH)?;
@@ -173,7 +173,8 @@ fn press_errors() -> Result<Figures> {
     Ok(figures.map(name).to_vec())
 }
 
-/// Largest error of the displacements, relative to the largest, against a quadrature over wavenumbers.
+/// Largest error of the displacements, divided by the largest displacement. The reference is a quadrature over
+/// wavenumbers.
 fn displacement_error(body: &Body, reference: paraboloid_reference::Body) -> Result<f64> {
     let distances: Vec<f64> = (0..77).map(|marker| 0.25 * f64::from(marker)).collect();
     let truth = ParaboloidPress::new(reference, 1.0 / SKIN, INDENTATION)?;
@@ -184,7 +185,7 @@ fn displacement_error(body: &Body, reference: paraboloid_reference::Body) -> Res
     Ok(largest_error(&found, &truth))
 }
 
-/// Rms error of the object's fitted curvature, relative to the sum of the curvatures of skin and object.
+/// Rms error of the object's fitted curvature, divided by the sum of the curvatures of the skin and the object.
 fn press_fit_error(body: Body) -> Result<f64> {
     let markers = markers()?;
     let contact = markers.skin().contact(&body, OBJECT, INDENTATION)?;

@@ -1,5 +1,5 @@
-//! Check of answers: boundaries from `palpate design` against a reference with 100 times the trials, and probabilities from
-//! `palpate distinguish` against pairs of fresh trials.
+//! Checks the answers of two commands. Boundaries that `palpate design` finds are compared with a reference that has
+//! 100 times the trials. Probabilities that `palpate distinguish` estimates are compared with pairs of fresh trials.
 
 use std::time::Instant;
 
@@ -14,30 +14,33 @@ use crate::csv_table::Column;
 
 const DESIGN: &str = "design";
 const DISTINGUISH: &str = "distinguish";
-/// Gap of a reference relative to that of a design. A tenth of the gap takes 100 times the trials.
+/// Gap of the reference, relative to the gap of the design that is checked. A gap of one tenth needs 100 times the
+/// trials.
 const REFERENCE_GAP: f64 = 0.1;
+/// Seed of the reference.
 const REFERENCE_SEED: u64 = 1_000_003;
-/// Number of the first fresh trial, and the distance between the first trials of two objects.
+/// Number of the first fresh trial.
 const FRESH: u64 = 1 << 50;
+/// Difference between the numbers of the first fresh trials of two cells.
 const APART: u64 = 1 << 40;
 /// Half-width of a 95 % interval, in standard errors.
 const HALF_WIDTH_95: f64 = 1.96;
 
-/// Size of a run.
+/// Options of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
     /// Number of seeds for each scene.
     pub seeds: u64,
     /// Number of pairs of trials for each probability.
     pub pairs: u64,
-    /// Only scenes whose names contain these words.
+    /// Only scenes whose names contain these words are run.
     pub only: &'a str,
 }
 
-/// Number of answers to a scene, and number of the correct ones.
+/// Number of answers for a scene, and how many of them are correct.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Score {
-    /// `design` or `distinguish`.
+    /// The command: `design` or `distinguish`.
     pub command: &'static str,
     /// Name of the scene.
     pub scene: &'static str,
@@ -48,7 +51,7 @@ pub struct Score {
 }
 
 impl Score {
-    /// Columns of the table.
+    /// The score as columns of the table.
     pub fn columns(&self) -> [Column; 4] {
         [
             ("command", self.command.to_owned()),
@@ -59,10 +62,10 @@ impl Score {
     }
 }
 
-/// Scores of all scenes. `report` gets each as soon as it is computed.
+/// Scores of all scenes. `report` is called with each score as soon as it is computed.
 ///
 /// # Errors
-/// If a scene cannot be set up.
+/// An error if a scene cannot be set up.
 pub fn scores(options: Options<'_>, report: impl Fn(&Score)) -> Result<Vec<Score>> {
     let runner = Runner::new(&RunOptions::default())?;
     let mut scores = Vec::new();
@@ -85,12 +88,14 @@ pub fn scores(options: Options<'_>, report: impl Fn(&Score)) -> Result<Vec<Score
     Ok(scores)
 }
 
-/// Fails if too few answers are correct: 183 of 200 designs and 16 of 20 of each scene; 19 of 20 probabilities.
+/// Fails if too few answers are correct. At least 183 of 200 designs, at least 16 of 20 designs of each scene, and at
+/// least 19 of 20 probabilities must be correct.
 ///
-/// An answer is correct with 95 %. Then at least 183 of 200 are correct with 98.8 %, and at least 16 of 20 with 99.7 %.
+/// An answer should be correct with a probability of 95 %. At least 183 of 200 answers are then correct with a
+/// probability of 98.8 %, and at least 16 of 20 with 99.7 %.
 ///
 /// # Errors
-/// If too few are correct.
+/// An error if too few answers are correct.
 pub fn check(scores: &[Score]) -> Result<()> {
     let of = |command: &str| {
         let scores = scores.iter().filter(|score| score.command == command);
@@ -119,7 +124,7 @@ pub fn check(scores: &[Score]) -> Result<()> {
     Ok(())
 }
 
-/// Compares designs of a scene, one for each seed, with a reference.
+/// Compares the designs of a scene, one for each seed, with a reference.
 fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
     let ask = |seed: u64, gap: f64| -> Result<Region> {
         let mut study = parse(scene.name, scene.config)?;
@@ -144,7 +149,8 @@ fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
     })
 }
 
-/// Whether an answer has values on both sides of the target, and the reference puts no end of a run on the other side.
+/// Whether an answer of `design` is correct. It must contain values on both sides of the target, and the reference must
+/// not contradict it at any end of its ranges.
 fn is_right_design(answer: &Region, reference: &Region) -> bool {
     let [answer, reference] = [answer, reference].map(|region| &region.columns[0]);
     let is_wrong = |value: f64, side: Side| {
@@ -159,7 +165,8 @@ fn is_right_design(answer: &Region, reference: &Region) -> bool {
         && !ends.any(|(value, side)| is_wrong(value, side))
 }
 
-/// Compares the probability of each pair of objects, for each seed, with its share of pairs of fresh trials.
+/// For each pair of objects and each seed, compares the estimated probability with the share of pairs of fresh trials
+/// that are in the right order.
 fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> Result<Score> {
     let (config, radii) = (scene.config, scene.radii);
     let sweep = format!("[[sweep]]\npath = \"scene.object.radius\"\nvalues = {radii:?}\n");
@@ -201,8 +208,9 @@ fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> 
     Ok(score)
 }
 
-/// Whether a probability and the share of fresh pairs differ by no more than the interval of the probability and the
-/// standard error of the share. The share is the same for every seed, so its error must count.
+/// Whether an estimated probability agrees with the share of fresh pairs. The difference may be as large as the
+/// interval of the probability combined with the standard error of the share. This standard error is included because
+/// the share is the same for every seed.
 fn is_right_order(order: Order, share: f64, pairs: usize) -> bool {
     let side = match share < order.probability {
         true => order.probability - order.low,
@@ -250,7 +258,7 @@ mod tests {
             (0.399, many, false),
             (0.519, many, true),
             (0.521, many, false),
-            // A standard error of 0.005 on 0.02: 0.0223 together.
+            // A standard error of 0.005 and a half-width of 0.02 give a combined half-width of 0.0223.
             (0.522, 10_000, true),
             (0.5225, 10_000, false),
         ] {

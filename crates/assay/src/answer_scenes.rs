@@ -1,6 +1,7 @@
-//! Scenes of the check of answers.
+//! Scenes for the check of the answers of `design` and `distinguish`.
 
-/// A design: a target, the varied field, and a gap that the trials can reach.
+/// A question for `design`: a target, the varied field, and a gap. The gap is small enough for a meaningful test, but
+/// can be reached with the available trials.
 #[derive(Debug)]
 pub(crate) struct Design {
     pub(crate) name: &'static str,
@@ -10,7 +11,7 @@ pub(crate) struct Design {
     pub(crate) gap: f64,
 }
 
-/// Balls or cylinders that `distinguish` compares.
+/// Balls or cylinders that `distinguish` must distinguish.
 #[derive(Debug)]
 pub(crate) struct Objects {
     pub(crate) name: &'static str,
@@ -20,7 +21,7 @@ pub(crate) struct Objects {
     pub(crate) quantity: &'static str,
 }
 
-/// Config of rolls with a probe of 10 mm. Arguments: the object; the sensor or its noise.
+/// Config of rolls with a probe of radius 10 mm. The arguments are the object, and the sensor or its noise.
 macro_rules! roll {
     ($object:literal, $rest:literal) => {
         concat!(
@@ -36,7 +37,8 @@ macro_rules! roll {
     };
 }
 
-/// Config of glides with three fingers of five contacts each. Arguments: the object; the noise of positions.
+/// Config of glides with three fingers, each with five contacts. The arguments are the object and the noise of
+/// positions.
 macro_rules! glide {
     ($object:literal, $noise:literal) => {
         concat!(
@@ -173,7 +175,7 @@ pub(crate) const DESIGNS: &[Design] = &[
     },
 ];
 
-/// Twenty pairs of objects.
+/// Objects for the check of `distinguish`. The check compares every two radii of the same entry: twenty pairs in total.
 pub(crate) const OBJECTS: &[Objects] = &[
     Objects {
         name: "roll: balls by noisy rates",

@@ -1,5 +1,5 @@
-//! Check of `auto`: the model that it chooses errs by at most the tolerance, and takes at most twice the instructions of the
-//! cheapest model within the tolerance.
+//! Checks the automatic choice of a model (`auto`). The error of the chosen model must be within the tolerance. Its
+//! number of processor instructions must be at most twice that of the cheapest model within the tolerance.
 //!
 //! | kind | computation that is counted | error | reference | competing models |
 //! |---|---|---|---|---|
@@ -7,9 +7,9 @@
 //! | glide | the touches of all fingers | contacts, relative to the tip's radius | the offset surface in closed form; Newton's method for a closed form, and a closed form for Newton's method | closed form, Newton's method with tolerances in steps of ten |
 //! | press | the press, and the displacements of the markers | displacements, relative to the largest | quadrature over wavenumbers, which no rung uses | Hertz, half-space, layer |
 //!
-//! The setup of a scene is not counted. A competing model of a roll is not counted either if it evaluates the contact
-//! equations more than three times as often as the chosen one: the work around an evaluation differs by a factor of at most
-//! 2.1 between methods.
+//! The set-up of a scene is not counted. For a roll, a competing model is not counted if it evaluates the contact
+//! equations more than three times as often as the chosen model. Such a model cannot be cheaper, because the cost per
+//! evaluation of two methods differs by a factor of at most 2.1.
 
 mod auto_choice;
 mod auto_scenes;
@@ -26,19 +26,21 @@ pub use auto_choice::{AutoChoice, SCENES};
 pub use auto_scenes::{Kind, config_text};
 pub use competing_models::CompetingModel;
 
-/// The choices on all scenes, kind by kind.
+/// The choices of `auto` on all scenes, sorted by kind of scene.
 ///
 /// # Errors
-/// As [`AutoChoice::new`].
+/// Errors of [`AutoChoice::new`].
 pub fn choices() -> Result<Vec<AutoChoice>> {
     let of_kind = |kind| (0..SCENES).map(move |number| AutoChoice::new(kind, number));
     Kind::ALL.into_iter().flat_map(of_kind).collect()
 }
 
-/// Checks all scenes, writes `promise.csv`, and returns a summary. `counted` as in [`timing::instructions`].
+/// Checks all scenes, writes `promise.csv`, and returns a summary. With `counted`, it only runs the computations whose
+/// instructions are counted (see [`timing::instructions`]).
 ///
 /// # Errors
-/// If a choice fails the check, after the table is written; if counting fails, or the table cannot be written.
+/// An error if a choice fails the check, if counting fails, or if the table cannot be written. If a choice fails, the
+/// table is written before.
 pub fn run(out: &Path, counted: bool) -> Result<String> {
     let choices = choices()?;
     let evaluations: Vec<Evaluation> = choices
@@ -65,17 +67,18 @@ pub fn run(out: &Path, counted: bool) -> Result<String> {
     summary(&verdicts).map_err(|summary| anyhow!("{summary}: see {}", out.display()))
 }
 
-/// A choice and its costs.
+/// A choice of `auto`, and the costs of the compared models.
 struct Verdict<'a> {
     choice: &'a AutoChoice,
-    /// Instructions of the chosen model.
+    /// Number of processor instructions of the chosen model.
     taken: u64,
-    /// The cheapest model within the tolerance, and its instructions.
+    /// Index of the cheapest model within the tolerance, and the number of processor instructions that it takes.
     cheapest: Option<(usize, u64)>,
 }
 
 impl<'a> Verdict<'a> {
-    /// Takes a count for each of the choice's [`AutoChoice::counted`] models.
+    /// Compares the costs of a choice. `counts` contains the number of instructions of each of the
+    /// [`AutoChoice::counted`] models.
     fn new(choice: &'a AutoChoice, counts: &mut impl Iterator<Item = u64>) -> Self {
         let counted: Vec<(usize, u64)> = choice.counted().zip(counts).collect();
         let taken = counted.iter().find(|(place, _)| *place == choice.taken);
@@ -99,7 +102,7 @@ impl<'a> Verdict<'a> {
     }
 }
 
-/// Writes the table.
+/// Writes the table of all choices.
 fn write(verdicts: &[Verdict<'_>], out: &Path) -> Result<()> {
     let row = |verdict: &Verdict<'_>| {
         let Verdict {
@@ -135,8 +138,8 @@ fn write(verdicts: &[Verdict<'_>], out: &Path) -> Result<()> {
     csv_table::write(out, verdicts.iter().map(row))
 }
 
-/// Number of scenes of each kind that pass, that have competing models, and whose reference is another computation; and
-/// the largest ratio of costs. It is an error if a scene fails.
+/// Summary for each kind of scene. It states how many scenes pass the check, how many have competing models, how many
+/// have an independent computation as reference, and the largest ratio of costs. Returns an error if a scene fails.
 fn summary(verdicts: &[Verdict<'_>]) -> Result<String, String> {
     let of_kind = Kind::ALL.map(|kind| {
         let of = || verdicts.iter().filter(move |one| one.choice.kind == kind);

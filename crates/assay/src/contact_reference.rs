@@ -1,32 +1,33 @@
-//! Contacts in closed form: at the end of rolls of the unit sphere, and of round fingertips.
+//! Contacts in closed form: the contact at the end of a roll of the unit sphere, and the contact of a round fingertip.
 //!
-//! `palpate-rolling` computes most of them in another way, so they are an independent check. A tip of radius r that
-//! touches from above at p, with the outward normal n, has its centre at p + r n: on the offset surface. One unknown of the
-//! contact remains, which is found by bisection or by iterating the equation.
+//! `palpate-rolling` computes most of these contacts by other methods, so the closed forms are an independent check. If
+//! a tip of radius r touches from above at the point p with outward normal n, its centre is p + r n, a point of the
+//! offset surface. The equations contain one unknown, which is found by bisection or by fixed-point iteration.
 
 use nalgebra::{Point3, Vector3};
 
-/// Contact at the end of a roll.
+/// The contact at the end of a roll.
 pub struct RollEnd {
     /// Contact point on the object.
     pub on_object: Point3<f64>,
     /// Contact point on the probe.
     pub on_probe: Point3<f64>,
-    /// Length of the contact's path, equal on object and probe.
+    /// Length of the contact's path, which is equal on object and probe.
     pub path: f64,
 }
 
 impl RollEnd {
-    /// End of a roll by `angle_rad` = θ in this direction, from the top of a ball centred at the origin. On a ball of
-    /// radius R the contact moves by s = θ/(1 + 1/R), along great circles of ball and probe.
+    /// The contact after rolling by the angle θ = `angle_rad` in this direction, starting at the top of a ball that is
+    /// centred at the origin. On a ball of radius R, the contact moves by s = θ/(1 + 1/R) along great circles of ball
+    /// and probe.
     pub fn on_ball(radius: f64, direction: f64, angle_rad: f64) -> Self {
         let path = angle_rad / (1.0 + radius.recip());
         let (sine, cosine) = libm::sincos(path / radius);
         Self::new(direction, path, [radius * sine, radius * cosine])
     }
 
-    /// End of a roll by `angle_rad` = θ from the apex of z = −c r², where θ = α + s, α is the angle of the slope at
-    /// the end, and s the length of the parabola up to it.
+    /// The contact after rolling by the angle θ = `angle_rad`, starting at the apex of z = −c r². The end satisfies θ =
+    /// α + s, where α is the slope angle at the end, and s the arc length of the parabola up to the end.
     pub fn on_paraboloid(c: f64, direction: f64, angle_rad: f64) -> Self {
         let length = |r: f64| {
             let slope = 2.0 * c * r;
@@ -37,8 +38,8 @@ impl RollEnd {
         Self::new(direction, length(r), [r, -c * r * r])
     }
 
-    /// End of a roll in the plane of a meridian. `path` is the length of the contact's path. `distance` (from the
-    /// axis) and `height` locate the last contact point on the object.
+    /// The end of a roll in the plane of a meridian. `path` is the length of the contact's path. `distance` (from the
+    /// axis) and `height` are the position of the last contact point on the object.
     fn new(direction: f64, path: f64, [distance, height]: [f64; 2]) -> Self {
         let ahead = Vector3::new(libm::cos(direction), libm::sin(direction), 0.0);
         let (sine, cosine) = libm::sincos(path);
@@ -50,32 +51,33 @@ impl RollEnd {
     }
 }
 
-/// Contact of a tip on a ball about the origin.
+/// Contact point of a tip on a ball that is centred at the origin.
 pub fn tip_on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
     let [x, y] = centre.map(|part| part * ball / (ball + tip));
     [x, y, (ball * ball - x * x - y * y).sqrt()]
 }
 
-/// Contact of a tip on z = k x² + l y², if the tip is more curved than a hollow. With s = √(1 + 4 (k²x² + l²y²)) its centre
-/// is x (1 − 2kr/s), y (1 − 2lr/s); s is found by bisection.
+/// Contact point of a tip of radius r on z = k x² + l y². Where the object is concave, the tip must be more curved than
+/// the object. With s = √(1 + 4 (k²x² + l²y²)), the tip's centre is at x (1 − 2kr/s), y (1 − 2lr/s). The unknown s is
+/// found by bisection.
 pub fn tip_on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let at = |s: f64| [x / (1.0 - 2.0 * k * tip / s), y / (1.0 - 2.0 * l * tip / s)];
     let square = |[x, y]: [f64; 2]| 1.0 + 4.0 * ((k * x).powi(2) + (l * y).powi(2));
-    // In a hollow, the farthest contact is that at s = 1.
+    // If the object is concave, the contact for s = 1 is the most distant one that is possible.
     let most = square(at(1.0)).max(square([x, y])).sqrt();
     let [x, y] = at(bisected(1.0, 1.0 + most, |s| s * s < square(at(s))));
     [x, y, k * x * x + l * y * y]
 }
 
-/// Contact of a tip on an ellipsoid. With g = |(x/a², y/b², z/c²)| the tip's centre is x (1 + r/(g a²)) and so on; g is
-/// found by bisection. NaN if the tip misses the ellipsoid.
+/// Contact point of a tip of radius r on an ellipsoid. With g = |(x/a², y/b², z/c²)|, the tip's centre is at x (1 +
+/// r/(g a²)), and correspondingly in y and z. The unknown g is found by bisection. NaN if the tip misses the ellipsoid.
 pub fn tip_on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let squares = semi_axes.map(|axis| axis * axis);
     let at = |g: f64| {
         let shrunk = |part: f64, square: f64| part / (1.0 + tip / (g * square));
         let [x, y] = [shrunk(x, squares[0]), shrunk(y, squares[1])];
         let height = 1.0 - x * x / squares[0] - y * y / squares[1];
-        // A larger g moves the point outwards.
+        // If g is larger, the contact point is further outwards.
         (height >= 0.0).then(|| [x, y, (height * squares[2]).sqrt()])
     };
     let is_less = |g: f64| {
@@ -84,15 +86,15 @@ pub fn tip_on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64
             g * g < parts.iter().map(|part| part * part).sum()
         })
     };
-    // g lies between the reciprocals of the longest and the shortest axis.
+    // The unknown g lies between the reciprocals of the longest and the shortest semi-axis.
     let longest = semi_axes.into_iter().fold(0.0, f64::max);
     let shortest = semi_axes.into_iter().fold(f64::INFINITY, f64::min);
     let g = bisected(0.5 / longest, 2.0 / shortest, is_less);
     at(g).unwrap_or([f64::NAN; 3])
 }
 
-/// Contact of a tip on z = a sin(x/l) cos(y/l), less curved than the tip everywhere. Iterates `p = centre − r n(p)` from the
-/// centre.
+/// Contact point of a tip on z = a sin(x/l) cos(y/l). The surface must be less curved than the tip everywhere. The
+/// point is found by the iteration `p = centre − r n(p)`, starting at the centre.
 pub fn tip_on_waves([a, l]: [f64; 2], tip: f64, centre: [f64; 2]) -> [f64; 3] {
     let mut contact = centre;
     for _ in 0..100 {
@@ -105,7 +107,8 @@ pub fn tip_on_waves([a, l]: [f64; 2], tip: f64, centre: [f64; 2]) -> [f64; 3] {
     [x, y, a * libm::sin(x / l) * libm::cos(y / l)]
 }
 
-/// The largest number, to the last bit, below which a condition holds.
+/// The largest number, to the last bit, for which the condition `holds` is true. The condition must be true below this
+/// number and false above it.
 fn bisected(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     while let middle = 0.5 * (low + high)
         && low < middle
@@ -126,7 +129,8 @@ mod tests {
 
     const PLACES: [[f64; 2]; 5] = [[0.0, 0.0], [0.4, 0.0], [0.0, -0.7], [-0.5, 0.6], [1.1, 0.9]];
 
-    /// Checks that the contact is on the object, and the tip's centre at its radius along the normal.
+    /// Checks that the contact is on the object, and that the tip's centre lies on the normal at a distance of the
+    /// tip's radius.
     #[track_caller]
     fn check_contact(
         tip: f64,

@@ -1,4 +1,4 @@
-//! CSV tables from rows that name their columns.
+//! Writes CSV tables from rows whose values have column names.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,7 @@ pub type Column = (&'static str, String);
 /// Writes a table. The header has the column names of the first row.
 ///
 /// # Errors
-/// If the file cannot be written.
+/// An error if the file cannot be written.
 pub fn write(path: &Path, rows: impl IntoIterator<Item = impl AsRef<[Column]>>) -> Result<()> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for (at, row) in rows.into_iter().enumerate() {
@@ -25,7 +25,7 @@ pub fn write(path: &Path, rows: impl IntoIterator<Item = impl AsRef<[Column]>>) 
     fs::write(path, bytes).with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// Text of a value; empty for `None`.
+/// Text of a value. The text is empty for `None`.
 pub(crate) fn or_empty<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
     value.map_or_else(String::new, text)
 }

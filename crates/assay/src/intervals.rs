@@ -1,7 +1,9 @@
-//! Coverage of 50, 80 and 95 % intervals on random scenes, and the warnings of their estimates.
+//! Measures two properties of estimates on random scenes: the coverage of their 50, 80 and 95 % intervals, and their
+//! warnings.
 //!
-//! The tables of `palpate` have the families of scenes. For each family this harness draws scenes, makes noisy readings of
-//! them, and counts how often the intervals of the estimates contain the true value and how often an estimate has a warning.
+//! Families of scenes are defined in tables of `palpate`. For each family, this program draws random scenes and
+//! simulates noisy readings. It counts how often the intervals of the estimates contain the true value, and how often
+//! an estimate has a warning.
 
 mod coverage;
 mod random_scene;
@@ -12,33 +14,35 @@ use rayon::prelude::*;
 use coverage::{SceneCoverage, Score};
 use random_scene::RandomScene;
 
-/// Largest share of estimates with a warning if the readings agree with the model and the intervals are correct.
+/// Largest allowed share of estimates with a warning, if the readings agree with the model and the intervals are
+/// correct.
 const MAX_FALSE_ALARMS: f64 = 0.05;
-/// Coverage of 95 % intervals from which on they count as correct.
+/// Smallest coverage of 95 % intervals at which the intervals count as correct.
 const CORRECT_COVERAGE: f64 = 0.92;
-/// Smallest share of estimates with a warning if the readings have a flaw.
+/// Smallest allowed share of estimates with a warning, if the readings have a flaw.
 const MIN_DETECTED: f64 = 0.9;
-/// Flaw of readings without contact: the estimate must fail.
+/// Name of the flaw of readings without a contact. For such readings, the estimate must fail.
 const NO_CONTACT: &str = "no contact";
 
-/// Size of a run.
+/// Options of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
     /// Seed of the scenes and the noise.
     pub seed: u64,
-    /// Number of scenes of each family, instead of that in the table.
+    /// Number of scenes of each family; with `None`, the number in the table.
     pub scenes: Option<u64>,
-    /// Number of trials of each scene, instead of that in the table.
+    /// Number of trials of each scene; with `None`, the number in the table.
     pub trials: Option<u64>,
-    /// Only families whose names and flaws contain each of these words. Other rows stay.
+    /// Only families are measured whose names and flaws contain each of these words. The rows of other families are not
+    /// changed.
     pub only: &'a str,
 }
 
-/// The table with the measured columns, and a line for each family that does not meet the limits of warnings. `report` gets
-/// a line for each measured family.
+/// Returns the table with the measured columns. Also returns a line for each family that violates the limits on
+/// warnings. `report` is called with a line for each measured family.
 ///
 /// # Errors
-/// If no family is selected or a scene cannot be set up.
+/// An error if no family is selected or a scene cannot be set up.
 pub fn measure(
     table: &str,
     options: Options<'_>,
@@ -77,7 +81,7 @@ pub fn measure(
     Ok((String::from_utf8(writer.into_inner()?)?, misses))
 }
 
-/// Cell of a row.
+/// The cell of a row in the column with this name.
 fn cell<'a>(header: &csv::StringRecord, row: &'a [String], name: &str) -> &'a str {
     let place = header.iter().position(|column| column == name);
     place
@@ -85,7 +89,7 @@ fn cell<'a>(header: &csv::StringRecord, row: &'a [String], name: &str) -> &'a st
         .map_or("", String::as_str)
 }
 
-/// Score of the family in a row.
+/// Measures the family that a row defines.
 fn score(header: &csv::StringRecord, row: &[String], options: Options<'_>) -> Result<Score> {
     let cells: Vec<(&str, &str)> = header.iter().zip(row.iter().map(String::as_str)).collect();
     let count =
@@ -103,7 +107,7 @@ fn score(header: &csv::StringRecord, row: &[String], options: Options<'_>) -> Re
     Ok(Score::new(&scenes.collect::<Result<Vec<_>>>()?))
 }
 
-/// The limit that a family does not meet.
+/// Text about the limit on warnings that a family violates; `None` if it violates none.
 fn miss(flaw: &str, score: &Score) -> Option<String> {
     match flaw {
         "" => (score.warned > MAX_FALSE_ALARMS && score.coverage[2] >= CORRECT_COVERAGE)
@@ -121,7 +125,7 @@ mod tests {
 
     use super::*;
 
-    /// Rows of a table as pairs of column and cell.
+    /// Rows of a table. Each row is a list of column names and cells.
     fn rows(table: &str) -> Vec<Vec<(String, String)>> {
         let mut reader = csv::Reader::from_reader(table.as_bytes());
         let header = reader.headers().unwrap().clone();

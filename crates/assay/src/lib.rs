@@ -1,10 +1,11 @@
-//! Harnesses over the whole of palpate.
+//! Test programs for palpate as a whole.
 //!
-//! [`tradeoff`] measures the error and the cost of each fidelity level, and [`auto_check`] checks that `auto` chooses a cheap
-//! level that is accurate enough. [`answer_check`] checks the answers of `design` and `distinguish`, and [`intervals`] the
-//! coverage of the intervals. The instructions of the [`workloads`] and the errors in [`accuracy`] must not grow.
-//! [`peer_tasks`] times palpate on the tasks of its peers. True values come from independent computations:
-//! [`paraboloid_reference`] for presses, [`contact_reference`] for rolls and round fingertips.
+//! [`tradeoff`] measures the error and the cost of each model, and [`auto_check`] checks that `auto` chooses a cheap
+//! model that is accurate enough. [`answer_check`] checks the answers of `design` and `distinguish`, and [`intervals`]
+//! the coverage of the intervals. The instruction counts of the [`workloads`] and the errors in [`accuracy`] must not
+//! increase. [`peer_tasks`] measures the run time of palpate on tasks that other programs (its peers) can solve too.
+//! True values come from independent computations: [`paraboloid_reference`] for presses, [`contact_reference`] for
+//! rolls and round fingertips.
 
 pub mod accuracy;
 pub mod answer_check;

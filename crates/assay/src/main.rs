@@ -1,4 +1,4 @@
-//! Program that runs the harnesses for `cargo xtask`.
+//! Program that runs the test programs of this crate for `cargo xtask`.
 #![allow(clippy::print_stdout)]
 
 use std::path::PathBuf;
@@ -12,7 +12,7 @@ use palpate_assay::{
 };
 use palpate_report::{Files, tradeoff_figures};
 
-/// Harnesses over the whole of palpate.
+/// Test programs for palpate as a whole.
 #[derive(Parser)]
 #[command(name = "palpate-assay", args_override_self = true)]
 struct Cli {
@@ -22,17 +22,17 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Harness {
-    /// Checks the models that `auto` chooses on random scenes. Fails if one errs by more than the tolerance, or costs more
-    /// than twice as much as the cheapest model within the tolerance.
+    /// Checks the models that `auto` chooses on random scenes. Fails if a chosen model has an error above the
+    /// tolerance, or costs more than twice as much as the cheapest model within the tolerance.
     AutoCheck {
         /// The table to write.
         #[arg(long)]
         out: PathBuf,
-        /// Count instructions instead. The program starts itself with this option under valgrind.
+        /// Count instructions instead. With this option, the program starts itself under valgrind.
         #[arg(long, hide = true)]
         counted: bool,
     },
-    /// Compares answers on fixed scenes with references. Fails if too few are right.
+    /// Compares answers on fixed scenes with references. Fails if too few answers are right.
     Answers {
         /// The table to write.
         #[arg(long)]
@@ -43,34 +43,36 @@ enum Harness {
         /// Number of pairs of trials for each probability.
         #[arg(long, default_value = "1000000", value_parser = at_least_one())]
         pairs: u64,
-        /// Only scenes whose names contain these words.
+        /// Run only scenes whose names contain these words.
         #[arg(long, default_value = "")]
         only: String,
     },
-    /// Compares the intervals and warnings of random scenes with the true values, and writes the measured columns of the tables
-    /// that `palpate check` reads. Fails if sound readings cause too many warnings, or flawed ones too few.
+    /// Compares the intervals and warnings of random scenes with the true values, and writes the measured columns of
+    /// the tables that `palpate check` reads. Fails if readings without a flaw cause too many warnings, or readings
+    /// with a flaw too few.
     Intervals(Intervals),
     /// Prints the errors of palpate on fixed scenes, as CSV.
     Accuracy,
-    /// Prints the instructions of the workloads, as CSV.
+    /// Prints the number of instructions of each workload, as CSV.
     Instructions {
-        /// Run only the workload with this name. The program starts itself with this option under valgrind.
+        /// Run only the workload with this name. With this option, the program starts itself under valgrind.
         #[arg(long, hide = true)]
         counted: Option<String>,
     },
-    /// Times palpate on the tasks of its peers, and prints a line of JSON per rung; or writes the inputs of the peers.
+    /// Measures the time of palpate on tasks that other programs (its peers) also solve, and prints a line of JSON per
+    /// model. With --inputs, writes the inputs of the peers instead.
     PeerTasks {
         /// The group of tasks.
         #[arg(required_unless_present = "inputs")]
         group: Option<String>,
-        /// Largest error of a rung with a tolerance, `TASK=ERROR`; 1e-12 on other tasks.
+        /// Largest allowed error of a model with a tolerance, `TASK=ERROR`; 1e-12 on other tasks.
         #[arg(long, value_parser = limit)]
         error_at_most: Vec<(String, f64)>,
-        /// Write the inputs of the peers to this folder, and time nothing.
+        /// Write the inputs of the peers to this folder, and measure nothing.
         #[arg(long)]
         inputs: Option<PathBuf>,
     },
-    /// Measures every ladder of models: error against cost.
+    /// Measures error and cost of each list of models.
     Tradeoff {
         /// The folder to write to.
         #[arg(long)]
@@ -78,23 +80,23 @@ enum Harness {
         /// Description of the machine, written to the tables.
         #[arg(long)]
         machine: String,
-        /// Time each rung for a short time only.
+        /// Measure the time of each model only for a short time.
         #[arg(long)]
         quick: bool,
-        /// Count instructions instead. The program starts itself with this option under valgrind.
+        /// Count instructions instead. With this option, the program starts itself under valgrind.
         #[arg(long, hide = true)]
         counted: bool,
     },
-    /// Draws the Pareto fronts from the tables of `tradeoff`.
+    /// Draws Pareto fronts from the tables that `tradeoff` has written.
     ParetoFronts {
-        /// The folder.
+        /// The folder with the tables.
         folder: PathBuf,
     },
 }
 
 #[derive(clap::Args)]
 struct Intervals {
-    /// Tables of families: roll, glide, press, image; all by default.
+    /// Tables of families to measure: roll, glide, press, image; all by default.
     names: Vec<String>,
     /// Folder of the tables.
     #[arg(long)]
@@ -102,13 +104,14 @@ struct Intervals {
     /// Seed of the scenes and the noise.
     #[arg(long, default_value = "1919")]
     seed: u64,
-    /// Number of scenes of each family, instead of that in the table.
+    /// Number of scenes of each family, instead of the number in the table.
     #[arg(long, value_parser = at_least_one())]
     scenes: Option<u64>,
-    /// Number of trials of each scene, instead of that in the table.
+    /// Number of trials of each scene, instead of the number in the table.
     #[arg(long, value_parser = at_least_one())]
     trials: Option<u64>,
-    /// Only families whose names and flaws contain each of these words. Other rows stay.
+    /// Measure only families whose names and flaws contain each of these words. The rows of other families do not
+    /// change.
     #[arg(long, default_value = "")]
     only: String,
 }
@@ -138,7 +141,7 @@ impl Intervals {
     }
 }
 
-/// Parser of counts that must not be 0.
+/// Parser of counts that are at least 1.
 fn at_least_one() -> RangedU64ValueParser {
     clap::value_parser!(u64).range(1..)
 }

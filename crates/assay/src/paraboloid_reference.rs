@@ -1,17 +1,19 @@
-//! Displacements under a frictionless rigid paraboloid, by quadrature over wavenumbers. They are the reference for
-//! `palpate-press`, and use none of its closed forms, series and tables.
+//! Displacements under a frictionless rigid paraboloid, computed by quadrature over wavenumbers. They are the reference
+//! for `palpate-press`, and do not use its closed forms, series or tables.
 //!
-//! The pressure has the Hankel transform Q(k) = ∫₀^a φ(t) cos kt dt. At depth z it causes the displacements
-//! C_r ∫ Q N J₀(kr) dk inward and C_r ∫ Q R J₁(kr) dk outward:
+//! The pressure under a contact of radius a has the Hankel transform Q(k) = ∫₀^a φ(t) cos kt dt, where φ is an
+//! auxiliary function on the contact area. With the relative curvature C_r, the displacements at depth z are C_r ∫ Q N
+//! J₀(kr) dk inward and C_r ∫ Q R J₁(kr) dk outward:
 //!
 //! | body | N | R |
 //! |---|---|---|
 //! | half-space | (1 + kz/(2 − 2ν)) e^{−kz} | (kz − 1 + 2ν)/(2 − 2ν) e^{−kz} |
 //! | layer on a core, ν = ½ | [(cosh H + H sinh H)(sinh x − x cosh x) + H cosh H x sinh x]/(cosh² H + H²) | ∂N/∂x likewise |
 //!
-//! Lengths of the layer are in units of its thickness, with the wavenumber H and x = H(1 − z). For the layer, only the
-//! difference from the half-space is summed over wavenumbers; the half-space's part is summed over the contact. On a
-//! half-space φ = (2/π)(a² − t²); on a layer φ solves the integral equation of the second kind of Lebedev and Ufliand (1958).
+//! For the layer, lengths are in units of its thickness, H is the wavenumber in these units, and x = H(1 − z). Only the
+//! difference between layer and half-space is integrated over wavenumbers. The part of the half-space is integrated
+//! over the contact area. On a half-space φ = (2/π)(a² − t²); on a layer φ solves the integral equation of the second
+//! kind of Lebedev and Ufliand (1958).
 
 mod layer;
 mod quadrature;
@@ -23,22 +25,22 @@ use anyhow::{Result, ensure};
 use layer::Layer;
 use quadrature::{NEGLIGIBLE, abel, sum};
 
-/// Soft body.
+/// The soft body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Body {
     /// An elastic half-space.
     HalfSpace {
-        /// Its Poisson ratio.
+        /// Poisson's ratio of the half-space.
         poisson: f64,
     },
     /// An incompressible layer bonded to a rigid core.
     Layer {
-        /// Its thickness.
+        /// Thickness of the layer.
         thickness: f64,
     },
 }
 
-/// Contact of a paraboloid.
+/// The contact of a paraboloid with a soft body.
 #[derive(Debug)]
 pub struct ParaboloidPress {
     pressure: Pressure,
@@ -52,10 +54,11 @@ enum Pressure {
 }
 
 impl ParaboloidPress {
-    /// The contact of an object of this relative curvature at this indentation.
+    /// The contact of an object, given by the relative curvature and the indentation.
     ///
     /// # Errors
-    /// If one of them is not positive, or the contact with a layer cannot be solved.
+    /// An error if the relative curvature or the indentation is not positive, or if the contact with a layer cannot be
+    /// solved.
     pub fn new(body: Body, relative_curvature: f64, indentation: f64) -> Result<Self> {
         ensure!(
             relative_curvature > 0.0 && indentation > 0.0,
@@ -75,7 +78,7 @@ impl ParaboloidPress {
         })
     }
 
-    /// Radius of the contact.
+    /// Radius of the contact area.
     pub fn radius(&self) -> f64 {
         match &self.pressure {
             Pressure::Hertz { radius, .. } => *radius,
@@ -83,10 +86,10 @@ impl ParaboloidPress {
         }
     }
 
-    /// Inward and outward displacements at a depth, at each of these distances from the middle of the contact.
+    /// Inward and outward displacements at a depth, for each of these distances from the middle of the contact.
     ///
     /// # Errors
-    /// At the surface of a compressible half-space, where the sum over wavenumbers does not converge.
+    /// At the surface of a compressible half-space, because the integral over wavenumbers does not converge there.
     pub fn displacements(&self, depth: f64, distances: &[f64]) -> Result<Vec<[f64; 2]>> {
         let (unit, at): (f64, Vec<[f64; 2]>) = match &self.pressure {
             Pressure::Hertz { poisson, radius } => {
@@ -138,7 +141,7 @@ fn hertz(poisson: f64, a: f64, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
     sum(NEGLIGIBLE / depth, 1.0 / depth, a, distances, waves)
 }
 
-/// (sin x − x cos x)/x³.
+/// The function (sin x − x cos x)/x³.
 fn hump(x: f64) -> f64 {
     if x > 0.5 {
         return (libm::sin(x) - x * libm::cos(x)) / (x * x * x);

@@ -1,5 +1,5 @@
-//! Costs and errors of palpate on the tasks of its peers, with the same inputs: a line of JSON per rung, like those of the
-//! peers.
+//! Costs and errors of palpate on tasks that other programs (its peers) also solve, with the same inputs. The output is
+//! one line of JSON per model, in the format of the peers' output.
 
 mod contact_tasks;
 mod roll_tasks;
@@ -24,29 +24,30 @@ const PATCHES: u64 = 200;
 const MANY: usize = 100_000;
 /// Side lengths of the frames, px.
 const FRAMES: [usize; 2] = [640, 1024];
-/// Duration of the timing of an evaluation.
+/// Total time for which an evaluation is repeated to measure its time.
 const PATIENCE: Duration = Duration::from_millis(200);
 
 const PRESS_TASK: &str = "press, contact and pressure";
 const RADIUS: f64 = 20.0;
 const DEPTH: f64 = 1.4;
 const YOUNG: f64 = 1.0;
-/// Number of points along a side of the peer's grid, and length of the side.
+/// Number of points along a side of the peer's grid.
 const POINTS: usize = 256;
+/// Length of a side of the peer's grid.
 const SIDE: f64 = 16.0;
 
-/// Cost and error of one rung on one task.
+/// Cost and error of one model on one task.
 struct Figure {
-    /// Name of the task, as in the peers' output.
+    /// Name of the task, as in the output of the peers.
     task: String,
     rung: String,
     time_us: f64,
-    /// Error, as the peers define it for the task.
+    /// Error of the model. For each task, it is defined in the same way as the peers' error.
     error: f64,
 }
 
 impl Figure {
-    /// Times `run`, which repeats the task `times` times.
+    /// Measures the time of `run`, which repeats the task `times` times.
     fn measured<T>(
         task: impl Into<String>,
         rung: impl Into<String>,
@@ -65,10 +66,10 @@ impl Figure {
     }
 }
 
-/// Writes the inputs of the peers: `few.csv`, `many.csv`, and frames with the places of their discs.
+/// Writes the input files of the peers: `few.csv`, `many.csv`, and frames with the places of their discs.
 ///
 /// # Errors
-/// If they cannot be written.
+/// An error if a file cannot be written.
 pub fn write_inputs(directory: &Path) -> Result<()> {
     fs::create_dir_all(directory)?;
     let mut few = table(directory, "few.csv", "patch,x,y,z")?;
@@ -106,11 +107,12 @@ fn table(directory: &Path, name: &str, header: &str) -> Result<BufWriter<File>> 
     Ok(table)
 }
 
-/// Times a group of tasks: a line of JSON per rung. The tolerance of a rung is the loosest with an error of at most that of
-/// the task in `error_at_most`, or 1e-12.
+/// Measures the run times of a group of tasks, and returns one line of JSON per model. The error of a model must be at
+/// most the value for the task in `error_at_most` (by default 1e-12). A model with a tolerance uses the largest
+/// tolerance with which it meets this limit.
 ///
 /// # Errors
-/// If there is no such group, or a rung fails on its task.
+/// An error if no group of tasks has this name, or if a model fails on its task.
 pub fn lines(group: &str, error_at_most: &[(String, f64)]) -> Result<Vec<String>> {
     let figures = match group {
         "rolling-long" => roll_tasks::long(error_at_most)?,
@@ -133,7 +135,7 @@ pub fn lines(group: &str, error_at_most: &[(String, f64)]) -> Result<Vec<String>
     Ok(figures.into_iter().map(line).collect())
 }
 
-/// Detection of the markers in frames with a dark background. The error is infinite if their number is wrong.
+/// Detection of the markers in frames with a dark background. If the number of markers is wrong, the error is infinite.
 fn frames() -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for size in FRAMES {
@@ -152,12 +154,12 @@ fn frames() -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Contact of a ball with a half-space: its force, its pressure, and the displacements of the points of the peer's grid, or
-/// of the markers of a sensor.
+/// Contact of a ball with a half-space: its force, its pressure, and the displacements of the points of the peer's grid
+/// or of a sensor's markers.
 fn contacts() -> Result<Vec<Figure>> {
     let surface = Body::hertz(0.0)?;
     let contact = surface.press(1.0 / RADIUS, DEPTH)?;
-    // The force of Hertz's theory is the integral of the pressure: 2/3 π a² times its peak.
+    // By Hertz's theory, the force is the integral of the pressure, 2/3 π a² times the peak pressure.
     let peak = contact.peak_pressure(YOUNG).context("no pressure")?;
     let force = 4.0 / 3.0 * RADIUS.sqrt() * libm::pow(DEPTH, 1.5);
     let radius = (1.5 * force / (std::f64::consts::PI * peak)).sqrt();
@@ -193,7 +195,7 @@ fn contacts() -> Result<Vec<Figure>> {
 
 type Contact = (Option<f64>, Option<f64>, Vec<f64>);
 
-/// Force, peak pressure, and displacements of a grid.
+/// Computes the contact and the displacements at the points of a grid.
 fn solve(body: &Body, grid: &[f64]) -> Result<Contact, PressError> {
     let contact = body.press(1.0 / RADIUS, black_box(DEPTH))?;
     let moved = grid.iter().map(|&r| contact.displacement(r).normal);

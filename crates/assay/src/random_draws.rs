@@ -1,8 +1,8 @@
-//! Random numbers of scenes.
+//! Random numbers for random scenes.
 
 use palpate_sensing::Stream;
 
-/// Random numbers of a scene.
+/// The random numbers of one scene.
 pub(crate) struct Draws(pub(crate) Stream);
 
 impl Draws {
@@ -10,7 +10,7 @@ impl Draws {
         from + (to - from) * (0.5 + 0.5 * self.0.symmetric_uniform())
     }
 
-    /// A number whose logarithm is uniform.
+    /// A random number between `from` and `to` whose logarithm is uniform.
     pub(crate) fn log_between(&mut self, from: f64, to: f64) -> f64 {
         libm::pow(10_f64, self.between(libm::log10(from), libm::log10(to)))
     }

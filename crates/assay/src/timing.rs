@@ -1,8 +1,9 @@
-//! Cost of one evaluation: time with its spread, and instructions where valgrind is present.
+//! Measures the cost of an evaluation: its time with quartiles and, if valgrind is installed, its number of processor
+//! instructions.
 //!
-//! A harness makes a list of [`Evaluation`]s. [`Evaluation::time`] measures the time of one. [`instructions`] starts the
-//! harness again under callgrind, with the same arguments and [`COUNTED`]. The harness then makes the same list and passes it
-//! to [`count`].
+//! A test program creates a list of [`Evaluation`]s. [`Evaluation::time`] measures the time of one of them.
+//! [`instructions`] starts the program again under callgrind (a tool of valgrind), with the same arguments and the flag
+//! [`COUNTED`]. In this second process, the program creates the same list and passes it to [`count`].
 
 use std::ffi::OsString;
 use std::fs;
@@ -13,43 +14,43 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
 
-/// Flag with which a harness counts its evaluations instead of measuring them.
+/// Flag with which a test program counts the instructions of its evaluations instead of measuring their times.
 pub const COUNTED: &str = "--counted";
 /// Message for users when [`instructions`] returns nothing.
 pub const NO_VALGRIND: &str =
     "valgrind is not installed: instructions are not counted, their column stays empty";
 
-/// Smallest duration of a batch, so long that the cost of the clock does not matter.
+/// Smallest duration of a batch of runs. It is long enough for the time of reading the clock to be negligible.
 const MIN_BATCH_TIME: Duration = Duration::from_millis(5);
-/// Number of runs of each evaluation under callgrind. Only the last one counts.
+/// Number of runs of each evaluation under callgrind. Only the last run is counted.
 const RUNS: usize = 2;
-/// Smallest number of batches, even if one takes long.
+/// Smallest number of batches, even if a single batch takes a long time.
 const MIN_BATCHES: usize = 3;
-/// Pattern that matches the name of [`evaluate_once`], mangled or not.
+/// Pattern for the name of [`evaluate_once`] in the compiled program, whether or not the compiler has mangled it.
 const EVALUATE_ONCE: &str = "*timing*evaluate_once*";
 
-/// Work whose cost is measured. Each run does the same.
+/// A computation whose cost is measured. Each run does the same work.
 pub struct Evaluation {
-    /// Name of the work, for messages.
+    /// Name of the computation, for messages.
     pub name: String,
     run: Box<dyn FnMut()>,
     /// Number of evaluations per run.
     evaluations: u32,
 }
 
-/// Nanoseconds per evaluation: quartiles over batches.
+/// Nanoseconds per evaluation: quartiles over the batches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// A quarter of the batches was faster.
+    /// Lower quartile: a quarter of the batches was faster.
     pub q25: f64,
-    /// Half of the batches were faster.
+    /// Median: half of the batches were faster.
     pub median: f64,
-    /// A quarter of the batches was slower.
+    /// Upper quartile: a quarter of the batches was slower.
     pub q75: f64,
 }
 
 impl Evaluation {
-    /// An evaluation with one evaluation per run. The compiler cannot optimise away the result of `run`.
+    /// A computation with one evaluation per run. The compiler cannot optimise away the result of `run`.
     pub fn new<T>(name: impl Into<String>, mut run: impl FnMut() -> T + 'static) -> Self {
         Self {
             name: name.into(),
@@ -58,7 +59,7 @@ impl Evaluation {
         }
     }
 
-    /// Runs it once.
+    /// Runs the computation once.
     pub fn run(&mut self) {
         (self.run)();
     }
@@ -70,12 +71,13 @@ impl Evaluation {
         self
     }
 
-    /// Number of evaluations per run.
+    /// Number of evaluations per run, as set by [`Self::evaluations_per_run`].
     pub fn scale(&self) -> u32 {
         self.evaluations
     }
 
-    /// Times batches of runs for about `patience`, after one run that fills caches and tables.
+    /// Measures the times of batches of runs for a total of about `patience`, after one run that fills caches and
+    /// tables.
     pub fn time(&mut self, patience: Duration) -> Spread {
         (self.run)();
         let start = Instant::now();
@@ -90,7 +92,7 @@ impl Evaluation {
         Spread { q25, median, q75 }
     }
 
-    /// Number of runs that take [`MIN_BATCH_TIME`].
+    /// Number of runs that take at least [`MIN_BATCH_TIME`] together.
     fn batch_length(&mut self) -> u32 {
         let mut length = 1;
         while self.batch(length) < MIN_BATCH_TIME {
@@ -115,8 +117,8 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[below] + (sorted[above] - sorted[below]) * place.fract()
 }
 
-/// Runs each evaluation twice; the first run fills caches and tables. A harness with the flag [`COUNTED`] calls only this
-/// function: callgrind writes its count at the end of each run and starts again from 0.
+/// Runs each evaluation twice; the first run fills caches and tables. A test program that was started with the flag
+/// [`COUNTED`] calls only this function. Callgrind writes its count at the end of each run and starts again from 0.
 pub fn count(evaluations: impl IntoIterator<Item = Evaluation>) {
     for mut evaluation in evaluations {
         for _ in 0..RUNS {
@@ -128,24 +130,27 @@ pub fn count(evaluations: impl IntoIterator<Item = Evaluation>) {
 #[inline(never)]
 fn evaluate_once(run: &mut dyn FnMut()) {
     run();
-    // Keeps the call above from becoming a tail call, which would end this function too early for callgrind.
+    // This line prevents a tail call of the function above. A tail call would end this function too early for
+    // callgrind.
     black_box(());
 }
 
-/// Instructions of each evaluation, in the order of the harness's list; `None` without valgrind. Starts this program
-/// again under valgrind, with the same arguments and [`COUNTED`]. `scales` are the [`Evaluation::scale`]s.
+/// Number of instructions of each evaluation, in the order of the program's list. `None` if valgrind is not installed.
+/// Starts this program again under valgrind, with the same arguments and the flag [`COUNTED`]. `scales` contains the
+/// [`Evaluation::scale`] of each evaluation.
 ///
 /// # Errors
-/// If that run fails, or the number of evaluations differs from that of `scales`.
+/// An error if the run under valgrind fails, or the number of evaluations differs from the length of `scales`.
 pub fn instructions(scales: &[u32]) -> Result<Option<Vec<u64>>> {
     let arguments = std::env::args_os().skip(1);
     instructions_by(arguments.chain([COUNTED.into()]), scales)
 }
 
-/// Like [`instructions`], but with these arguments. When called with them, this program must call [`count`].
+/// Like [`instructions`], but with other arguments. When this program is started with these arguments, it must call
+/// [`count`].
 ///
 /// # Errors
-/// If that run fails, or the number of evaluations differs from that of `scales`.
+/// An error if the run under valgrind fails, or the number of evaluations differs from the length of `scales`.
 pub fn instructions_by(
     arguments: impl IntoIterator<Item = OsString>,
     scales: &[u32],
@@ -183,7 +188,7 @@ pub fn instructions_by(
     Ok(Some(counted.collect()))
 }
 
-/// The totals of `dump.1`, `dump.2`, … in this order.
+/// Numbers of instructions in the files `dump.1`, `dump.2` and so on, in this order.
 fn dumps(stem: &Path) -> Result<Vec<u64>> {
     let mut counts = Vec::new();
     loop {
@@ -196,7 +201,8 @@ fn dumps(stem: &Path) -> Result<Vec<u64>> {
     }
 }
 
-/// Instructions in one dump of callgrind: its line `summary:`, or `totals:` if there is none.
+/// Number of instructions in a dump file of callgrind. It is in the line `summary:`; if there is no such line, in the
+/// line `totals:`.
 fn total(dump: &str) -> Option<u64> {
     let line = |name: &str| dump.lines().find_map(|line| line.strip_prefix(name));
     let numbers = line("summary:").or_else(|| line("totals:"))?;

@@ -1,4 +1,5 @@
-//! Error against a reference and cost per evaluation, for every ladder of the system.
+//! Measures the error (relative to a reference) and the cost per evaluation for the entries of every ladder. A ladder
+//! is a list of models, sensors or settings for the same task; its entries are called rungs.
 //!
 //! | ladder | reference |
 //! |---|---|
@@ -29,20 +30,20 @@ use crate::timing::{self, Evaluation};
 use ladder::{Ladder, SceneRungs};
 use ladder_tables::{MeasuredRung, MeasuredScene};
 
-/// Settings of a run.
+/// Options of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
-    /// The folder to write to.
+    /// Folder to which the tables are written.
     pub out: &'a Path,
-    /// Description of the machine.
+    /// Description of the machine, for the tables.
     pub machine: &'a str,
-    /// Whether to time each rung for a short time only.
+    /// Whether the time of each rung is measured only for a short time.
     pub quick: bool,
-    /// Whether to count the evaluations for [`timing::instructions`], and do nothing else.
+    /// Whether the program only runs the evaluations whose instructions are counted; see [`timing::instructions`].
     pub counted: bool,
 }
 
-/// All ladders, in the order of the pipeline.
+/// All ladders, in the order in which a simulation of a scene uses them.
 fn ladders() -> Result<Vec<Ladder>> {
     Ok(vec![
         rolling_models::ladder()?,
@@ -56,11 +57,11 @@ fn ladders() -> Result<Vec<Ladder>> {
     ])
 }
 
-/// Measures every ladder and writes `ladders.csv`, `rungs.csv`, `answers.csv` and `stages.csv`. `report` gets the name of each
-/// step.
+/// Measures every ladder and writes `ladders.csv`, `rungs.csv`, `answers.csv` and `stages.csv`. `report` is called with
+/// the name of each step.
 ///
 /// # Errors
-/// If a rung fails on its scene, counting fails, or a table cannot be written.
+/// An error if a rung fails on its scene, counting fails, or a table cannot be written.
 pub fn run(options: Options<'_>, report: impl Fn(&str)) -> Result<()> {
     let ladders = ladders()?;
     let stages = stages::stages();
@@ -107,7 +108,7 @@ pub fn run(options: Options<'_>, report: impl Fn(&str)) -> Result<()> {
     stages::write(&stages, stage_counts, patience, options.out)
 }
 
-/// Number of evaluations per run of each rung.
+/// Number of evaluations per run, for each rung of the ladders.
 fn rungs(ladders: &[Ladder]) -> impl Iterator<Item = u32> {
     let stages = ladders.iter().flat_map(|ladder: &Ladder| &ladder.scenes);
     stages.flat_map(|stage: &SceneRungs| stage.rungs.iter().map(|rung| rung.evaluation.scale()))
@@ -119,7 +120,7 @@ fn measure(
     patience: Duration,
 ) -> Result<Vec<MeasuredRung>> {
     let measure = |rung: ladder::Rung| {
-        // The error comes first, because it checks that the rung can be evaluated.
+        // Compute the error first, because this checks that the rung can be evaluated.
         let error = (rung.error)().with_context(|| rung.name.clone())?;
         let mut evaluation: Evaluation = rung.evaluation;
         let ns = evaluation.time(patience);

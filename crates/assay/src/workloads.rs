@@ -1,5 +1,5 @@
-//! Workloads: the computations that dominate the run time of palpate, and their inputs. Instruction counts ([`counts`]),
-//! errors ([`crate::accuracy`]) and the comparison with peers ([`crate::peer_tasks`]) use the same inputs.
+//! Workloads are computations that dominate the run time of palpate. Instruction counts ([`counts`]), errors
+//! ([`crate::accuracy`]) and the comparison with peers ([`crate::peer_tasks`]) use the same inputs.
 
 pub mod camera_frames;
 pub mod ep2_contacts;
@@ -21,7 +21,7 @@ use crate::timing::{self, Evaluation};
 use image_fits::{Step, half_spaces, layers};
 use unit_rolls::{Chart, Ep1, Model};
 
-/// Number of trials: four blocks of the runner.
+/// Number of trials. They are four blocks of the sweep runner.
 const TRIALS: u64 = 4096;
 
 /// Name of a workload, and the function that builds its evaluation from the name.
@@ -31,7 +31,7 @@ fn workload(name: &'static str, make: impl Fn(&str) -> Result<Evaluation> + 'sta
     (name, Box::new(make))
 }
 
-/// Every workload. Each run of a workload does the same work.
+/// All workloads. Each run of a workload does the same work.
 fn workloads() -> Vec<Workload> {
     let charts = Chart::Montana(HeldAxis::Transported);
     let rk4 = |chart| Model::Rk4 { steps: 16, chart };
@@ -151,11 +151,11 @@ fn workloads() -> Vec<Workload> {
     ]
 }
 
-/// Name and number of instructions of each workload. Each runs in its own process, because memory that other workloads left
-/// on the heap changes the cost of allocations.
+/// Name and number of instructions of each workload. Each workload runs in its own process. Otherwise, memory that
+/// other workloads have left on the heap would change the cost of allocations.
 ///
 /// # Errors
-/// If valgrind is missing, or a workload cannot be set up or runs no instruction.
+/// An error if valgrind is missing, or a workload cannot be set up or executes no instruction.
 pub fn counts() -> Result<Vec<(String, f64)>> {
     let count = |(name, _): Workload| {
         let arguments = ["instructions", timing::COUNTED, name].map(Into::into);
@@ -167,10 +167,10 @@ pub fn counts() -> Result<Vec<(String, f64)>> {
     workloads().into_iter().map(count).collect()
 }
 
-/// Runs a workload, so that [`counts`] can count it.
+/// Runs a workload so that [`counts`] can count its instructions.
 ///
 /// # Errors
-/// If no workload has this name, or it cannot be set up.
+/// An error if no workload has this name, or it cannot be set up.
 pub fn count(name: &str) -> Result<()> {
     let workload = workloads().into_iter().find(|(known, _)| *known == name);
     let (_, make) = workload.with_context(|| format!("no workload `{name}`"))?;
@@ -178,7 +178,7 @@ pub fn count(name: &str) -> Result<()> {
     Ok(())
 }
 
-/// Heights of a formula with their derivatives.
+/// Evaluates the heights of a formula and their derivatives.
 fn formula(name: &str, points: u32) -> Result<Evaluation> {
     let parameters = BTreeMap::from([("a".to_owned(), 0.2)]);
     let formula = Formula::parse("a * sin(2 * x) * cos(2 * y) + x^2 / 8", &parameters)?;
@@ -189,7 +189,7 @@ fn formula(name: &str, points: u32) -> Result<Evaluation> {
     }))
 }
 
-/// A config with two sweeps and two plots.
+/// Reads a config with two sweeps and two plots.
 fn config(name: &str) -> Result<Evaluation> {
     let text = include_str!("../../../examples/press-a-ball.toml");
     palpate_study::config::parse("press-a-ball.toml", text)?;

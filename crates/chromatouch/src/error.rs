@@ -1,4 +1,4 @@
-//! Errors of layouts.
+//! Errors of layouts of markers.
 
 use palpate_statistics::{BadSetting, Number};
 use strum::IntoStaticStr;
@@ -11,13 +11,13 @@ pub enum LayoutError {
     /// A setting is out of its range.
     #[error(transparent)]
     BadSetting(#[from] BadSetting<String>),
-    /// The row of markers reaches around the sphere.
+    /// A row of markers would extend to the point opposite the apex or beyond it.
     #[error(
         "the markers would reach {reach_deg:.4} degrees from the apex; it must be less than 180",
         reach_deg = Number(*reach_deg)
     )]
     AroundTheSphere {
-        /// Name of the setting that is too large.
+        /// Name of the setting that makes the row too long.
         setting: &'static str,
         /// Polar angle of the last marker, degrees.
         reach_deg: f64,
@@ -30,7 +30,7 @@ pub enum LayoutError {
     TooManyMarkers {
         /// Number of markers of the layout.
         markers: f64,
-        /// Largest allowed number.
+        /// Largest allowed number of markers.
         limit: usize,
     },
     /// The markers are so far apart that none lies on the cap.
@@ -56,7 +56,7 @@ impl LayoutError {
         Ok(BadSetting::unless(holds, setting, value, expected)?)
     }
 
-    /// The wrong setting with its name in the config, if a setting is the reason.
+    /// Name of the wrong setting in the config, if a setting is the reason.
     pub const fn setting(&self) -> Option<&'static str> {
         match self {
             Self::BadSetting(BadSetting { setting, .. })

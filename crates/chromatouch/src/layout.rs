@@ -27,42 +27,43 @@ pub(crate) const MOST_MARKERS: usize = 100_000;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Layout {
-    /// One marker at the apex, and rows of markers in each of several equal gores. Gores are the flat pieces that the
-    /// skin is cut into and that are folded onto the sphere.
+    /// One marker at the apex, and rows of markers in each of several equal gores. Gores are the flat pieces into which
+    /// the skin is cut. They are folded onto the sphere.
     Gores {
         /// Number of gores per turn.
         gores: u32,
-        /// Number of markers in each row of a gore, from the apex outward; they are evenly spaced over the gore's width.
+        /// Number of markers in each row of a gore, from the apex outward. The markers of a row are evenly spaced over
+        /// the gore's width.
         rows: Vec<u32>,
         /// Polar angle between neighbouring rows, degrees.
         row_spacing_deg: f64,
     },
-    /// Even density over a cap around the apex: one marker per area of pitch².
+    /// Markers with uniform density over a cap around the apex: on average one marker per area of pitch².
     Lattice {
         /// Distance between neighbouring markers, length.
         pitch: f64,
         /// Polar angle of the cap's rim, degrees.
         cap_deg: f64,
     },
-    /// Equally spaced markers on a great circle along x; the apex is in the middle.
+    /// Equally spaced markers on a great circle along x, with the apex in the middle.
     Line {
         /// Number of markers.
         markers: u32,
-        /// Distance from the first marker to the last along the skin, length.
+        /// Distance between the first and the last marker along the skin, length.
         length: f64,
     },
-    /// Equally spaced markers along +x; the first is at the apex.
+    /// Equally spaced markers along +x, starting at the apex.
     Radius {
         /// Number of markers.
         markers: u32,
-        /// Distance from the first marker to the last along the skin, length.
+        /// Distance between the first and the last marker along the skin, length.
         length: f64,
     },
 }
 
 impl Layout {
-    /// The 77 visible markers of the sensor in the 2020 paper, estimated from its photograph: the apex, and 1, 3, 3, 5, 7
-    /// markers in rows 11.9° apart in each of four gores.
+    /// The 77 visible markers of the sensor in the 2020 paper, estimated from its photograph: one marker at the apex
+    /// and, in each of four gores, rows of 1, 3, 3, 5 and 7 markers that are 11.9° apart.
     pub fn published() -> Self {
         Self::Gores {
             gores: 4,
@@ -71,14 +72,14 @@ impl Layout {
         }
     }
 
-    /// Chart coordinates (x, y) of the markers on the skin of a sensor of this radius, length. The chart is the
-    /// logarithm map at the apex: a marker lies at the distance √(x² + y²) along the skin from the apex, in the
-    /// direction (x, y). The order is from the apex outward; for a [`Layout::Line`] it is along +x.
+    /// Coordinates (x, y) of the markers on the skin of a sensor with this radius, length. They are the logarithm map
+    /// at the apex: a marker lies in the direction (x, y) from the apex, at the distance √(x² + y²) along the skin. The
+    /// markers are sorted from the apex outward; those of a [`Layout::Line`] are sorted along +x.
     ///
     /// # Errors
-    /// [`LayoutError`].
+    /// [`LayoutError`] if the radius is out of range or the layout is impossible.
     pub fn places(&self, sensor_radius: f64) -> Result<Vec<[f64; 2]>, LayoutError> {
-        // Up to this radius the circumference does not overflow.
+        // Up to this radius, the circumference of the sphere is a finite number.
         let good = sensor_radius > 0.0 && sensor_radius <= 1e300;
         LayoutError::unless(good, "radius", sensor_radius, "above 0 and at most 1e300")?;
         match self {
@@ -148,7 +149,7 @@ fn on_lattice(pitch: f64, cap_deg: f64, sensor_radius: f64) -> Result<Vec<[f64; 
     let good = cap_deg > 0.0 && cap_deg <= 180.0;
     LayoutError::unless(good, "cap_deg", cap_deg, "above 0 and at most 180")?;
     let half_cap = 0.5 * cap_deg.to_radians();
-    // The cap is a share of sin²(cap/2) of the sphere.
+    // The cap covers the share sin²(cap/2) of the sphere's area.
     let share = libm::sin(half_cap) * libm::sin(half_cap);
     let good = pitch > 0.0 && pitch.is_finite();
     LayoutError::unless(good, "pitch", pitch, "finite and > 0")?;
@@ -178,8 +179,8 @@ fn on_lattice(pitch: f64, cap_deg: f64, sensor_radius: f64) -> Result<Vec<[f64; 
     Ok(places)
 }
 
-/// Coordinates in equal steps from 0 to `length`. `reach` is the distance of the farthest marker from the apex; it must
-/// be less than half a turn.
+/// Equally spaced coordinates from 0 to `length`. `reach` is the distance of the farthest marker from the apex; it must
+/// be less than half the circumference.
 fn equal_steps(
     markers: u32,
     length: f64,
@@ -196,17 +197,17 @@ fn equal_steps(
     Ok((0..markers).map(move |marker| length * share(marker)))
 }
 
-/// Two points with too small a distance.
+/// Two points that are too close to each other.
 pub(crate) struct TooClose {
-    /// Index from 0; the pair is the first one in the order of `second`.
+    /// Index of one point, from 0. If several pairs are too close, the pair with the smallest `second` is returned.
     pub(crate) first: usize,
     pub(crate) second: usize,
     /// Distance between the points.
     pub(crate) distance: f64,
 }
 
-/// Two points with a distance less than `reach`, if there are any. The points are sorted into cells as wide as `reach`, but
-/// at least as wide as `narrowest`, because the number of a cell must fit into an integer.
+/// The first pair of points whose distance is below `reach`, if there is one. The points are sorted into cells. A cell
+/// is as wide as `reach`, but at least as wide as `narrowest`, so that the number of a cell fits into an integer.
 pub(crate) fn too_close<const D: usize>(
     points: &[[f64; D]],
     reach: f64,
@@ -254,7 +255,7 @@ mod tests {
     fn the_published_sensor_has_77_markers_in_rows() {
         let places = Layout::published().places(20.0).unwrap();
         assert_eq!((places.len(), places[0]), (77, [0.0, 0.0]));
-        // 11.9° on a sphere of 20 mm is 4.15 mm along the skin.
+        // On a sphere of radius 20 mm, 11.9° correspond to 4.15 mm along the skin.
         let distances: Vec<f64> = places.iter().map(|[x, y]| libm::hypot(*x, *y)).collect();
         for (row, markers) in [(1, 1..5), (2, 5..17), (3, 17..29), (4, 29..49), (5, 49..77)] {
             for marker in markers {
@@ -265,8 +266,8 @@ mod tests {
                 );
             }
         }
-        // The first row of a gore has one marker, in the middle of the gore. The last row has seven, 90/7 degrees
-        // apart.
+        // The first row of a gore has one marker in the middle of the gore. The last row has seven markers, which are
+        // 90/7 degrees apart.
         let azimuth =
             |marker: usize| libm::atan2(places[marker][1], places[marker][0]).to_degrees();
         assert_relative_eq!(azimuth(1), 45.0, max_relative = 1e-12);
@@ -280,8 +281,8 @@ mod tests {
         let (radius, pitch) = (20.0, 1.0);
         let layout = |cap_deg| Layout::Lattice { pitch, cap_deg };
         let places = layout(60.0).places(radius).unwrap();
-        // Expected number of markers within an angle θ of the apex: the cap's area over pitch², 2πR²(1 − cos θ) /
-        // pitch².
+        // The expected number of markers within an angle θ of the apex is the area of this cap divided by pitch²:
+        // 2πR²(1 − cos θ) / pitch².
         for cap_deg in [15.0_f64, 30.0, 45.0, 60.0] {
             let angle = cap_deg.to_radians();
             let within = places
@@ -294,7 +295,7 @@ mod tests {
                 "{cap_deg}: {within}, {expected}"
             );
         }
-        // No two markers lie much nearer than the pitch.
+        // Neighbouring markers are never much closer than the pitch.
         let nearest = places.iter().enumerate().map(|(one, [x, y])| {
             let others = places.iter().enumerate().filter(|(other, _)| *other != one);
             others
@@ -302,7 +303,7 @@ mod tests {
                 .fold(f64::INFINITY, f64::min)
         });
         assert!(nearest.fold(f64::INFINITY, f64::min) > 0.7 * pitch);
-        // A cap of 180° is the whole sphere.
+        // A cap with a rim at 180° is the whole sphere.
         let all = layout(180.0).places(radius).unwrap();
         assert_relative_eq!(
             all.len() as f64,

@@ -1,5 +1,5 @@
-//! The forward model of the spherical colour-marker sensor: the layout of its markers, the flat pattern of its skin, and
-//! the image of displaced markers in its camera.
+//! Simulation of the spherical colour-marker sensor: the layout of its markers, the flat pattern of its skin, and the
+//! image of displaced markers in its camera.
 
 mod error;
 mod layout;

@@ -1,4 +1,5 @@
-//! Images of the markers in a camera at the centre of the sensor or near it, with and without pixels.
+//! Images of the markers in a camera at or near the centre of the sensor. They are computed as features of the markers,
+//! or rendered as frames of pixels.
 
 mod array;
 mod camera;
@@ -59,29 +60,29 @@ pub struct Optics {
     pose: Option<Pose>,
 }
 
-/// The features of a marker in an image without blemishes.
+/// The features of a marker in an ideal image, without blur, uneven light, seams or noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenMarker {
-    /// Centroid of the image with the weights of `size_px2`, px.
+    /// Centroid of the marker's image, px. Each point is weighted by the absorbed light as in `size_px2`.
     pub centroid_px: [f64; 2],
-    /// Hue, as in HSV, of the summed light of the image, in turns, from 0 (red) to below 1. Each point counts with
-    /// its chroma. 0 if there is no chroma.
+    /// HSV hue of the summed light of the image, in turns, from 0 (red) to below 1. Each point is weighted by its
+    /// chroma. The hue is 0 if the light has no chroma.
     pub hue_turns: f64,
-    /// Mean of the hue over the area of the image, in turns, without unwrapping: red is both 0 and 1. Regions with a
-    /// saturation of at most 1/4 do not count; without others it is `hue_turns`.
+    /// Mean of the HSV hue over the area of the image, in turns. It is not cyclic: the hue of red is both 0 and 1.
+    /// Regions with a saturation of at most 1/4 do not count; if there are no others, the mean is `hue_turns`.
     pub mean_hue_turns: f64,
-    /// Sum over the image of the absorbed shares of the white layer's green and blue light, px². A disc that absorbs all of
-    /// one of them contributes its area.
+    /// Integral over the marker's image of the absorbed share of green light plus the absorbed share of blue light,
+    /// px². The shares are relative to the light of the white layer. A disc that absorbs all light of one of these
+    /// colours contributes its area.
     pub size_px2: f64,
 }
 
 impl Optics {
-    /// The optics of these markers in front of a camera, with the colours of the sensor's parts and the blemishes of the
-    /// image.
+    /// A sensor with these markers, this camera, these colours of its parts, and these imperfections of the image.
     ///
     /// # Errors
-    /// [`OpticsError::BadSetting`] for a colour outside the range from 0 to 1, `light_at_rim`, `blur_px`, `gores`, `seam_width`
-    /// or `pixel_std`.
+    /// [`OpticsError::BadSetting`] for a colour outside the range from 0 to 1, `light_at_rim`, `blur_px`, `gores`,
+    /// `seam_width` or `pixel_std`.
     pub fn new(
         array: MarkerArray,
         camera: Camera,
@@ -98,13 +99,13 @@ impl Optics {
         })
     }
 
-    /// Returns these optics with another pose of the camera. To first order in its solid angle, the image of a disc is
-    /// that of a circular cap with the same solid angle. Seams and the decrease of light toward the rim are computed as
-    /// for a camera at the centre.
+    /// Returns these optics with another pose of the camera. The image of a disc is approximated by the image of a
+    /// circular cap with the same solid angle, which is correct to first order in the solid angle. Seams and the
+    /// decrease of the light towards the rim are computed as if the camera were at the centre.
     ///
     /// # Errors
-    /// [`OpticsError::BadSetting`] for `place` if the camera is farther from the centre of the sensor than 0.9 times the
-    /// distance of the nearest disc, and for `turn_rad` unless each component is from -1 to 1.
+    /// [`OpticsError::BadSetting`] for `place` if the camera is farther from the centre of the sensor than 0.9 times
+    /// the distance of the nearest disc, and for `turn_rad` unless each component is from -1 to 1.
     pub fn seen_from(mut self, pose: Pose) -> Result<Self, OpticsError> {
         self.pose = pose.checked(0.9 * self.array.nearest())?;
         Ok(self)
@@ -115,7 +116,7 @@ impl Optics {
         self.pose.unwrap_or_default()
     }
 
-    /// The camera.
+    /// The camera of these optics.
     pub const fn camera(&self) -> &Camera {
         &self.camera
     }
@@ -125,7 +126,8 @@ impl Optics {
         &self.array
     }
 
-    /// Direction and angular size of the discs of each marker after its motion; `None` for an absent marker.
+    /// Direction and angular radius of both discs of each marker after its motion, from the camera's position; `None`
+    /// for a missing marker.
     fn sights<'a>(
         &'a self,
         motions: &'a [Option<MarkerMotion>],

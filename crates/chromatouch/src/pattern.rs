@@ -1,9 +1,10 @@
-//! The flat pattern of a hemispherical skin: polyconic gores, as for paper globes (the 2020 paper, section III-B,
-//! Fig. 3).
+//! The flat pattern of a hemispherical skin: polyconic gores, as for paper globes (the 2020 paper, section III-B, Fig.
+//! 3).
 //!
-//! A sphere of radius R is cut into n gores. At the height Rφ above the equator, a gore covers |x| ≤ (πR/n) cos φ. Its
-//! outline is drawn as chords between m equal steps of the quarter circle. The gores are arranged around their common
-//! apex. They never overlap: a gore spans the angle 2 atan(π/n) at the apex, less than its share 2π/n of the turn.
+//! The skin of a sphere of radius R is cut into n gores, which are flat pieces like those of a paper globe. At the
+//! distance Rφ above the equator, a gore covers |x| ≤ (πR/n) cos φ. Its outline is drawn as chords between m equal
+//! steps of the quarter circle. The gores are arranged around their common apex. They never overlap: a gore spans the
+//! angle 2 atan(π/n) at the apex, which is less than its share 2π/n of the full turn.
 
 mod drawing;
 mod error;
@@ -18,16 +19,16 @@ pub use strain::FoldStrain;
 
 use crate::LayoutError;
 
-/// Least number of gores of a pattern.
+/// Smallest number of gores of a pattern.
 pub(crate) const FEWEST_GORES: u32 = 3;
 
 /// Largest number of gores of a pattern.
 pub(crate) const MOST_GORES: u32 = 360;
 
-/// Largest number of steps in which the quarter circle is drawn.
+/// Largest number of chords with which the outline of a gore is drawn from the apex to the equator.
 const MOST_SAMPLES: u32 = 1000;
 
-/// Flat gores that fold to a hemisphere.
+/// Flat gores that can be folded to a hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pattern {
     gores: u32,
@@ -35,25 +36,27 @@ pub struct Pattern {
     radius: f64,
 }
 
-/// Point of the flat pattern for a point of the skin.
+/// The point of the flat pattern that belongs to a point of the skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct FlatPlace {
-    /// Number of the gore, from 0, counter-clockwise from +x. The apex belongs to gore 0.
+    /// Number of the gore from 0, counter-clockwise from +x. The apex belongs to gore 0.
     gore: u32,
-    /// Distance from the gore's middle meridian, counter-clockwise about the apex, length.
+    /// Distance from the gore's middle meridian, length; positive counter-clockwise around the apex.
     across: f64,
     /// Distance from the apex along the gore's middle meridian, length.
     from_apex: f64,
-    /// Coordinates (x, y) on the assembled pattern: the apex in the origin, seen from outside the skin.
+    /// Coordinates (x, y) on the assembled pattern, length. The apex is at the origin, and the skin is viewed from
+    /// outside.
     assembled: [f64; 2],
 }
 
 impl Pattern {
-    /// A pattern of `gores` gores per turn. Their outlines have `samples` steps from the apex to the equator. The radius, a
-    /// length, is that of the layer to be cut.
+    /// A pattern of `gores` gores per turn. The outline of a gore has `samples` steps from the apex to the equator.
+    /// `radius` is the radius of the layer that will be cut, length.
     ///
     /// # Errors
-    /// [`PatternError::TooFewGores`], [`PatternError::TooManyGores`]; [`LayoutError::BadSetting`] for the others.
+    /// [`PatternError::TooFewGores`], [`PatternError::TooManyGores`]; [`LayoutError::BadSetting`] if `samples` or
+    /// `radius` is out of range.
     pub fn new(gores: u32, samples: u32, radius: f64) -> Result<Self, PatternError> {
         strain::enough(gores)?;
         if gores > MOST_GORES {
@@ -71,8 +74,8 @@ impl Pattern {
         })
     }
 
-    /// Unfolds one marker: returns its point in the flat pattern. `[x, y]` is its place on the skin, in the chart of
-    /// [`Layout::places`](crate::Layout::places).
+    /// Returns the point of a marker in the flat pattern. `[x, y]` is the marker's place on the skin, in the
+    /// coordinates of [`Layout::places`](crate::Layout::places).
     fn flatten(&self, marker: usize, [x, y]: [f64; 2]) -> Result<FlatPlace, PatternError> {
         let from_apex = libm::hypot(x, y);
         let polar = from_apex / self.radius;
@@ -92,15 +95,16 @@ impl Pattern {
         })
     }
 
-    /// Outline of one gore: (across, distance from the apex), length. Closed, from the right end of the equator's edge up to
-    /// the apex and down again; 2m + 1 points.
+    /// Closed outline of one gore as points (distance from the middle meridian, distance from the apex), length. It
+    /// goes from the right end of the equator's edge up to the apex and down again, with 2m + 1 points.
     fn outline(&self) -> impl Iterator<Item = [f64; 2]> {
         let right = (0..=self.samples).rev().map(|step| self.edge(step));
         let left = (1..=self.samples).map(|step| self.edge(step));
         right.chain(left.map(|[across, from_apex]| [-across, from_apex]))
     }
 
-    /// (Half-width, distance from the apex) of a gore after this many steps from its apex, length.
+    /// Half the width of a gore, and the distance from the apex, after this number of steps from the apex; both
+    /// lengths.
     fn edge(&self, step: u32) -> [f64; 2] {
         let polar = FRAC_PI_2 * f64::from(step) / f64::from(self.samples);
         let half_width = PI / f64::from(self.gores) * libm::sin(polar);
@@ -125,14 +129,14 @@ mod tests {
     use crate::Layout;
     use approx::assert_relative_eq;
 
-    /// Outline of one gore of this radius, upright.
+    /// Outline of one gore of a sphere of this radius, with the apex at the top.
     fn gore(gores: u32, samples: u32, radius: f64) -> Vec<[f64; 2]> {
         let upright = |[across, from_apex]: [f64; 2]| [across, radius * FRAC_PI_2 - from_apex];
         let pattern = Pattern::new(gores, samples, radius).unwrap();
         pattern.outline().map(upright).collect()
     }
 
-    /// Signed area of a closed line.
+    /// Signed area that a closed line encloses.
     fn area(outline: &[[f64; 2]]) -> f64 {
         let next = outline.iter().cycle().skip(1);
         let sides = outline.iter().zip(next);
@@ -166,7 +170,8 @@ mod tests {
             let outline = gore(gores, samples, radius);
             assert_eq!(outline.len(), 2 * samples as usize + 1);
             let area = area(&outline);
-            // The chords enclose less area than the curve of the sine, by a share of 1 − (h/2) cot(h/2).
+            // The chords enclose less area than the sine curve. The ratio of the areas is (h/2) cot(h/2), where h is
+            // the step.
             let half_step = 0.25 * PI / f64::from(samples);
             let chords = half_step / libm::tan(half_step);
             let share = TAU * radius * radius / f64::from(gores);
@@ -202,7 +207,7 @@ mod tests {
                 );
                 let half_width = PI * shrunk / f64::from(gores);
                 assert!(flat.across.abs() <= half_width + 1e-12);
-                // On the flat sheet, too, a gore lies in its share of the turn.
+                // On the flat sheet, a gore also stays within its angular share of the full turn.
                 let [x, y] = flat.assembled;
                 assert_relative_eq!(
                     libm::hypot(x, y),

@@ -4,10 +4,11 @@ use nalgebra::Vector2;
 
 use crate::ProbeReading;
 
-/// Largest number of sets of readings in a batch. All data of a batch fit into the L1 cache.
+/// Maximum number of sets of readings in a batch, chosen so that all data of a batch fit into the L1 cache.
 pub const BATCH_SIZE: usize = 128;
 
-/// Sums over the probes from which [`LeastSquares`](crate::LeastSquares) estimates.
+/// Sums over the probes of one set of readings. [`LeastSquares`](crate::LeastSquares) computes the estimate from these
+/// sums.
 ///
 /// ```
 /// use nalgebra::Vector2;
@@ -26,23 +27,24 @@ pub const BATCH_SIZE: usize = 128;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
-    /// Sums of `g₁ d₁`, `g₂ d₂`, `g₂ d₁ + g₁ d₂` with the deviations `d = Δp − R₁ g`.
+    /// Sums of `g₁ d₁`, `g₂ d₂` and `g₂ d₁ + g₁ d₂` over the probes. Here `g` is the drive of a probe, and `d = Δp − R₁
+    /// g` is the deviation of the shift `Δp` from the shift on a plane.
     pub(crate) deviations: [f64; 3],
-    /// Sum of the lengths of the shifts.
+    /// Sum of the lengths of the shifts, length.
     pub(crate) lengths: f64,
 }
 
 /// The rotation of one probe, prepared for [`Moments`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbeRotation {
-    /// Drive `g = (−Δθ_y, Δθ_x)`, rad.
+    /// Drive `g = (−Δθ_y, Δθ_x)` of the probe, made from its rotation, rad.
     drive: [f64; 2],
-    /// `R₁ g`, the shift on a plane.
+    /// `R₁ g`: the shift of the contact if the object were a plane, length.
     flat: [f64; 2],
 }
 
 impl ProbeRotation {
-    /// A probe of `radius` that turned by `rotation`, `(Δθ_x, Δθ_y)` in rad.
+    /// A probe of `radius` that has rotated by `rotation`, that is, by `(Δθ_x, Δθ_y)` in rad.
     #[inline]
     pub fn new(radius: f64, rotation: &Vector2<f64>) -> Self {
         let drive = [-rotation.y, rotation.x];
@@ -54,7 +56,7 @@ impl ProbeRotation {
 }
 
 impl Moments {
-    /// The moments of one set, from the sums of several sets.
+    /// The moments of the set with this index, out of sums that are stored for several sets.
     #[inline(always)]
     pub(crate) fn of_set<const N: usize>(
         deviations: &[[f64; N]; 3],
@@ -68,14 +70,14 @@ impl Moments {
         }
     }
 
-    /// Adds a probe of `radius`.
+    /// Adds the reading of a probe of `radius` to the sums.
     #[inline]
     pub fn add(&mut self, radius: f64, reading: &ProbeReading) {
         let rotation = ProbeRotation::new(radius, &reading.rotation);
         self.add_shifts(&rotation, [reading.shift.x, reading.shift.y]);
     }
 
-    /// Adds a probe, with its shifts along u and v.
+    /// Adds a probe to the sums, from its rotation and its shifts along u and v (length).
     #[inline(always)]
     pub fn add_shifts(&mut self, rotation: &ProbeRotation, [p1, p2]: [f64; 2]) {
         let ([g1, g2], [flat1, flat2]) = (rotation.drive, rotation.flat);
@@ -104,13 +106,13 @@ impl Default for BatchMoments {
 }
 
 impl BatchMoments {
-    /// The moments of the set of readings at a place below [`BATCH_SIZE`].
+    /// The moments of the set of readings with index `place`, which must be below [`BATCH_SIZE`].
     #[inline(always)]
     pub fn at(&self, place: usize) -> Moments {
         Moments::of_set(&self.deviations, &self.lengths, place)
     }
 
-    /// Sets the moments of the set of readings at a place below [`BATCH_SIZE`].
+    /// Stores the moments of the set of readings with index `place`, which must be below [`BATCH_SIZE`].
     #[inline(always)]
     pub fn put(&mut self, place: usize, moments: Moments) {
         for (sums, sum) in self.deviations.iter_mut().zip(moments.deviations) {
@@ -123,14 +125,14 @@ impl BatchMoments {
 /// Estimates from up to [`BATCH_SIZE`] sets of readings.
 #[derive(Clone, Debug)]
 pub struct BatchEstimates {
-    /// Normal curvature along u and along v, Gaussian curvature, mean curvature, as in [`Estimate`](crate::Estimate), and
-    /// the mean length of the shifts.
+    /// For each set: normal curvature along u and along v, Gaussian curvature and mean curvature, as in
+    /// [`Estimate`](crate::Estimate), and the mean length of the shifts.
     pub values: [[f64; BATCH_SIZE]; 5],
-    /// Standard deviations of the curvatures; only valid if `have_stds`.
+    /// Standard errors of the four curvatures; only valid if `have_stds` is true.
     pub stds: [[f64; BATCH_SIZE]; 4],
-    /// Whether noise was stated.
+    /// Whether noise was stated. Only then are standard errors computed.
     pub have_stds: bool,
-    /// 1 if the fit has a curvature, otherwise 0.
+    /// For each set, 1 if the readings determine a curvature, otherwise 0.
     is_determined: [u64; BATCH_SIZE],
 }
 
@@ -167,11 +169,11 @@ impl BatchEstimates {
         }
     }
 
-    /// Number of estimates, of the first `count`, before the first one that is not determined.
+    /// Number of determined estimates that precede the first undetermined one, among the first `count` estimates.
     #[inline(always)]
     pub(crate) fn determined(&self, count: usize) -> usize {
         let all = &self.is_determined[..count.min(BATCH_SIZE)];
-        // Nearly always all are determined.
+        // First compare the sum with the number of estimates, because nearly always all estimates are determined.
         match all.iter().sum::<u64>() as usize {
             sum if sum == all.len() => sum,
             _ => all.iter().take_while(|&&one| one == 1).count(),

@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Ep1Error {
-    /// Fewer than two probes: a curvature form has three components, a probe measures two.
+    /// Fewer than two probes. A curvature form has three components, and one probe determines only two of them.
     #[error("{probes} probe(s); at least 2 in different directions are needed")]
     TooFewProbes {
         /// Number of probes.
@@ -17,56 +17,58 @@ pub enum Ep1Error {
     /// The rotations do not span the tangent plane.
     #[strum(serialize = "unresolvable-set")]
     #[error(
-        "the {probes} probes do not span the tangent plane: across their main direction they turn \
-         {} times as far as along it; add a probe across it",
+        "the rotations of the {probes} probes do not span the tangent plane: across their main \
+         direction they are {} times as large as along it; add a roll across it",
         Number::rounded(*spread)
     )]
     Unresolvable {
         /// Number of probes.
         probes: usize,
-        /// Root-mean-square rotation across the main axis over that along it.
+        /// Root-mean-square rotation perpendicular to the main axis of the rotations, divided by the root-mean-square
+        /// rotation along this axis.
         spread: f64,
     },
-    /// In some direction, measurement errors are more than half of the mean squared rotation.
+    /// In some direction, the variance of the errors of the measured rotations is more than half of the mean squared
+    /// rotation.
     #[error(
         "errors of the measured rotations are {} of the squared rotations in some direction, more than 0.5: roll further, \
          or measure the rotations more exactly",
         Number::rounded(*share)
     )]
     NoisyRotations {
-        /// Share of measurement errors in the mean squared rotation.
+        /// Variance of the errors of the measured rotations, divided by the mean squared rotation.
         share: f64,
     },
-    /// The contact did not move in some direction: the object is too sharp to resolve.
+    /// The contact did not move in some direction, because the object is too sharp for the resolution of the readings.
     #[error("{}", unresolved(*direction_rad, *radius_below))]
     Unresolved {
-        /// Direction, from u towards v, rad.
+        /// Direction in which the contact did not move, as an angle from u towards v, rad.
         direction_rad: f64,
-        /// Upper bound on the radius of curvature in that direction, length; `None` without a
-        /// stated resolution, or where even a flat object would not have moved the contact.
+        /// Upper bound on the object's radius of curvature in this direction, length. `None` if no resolution is
+        /// stated, or if the contact would not have moved even on a flat object.
         radius_below: Option<f64>,
     },
-    /// The contact moved against the roll in some direction, which no rolling contact does.
+    /// The contact moved against the direction of the roll, which is impossible for a rolling contact.
     #[error(
-        "at {:.1} degrees from u the contact moved {} per radian, against the roll: not a rolling \
-         contact",
+        "at {:.1} degrees from u the contact moved by {} per radian, against the direction of the \
+         roll: this is not a rolling contact",
         direction_rad.to_degrees(),
         Number::rounded(*travel_per_radian)
     )]
     NotRolling {
-        /// Direction, from u towards v, rad.
+        /// Direction of this movement, as an angle from u towards v, rad.
         direction_rad: f64,
-        /// Travel of the contact per radian, length; negative.
+        /// Distance that the contact moved per radian of rotation, length; negative.
         travel_per_radian: f64,
     },
-    /// A reading, or what follows from it, is not a finite number.
+    /// A number of a reading, or a result computed from it, is not finite.
     #[error("probe {probe} (counting from 0): the reading is not finite")]
     NotFinite {
         /// Number of the probe, counted from 0.
         probe: usize,
     },
-    /// The numbers leave the range of doubles.
-    #[error("the readings are too large or too small to be worked with")]
+    /// The numbers are beyond the range of doubles.
+    #[error("the readings are too large or too small for double precision")]
     OutOfRange,
 }
 

@@ -3,12 +3,12 @@
 use nalgebra::Matrix2;
 use palpate_geometry::CurvatureForm;
 
-/// A value with its standard deviation due to the stated noise, to first order.
+/// A value with its standard error. The standard error is computed to first order from the stated noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// The value.
+    /// The estimated value.
     pub value: f64,
-    /// Its standard deviation, in the same unit; `None` if no noise was stated.
+    /// Standard error, in the same unit as the value; `None` if no noise was stated.
     pub std: Option<f64>,
 }
 
@@ -30,7 +30,7 @@ pub struct Measured {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The object's curvature form, 1/length, convex positive.
+    /// The object's curvature form, 1/length; positive where the object is convex.
     pub curvature: CurvatureForm,
     /// Normal curvature along u, 1/length.
     pub normal_curvature_u: Measured,
@@ -40,17 +40,18 @@ pub struct Estimate {
     pub gaussian_curvature: Measured,
     /// Mean curvature, 1/length.
     pub mean_curvature: Measured,
-    /// Mean length of the shifts, length.
+    /// Mean length of the shifts, in the length unit of the readings.
     pub arc_length: f64,
     pub(crate) probe_curvature: f64,
-    /// Mobility `(K₁ + K₂)⁻¹`, length: the distance that the contact moves on the probe per radian.
+    /// Mobility `(K₁ + K₂)⁻¹`, where K₁ and K₂ are the curvature forms of probe and object: the distance that the
+    /// contact moves on the probe per radian, length.
     pub(crate) mobility: Matrix2<f64>,
 }
 
 impl Estimate {
-    /// Factor by which a small relative error of the readings grows in the object's normal curvature at
-    /// `angle_rad` from u: `1 + 1/RCR` (1996 paper, equation 7). `None` where the object is flat:
-    /// the growth has no bound.
+    /// Factor by which a small relative error of the readings is amplified in the object's normal curvature at
+    /// `angle_rad` from u. It is `1 + 1/RCR`, where RCR is the object's normal curvature divided by the probe's (1996
+    /// paper, equation 7). `None` where the object is flat, because the factor is infinite there.
     pub fn amplification(&self, angle_rad: f64) -> Option<f64> {
         let growth = 1.0 + self.probe_curvature / self.curvature.normal_curvature(angle_rad);
         growth.is_finite().then_some(growth)

@@ -1,20 +1,21 @@
-//! The least squares of the 1996 paper, for any number of probes.
+//! The least-squares estimator of the 1996 paper, for any number of probes.
 //!
-//! With `g = (−Δθ_y, Δθ_x)` and `B = (K₁ + K₂)⁻¹` the model is `Δp = B g`. On a flat object
-//! `B = I/K₁ = R₁ I`, and `K₂ = B⁻¹ − K₁` loses its digits by cancellation. Therefore the fit estimates `D`, the
-//! deviation from rolling on a plane, `Δp − R₁ g = D g`. The formula
+//! With the drive `g = (−Δθ_y, Δθ_x)` and the mobility `B = (K₁ + K₂)⁻¹`, the model of a shift is `Δp = B g`. On a flat
+//! object, `B` is `I/K₁ = R₁ I`, and `K₂ = B⁻¹ − K₁` would lose its digits by cancellation. Therefore the fit estimates
+//! `D`, which describes the deviation from rolling on a plane: `Δp − R₁ g = D g`. The formula
 //!
 //! ```text
 //! K₂ = −K₁ (I + K₁ D)⁻¹ K₁ D
 //! ```
 //!
-//! does not cancel: readings of a flat object give exactly zero. If rotations are measured with a stated error, their
-//! squares are reduced by its variance. Otherwise the contact would seem to move less.
+//! has no cancellation: readings of a flat object give exactly zero. If the error of the measured rotations is stated,
+//! its variance is subtracted from the sum of the squared rotations. Without this correction, the contact would seem to
+//! move less per radian than it does.
 //!
-//! Exact readings of probes that turn alike in all directions give curvatures with a relative error of at most
-//! `1e-15 (2 + K₁/|k| + |k|/K₁)`. The term `K₁/|k|` comes from the rounding of the readings. The term `|k|/K₁` is the
-//! price of the accuracy on flat objects: the curvature of an object a million times as sharp as the probe has nine
-//! correct digits.
+//! If the readings are exact and the probes roll equally in all directions, the curvatures `k` have a relative error of
+//! at most `1e-15 (2 + K₁/|k| + |k|/K₁)`. The term `K₁/|k|` comes from the rounding of the readings. The term `|k|/K₁`
+//! is the price for the accuracy on flat objects: if the object's curvature is a million times the probe's curvature,
+//! it has nine correct digits.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector2};
 use palpate_geometry::CurvatureForm;
@@ -25,8 +26,9 @@ use crate::{
     BatchEstimates, BatchMoments, Ep1Error, Estimate, Measured, Moments, ProbeReading, ReadingNoise,
 };
 
-/// Largest share of the squared rotations, in any direction, that may come from errors of the measured rotations. A
-/// scene is checked with its true rotations. This is stricter, because errors make measured rotations larger.
+/// Largest allowed ratio of the variance of the measured rotations to the mean squared rotation, in any direction. The
+/// check of a simulated scene uses the true rotations. This makes it stricter, because errors make the measured
+/// rotations larger.
 const MAX_NOISE_SHARE: f64 = 0.5;
 
 /// The part of the least squares that depends only on the rotations, not on the shifts.
@@ -56,12 +58,12 @@ pub struct LeastSquares {
 }
 
 impl LeastSquares {
-    /// The fit for probes of `radius` that turned by `rotations`, with readings of this noise.
+    /// The fit for probes of `radius` that have rotated by `rotations`. `noise` is the noise of the readings.
     ///
     /// # Errors
     /// [`Ep1Error`] if there are too few probes, if they do not span the tangent plane, or if a rotation is not finite;
-    /// [`Ep1Error::OutOfRange`] if the radius is not finite and positive, if a size of the noise is not finite and at least 0,
-    /// or if the rotations are below 1e-50 or above 1e50 rad.
+    /// [`Ep1Error::OutOfRange`] if the radius is not finite and positive, if a size of the noise is negative or not
+    /// finite, or if the rotations are below 1e-50 or above 1e50 rad.
     pub fn new(
         radius: f64,
         noise: ReadingNoise,
@@ -92,7 +94,7 @@ impl LeastSquares {
             return Err(Ep1Error::OutOfRange);
         }
         spans(rotations.len(), &gram)?;
-        // Measurement errors add their variance to the squared rotations.
+        // The errors of measured rotations increase the sum of the squared rotations by their variance.
         let added = noise.rotation_std_rad * noise.rotation_std_rad * rotations.len() as f64;
         let share = added / gram.least();
         if share > MAX_NOISE_SHARE {
@@ -141,10 +143,11 @@ impl LeastSquares {
         })
     }
 
-    /// The estimate from recorded readings of probes of `radius`: fit and estimate in one.
+    /// The estimate from recorded readings of probes of `radius`: [`LeastSquares::new`] and [`LeastSquares::estimate`]
+    /// in one call.
     ///
     /// # Errors
-    /// As [`LeastSquares::new`] and [`LeastSquares::estimate`].
+    /// Errors of [`LeastSquares::new`] and [`LeastSquares::estimate`].
     pub fn of(
         radius: f64,
         noise: ReadingNoise,
@@ -156,7 +159,7 @@ impl LeastSquares {
     /// The fit of recorded readings of probes of `radius`, and its estimate.
     ///
     /// # Errors
-    /// As [`LeastSquares::of`].
+    /// Errors of [`LeastSquares::of`].
     pub fn fitted(
         radius: f64,
         noise: ReadingNoise,
@@ -176,10 +179,11 @@ impl LeastSquares {
         Ok((fit, estimate))
     }
 
-    /// The object's curvature from the shifts of the probes, with the uncertainty due to the stated noise.
+    /// The object's curvature from the shifts of the probes, with the standard errors due to the stated noise.
     ///
     /// # Errors
-    /// [`Ep1Error`] if the contact did not move or moved backwards in some direction, or if the numbers are out of range.
+    /// [`Ep1Error`] if the contact did not move or moved backwards in some direction, or if the numbers are out of
+    /// range.
     #[inline]
     pub fn estimate(&self, moments: &Moments) -> Result<Estimate, Ep1Error> {
         let is_stated = self.noise.is_stated();
@@ -220,8 +224,8 @@ impl LeastSquares {
         })
     }
 
-    /// Covariance of the normal curvatures along u and v and of the twist `k_uv` of an estimate of this fit, to first
-    /// order, 1/length²; `None` if no noise was stated.
+    /// Covariance of the normal curvatures along u and v and of the twist `k_uv`, for an estimate of this fit. It is
+    /// computed to first order, 1/length²; `None` if no noise was stated.
     ///
     /// ```
     /// use nalgebra::Vector2;
@@ -261,10 +265,10 @@ impl LeastSquares {
         }))
     }
 
-    /// Estimates from the first `count` of `moments`. They equal those of [`LeastSquares::estimate`] to the last bit. Returns
-    /// the number of estimates before the first one that is not determined.
+    /// Computes the estimates of the first `count` sets of `moments`. They equal the results of
+    /// [`LeastSquares::estimate`] to the last bit. Returns the number of estimates before the first undetermined one.
     ///
-    /// It is compiled for the vector instructions of its caller.
+    /// The function is always inlined, so that it is compiled for the vector instructions of its caller.
     #[inline(always)]
     pub fn estimate_batch(
         &self,
@@ -280,7 +284,7 @@ impl LeastSquares {
         estimates.determined(count)
     }
 
-    /// The error if the contact did not move, or moved backwards, in some direction.
+    /// The error for a contact that did not move, or that moved backwards, in some direction.
     #[cold]
     fn not_moving(&self, travel: &Symmetric) -> Ep1Error {
         let matrix = travel.matrix();
@@ -290,7 +294,7 @@ impl LeastSquares {
         let eigen = SymmetricEigen::new(matrix);
         let (index, smallest) = eigen.eigenvalues.argmin();
         let direction = eigen.eigenvectors.column(index);
-        // Of the two opposite directions, the one in (−π/2, π/2].
+        // Two opposite directions describe the same movement, so use the one whose angle is in (−π/2, π/2].
         let backward = direction.x < -1e-9 || (direction.x < 1e-9 && direction.y < 0.0);
         let along = if backward {
             -direction
@@ -305,7 +309,8 @@ impl LeastSquares {
                 travel_per_radian,
             };
         }
-        // The longest rotation in that direction moved the contact less than the resolution.
+        // Even the longest rotation in this direction moved the contact by less than the resolution. This gives a bound
+        // on the curvature.
         let rotation = self
             .rotations
             .iter()
@@ -322,8 +327,8 @@ impl LeastSquares {
 }
 
 impl Estimate {
-    /// Root mean square of the residuals `Δp − B g` per component, length, and their degrees of
-    /// freedom (two per probe, less three).
+    /// Root mean square of the residuals `Δp − B g` per component, length. Also the number of degrees of freedom: two
+    /// per probe, minus three.
     pub fn residual(&self, readings: &[ProbeReading]) -> (f64, usize) {
         let freedom = (2 * readings.len()).saturating_sub(3);
         if freedom == 0 {
@@ -340,12 +345,12 @@ impl Estimate {
     }
 }
 
-/// Whether `probes` rotations with this Gram matrix span the tangent plane.
+/// Checks that the rotations of `probes` probes span the tangent plane. `gram` is the Gram matrix of the rotations.
 fn spans(probes: usize, gram: &Symmetric) -> Result<(), Ep1Error> {
     if probes < 2 {
         return Err(Ep1Error::TooFewProbes { probes });
     }
-    // det/trace² is between λ_min/λ_max and a quarter of that.
+    // The ratio of the eigenvalues λ_min/λ_max is between `det/trace²` and four times `det/trace²`.
     let trace = gram.uu + gram.vv;
     let determinant = gram.determinant();
     if determinant > SMALLEST_SPREAD * SMALLEST_SPREAD * trace * trace {
@@ -361,14 +366,14 @@ fn spans(probes: usize, gram: &Symmetric) -> Result<(), Ep1Error> {
     })
 }
 
-/// `Σ AᵀA` with `A = [[g₁, 0, g₂], [0, g₂, g₁]]`.
+/// Matrix of the normal equations, `Σ AᵀA` with `A = [[g₁, 0, g₂], [0, g₂, g₁]]`.
 fn normal_equations(gram: &Symmetric) -> Matrix3<f64> {
     let Symmetric { uu, uv, vv } = *gram;
     Matrix3::new(uu, 0.0, uv, 0.0, vv, uv, uv, uv, uu + vv)
 }
 
-/// `Σ σ² Aᵀ C A` for the covariance `C` of a residual per variance of a rotation, with the Gram
-/// matrix weighted by the variances σ².
+/// The sum `Σ σ² Aᵀ C A` over the rotations, where `C` is the covariance of a residual for a rotation with unit
+/// variance. `gram` is the Gram matrix of the rotations, weighted with their variances σ².
 fn weighted_equations(gram: &Symmetric, c: &Symmetric) -> Matrix3<f64> {
     let Symmetric { uu, uv, vv } = *gram;
     let (u_mixed, v_mixed) = (c.uu * uv + c.uv * uu, c.uv * vv + c.vv * uv);

@@ -1,34 +1,38 @@
-//! The linear map from shifts to an estimate and its standard deviations. It has no branches, so that vector instructions can
-//! compute several estimates at once.
+//! The linear map from shifts to an estimate and its standard errors. It has no branches, so that several estimates can
+//! be computed together with vector instructions.
 
 use crate::batch::BATCH_SIZE;
 use crate::symmetric::{Symmetric, Symmetric3};
 use crate::{BatchEstimates, BatchMoments, Moments};
 
-/// Smallest travel of a contact, relative to that on a plane, that is not a rounding error.
+/// Smallest distance that a contact must move, relative to the distance that it would move on a plane. A smaller
+/// movement may be a rounding error.
 pub(crate) const MIN_TRAVEL: f64 = 1e-12;
 
-/// Standard deviation of the rounding errors in the entries of `K₁ B`, from the last digits of readings and sums.
+/// Standard deviation of the rounding errors in the entries of `K₁ B`. They come from the last digits of the readings
+/// and sums.
 pub(crate) const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
-/// Linear map from shifts to estimates. It is copied for batches.
+/// The linear map from shifts to estimates, as a type that can be copied into a loop over a batch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Law {
     pub(crate) radius: f64,
     pub(crate) probe_curvature: f64,
     pub(crate) per_probe: f64,
-    /// Inverse of the normal equations for the entries `uu`, `vv`, `uv` of `K₁ D`.
+    /// Inverse of the matrix of the normal equations. The unknowns are the entries `uu`, `vv`, `uv` of `K₁ D`.
     pub(crate) inverse: Symmetric3,
-    /// Mean amount by which errors of measured rotations reduce the sum of `g d`, `d = Δp − R₁ g`, length.
+    /// Mean decrease of the sum of `g d` due to errors of the measured rotations, length. Here `g` is the drive of a
+    /// probe, and `d = Δp − R₁ g` is the deviation of its shift from the shift on a plane.
     pub(crate) added: f64,
     /// Covariance of the entries of `K₁ D` due to the shifts' noise and to rounding.
     pub(crate) from_shifts: Symmetric3,
-    /// Their covariance due to the rotations' noise, per entry `uu`, `vv`, `uv` of `(K₁ B)²`.
+    /// Covariance of the entries of `K₁ D` due to the rotations' noise, as three matrices that are multiplied by the
+    /// entries `uu`, `vv`, `uv` of `(K₁ B)²`.
     pub(crate) from_rotations: [Symmetric3; 3],
 }
 
-/// Standard deviation (1/length) of a normal curvature (1/length) that is estimated with probes of `radius`, due to
-/// rounding of the readings alone.
+/// Standard deviation (1/length) of a normal curvature that is due to the rounding of the readings alone. The arguments
+/// are this curvature (1/length) and the radius of the probes.
 ///
 /// ```
 /// // Rounding errors exceed the curvature of an object 10¹⁷ times as flat as the probe.
@@ -66,10 +70,12 @@ impl Law {
         moments.lengths * self.per_probe
     }
 
-    /// The fit, without branches, so that many can be done side by side.
+    /// Fits one set of readings without branches, so that many sets can be fitted together.
     #[inline(always)]
     pub(crate) fn solve<const IS_STATED: bool>(self, moments: &Moments) -> Solution {
-        // K₁ D, and I + K₁ D whose inverse is K_rel / K₁.
+        // K₁ is the probe's curvature, and K_rel = K₁ + K₂ is the relative curvature. The matrix D maps the drive g of
+        // a roll to the deviation of its shift from the shift on a plane. `deviation` is the matrix K₁ D. `travel` is
+        // the matrix I + K₁ D, which is the inverse of K_rel / K₁.
         let [along_u, along_v, mixed] = moments.deviations;
         let deviation = match IS_STATED {
             true => self
@@ -97,7 +103,7 @@ impl Law {
         let gaussian = curvature.determinant();
         let mean = curvature.uu * 0.5 + curvature.vv * 0.5;
         let arc_length = self.arc_length(moments);
-        // Standard deviations are in units of K₁ / det².
+        // From here on, standard deviations are in units of K₁ / det².
         let unit = scale / determinant;
         let mut all = gaussian + mean + arc_length + trace * self.radius + unit;
         let mut stds = [0.0; 4];
@@ -116,25 +122,26 @@ impl Law {
         }
     }
 
-    /// Covariance of the entries of `K₁ B`; `travel` is `K₁ B`.
+    /// Covariance of the entries of `K₁ B`. `travel` is the estimate of `K₁ B`.
     #[inline(always)]
     pub(crate) fn of_mobility(self, travel: &Symmetric) -> Symmetric3 {
         self.from_shifts
             .plus(&self.from_rotations, &travel.square())
     }
 
-    /// Standard deviations of K_uu, K_vv, Gaussian and mean curvature, in units of `unit` = `K₁ / det²`, where `det`
-    /// is the determinant of `travel` = `K₁ B`.
+    /// Standard errors of K_uu, K_vv, the Gaussian and the mean curvature, in units of `unit` = `K₁ / det²`, where
+    /// `det` is the determinant of `travel` = `K₁ B`.
     ///
-    /// A probe's residual is `e − B δg` for shift error `e` and rotation error `δg`. Therefore the covariance of B is
-    /// linear in `B²`, and `δK₂ = −K_rel δB K_rel`: a quantity with gradient `G` in K₂ changes by `−tr(S δB)` with
-    /// `S = K_rel G K_rel`. The variance of the Gaussian curvature includes the term of second order, the only one
-    /// that is not zero on a flat object.
+    /// The residual of a probe is `e − B δg` for the shift error `e` and the rotation error `δg`. Therefore the
+    /// covariance of B is linear in `B²`, and `δK₂ = −K_rel δB K_rel`. A quantity with the gradient `G` with respect to
+    /// K₂ changes by `−tr(S δB)` with `S = K_rel G K_rel`. The variance of the Gaussian curvature also contains the
+    /// second-order term, because all other terms are zero on a flat object.
     #[inline(always)]
     fn stds(self, curvature: &Symmetric, travel: &Symmetric, unit: f64) -> [f64; 4] {
         let covariance = self.of_mobility(travel);
         let [along_u, along_v, mixed] = gradients(travel);
-        // No closure: one that is not inlined lacks the vector instructions of what calls it.
+        // This is a function and not a closure: a closure that is not inlined would be compiled without the vector
+        // instructions of the caller.
         let (from_u, from_v, from_t) = (
             covariance.times(&along_u),
             covariance.times(&along_v),
@@ -161,10 +168,11 @@ impl Law {
     }
 }
 
-/// Change of K_uu, K_vv and K_uv per entry `uu`, `vv`, `uv` of `K₁ δB`, with the sign turned, in units of `K₁ / det²`.
+/// Derivatives of K_uu, K_vv and K_uv with respect to the entries `uu`, `vv`, `uv` of `K₁ B`, with the opposite sign,
+/// in units of `K₁ / det²`.
 #[inline(always)]
 pub(crate) fn gradients(travel: &Symmetric) -> [[f64; 3]; 3] {
-    // K_rel in units of K₁ / det.
+    // `w` is the relative curvature K_rel in units of K₁ / det.
     let w = Symmetric {
         uu: travel.vv,
         vv: travel.uu,
@@ -178,25 +186,25 @@ pub(crate) fn gradients(travel: &Symmetric) -> [[f64; 3]; 3] {
     ]
 }
 
-/// Square root of a variance that rounding may have made negative.
+/// Square root of a variance. A variance that is negative due to rounding counts as 0.
 #[inline(always)]
 fn root(variance: f64) -> f64 {
     let variance = if variance < 0.0 { 0.0 } else { variance };
     variance.sqrt()
 }
 
-/// The result of the fit, not yet checked to be that of a rolling contact.
+/// The result of the fit. The caller must check that it describes a rolling contact.
 pub(crate) struct Solution {
-    /// `K₁ B`.
+    /// `K₁ B`: movement of the contact, divided by its movement on a plane.
     pub(crate) travel: Symmetric,
     /// The object's curvature form.
     pub(crate) curvature: Symmetric,
     /// Normal curvature along u and along v, Gaussian curvature and mean curvature.
     pub(crate) curvatures: [f64; 4],
-    /// Their standard deviations; 0 if no noise was stated.
+    /// Standard errors of the curvatures; 0 if no noise was stated.
     pub(crate) stds: [f64; 4],
-    /// Whether the contact moved along with the roll, in every direction.
+    /// Whether the contact moved forward, that is, in the direction of the roll, for every direction.
     pub(crate) moved: bool,
-    /// Whether the numbers are finite.
+    /// Whether all numbers are finite.
     pub(crate) in_range: bool,
 }

@@ -1,34 +1,40 @@
-//! Misfit of rolls: goodness of fit, and rolls that contradict the others.
+//! Tests whether rolls contradict the model: goodness of fit, and rolls that contradict the other rolls.
 //!
-//! The residuals `Δp − B g` have the covariance `σ_p² I + σ_g² B Bᵀ`, from the noise of shifts and rotations. Weighted least
-//! squares remove the part that a change of `B` explains, so the sum of squares follows a chi-squared distribution. Over pads,
-//! all probes share the rounding of the first contact, which is fitted too, as uniform over a pad.
+//! The residuals `Δp − B g` have the covariance `σ_p² I + σ_g² B Bᵀ`, where σ_p is the noise of the shifts and σ_g the
+//! noise of the rotations. Weighted least squares remove the part that a change of `B` explains. Then the sum of the
+//! squared residuals, divided by their variances, follows a chi-squared distribution. On pads, all probes share the
+//! rounding error of the first contact. This error is fitted too, with the variance of a uniform distribution over a
+//! pad as its prior.
 
 use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2};
 use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit, StatedQuantity};
 
 use crate::{Estimate, ProbeReading, ReadingNoise};
 
-/// Number of entries of `B`, and the same with the common shift of all probes over pads.
+/// Number of entries of `B`.
 const MOBILITY_ENTRIES: usize = 3;
+/// Number of fitted parameters: the entries of `B`, and the two components of the shift that all probes on pads share.
 const UNKNOWNS: usize = 5;
-/// Smallest estimated noise, relative to the longest shift, that is not a rounding error.
+/// Smallest estimated noise, relative to the longest shift. A smaller value may be a rounding error.
 const MIN_NOISE: f64 = 1e-3;
-/// Smallest share of an unknown or of noise in a direction that is not a rounding error.
+/// Smallest relative size of the diagonal entry of a fitted parameter, and of the noise in a direction. A smaller value
+/// may be a rounding error.
 const SINGULAR: f64 = 1e-10;
-/// Significance level of a poor fit. At 0.005, four probes, which leave five degrees of freedom, would often miss a noise three
-/// times the stated one.
+/// Significance level of a poor fit. Four probes have only five degrees of freedom. At a level of 0.005, the test would
+/// often miss a noise that is three times the stated noise.
 const POOR_FIT_LEVEL: f64 = 0.02;
-/// Significance level at which residuals are too small for the stated noise, and smallest ratio of both that is reported.
+/// Significance level for residuals that are too small for the stated noise.
 const SMALL_RESIDUALS_LEVEL: f64 = 3e-5;
+/// Smallest ratio of stated noise to residuals that is reported.
 const MIN_NOISE_RATIO: f64 = 4.0;
 
 type Unknowns = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 type Slopes = SMatrix<f64, 2, UNKNOWNS>;
 
 impl Estimate {
-    /// Goodness of fit of this estimate to its readings; `None` if no noise is stated. For pads the p-value is
-    /// rather too large, because their errors are not independent. Takes time in proportion to the number of probes.
+    /// Goodness of fit of this estimate to its readings; `None` if no noise is stated. For pads, the p-value is rather
+    /// too large than too small, because the errors of pads are not independent. The computing time is proportional to
+    /// the number of probes.
     ///
     /// ```
     /// use nalgebra::Vector2;
@@ -62,10 +68,10 @@ impl Estimate {
         is_stated.then(|| Refit::new(noise, self, readings).map(|refit| refit.goodness()))?
     }
 
-    /// Ways in which the readings contradict the model. Without a stated noise, only an outlier can be found.
+    /// Ways in which the readings contradict the model. If no noise is stated, only an outlier can be found.
     ///
-    /// A wrong gain of all shifts or rotations, or a wrong radius of the probe, causes no misfit: no reading distinguishes it
-    /// from another curvature.
+    /// A wrong gain of all shifts or all rotations, or a wrong radius of the probe, causes no misfit, because it
+    /// changes the readings in the same way as another curvature of the object.
     pub fn misfits(&self, noise: ReadingNoise, readings: &[ProbeReading]) -> Vec<Misfit> {
         let (residual, _) = self.residual(readings);
         let longest = readings.iter().map(|reading| reading.shift.norm());
@@ -76,7 +82,8 @@ impl Estimate {
         }
         let tested = match is_stated {
             true => noise,
-            // Residuals are then compared with each other, so that any size will do.
+            // Without a stated noise, residuals are only compared with each other, so any value of the noise gives the
+            // same result.
             false => ReadingNoise {
                 shift_std: residual,
                 ..noise
@@ -93,8 +100,8 @@ impl Estimate {
     }
 }
 
-/// Reports a stated noise of shifts that is far larger than the residuals. Pads are not tested: their errors may all be equal
-/// or zero.
+/// Returns a misfit if the stated noise of shifts is far larger than the residuals. Readings of pads are not tested,
+/// because the errors of all pads may be equal or zero.
 fn small_residuals(noise: &ReadingNoise, residual: f64, goodness: GoodnessOfFit) -> Option<Misfit> {
     let stated = noise.shift_std;
     let p_value = 1.0 - goodness.p_value;
@@ -108,22 +115,23 @@ fn small_residuals(noise: &ReadingNoise, residual: f64, goodness: GoodnessOfFit)
     })
 }
 
-/// Weighted least squares around an estimate.
+/// A weighted least-squares fit near an estimate.
 struct Refit<'r> {
     noise: ReadingNoise,
     estimate: &'r Estimate,
     readings: &'r [ProbeReading],
-    /// Longest rotation, and smallest noise of a residual over the radius: units of the slopes.
+    /// Units of the slopes. The first is the longest rotation. The second is the smallest standard deviation of a
+    /// residual, divided by the probe's radius.
     units: [f64; 2],
     covariance: Unknowns,
-    /// Change of the unknowns that makes chi-squared smallest.
+    /// Change of the fitted parameters that minimises chi-squared.
     change: SVector<f64, UNKNOWNS>,
     chi_squared: f64,
     freedom: usize,
 }
 
 impl<'r> Refit<'r> {
-    /// `None` if the readings with noise do not determine the unknowns.
+    /// The fit. `None` if the readings and their noise do not determine the parameters.
     fn new(
         noise: ReadingNoise,
         estimate: &'r Estimate,
@@ -147,7 +155,7 @@ impl<'r> Refit<'r> {
             chi_squared: 0.0,
             freedom: 0,
         };
-        // The rounding of the first contact is uniform over a pad. Without pads there is none.
+        // The rounding error of the first contact is distributed uniformly over a pad. Without pads, it is zero.
         let start = noise.shift_resolution * estimate.probe_curvature / (12.0_f64.sqrt() * least);
         let per_start = start.max(SINGULAR).powi(-2);
         let mut information = Unknowns::zeros();
@@ -172,7 +180,7 @@ impl<'r> Refit<'r> {
         let chi_squared: f64 = square - gradient.dot(&refit.change);
         refit.chi_squared = match chi_squared.is_finite() {
             true => chi_squared.max(0.0),
-            // Residuals of this many standard deviations overflow.
+            // Chi-squared overflows if the residuals are too many standard deviations large.
             false => f64::INFINITY,
         };
         Some(refit)
@@ -182,8 +190,8 @@ impl<'r> Refit<'r> {
         GoodnessOfFit::new(self.chi_squared, self.freedom)
     }
 
-    /// Residuals and slopes in standard deviations, with the numbers of their probes. Probes without noise in some direction,
-    /// for example one that did not turn, are left out.
+    /// For each probe, its index, residual and slopes, in standard deviations. Probes without noise in some direction,
+    /// such as a probe that did not rotate, are omitted.
     fn weighted(&self) -> impl Iterator<Item = (usize, Vector2<f64>, Slopes)> {
         let [turned, least] = self.units;
         let mobility = self.estimate.mobility * self.estimate.probe_curvature;
@@ -207,8 +215,8 @@ impl<'r> Refit<'r> {
         self.readings.iter().enumerate().filter_map(weighted)
     }
 
-    /// The roll that contradicts the others. Its residual is compared with the stated noise if that explains the other rolls,
-    /// otherwise with their residuals.
+    /// The roll that contradicts the others. Its residual is compared with the stated noise if this noise explains the
+    /// other rolls; otherwise it is compared with the residuals of the other rolls.
     fn outlier(&self, is_noise_stated: bool) -> Option<Misfit> {
         if !self.chi_squared.is_finite() {
             return None;
@@ -232,8 +240,8 @@ impl<'r> Refit<'r> {
     }
 }
 
-/// Standard deviations over the radius that the noise of a shift and of a rotation cause in a residual, the second in the
-/// direction in which `B` is largest.
+/// Standard deviations of a residual, divided by the probe's radius: due to the noise of the shift, and due to the
+/// noise of the rotation. The second is for the direction in which `B` is largest.
 fn noise_sizes(noise: &ReadingNoise, estimate: &Estimate, reading: &ProbeReading) -> [f64; 2] {
     let turned = reading.rotation.norm();
     let rotation_std = libm::hypot(noise.relative_rotation_std * turned, noise.rotation_std_rad);

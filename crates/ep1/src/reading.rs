@@ -2,51 +2,51 @@
 
 use nalgebra::{Matrix3, RowVector3, Vector2, Vector3};
 
-/// The reading of one probe, in the probe's first contact frame (`z₁` out of the probe).
+/// The reading of one probe, in the probe's first contact frame. The z axis of this frame points out of the probe.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProbeReading {
-    /// `(Δθ_x, Δθ_y)`: rotation summed in the contact frame, rad. A contact moving to +u has
-    /// `Δθ_y < 0`.
+    /// `(Δθ_x, Δθ_y)`: rotation of the probe, summed in the contact frame, rad. If the contact moves to +u, `Δθ_y` is
+    /// negative.
     pub rotation: Vector2<f64>,
     /// `(Δp_u, Δp_v)`: great-circle displacement of the contact on the probe, length.
     pub shift: Vector2<f64>,
 }
 
-/// Start of the rolls on a fingertip's pads. It determines which errors the rolls share.
+/// Position on a pad at which the rolls start. It determines which errors the rolls share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PadStart {
-    /// Each roll starts at its own place, so the errors of different rolls are independent.
+    /// Each roll starts at its own random place, so the errors of different rolls are independent.
     #[default]
     PerRoll,
     /// All rolls start at the same random place on a pad, so they share the error of the start. Rolls that end at
     /// similar places relative to their pads also share the error of the end.
     PerTrial,
-    /// All rolls start at the centre of a pad. Rolls that end at similar places relative to their pads share the
-    /// error of the end. Opposite rolls have opposite errors.
+    /// All rolls start at the centre of a pad. Rolls that end at similar places relative to their pads share the error
+    /// of the end. Rolls in opposite directions have opposite errors.
     Centred,
 }
 
-/// Noise and resolution of readings, from which covariances and bounds follow.
+/// Noise and resolution of readings, from which covariances and bounds are computed.
 ///
-/// Errors of different probes and components are independent and have the stated standard deviation. Over pads, shifts
-/// share errors as [`PadStart`] describes.
+/// Errors of different probes and components are independent and have the stated standard deviation. On pads, the
+/// shifts of different rolls share errors as described for [`PadStart`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReadingNoise {
-    /// Standard deviation of each component of a rotation, as a fraction of its magnitude.
+    /// Standard deviation of each component of a rotation, divided by the magnitude of the rotation.
     pub relative_rotation_std: f64,
     /// Standard deviation of each component of a rotation, rad.
     pub rotation_std_rad: f64,
     /// Standard deviation of each component of a shift, length.
     pub shift_std: f64,
-    /// Resolution of shifts, length: a shorter one may read as zero; 0 if the sensor resolves any.
+    /// Resolution of shifts, length: a shorter shift may be read as zero. It is 0 if the sensor has no such limit.
     pub shift_resolution: f64,
-    /// Start of the rolls on the pads. It has no effect without pads.
+    /// Place on the pads at which the rolls start. It has no effect without pads.
     pub pad_start: PadStart,
 }
 
 impl ReadingNoise {
-    /// Noise of pads with this pitch (length). The position error is uniform over a pad at the last contact. It is
-    /// also uniform at the first contact, unless rolls start at a pad's centre.
+    /// Noise of pads with this pitch (length). The position error at the last contact is uniform over a pad. The error
+    /// at the first contact is uniform too, unless rolls start at the centre of a pad.
     ///
     /// ```
     /// use palpate_ep1::{PadStart, ReadingNoise};
@@ -68,23 +68,25 @@ impl ReadingNoise {
         }
     }
 
-    /// Whether any error is stated.
+    /// Whether the standard deviation of at least one error is stated.
     pub fn is_stated(&self) -> bool {
         self.relative_rotation_std > 0.0 || self.rotation_std_rad > 0.0 || self.shift_std > 0.0
     }
 
-    /// Variance of each component of a rotation of squared magnitude `square`.
+    /// Variance of each component of a rotation. `square` is the squared magnitude of the rotation.
     #[inline]
     pub(crate) fn rotation_variance(&self, square: f64) -> f64 {
         self.relative_rotation_std * self.relative_rotation_std * square
             + self.rotation_std_rad * self.rotation_std_rad
     }
 
-    /// `Σ AᵀCA` over rolls by `rotations`: `A` are the equations of a roll, and `C` the correlations between the
-    /// shift errors of rolls that start at the same place on the pads. `None` if each roll starts at its own place.
+    /// The sum `Σ AᵀCA` over pairs of rolls by `rotations`. `A` are the equations of a roll, and `C` are the
+    /// correlations between the shift errors of rolls that start at the same place on the pads. `None` if each roll
+    /// starts at its own place.
     ///
-    /// Rounding errors are uniform over a pad. Those of two ends that are a fraction f of a pad apart have the
-    /// correlation 1 − 6 f (1 − f). It is used only for small f: larger f depend on the object.
+    /// Rounding errors are uniform over a pad. If the ends of two rolls differ by a fraction f of a pad, their errors
+    /// have the correlation 1 − 6 f (1 − f). This formula is used only for small f, because larger distances depend on
+    /// the object.
     pub(crate) fn shared_errors(
         &self,
         radius: f64,
@@ -105,7 +107,8 @@ impl ReadingNoise {
             }
         };
         let correlation = |one: f64, other: f64| match self.pad_start {
-            // For rolls that start at a pad's centre, opposite shifts have opposite errors.
+            // If rolls start at the centre of a pad, opposite shifts have opposite rounding errors. So the correlation
+            // must change its sign if one of the two shifts does.
             PadStart::Centred => alike(one - other) - alike(one + other),
             _ => 0.5 * (1.0 - alike(one) - alike(other) + alike(one - other)),
         };

@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix2, Matrix3};
 
-/// Spread across the main axis, over that along it, below which rotations are taken as parallel.
+/// Ratio below which rotations count as parallel: their spread perpendicular to the main axis, divided by their spread
+/// along this axis.
 pub(crate) const SMALLEST_SPREAD: f64 = 1e-6;
 
 /// A symmetric 2×2 matrix.
@@ -25,7 +26,7 @@ impl Symmetric {
         0.5 * (self.uu + self.vv) - libm::hypot(half, self.uv)
     }
 
-    /// The square of this matrix.
+    /// The product of this matrix with itself.
     #[inline(always)]
     pub(crate) fn square(&self) -> Self {
         Self {
@@ -35,13 +36,13 @@ impl Symmetric {
         }
     }
 
-    /// Product of its entries `(uu, vv, uv)` with a vector.
+    /// Sum of the entries `uu`, `vv`, `uv` of the matrix, each multiplied by a component of the vector.
     #[inline(always)]
     pub(crate) fn dot(&self, v: &[f64; 3]) -> f64 {
         self.uu * v[0] + self.vv * v[1] + self.uv * v[2]
     }
 
-    /// `own` plus vectors weighted by the entries.
+    /// `own` plus three vectors. Each vector is multiplied by the entry of the matrix that has its name.
     #[inline(always)]
     fn sum(&self, own: &[f64; 3], uu: &[f64; 3], vv: &[f64; 3], uv: &[f64; 3]) -> [f64; 3] {
         [
@@ -63,7 +64,7 @@ impl Symmetric {
     }
 }
 
-/// A symmetric 3×3 matrix: its diagonal, and the entries (1,2), (1,3), (2,3).
+/// A symmetric 3×3 matrix, stored as its diagonal and the entries (1,2), (1,3), (2,3).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Symmetric3 {
     diagonal: [f64; 3],
@@ -79,7 +80,7 @@ impl Symmetric3 {
         }
     }
 
-    /// This plus the `parts`, weighted by `uu`, `vv`, `uv`.
+    /// This matrix plus the three `parts`. They are multiplied by the entries `uu`, `vv`, `uv` of `weights`.
     #[inline(always)]
     pub(crate) fn plus(&self, [uu, vv, uv]: &[Self; 3], weights: &Symmetric) -> Self {
         Self {
@@ -88,7 +89,7 @@ impl Symmetric3 {
         }
     }
 
-    /// This matrix with a number added to its diagonal.
+    /// This matrix, with a number added to each diagonal entry.
     #[inline(always)]
     pub(crate) fn with_diagonal(self, by: f64) -> Self {
         let [d1, d2, d3] = self.diagonal;

@@ -1,27 +1,28 @@
-//! Polynomials over the square, as series of products T_i(a) T_j(b) of Chebyshev polynomials with i + j up to a degree.
+//! Polynomials over the square [−1, 1]², as series of products T_i(a) T_j(b) of Chebyshev polynomials. The total degree
+//! i + j is limited.
 
 use std::ops::{Mul, Sub};
 
 use crate::matrix::SparseMap;
 
-/// Number of products up to a degree.
+/// Number of products T_i(a) T_j(b) with i + j ≤ `degree`.
 pub(crate) const fn count(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2
 }
 
-/// The products (i, j) up to a degree, those of a lower degree i + j first: a series of a lower degree is the start of
-/// one of a higher.
+/// The indices (i, j) of the products up to a degree, sorted by i + j. The first coefficients of a series of higher
+/// degree are therefore those of a series of lower degree.
 pub(crate) fn products(degree: usize) -> impl Iterator<Item = [usize; 2]> {
     (0..=degree).flat_map(|sum| (0..=sum).map(move |j| [sum - j, j]))
 }
 
-/// Place of T_i(a) T_j(b) among [`products`].
+/// Index of T_i(a) T_j(b) in the order of [`products`].
 #[inline]
 pub(crate) const fn place([i, j]: [usize; 2]) -> usize {
     count(i + j) - i - 1
 }
 
-/// The Chebyshev polynomials up to a degree at `x`.
+/// The Chebyshev polynomials up to `degree`, evaluated at `x`.
 pub(crate) fn values<T>(x: T, degree: usize) -> impl Iterator<Item = T>
 where
     T: Copy + From<f64> + Sub<Output = T> + Mul<Output = T>,
@@ -34,12 +35,13 @@ where
     })
 }
 
-/// The map from a series to its derivative along an axis, a series of one degree less; that of a constant is 0.
+/// The linear map from the coefficients of a series to those of its derivative along an axis. The derivative has one
+/// degree less; for a constant it is 0.
 pub(crate) fn derivative(degree: usize, axis: usize) -> SparseMap {
     let mut entries = Vec::new();
     for (at, product) in products(degree).enumerate() {
         let order = product[axis];
-        // T_n' = 2n (T_(n−1) + T_(n−3) + …), where T_0 counts half.
+        // T_n' = 2n (T_(n−1) + T_(n−3) + …), where T_0 is multiplied by ½.
         for lower in (0..order).rev().step_by(2) {
             let share = if lower == 0 { 1.0 } else { 2.0 };
             let mut part = product;
@@ -90,7 +92,7 @@ mod tests {
             [at(a, b - step), at(a, b + step)],
         ];
         for (axis, [low, high]) in neighbours.iter().enumerate() {
-            // One row per product.
+            // The matrix has one row per product.
             let slopes = derivative(degree, axis)
                 .apply_to_rows(&DMatrix::identity(count(degree), count(degree)));
             for (product, parts) in slopes.row_iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Shape classes of a curvature, and their probabilities.
+//! Shape classes of a place from its curvature, and the probabilities of the classes.
 
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_statistics::normal_tail;
@@ -6,37 +6,37 @@ use strum::IntoStaticStr;
 
 use crate::{Curvature, Uncertainty};
 
-/// Number of standard deviations to each side over which the mean curvature is integrated.
+/// The mean curvature is integrated over this number of standard deviations to each side.
 const REACH: f64 = 8.0;
-/// Intervals of Simpson's rule in each range of the mean curvature, even.
+/// Number of intervals of Simpson's rule in each part of the range of the mean curvature; even.
 const INTERVALS: usize = 64;
 
-/// Shape by the signs of the curvatures alone, without thresholds.
+/// Shape class by the signs of the curvatures alone, without thresholds.
 #[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum SignClass {
-    /// Gaussian and mean curvature above 0: both principal curvatures are positive.
+    /// Gaussian and mean curvature are above 0: both principal curvatures are positive.
     Convex,
-    /// Gaussian curvature above 0, mean curvature below: both are negative.
+    /// Gaussian curvature is above 0 and mean curvature below 0: both principal curvatures are negative.
     Concave,
-    /// Gaussian curvature at most 0.
+    /// Gaussian curvature is at most 0.
     Saddle,
 }
 
 impl SignClass {
-    /// The name used in files.
+    /// The name of the class in files.
     pub fn name(self) -> &'static str {
         self.into()
     }
 }
 
 impl Curvature {
-    /// The shape class of the place, one of eight, by thresholds below which curvatures count as zero.
+    /// The shape class of the place (one of eight). Curvatures below the thresholds count as zero.
     pub fn class(&self, thresholds: &ShapeThresholds) -> ShapeClass {
         thresholds.classify(self.gaussian, self.mean)
     }
 
-    /// The class by signs alone.
+    /// The class by the signs of the curvatures alone.
     pub fn sign_class(&self) -> SignClass {
         match (self.gaussian > 0.0, self.mean > 0.0) {
             (true, true) => SignClass::Convex,
@@ -45,12 +45,12 @@ impl Curvature {
         }
     }
 
-    /// The probability of each of the eight classes, in the order of [`ShapeClass::ALL`], if both
-    /// errors are normal; `None` where the method states no uncertainty, or numbers leave the range
-    /// of doubles. As everywhere, a K above H² is read as H².
+    /// The probability of each of the eight classes, in the order of [`ShapeClass::ALL`], if the errors of Gaussian
+    /// curvature K and mean curvature H are normally distributed. `None` if the method states no standard errors, or if
+    /// numbers are beyond the range of doubles. A K above H² is impossible and is replaced by H².
     pub fn class_probabilities(&self, thresholds: &ShapeThresholds) -> Option<[f64; 8]> {
         let uncertainty = self.uncertainty?;
-        // H is summed over; given H, K is normal too.
+        // The probabilities are integrated over H. For a given H, the distribution of K is normal too.
         let given_mean = GivenMean::of(self, &uncertainty, thresholds);
         let mut result = [0.0; 8];
         let mut add = |mean: f64, weight: f64| {
@@ -68,12 +68,13 @@ impl Curvature {
         if !is_sound {
             return None;
         }
-        // A spread that rounding swallows, or that cannot be cut into intervals, is none.
+        // If the standard deviation is so small that the range vanishes by rounding, it is treated as 0.
         if low < high && std >= f64::MIN_POSITIVE {
             let edges = [-thresholds.mean(), thresholds.mean()].map(|edge| edge.clamp(low, high));
             for (start, end) in [(low, edges[0]), (edges[0], edges[1]), (edges[1], high)] {
                 let step = (end - start) / INTERVALS as f64;
-                // Midpoints of no width belong to no range.
+                // A part of the range with no width is skipped, because its midpoint would belong to a neighbouring
+                // class.
                 if step <= 0.0 {
                     continue;
                 }
@@ -83,7 +84,8 @@ impl Curvature {
                         node if node % 2 == 1 => 4.0,
                         _ => 2.0,
                     };
-                    // Just inside, so that the ends take the class of their range.
+                    // The nodes at the ends are moved slightly inwards, so that they have the class of their own part
+                    // of the range.
                     let inside = (node as f64).clamp(1e-9, INTERVALS as f64 - 1e-9);
                     let mean = start + step * inside;
                     let deviate = (mean - centre) / std;
@@ -102,10 +104,10 @@ impl Curvature {
     }
 }
 
-/// The conditional distribution of K for a value of H.
+/// The distribution of the Gaussian curvature K for a given mean curvature H.
 struct GivenMean<'a> {
     curvature: &'a Curvature,
-    /// Change of K's centre per change of H.
+    /// Change of the mean of K per change of H.
     slope: f64,
     std: f64,
     thresholds: &'a ShapeThresholds,
@@ -135,7 +137,7 @@ impl<'a> GivenMean<'a> {
         }
     }
 
-    /// The classes with K below, about and above zero, and their probabilities.
+    /// The classes for K below, near and above zero, with their probabilities.
     fn classes(&self, mean: f64) -> [(ShapeClass, f64); 3] {
         let edge = self.thresholds.gaussian();
         let below = self.below(-edge, mean);
@@ -152,7 +154,7 @@ impl<'a> GivenMean<'a> {
         ]
     }
 
-    /// The probability of K below `edge`, within 1e-15.
+    /// The probability that K is below `edge`, with an error of at most 1e-15.
     fn below(&self, edge: f64, mean: f64) -> f64 {
         let centre = self.curvature.gaussian + self.slope * (mean - self.curvature.mean);
         if self.std > 0.0 {
@@ -214,7 +216,8 @@ mod tests {
 
     #[test]
     fn an_edge_halves_and_errors_apart_multiply() {
-        // K far below zero; H on the edge of 0.05: half saddle ridge, half minimal.
+        // K is far below zero and H is exactly on the threshold of 0.05, so the probability is one half for saddle
+        // ridge and one half for minimal.
         let on_edge = curvature(-1.0, 0.05, [0.01, 0.002], 0.0);
         assert_relative_eq!(
             probability(&on_edge, ShapeClass::SaddleRidge),
@@ -226,14 +229,14 @@ mod tests {
             0.5,
             epsilon = 1e-6
         );
-        // One standard deviation inside of both edges: 0.8413².
+        // K and H are one standard deviation inside both thresholds, so the probability is 0.8413².
         let corner = curvature(-0.02, 0.06, [0.01, 0.01], 0.0);
         assert_relative_eq!(
             probability(&corner, ShapeClass::SaddleRidge),
             0.841_344_746_068_542_9_f64.powi(2),
             epsilon = 1e-6
         );
-        // Errors that go together leave the smaller one.
+        // With completely correlated errors, the probability is the smaller of the two probabilities.
         let tied = curvature(-0.02, 0.06, [0.01, 0.01], -1.0);
         assert_relative_eq!(
             probability(&tied, ShapeClass::SaddleRidge),

@@ -1,15 +1,15 @@
-//! The curvature of a graph, and its uncertainty.
+//! The curvature of a graph, and the standard errors of the curvature.
 
 use palpate_geometry::CurvatureForm;
 
 use crate::Ep2Error;
 use crate::spline::{Jet, Lanes};
 
-/// The derivatives of a graph that its curvature depends on: p, q (slopes) and r, s, t (second
-/// derivatives along u², uv, v²), in the letters of Monge.
+/// Number of derivatives that determine the curvature of a graph: the slopes p, q along u, v, and the second
+/// derivatives r, s, t along u², uv, v² (Monge's letters).
 pub(crate) const DERIVATIVES: usize = 5;
 
-/// Covariance of the derivatives (p, q, r, s, t) at places side by side.
+/// Covariance of the derivatives (p, q, r, s, t) at several places side by side.
 pub(crate) type JetCovariance = [[Lanes; DERIVATIVES]; DERIVATIVES];
 
 /// Gaussian and mean curvature at a place, convex positive.
@@ -30,7 +30,7 @@ pub struct Curvature {
     pub gaussian: f64,
     /// Mean curvature, 1/length.
     pub mean: f64,
-    /// Uncertainty of the two, if the method states one.
+    /// Standard errors of both curvatures, if the method states them.
     pub uncertainty: Option<Uncertainty>,
 }
 
@@ -39,18 +39,19 @@ pub struct Curvature {
 pub(crate) struct Curvatures {
     gaussian: Lanes,
     mean: Lanes,
-    /// Both standard deviations, and the correlation.
+    /// The two standard errors and their correlation.
     uncertainty: Option<[Lanes; 3]>,
 }
 
 impl Curvatures {
-    /// Curvatures of a graph with these jets, whose unit of length is `scale` in that of the result.
+    /// Curvatures of a graph with these jets. `scale` is the unit of length of the graph, expressed in the unit of the
+    /// result.
     ///
-    /// With D = 1 + p² + q² and the normal upwards:
-    /// K = (rt − s²)/D², H = −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}).
+    /// With D = 1 + p² + q² and the normal upwards: K = (rt − s²)/D², H = −((1 + q²) r − 2pqs + (1 + p²) t)/(2
+    /// D^{3/2}).
     ///
     /// # Errors
-    /// [`Ep2Error::OutOfRange`] where one leaves the range of doubles.
+    /// [`Ep2Error::OutOfRange`] if a curvature is beyond the range of doubles.
     #[inline(always)]
     pub(crate) fn of_graph(
         jet: &Jet<Lanes>,
@@ -96,20 +97,20 @@ impl Curvatures {
     }
 }
 
-/// The uncertainty of Gaussian and mean curvature at a place.
+/// The standard errors of Gaussian and mean curvature at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Uncertainty {
-    /// Standard deviation of the Gaussian curvature, to second order in the errors of the second
-    /// derivatives, so that it is not 0 on a plane, 1/length².
+    /// Standard error of the Gaussian curvature, 1/length². It is of second order in the errors of the second
+    /// derivatives, so it is not 0 on a plane.
     pub gaussian_std: f64,
-    /// Standard deviation of the mean curvature, 1/length.
+    /// Standard error of the mean curvature, 1/length.
     pub mean_std: f64,
-    /// Correlation of the two, in [−1, 1].
+    /// Correlation of the errors of both curvatures, in [−1, 1].
     pub correlation: f64,
 }
 
-/// Standard deviations of Gaussian and mean curvature, and their correlation, at places side by side: from the
-/// covariance of the jet's derivatives and the curvatures in the jet's unit.
+/// Standard errors of Gaussian and mean curvature, and their correlation, at several places. They are computed from the
+/// covariance of the jet's derivatives and from the curvatures, which are in the jet's unit.
 #[inline(always)]
 fn uncertainty(
     jet: &Jet<Lanes>,
@@ -184,8 +185,8 @@ impl Curvature {
     }
 }
 
-/// The curvature form of a graph in the orthonormal basis whose first axis is the tangent along u,
-/// in the graph's unit, with that basis: the tangents along u, and across it.
+/// The curvature form of a graph, and the orthonormal tangent basis of this form: the tangent along u, and the tangent
+/// perpendicular to it. The form is in the graph's unit.
 pub(crate) fn form_and_basis(jet: &Jet) -> (CurvatureForm, [nalgebra::Vector3<f64>; 2]) {
     let Jet {
         u: p,
@@ -197,7 +198,7 @@ pub(crate) fn form_and_basis(jet: &Jet) -> (CurvatureForm, [nalgebra::Vector3<f6
     } = *jet;
     let d = 1.0 + p * p + q * q;
     let e = 1.0 + p * p;
-    // Gram–Schmidt: along = ∂u/√E, across = (∂v − (F/E) ∂u) √E/√D with F = pq and q − (F/E) p = q/E.
+    // Gram–Schmidt gives along = ∂u/√E and across = (∂v − (F/E) ∂u) √E/√D, with F = pq and q − (F/E) p = q/E.
     let share = p * q / e;
     let along = nalgebra::Vector3::new(1.0, 0.0, p) / e.sqrt();
     let across = nalgebra::Vector3::new(-share, 1.0, q / e) * (e / d).sqrt();
@@ -287,14 +288,14 @@ mod tests {
         let mut covariance = JetCovariance::default();
         (0..DERIVATIVES).for_each(|index| covariance[index][index] = Lanes::splat(0.01));
         let plane = curvature(Jet::default(), Some(&covariance), 2.0);
-        // Var(rt − s²) = σ⁴ + 2σ⁴.
+        // On a plane, Var(rt − s²) = σ⁴ + 2σ⁴.
         let told = plane.uncertainty.unwrap();
         assert_relative_eq!(
             told.gaussian_std,
             3.0_f64.sqrt() * 0.01 / 4.0,
             epsilon = 1e-15
         );
-        // Var(r + t)/4.
+        // The variance of the mean curvature is Var(r + t)/4.
         assert_relative_eq!(told.mean_std, 0.5_f64.sqrt() * 0.1 / 2.0, epsilon = 1e-15);
     }
 }

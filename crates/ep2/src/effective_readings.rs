@@ -1,4 +1,4 @@
-//! How many independent readings a log holds: copies, rests and noise that is correlated along a stroke.
+//! Number of independent readings in a log, which contains copies, rests, and noise that is correlated along a stroke.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -8,45 +8,48 @@ use nalgebra::Vector3;
 use crate::Contact;
 use crate::patch::FingerMap;
 
-/// Consecutive contacts of a finger within this share of its long steps are one reading.
+/// Largest distance between consecutive contacts of a finger that count as one reading, as a share of a long step.
 const REST_SHARE: f64 = 0.1;
-/// The quantile of the steps that counts as a long step.
+/// Quantile of the step lengths that counts as a long step.
 const LONG_STEP_QUANTILE: f64 = 0.9;
-/// Steps of a finger at rest are shorter than those of a moving finger by at least this factor.
+/// Smallest ratio of the steps of a moving finger to the steps of a finger at rest, where a gap separates the two.
 const MIN_STEP_GAP: f64 = 8.0;
-/// Smallest share of steps at rest for which rests are separated by the gap.
+/// Smallest share of steps at rest for which a gap is searched.
 const MIN_REST_SHARE: f64 = 0.02;
-/// A finger at rest stays within this multiple of its steps.
+/// Largest extent of a rest, as a multiple of its steps.
 const MAX_REST_EXTENT: f64 = 3.0;
-/// Largest share of short steps between runs. More of them are of a moving finger.
+/// Largest share of short steps among the steps between runs. If there are more, the finger was moving.
 const MAX_SHORT_BREAKS: f64 = 0.2;
-/// Largest number of gaps that are tried.
+/// Largest number of gaps between step lengths that are tried.
 const MAX_GAPS: usize = 4;
-/// Largest number of residuals from which the correlation is computed, and the largest lag.
+/// Largest number of residuals from which the correlation is computed.
 const MAX_RESIDUALS: usize = 60_000;
+/// Largest lag, in residuals, of the correlation.
 const MAX_LAG: usize = 1000;
-/// Correlations are corrected for what the fit absorbed while it absorbed less than this share of the readings.
+/// Correlations are corrected for the variance that the fit absorbed, if the fit absorbed less than this share of the
+/// readings.
 const MAX_ABSORBED_SHARE: f64 = 0.3;
 
-/// Contacts in which copies and rests count once.
+/// Contacts in which each copy and each rest counts as one reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistinctContacts {
-    /// The mean contact of each run, with its finger, in the order of the first rows.
+    /// Mean contact of each run of copied or resting readings, with its finger, in the order of the first rows of the
+    /// runs.
     pub contacts: Vec<Contact>,
-    /// Number of the run to which each row belongs.
+    /// Index of the run to which each row belongs.
     pub run_of_row: Vec<usize>,
 }
 
-/// How many independent readings there are, and why not more.
+/// Number of independent readings, and the reasons for which there are not more.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffectiveReadings {
-    /// Contacts that are used, outliers left out.
+    /// Number of contacts that are used, without outliers.
     pub contacts: usize,
-    /// Readings after copies and rests are merged.
+    /// Number of readings after copies and rests were merged.
     pub distinct: usize,
     /// Number of consecutive positions that count as one independent position, ≥ 1.
     pub position_correlation: f64,
-    /// The same of normals.
+    /// Number of consecutive normals that count as one independent normal, ≥ 1.
     pub normal_correlation: f64,
 }
 
@@ -58,8 +61,8 @@ impl EffectiveReadings {
 }
 
 impl DistinctContacts {
-    /// Merges exact copies, and rests that are separated from motion by a gap between the lengths of their steps. Lost
-    /// readings among the contacts do not matter.
+    /// Merges exact copies, and rests whose steps are clearly shorter than the steps of the moving finger. Lost
+    /// readings among the contacts do not affect the result.
     pub(crate) fn without_rests(contacts: &[Contact]) -> Self {
         let distinct = merged(contacts, 0.0, true);
         match rests(&distinct.contacts) {
@@ -68,7 +71,8 @@ impl DistinctContacts {
         }
     }
 
-    /// Merges also contacts within a tenth of a long step. Lost readings would make the steps long.
+    /// Also merges consecutive contacts that are closer to each other than a tenth of a long step. Lost readings must
+    /// be left out before, because they would make the steps too long.
     pub(crate) fn without_short_steps(self) -> Self {
         let mut steps = steps(&self.contacts);
         if steps.len() < 3 {
@@ -96,13 +100,14 @@ impl DistinctContacts {
     }
 }
 
-/// Merges exact copies and consecutive contacts of a finger at rest, without lost readings. The contacts of a finger are in
-/// the order in which it made them.
+/// Merges exact copies and consecutive contacts of a finger at rest. The contacts must not contain lost readings, and
+/// the contacts of each finger must be in the order of time.
 pub(crate) fn distinct_contacts(contacts: &[Contact]) -> DistinctContacts {
     DistinctContacts::without_rests(contacts).without_short_steps()
 }
 
-/// Merges copies, if this is wanted, and consecutive contacts of a finger within `limit` of the first one of their run.
+/// Merges consecutive contacts of a finger within the distance `limit` of the first contact of their run and, if
+/// `with_copies`, also copies.
 fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContacts {
     struct Run {
         first: Contact,
@@ -130,7 +135,7 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
             .entry(contact.finger)
             .filter(|&run| (position - runs[run].first.position).norm() <= limit);
         let run = match (copied, rested) {
-            // A copy adds nothing to the mean.
+            // A copy does not change the mean of the run.
             (Some(run), _) => run,
             (None, Some(run)) => {
                 let rest = &mut runs[run];
@@ -169,14 +174,14 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
     }
 }
 
-/// Bits of a contact's numbers; +0 and −0 are alike.
+/// Bits of a contact's numbers, which are the same for +0 and −0.
 fn bits_of(contact: &Contact) -> [u64; 6] {
     let normal = contact.normal.unwrap_or_default();
     let [x, y, z] = contact.position.into();
     [x, y, z, normal.x, normal.y, normal.z].map(|number| (number + 0.0).to_bits())
 }
 
-/// Distances between consecutive contacts of a finger.
+/// Distances between consecutive contacts of the same finger.
 fn steps(contacts: &[Contact]) -> Vec<f64> {
     let mut last: FingerMap<Option<usize>> = FingerMap::default();
     let mut steps = Vec::with_capacity(contacts.len());
@@ -188,7 +193,8 @@ fn steps(contacts: &[Contact]) -> Vec<f64> {
     steps
 }
 
-/// Numbers of steps between the runs of a finger: of those at most this long, and of all.
+/// For the steps of fingers from one run to another: the number of steps of at most the length `longest`, and the
+/// number of all steps.
 fn breaks(contacts: &[Contact], merged: &DistinctContacts, longest: f64) -> [usize; 2] {
     let mut last: FingerMap<Option<usize>> = FingerMap::default();
     let [mut short, mut all] = [0, 0];
@@ -204,8 +210,8 @@ fn breaks(contacts: &[Contact], merged: &DistinctContacts, longest: f64) -> [usi
     [short, all]
 }
 
-/// Contacts without rests, if short and long steps are separated by a gap, a finger stays where it is during short steps and
-/// leaves it by a long one.
+/// Contacts without rests. `None` unless a gap separates short steps from long ones, and the finger stays at one
+/// position during short steps and leaves it by a long step.
 fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     let mut sorted = steps(contacts);
     sorted.retain(|&step| step > 0.0);
@@ -236,8 +242,8 @@ fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     None
 }
 
-/// Number of consecutive residuals that count as one independent residual, ≥ 1: 1 + 2 Σ ρ, where the sum of the correlations
-/// ends at the first lag with ρ < 2/√N. `absorbed` is the number of unknowns that were fitted to the residuals.
+/// Number of consecutive residuals that count as one independent residual, ≥ 1: 1 + 2 Σ ρ. The sum of the correlations
+/// ρ ends at the first lag at which ρ < 2/√N. `absorbed` is the number of parameters that were fitted to the residuals.
 pub(crate) fn correlation_time(strokes: &[Vec<f64>], absorbed: usize) -> f64 {
     let total: usize = strokes.iter().map(Vec::len).sum();
     let (mut used, mut count) = (0, 0_usize);
@@ -263,8 +269,8 @@ pub(crate) fn correlation_time(strokes: &[Vec<f64>], absorbed: usize) -> f64 {
     }
     let mut covariances = Vec::new();
     let mut time: f64 = 1.0;
-    // The first pass finds whether there is correlation. Later ones add to all lags the variance that the fit absorbed if
-    // readings are correlated as in the last pass.
+    // The first pass finds whether there is a correlation. Later passes add to all lags the variance that the fit
+    // absorbed, assuming the correlation found by the last pass.
     for pass in 0..4 {
         let share = match pass {
             0 => 0.0,

@@ -1,35 +1,35 @@
-//! Errors of contacts that do not determine the shape of a patch.
+//! Errors for contacts that do not determine the shape of a patch.
 
 use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Largest number whose square does not overflow; the square of its inverse does not vanish.
+/// Largest number whose square does not overflow; the square of its inverse does not underflow.
 pub(crate) const LARGEST: f64 = 1e150;
 
-/// Reasons why a set of contacts does not determine a surface.
+/// Reasons for which a set of contacts does not determine a surface.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Ep2Error {
-    /// Fewer contacts than the method has unknowns to find.
+    /// There are fewer equations from the contacts than the method has unknowns.
     #[error(
         "{contacts} contact(s) give {equations} equation(s); the method needs at least 3 contacts and {needed} equations"
     )]
     TooFewContacts {
         /// Number of contacts.
         contacts: usize,
-        /// Number of equations: one for each contact, three where it has a normal.
+        /// Number of equations: one per contact, or three per contact with a normal.
         equations: usize,
-        /// Number of equations needed.
+        /// Required number of equations.
         needed: usize,
     },
-    /// A coordinate, a normal or a weight is not a finite number, or too large to be squared.
+    /// A coordinate, a normal or a weight is not finite, or its square would overflow.
     #[error("contact {contact} (counting from 0): a number is not finite, or beyond 1e150")]
     NotFinite {
         /// Number of the contact, counted from 0.
         contact: usize,
     },
-    /// A weight that weighs nothing.
+    /// A weight is not above 0.
     #[error(
         "contact {contact} (counting from 0): the weight is {weight}; it must be > 0",
         weight = Number(*weight)
@@ -37,10 +37,10 @@ pub enum Ep2Error {
     BadWeight {
         /// Number of the contact, counted from 0.
         contact: usize,
-        /// Its weight.
+        /// Weight of the contact.
         weight: f64,
     },
-    /// A normal of no length, or of one too small to have a direction.
+    /// A normal is zero, or so short that it has no direction.
     #[error(
         "contact {contact} (counting from 0): the normal has no direction: its largest component is {length}",
         length = Number(*length)
@@ -48,68 +48,74 @@ pub enum Ep2Error {
     BadNormal {
         /// Number of the contact, counted from 0.
         contact: usize,
-        /// Its largest component.
+        /// Largest component of the normal.
         length: f64,
     },
-    /// Some contacts have a normal and some have none.
+    /// Some contacts have a normal and some do not.
     #[error("contact {contact} (counting from 0) has no normal, but others have one")]
     MissingNormal {
-        /// The first without one.
+        /// Number of the first contact without a normal, counted from 0.
         contact: usize,
     },
-    /// All contacts lie on one point.
+    /// All contacts are at one point.
     #[error("all {contacts} contacts lie on one point, within {}", Number::rounded(*extent))]
     Coincident {
         /// Number of contacts.
         contacts: usize,
-        /// Largest distance of a coordinate from the mean contact, length.
+        /// Largest difference between a coordinate of a contact and of the mean contact, length.
         extent: f64,
     },
-    /// All contacts lie on one line, so they do not determine the shape across it.
+    /// All contacts are on one line, so they do not determine the shape across this line.
     #[error(
-        "all {contacts} contacts lie on a line: across it they spread {} times as far as along it",
+        "all {contacts} contacts lie on a line: their spread across it is {} times the spread \
+         along it",
         Number::rounded(*spread)
     )]
     Collinear {
         /// Number of contacts.
         contacts: usize,
-        /// Root-mean-square spread across the line over that along it.
+        /// Ratio of the root-mean-square spread across the line to the spread along it.
         spread: f64,
     },
-    /// The patch is not a graph over the plane of its mean normal (or, without normals, through its points).
+    /// The patch is not a graph over the plane of its mean normal (without normals, over the plane through its points).
     #[error(
         "the patch is not a graph over its mean plane: at contact {contact} (counting from 0) the \
-         normal stands {angle_deg:.1} degrees from the mean normal, more than 85; split the patch"
+         angle between normal and mean normal is {angle_deg:.1} degrees, more than 85; split the \
+         patch"
     )]
     Folded {
-        /// The contact that stands out most.
+        /// Number of the contact with the largest angle, counted from 0.
         contact: usize,
-        /// Angle between its normal and the mean normal, degrees.
+        /// Angle between the normal of this contact and the mean normal, degrees.
         angle_deg: f64,
     },
-    /// The points spread as far in all directions: a closed shape has no mean plane.
+    /// The points spread almost equally in all directions, as on a closed shape, so they have no mean plane.
     #[error(
-        "the contacts have no mean plane: across it they would spread {spread:.2} times as far as \
-         along it; split the patch, or give normals"
+        "the contacts have no mean plane: their spread across it would be {spread:.2} times the \
+         spread along it; split the patch, or state normals"
     )]
     NoPlane {
-        /// Root-mean-square spread across the plane over the smaller one within it; or, from
-        /// normals, one minus the length of their mean.
+        /// Ratio of the root-mean-square spread across the plane to the smaller spread within the plane. If there are
+        /// normals: one minus the length of their mean.
         spread: f64,
     },
-    /// The outward direction lies in the patch's plane and fixes no side of it.
+    /// The outward direction is nearly in the patch's plane, so it does not determine which side of the plane is
+    /// outside.
     #[error(
-        "the outward direction lies in the patch's plane (within {} degrees): it does not tell the outside",
+        "the outward direction lies in the patch's plane (within {} degrees), so it does not \
+         determine the outer side",
         Number::rounded(*angle_deg)
     )]
     NoSide {
-        /// Angle between the direction and the plane, degrees.
+        /// Angle between the outward direction and the plane, degrees.
         angle_deg: f64,
     },
-    /// The tip is too large for the path of its centre: no object makes it turn so sharply.
+    /// The path of the tip's centre has a smaller radius of curvature than the tip, which is impossible on any object.
+    /// The stated radius of the tip is probably too large.
     #[error(
-        "the tip's centre turns as on a ball of radius {turns:.6}, which a tip of radius \
-         {tip_radius} on an object cannot; is the radius too large, or is it the contact that is told?",
+        "the path of the tip's centre has a radius of curvature of {turns:.6}, which is \
+         impossible for a tip of radius {tip_radius} on an object; is the radius too large, or \
+         are the readings contact points?",
         turns = Number(*turns), tip_radius = Number(*tip_radius)
     )]
     TipTooLarge {
@@ -118,15 +124,15 @@ pub enum Ep2Error {
         /// Radius of curvature of the surface on which the tip's centre moves, length.
         turns: f64,
     },
-    /// The contacts do not determine the unknowns of the method.
+    /// The contacts do not determine all unknowns of the method.
     #[error(
-        "the {contacts} contacts do not determine the surface: {rank} of its {unknowns} unknowns \
-         are fixed"
+        "the {contacts} contacts do not determine the surface: only {rank} of its {unknowns} \
+         unknowns are determined"
     )]
     Undetermined {
         /// Number of contacts.
         contacts: usize,
-        /// Number of independent combinations of unknowns that are determined.
+        /// Number of independent combinations of the unknowns that are determined.
         rank: usize,
         /// Number of unknowns.
         unknowns: usize,
@@ -134,13 +140,13 @@ pub enum Ep2Error {
     /// A setting of a method is out of its range.
     #[error(transparent)]
     BadSetting(#[from] BadSetting),
-    /// The numbers leave the range of doubles.
-    #[error("the contacts are too large, too small or too steep to be worked with")]
+    /// The numbers are beyond the range of doubles.
+    #[error("the contacts are too large, too small or too steep for double precision")]
     OutOfRange,
 }
 
 impl Ep2Error {
-    /// [`Ep2Error::BadSetting`] unless the setting is good.
+    /// Returns [`Ep2Error::BadSetting`] if the setting is not good.
     pub(crate) fn unless_good(
         setting: &'static str,
         value: f64,

@@ -1,4 +1,4 @@
-//! The surface that a method fits to a patch: its curvature at any place, with its uncertainty.
+//! The surface that a method fits to a patch, with its curvature and standard errors at any place.
 
 use std::ops::Range;
 
@@ -9,19 +9,19 @@ use crate::posterior::{Posterior, PosteriorLine, Series};
 use crate::spline::{Jet, LANES, Lanes, Local, TensorSpline};
 use crate::{Curvature, Ep2Error, MisfitTest, NoiseEstimate, Patch, PatchFrame, Status};
 
-/// Largest number of places along each side of a map.
+/// Maximum number of places along each side of a map.
 const MAX_SIDE: usize = 2048;
 
 /// A method that fits a surface to the contacts of a patch.
 pub trait Method {
-    /// The surface through the contacts of a patch.
+    /// Fits a surface to the contacts of a patch.
     ///
     /// # Errors
     /// [`Ep2Error`] if the contacts do not determine the surface, or a setting is out of its range.
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error>;
 
-    /// Goodness of fit, and the ways in which the contacts contradict the method's model; both empty for methods without
-    /// this test. It repeats the fit and takes about as long.
+    /// Goodness of fit, and the ways in which the contacts contradict the method's model. Both are empty for methods
+    /// without this test. The test repeats the fit, so it takes about as long as the fit.
     ///
     /// # Errors
     /// Errors of [`Method::fit`].
@@ -30,30 +30,31 @@ pub trait Method {
     }
 }
 
-/// The surface of a patch, as a graph in the patch's frame.
+/// The fitted surface of a patch, as a graph in the patch's frame.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    /// The frame. Its scale is the unit of length of the spline.
+    /// The patch's frame. Its scale is the unit of length of the spline.
     pub frame: PatchFrame,
-    /// The rectangle that holds the contacts: smallest and largest u, smallest and largest v.
+    /// The rectangle that contains the contacts: smallest and largest u, then smallest and largest v.
     pub domain: [[f64; 2]; 2],
     /// The surface w(u, v).
     pub(crate) spline: TensorSpline,
-    /// Uncertainty of the surface, if the method states it.
+    /// Mean and covariance of the surface, if the method computes them.
     pub(crate) posterior: Option<Posterior>,
-    /// Noise of the contacts, if the method estimates it.
+    /// Noise of the contacts: stated, or estimated by the method.
     pub noise: Option<NoiseEstimate>,
-    /// Effective number of fitted unknowns: the trace of the linear map from the observations to the fit.
+    /// Effective degrees of freedom of the fit: the trace of the linear map from the observations to the fitted values.
     pub effective_unknowns: f64,
-    /// Status of the method's smoothing splines, if it has any: of the first spline that missed its sum of squares,
-    /// otherwise of the last spline. If a spline missed its sum, the curvature is useless.
+    /// Status of the method's smoothing splines, if it uses any. It is the status of the first spline that did not
+    /// reach its required sum of squares; if there is none, the status of the last spline. If a spline did not reach
+    /// its sum, the curvature is useless.
     pub status: Option<Status>,
 }
 
 /// A place on the fitted surface, in the frame of the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapPoint {
-    /// The place.
+    /// Position of the point.
     pub position: Point3<f64>,
     /// The unit normal, out of the object.
     pub normal: Vector3<f64>,
@@ -63,16 +64,16 @@ pub struct MapPoint {
     pub k_min: f64,
     /// Largest normal curvature, 1/length.
     pub k_max: f64,
-    /// Unit tangent along `k_min`, of either sign; any at an umbilic.
+    /// Unit tangent along `k_min`, with an arbitrary sign; at an umbilic, any direction.
     pub direction_of_min: Vector3<f64>,
-    /// Unit tangent along `k_max`, of either sign; any at an umbilic.
+    /// Unit tangent along `k_max`, with an arbitrary sign; at an umbilic, any direction.
     pub direction_of_max: Vector3<f64>,
     /// Shape index, in [−1, 1]: +1 for a convex cap, −1 for a cup; `None` where the surface is flat.
     pub shape_index: Option<f64>,
 }
 
 impl MapPoint {
-    /// Whether all of its numbers are finite.
+    /// Whether all numbers of the point are finite.
     pub(crate) fn is_finite(&self) -> bool {
         let directions = [self.normal, self.direction_of_min, self.direction_of_max];
         let mut numbers = directions.iter().flatten().chain(self.position.iter());
@@ -89,7 +90,7 @@ fn check_side(side: usize) -> Result<(), Ep2Error> {
 }
 
 impl Fit {
-    /// The fit without its uncertainty. Its curvatures take less time.
+    /// The fit without its uncertainty, for which curvatures are computed faster.
     pub fn without_uncertainty(self) -> Self {
         Self {
             posterior: None,
@@ -102,25 +103,25 @@ impl Fit {
     /// spline is at most 1e-11 of the larger principal curvature.
     ///
     /// # Errors
-    /// [`Ep2Error::OutOfRange`] where the curvature leaves the range of doubles.
+    /// [`Ep2Error::OutOfRange`] if the curvature is beyond the range of doubles.
     pub fn curvature_at(&self, world: &Point3<f64>) -> Result<Curvature, Ep2Error> {
         let place = self.frame.point(world);
         Ok(self.jet_and_curvature(place.x, place.y)?.1)
     }
 
-    /// The surface at a place of the patch, in the patch's coordinates.
+    /// The point of the surface at a place (u, v) in the patch's coordinates.
     ///
     /// # Errors
-    /// [`Ep2Error::OutOfRange`] where the surface leaves the range of doubles.
+    /// [`Ep2Error::OutOfRange`] if the surface is beyond the range of doubles.
     pub(crate) fn point_at(&self, u: f64, v: f64) -> Result<MapPoint, Ep2Error> {
         let (jet, curvature) = self.jet_and_curvature(u, v)?;
         self.map_point([u, v], &jet, curvature)
     }
 
-    /// The surface at the points where lines through these points along the patch's normal meet it.
+    /// Points of the surface that have the positions `world` if they are projected along the patch's normal.
     ///
     /// # Errors
-    /// [`Ep2Error::OutOfRange`] where the surface leaves the range of doubles.
+    /// [`Ep2Error::OutOfRange`] if the surface exceeds the range of doubles.
     pub fn points_at(&self, world: &[Point3<f64>]) -> Result<Vec<MapPoint>, Ep2Error> {
         world
             .iter()
@@ -131,17 +132,17 @@ impl Fit {
             .collect()
     }
 
-    /// The middle of the patch.
+    /// The surface in the middle of the patch.
     ///
     /// # Errors
-    /// [`Ep2Error::OutOfRange`] where the surface leaves the range of doubles.
+    /// [`Ep2Error::OutOfRange`] if the surface exceeds the range of doubles.
     pub fn centre(&self) -> Result<MapPoint, Ep2Error> {
         let [u, v] = self.domain.map(|[low, high]| 0.5 * low + 0.5 * high);
         self.point_at(u, v)
     }
 
-    /// Gaussian and mean curvature on a grid of `side` × `side` places that spans the contacts, u
-    /// slowest.
+    /// Gaussian and mean curvature on a grid of `side` × `side` places that covers the rectangle of the contacts. u
+    /// varies slowest.
     ///
     /// # Errors
     /// Errors of [`Fit::curvature_at`]; [`Ep2Error::BadSetting`] for more than 2048 places along a side.
@@ -166,10 +167,10 @@ impl Fit {
         Ok(result)
     }
 
-    /// The surface on a grid of `side` × `side` places that spans the contacts, u slowest.
+    /// The surface on a grid of `side` × `side` points that extends over the contacts; u changes slowest.
     ///
     /// # Errors
-    /// As [`Fit::centre`]; [`Ep2Error::BadSetting`] for more than 2048 places along a side.
+    /// The errors of [`Fit::centre`]; [`Ep2Error::BadSetting`] if there are more than 2048 points along a side.
     pub fn map(&self, side: usize) -> Result<Vec<MapPoint>, Ep2Error> {
         check_side(side)?;
         let columns = self.columns(side);
@@ -191,7 +192,7 @@ impl Fit {
         Ok(result)
     }
 
-    /// The columns of a grid.
+    /// The columns of a grid, in groups of neighbours that are computed together.
     fn columns(&self, side: usize) -> Vec<Columns> {
         let columns: Vec<(f64, Local)> = places(self.domain[0], side)
             .map(|u| (u, Local::of(&self.spline.u, u)))
@@ -203,7 +204,7 @@ impl Fit {
             .collect()
     }
 
-    /// Visits the rows of a grid, lines of constant v.
+    /// Calls a function for each row of a grid, which is a line of constant v.
     fn for_each_line(
         &self,
         side: usize,
@@ -225,13 +226,14 @@ impl Fit {
         Ok((jet.lanes()[0], curvatures.at(0)))
     }
 
-    /// Values of the posterior's Chebyshev polynomials at `u`; `None` if the method computes no posterior.
+    /// The posterior of the surface is a series of Chebyshev polynomials. Returns the values of these polynomials at
+    /// several coordinates `u` on the patch; `None` if the method computes no posterior.
     fn series(&self, u: [f64; LANES]) -> Option<Series> {
         let posterior = self.posterior.as_ref()?;
         Some(posterior.series(Lanes::from(u)))
     }
 
-    /// Curvatures at places on a line, from the jets of the surface there.
+    /// Curvatures at places on a line of constant v, from the jets of the surface at these places.
     #[inline(always)]
     fn curvatures_on(
         &self,
@@ -272,9 +274,9 @@ impl Fit {
     }
 }
 
-/// Neighbouring columns of a grid, on the same interval of the knots.
+/// Neighbouring columns of a grid that are within the same interval between knots.
 struct Columns {
-    /// Places of the columns along u; the last is repeated where there are fewer than [`LANES`].
+    /// u of each column. If there are fewer than [`LANES`] columns, the last one is repeated.
     places: [f64; LANES],
     count: usize,
     locals: Local<Lanes>,
@@ -295,17 +297,18 @@ impl Columns {
     }
 }
 
-/// The surface along a line of constant v: the values that all its places share.
+/// The surface along a line of constant v: the values that are the same for all places of the line.
 struct Line {
     /// Index of the first B-spline in u of `heights`.
     first: usize,
-    /// For each B-spline in u: the sums over the B-splines in v of coefficient times value, first and second derivative.
+    /// For each B-spline in u, three sums over the B-splines in v: of the coefficient times the value, the first
+    /// derivative and the second derivative.
     heights: Vec<[f64; 3]>,
     posterior: Option<PosteriorLine>,
 }
 
 impl Line {
-    /// The surface along the line of constant `v`, for a range of the B-splines in u.
+    /// The surface along the line of constant `v`, for some of the B-splines in u.
     fn of(fit: &Fit, v: f64, functions: Range<usize>) -> Self {
         let spline = &fit.spline;
         let local = Local::of(&spline.v, v);
@@ -336,7 +339,7 @@ impl Line {
     }
 }
 
-/// `side` equidistant places from end to end; for one place, the middle.
+/// `side` places at equal distances from end to end. If there is only one place, it is in the middle.
 fn places([low, high]: [f64; 2], side: usize) -> impl Iterator<Item = f64> {
     let share = move |index: usize| match side {
         1 => 0.5,

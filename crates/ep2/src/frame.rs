@@ -1,4 +1,4 @@
-//! The frame in which a patch is a graph.
+//! The frame of a patch, in which the patch is a graph.
 
 use std::f64::consts::PI;
 
@@ -7,24 +7,27 @@ use nalgebra::{Matrix3, Point3, Rotation3, SymmetricEigen, Vector3};
 use crate::patch::FingerMap;
 use crate::{Contact, Ep2Error};
 
-/// A spread across a line, or a plane, of this share of that along it is rounding.
+/// A spread across a line or a plane is due to rounding if it is below this share of the spread along the line or
+/// plane.
 const ROUNDING: f64 = 1e-12;
-/// Normals that cancel to less than this share of themselves have no mean direction.
+/// Normals have no mean direction if the length of their mean is below this value.
 const LEAST_MEAN_NORMAL: f64 = 0.1;
-/// Points that spread more than this across their principal plane, relative to the smaller spread
-/// within it, have no plane.
+/// Points have no mean plane if the ratio of their spread across their principal plane to the smaller spread within it
+/// is above this value.
 const MOST_SPREAD_ACROSS: f64 = 0.7;
-/// An outward direction nearer than this to the patch's plane fixes no side of it, rad: noise of the contacts turns the
-/// plane by as much.
+/// An outward direction does not determine a side of the patch's plane if its angle to the plane is below this value,
+/// rad. Noise of the contacts rotates the plane by a similar angle.
 const LEAST_SIDE_RAD: f64 = 0.02;
-/// Ratio of the spreads along and across a patch from which on the spread determines the directions of its sides.
+/// If the ratio of the spreads along and across a patch exceeds this value, the directions of the patch's sides are the
+/// principal directions of the spread.
 const LONG: f64 = 1.15;
-/// Ratio of the variations along and across the travel from which on the contacts belong to travelling fingers.
+/// If the ratio of the scatter along and across the fingers' common direction exceeds this value, the fingers travelled
+/// in this direction.
 const LEAST_TRAVEL: f64 = 2.0;
 
-/// The frame of a patch: w along its mean normal (or, without normals, across its principal
-/// plane), u along the mean travel of the fingers (or, where they have none, along a side of the
-/// patch), the origin at the mean contact, and lengths in half the patch's larger side.
+/// The frame of a patch. Its w axis is the mean normal (without normals, the normal of the principal plane). Its u axis
+/// is the mean direction of travel of the fingers; if there is none, the direction of a side of the patch. The origin
+/// is the mean contact, and the unit of length is half the patch's larger side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchFrame {
     origin: Point3<f64>,
@@ -33,7 +36,7 @@ pub struct PatchFrame {
 }
 
 impl PatchFrame {
-    /// The frame of contacts whose numbers are sound, except for its scale.
+    /// The frame of contacts, still with a preliminary scale. The numbers of the contacts must be valid.
     ///
     /// # Errors
     /// [`Ep2Error`]: `coincident`, `collinear`, `no-plane`, `no-side`.
@@ -56,49 +59,50 @@ impl PatchFrame {
         })
     }
 
-    /// This frame, with `scale` as the length that counts as 1.
+    /// This frame with `scale` as its unit of length.
     pub(crate) const fn with_scale(self, scale: f64) -> Self {
         Self { scale, ..self }
     }
 
-    /// Half the patch's larger side: the length that counts as 1 in the patch.
+    /// The unit of length in the patch: half the patch's larger side.
     pub const fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// A point of the world in the patch.
+    /// Converts a point from the frame of the readings to the patch's frame.
     #[inline]
     pub(crate) fn point(&self, world: &Point3<f64>) -> Vector3<f64> {
         self.patch_from_world * (world - self.origin) / self.scale
     }
 
-    /// A direction of the world in the patch.
+    /// Converts a direction from the frame of the readings to the patch's frame.
     #[inline]
     pub(crate) fn direction(&self, world: &Vector3<f64>) -> Vector3<f64> {
         self.patch_from_world * world
     }
 
-    /// A point of the patch in the world.
+    /// Converts a point from the patch's frame to the frame of the readings.
     #[inline]
     pub(crate) fn point_in_world(&self, patch: &Vector3<f64>) -> Point3<f64> {
         self.origin + self.direction_in_world(&(patch * self.scale))
     }
 
-    /// A direction of the patch in the world.
+    /// Converts a direction from the patch's frame to the frame of the readings.
     #[inline]
     pub(crate) fn direction_in_world(&self, patch: &Vector3<f64>) -> Vector3<f64> {
         self.patch_from_world.inverse() * patch
     }
 }
 
-/// The spread of the contacts.
+/// Mean and spread of the contacts.
 struct Cloud {
     centre: Point3<f64>,
-    /// Largest distance of a coordinate from the centre: moments are of lengths in it.
+    /// Largest difference between a coordinate of a contact and of the centre. It is the unit of length for the
+    /// moments.
     extent: f64,
-    /// Principal axes, in columns, by ascending spread.
+    /// Principal axes as columns, sorted by ascending spread.
     axes: Matrix3<f64>,
-    /// Root-mean-square spreads, ascending, in `extent`.
+    /// Root-mean-square spreads along the principal axes, ascending, in units of `extent`.
     spreads: [f64; 3],
 }
 
@@ -129,7 +133,8 @@ impl Cloud {
         order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
         let spreads = order.map(|index| eigen.eigenvalues[index].max(0.0).sqrt());
         let axes = order.map(|index| eigen.eigenvectors.column(index).into_owned());
-        // Products of places are squares: their rounding shows as its root.
+        // The moments contain squares of lengths, so the rounding error of a spread is the square root of the rounding
+        // error of a moment.
         let spread = spreads[1] / spreads[2];
         if spread <= ROUNDING.sqrt() {
             let across = distance_across(contacts, &centre, &axes[2]) / (extent * spreads[2]);
@@ -149,7 +154,7 @@ impl Cloud {
         })
     }
 
-    /// The direction of the mean of the unit normals, if there are any.
+    /// The direction of the mean of the unit normals; `None` if a contact has no normal.
     fn mean_normal(&self, contacts: &[Contact]) -> Result<Option<Vector3<f64>>, Ep2Error> {
         let mut sum = Vector3::zeros();
         for contact in contacts {
@@ -165,7 +170,7 @@ impl Cloud {
         Ok(Some(sum.normalize()))
     }
 
-    /// The normal of the principal plane, on the side of `outward`.
+    /// The normal of the principal plane, pointing to the side of `outward`.
     fn plane_normal(&self, outward: &Vector3<f64>) -> Result<Vector3<f64>, Ep2Error> {
         let spread = self.spreads[0] / self.spreads[1];
         if spread > MOST_SPREAD_ACROSS {
@@ -181,10 +186,10 @@ impl Cloud {
         Ok(normal * side.signum())
     }
 
-    /// A unit tangent along a side of a patch that is longer than wide, or nearly square.
+    /// A unit tangent along a side of a patch that is either elongated or nearly square.
     ///
-    /// Of a long patch it is the principal direction. The fourth moments of a square show its
-    /// diagonals: Σ r⁴ cos 4(φ − φ₀) is largest where φ₀ lies along one.
+    /// In an elongated patch, this is the principal direction. In a square patch, the fourth moments determine the
+    /// diagonals: Σ r⁴ cos 4(φ − φ₀) is largest if φ₀ is the direction of a diagonal.
     fn side(&self, contacts: &[Contact], normal: &Vector3<f64>) -> Option<Vector3<f64>> {
         let principal = (0..3)
             .rev()
@@ -197,7 +202,7 @@ impl Cloud {
         for contact in contacts {
             let place = (contact.position - self.centre) / self.extent;
             let (x, y) = (principal.dot(&place), across.dot(&place));
-            // (x + iy)⁴.
+            // These terms are the real and imaginary parts of (x + iy)⁴.
             let (square, product) = (x * x - y * y, 2.0 * x * y);
             cosine += square * square - product * product;
             sine += 2.0 * square * product;
@@ -207,7 +212,7 @@ impl Cloud {
     }
 }
 
-/// Root-mean-square distance from the line through `centre` along `axis`.
+/// Root-mean-square distance of the contacts from the line through `centre` along `axis`.
 fn distance_across(contacts: &[Contact], centre: &Point3<f64>, axis: &Vector3<f64>) -> f64 {
     let square: f64 = contacts
         .iter()
@@ -216,15 +221,16 @@ fn distance_across(contacts: &[Contact], centre: &Point3<f64>, axis: &Vector3<f6
     (square / contacts.len() as f64).sqrt()
 }
 
-/// The axis along which the contacts of a finger spread within the plane of `normal`, for all
-/// fingers together, in the sense in which the first finger travels. Order does not matter, so that
-/// fingers may slide to and fro. `None` where they spread nearly as far across.
+/// The direction in the plane perpendicular to `normal` in which the contacts of each finger scatter most, computed for
+/// all fingers together. Its sign is the direction in which the first finger travels. The order of the contacts does
+/// not matter otherwise, so fingers may slide to and fro. `None` if the contacts scatter nearly as much across this
+/// direction.
 fn travel(contacts: &[Contact], cloud: &Cloud, normal: &Vector3<f64>) -> Option<Vector3<f64>> {
     #[derive(Default)]
     struct Finger {
         contacts: f64,
         positions: Vector3<f64>,
-        /// Σ order · position.
+        /// Σ order · position, where order is the number of the contact within its finger.
         moments: Vector3<f64>,
     }
     let mut fingers: FingerMap<Finger> = FingerMap::default();
@@ -244,7 +250,7 @@ fn travel(contacts: &[Contact], cloud: &Cloud, normal: &Vector3<f64>) -> Option<
     let eigen = SymmetricEigen::new(scatter);
     let strongest = eigen.eigenvalues.imax();
     let axis = eigen.eigenvectors.column(strongest).into_owned();
-    // One of the eigenvalues is that of the normal, 0.
+    // One of the three eigenvalues belongs to the normal and is 0.
     let across = eigen.eigenvalues.sum() - eigen.eigenvalues[strongest];
     if eigen.eigenvalues[strongest] <= LEAST_TRAVEL * across.max(0.0) {
         return None;

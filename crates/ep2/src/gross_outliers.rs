@@ -1,4 +1,5 @@
-//! Contacts far from all others: lost readings that are written as one far number or as zeros, and other gross errors.
+//! Finds contacts that are far from all others: lost readings that are written as a special number or as zeros, and
+//! other gross errors.
 
 use std::collections::HashMap;
 
@@ -9,40 +10,40 @@ use crate::effective_readings::{DistinctContacts, distinct_contacts};
 use crate::patch::check;
 use crate::{Contact, ShapeError};
 
-/// A contact is a gross outlier beyond this multiple of the median distance from the spatial median. Clean logs of strokes
-/// and caps lose less than 0.01 % of their contacts.
+/// Largest distance of a contact from the spatial median without being a gross outlier, as a multiple of the median
+/// distance. In clean logs of strokes and caps, less than 0.01 % of the contacts exceed it.
 const MAX_DISTANCE_RATIO: f64 = 6.0;
-/// Largest share of contacts that may be left out.
+/// Largest share of contacts that may be outliers.
 pub(crate) const MAX_OUTLIER_SHARE: f64 = 0.2;
-/// Largest number of places from which the spatial median is computed.
+/// Largest number of positions from which the spatial median is computed.
 const MAX_PLACES: usize = 5000;
-/// Iterations for the spatial median. It need not be accurate.
+/// Number of iterations for the spatial median, which need not be accurate.
 const MEDIAN_ITERATIONS: usize = 40;
 
-/// Why a contact is left out.
+/// Reason for which a contact is left out.
 #[derive(Clone, Copy, Debug, IntoStaticStr, PartialEq, Eq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum OutlierReason {
-    /// The position is one far number in all three coordinates, or the same far point in several contacts.
+    /// All three coordinates are the same large number, or several contacts have exactly the same distant position.
     Sentinel,
     /// All three coordinates are 0, far from the other contacts.
     Zeros,
     /// The position is far from all others.
     Far,
-    /// The contact contradicts the surface through the others.
+    /// The contact contradicts the surface fitted to the other contacts.
     Misfit,
 }
 
-/// A contact that is left out.
+/// A contact that is left out, and the reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlier {
-    /// Number of the contact, counted from 0.
+    /// Index of the contact, counted from 0.
     pub contact: usize,
-    /// Why it is left out.
+    /// Reason for which the contact is left out.
     pub reason: OutlierReason,
 }
 
-/// Position as a key; +0 and −0 are alike.
+/// The position as a key, which is the same for +0 and −0.
 fn key(position: &Point3<f64>) -> [u64; 3] {
     [position.x, position.y, position.z].map(|x| (x + 0.0).to_bits())
 }
@@ -52,9 +53,9 @@ fn key(position: &Point3<f64>) -> [u64; 3] {
 pub struct SoundContacts {
     /// The gross outliers.
     pub outliers: Vec<Outlier>,
-    /// Numbers of the other contacts, counted from 0.
+    /// Indices of the other contacts, counted from 0.
     pub rows: Vec<usize>,
-    /// The other contacts, in which copies and rests count once.
+    /// The other contacts, in which each copy and each rest counts as one reading.
     pub distinct: DistinctContacts,
 }
 
@@ -87,9 +88,8 @@ impl SoundContacts {
     }
 }
 
-/// Finds gross outliers among contacts with finite numbers. `runs` are the mean contacts of copies and of rests, so that
-/// a long rest counts once.
-/// More than a fifth of them are an error.
+/// Finds gross outliers among contacts with finite numbers. `runs` are the mean contacts of copies and rests, so that a
+/// long rest counts once. An error if more than a fifth of the runs are gross outliers.
 fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>, ShapeError> {
     let step = runs.len().div_ceil(MAX_PLACES).max(1);
     let places: Vec<Vector3<f64>> = runs
@@ -128,7 +128,7 @@ fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>
     within_share(outliers, contacts.len())
 }
 
-/// The outliers, unless they are more than a fifth of the contacts.
+/// The outliers; an error if they are more than a fifth of the contacts.
 pub(crate) fn within_share(
     outliers: Vec<Outlier>,
     contacts: usize,
@@ -140,8 +140,8 @@ pub(crate) fn within_share(
     Ok(outliers)
 }
 
-/// The spatial median of places (Weiszfeld's iteration from the median of each coordinate), and the median distance from it;
-/// `None` if at least half of the places coincide.
+/// Spatial median of positions (by Weiszfeld's iteration, which starts at the median of each coordinate), and the
+/// median distance from it; `None` if at least half of the positions coincide.
 fn centre_and_distance(places: &[Vector3<f64>]) -> Option<(Point3<f64>, f64)> {
     if places.len() < 3 {
         return None;

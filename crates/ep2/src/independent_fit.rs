@@ -1,4 +1,5 @@
-//! Fits to logs whose contacts are not independent: copies, rests, and noise that is correlated along a stroke.
+//! Fits to logs whose contacts are not independent, because of copies, rests, and noise that is correlated along a
+//! stroke.
 
 use nalgebra::Vector3;
 
@@ -8,45 +9,46 @@ use crate::effective_readings::{
 use crate::patch::{FingerMap, check};
 use crate::{Contact, Ep2Error, Fit, Method, Patch, Shape, ShapeFit, ShapeSettings};
 
-/// Smallest number of contacts of a finger from which correlation is estimated.
+/// Smallest number of contacts of a finger from which a correlation is estimated.
 const MIN_CONTACTS: usize = 60;
-/// Number of means along a stroke to which the first surface is fitted. Correlated noise changes it little.
+/// Number of means along a stroke to which the first surface is fitted. Correlated noise has little effect on this
+/// surface.
 const FIRST_MEANS: usize = 30;
 /// Smallest number of means along the longest stroke.
 const MIN_MEANS: usize = 8;
-/// If the surface through means misses the contacts by more than this multiple of the residuals of a fit to all contacts,
-/// the residuals of the means are of the surface, not noise.
+/// Largest ratio between the distances of contacts from a surface through means and from a surface through all
+/// contacts. If the ratio is larger, the surface through means is too smooth, and its residuals are not only noise.
 const MAX_RESIDUAL_RATIO: f64 = 2.0;
-/// Largest ratio of correlations after which a fit to longer means is not worth it.
+/// Largest increase of the correlation, as a ratio, after which the fit is not repeated with longer means.
 const MAX_GROWTH: f64 = 1.3;
 
-/// Largest number of contacts from which a shape is fitted.
+/// Largest number of contacts to which a simple shape is fitted for comparison.
 const MAX_COMPARED: usize = 2000;
 
-/// A fit, and the contacts that it counts as independent.
+/// A fit, and the contacts that count as independent in it.
 #[derive(Clone, Debug)]
 pub struct IndependentFit {
-    /// Contacts in which copies and rests count once, or means of correlated ones.
+    /// Contacts without copies and rests or, if they are correlated, means of consecutive contacts.
     pub contacts: Vec<Contact>,
     /// The patch of these contacts.
     pub patch: Patch,
-    /// The surface. Its noise is that of one contact.
+    /// The fitted surface. Its noise is the noise of a single contact.
     pub fit: Fit,
-    /// First of the given contacts that each contact of the patch represents.
+    /// For each contact of the patch, the index of the first of the given contacts that it represents.
     pub rows: Vec<usize>,
-    /// How many independent readings there are.
+    /// Number of independent readings.
     pub readings: EffectiveReadings,
-    /// Ratios of the standard deviations of the patch's positions and normals to those of one contact.
+    /// Standard deviations of the patch's positions and normals, divided by those of a single contact.
     pub noise_ratios: [f64; 2],
 }
 
-/// Contacts that count as independent, with the first row of each.
+/// Contacts that count as independent, with the first row of each contact.
 struct Means {
     contacts: Vec<Contact>,
     rows: Vec<usize>,
 }
 
-/// Contacts without copies and rests, and how to fit them.
+/// Contacts without copies and rests, and the method by which they are fitted.
 struct Log<'a, M> {
     method: &'a dyn Fn([f64; 2]) -> M,
     outward: &'a Vector3<f64>,
@@ -93,11 +95,12 @@ impl IndependentFit {
         log.fit()
     }
 
-    /// Widens the intervals so that the curvature of a plane, a sphere or a cylinder is within one standard deviation, if the
-    /// contacts are of such a shape. A series is biased on them, by more than the noise of many contacts.
+    /// If the contacts lie on a plane, a sphere or a cylinder, widens the intervals so that the curvature of this shape
+    /// is within one standard error of the estimate. On these shapes, the bias of the fitted series can exceed the
+    /// effect of the noise if there are many contacts.
     ///
     /// # Errors
-    /// Errors of [`Fit::centre`].
+    /// The errors of [`Fit::centre`].
     pub fn widen_to_shape(&mut self, outward: &Vector3<f64>) -> Result<(), Ep2Error> {
         let centre = self.fit.centre()?;
         let step = self.contacts.len().div_ceil(MAX_COMPARED).max(1);
@@ -127,8 +130,8 @@ impl IndependentFit {
         Ok(())
     }
 
-    /// Standard deviation of the distances of contacts from the surface, in the patch's unit, and the correlations of
-    /// distances and normals.
+    /// Standard deviation of the distances of the contacts from the surface, in the unit of the patch, and the
+    /// correlations of these distances and of the normals.
     fn correlations<M>(&self, log: &Log<'_, M>) -> (f64, [f64; 2]) {
         let (mut distances, mut tilts) = (Vec::new(), Vec::new());
         let (mut square, mut count) = (0.0, 0.0);
@@ -154,7 +157,8 @@ impl IndependentFit {
             distances.push(of_stroke);
             tilts.extend([along, across]);
         }
-        // Positions and normals share the unknowns.
+        // Positions and normals together determine the fitted parameters, so half of the effective degrees of freedom
+        // are attributed to each kind of reading.
         let kinds = if self.patch.has_normals() { 2.0 } else { 1.0 };
         let absorbed = (self.fit.effective_unknowns / kinds) as usize;
         let of_tilts = match self.patch.has_normals() {
@@ -165,7 +169,7 @@ impl IndependentFit {
         ((square / f64::max(count, 1.0)).sqrt(), times)
     }
 
-    /// The fit with this correlation, and with intervals that are wider by `variance`.
+    /// The fit with these correlations, and with variances that are multiplied by `variance`.
     fn with(mut self, [position, normal]: [f64; 2], variance: f64) -> Self {
         self.readings.position_correlation = position;
         self.readings.normal_correlation = normal;
@@ -183,7 +187,7 @@ impl<M: Method> Log<'_, M> {
             true => self.of_means(longest.div_ceil(FIRST_MEANS), [1.0; 2]).ok(),
             false => None,
         };
-        // Without a posterior there are no intervals.
+        // A fit without a posterior has no intervals.
         let first = first.filter(|first| first.fit.posterior.is_some());
         let mut found = first.map_or([1.0; 2], |first| first.correlations(self).1);
         let plain = self.of_means(1, [1.0; 2])?;
@@ -216,10 +220,10 @@ impl<M: Method> Log<'_, M> {
         })
     }
 
-    /// The fit to means of `block` consecutive contacts of a finger.
+    /// The fit to the means of every `block` consecutive contacts of a finger.
     fn of_means(&self, block: usize, times: [f64; 2]) -> Result<IndependentFit, Ep2Error> {
         let means = self.means(block);
-        // Means over fewer contacts than are correlated have the noise of one contact.
+        // If a mean is over fewer contacts than are correlated, it has the same noise as a single contact.
         let ratios = times.map(|time| (time / block as f64).min(1.0).sqrt());
         let at_row = |error: Ep2Error| match error {
             Ep2Error::Folded { contact, angle_deg } => Ep2Error::Folded {

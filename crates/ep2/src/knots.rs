@@ -3,12 +3,12 @@
 /// Highest degree of a spline.
 pub(crate) const MAX_DEGREE: usize = 5;
 
-/// Values of the `degree + 1` B-splines that do not vanish somewhere; the rest is 0.
+/// Values of the `degree + 1` B-splines that are not zero at a place; unused entries are 0.
 pub(crate) type Basis = [f64; MAX_DEGREE + 1];
 
-/// The knots of a spline on an interval, each end repeated `degree + 1` times.
+/// The knots of a spline on an interval. Each end of the interval is repeated `degree + 1` times.
 ///
-/// Outside of the interval the first and the last polynomial go on.
+/// Outside of the interval, the first and the last polynomial are extrapolated.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Knots {
     degree: usize,
@@ -16,8 +16,8 @@ pub(crate) struct Knots {
 }
 
 impl Knots {
-    /// Knots of `degree` (at most [`MAX_DEGREE`]) on `[start, end]` with the given interior ones,
-    /// which must lie strictly inside and ascend.
+    /// Knots of a spline with `degree` (at most [`MAX_DEGREE`]) on `[start, end]`. The interior knots must be strictly
+    /// inside the interval and in ascending order.
     pub(crate) fn new(degree: usize, start: f64, end: f64, interior: &[f64]) -> Self {
         debug_assert!((1..=MAX_DEGREE).contains(&degree) && start < end);
         let mut knots = vec![start; degree + 1];
@@ -27,7 +27,7 @@ impl Knots {
         Self { degree, knots }
     }
 
-    /// Knots that split `[start, end]` into equal intervals.
+    /// Knots that divide `[start, end]` into equal intervals.
     pub(crate) fn uniform(degree: usize, start: f64, end: f64, intervals: usize) -> Self {
         let step = (end - start) / intervals as f64;
         let interior: Vec<f64> = (1..intervals)
@@ -41,7 +41,7 @@ impl Knots {
         self.degree
     }
 
-    /// All knots, the ends repeated.
+    /// All knots, including the repeated ends.
     pub(crate) fn as_slice(&self) -> &[f64] {
         &self.knots
     }
@@ -61,8 +61,8 @@ impl Knots {
         (self.knots[0], self.knots[self.knots.len() - 1])
     }
 
-    /// Index of the first B-spline that does not vanish on the interval around `x`; of the nearest
-    /// interval where `x` lies outside.
+    /// Index of the first B-spline that is not zero on the knot interval around `x`. If `x` is outside, the nearest
+    /// interval is used.
     #[inline]
     pub(crate) fn first_function(&self, x: f64) -> usize {
         let interior = self.interior();
@@ -73,20 +73,21 @@ impl Knots {
         }
     }
 
-    /// Values at `x` of the B-splines from `first`, see [`Knots::first_function`].
+    /// Values at `x` of the B-splines, starting with index `first` (see [`Knots::first_function`]).
     #[inline]
     pub(crate) fn values(&self, first: usize, x: f64) -> Basis {
         self.derivatives::<1>(first, x)[0]
     }
 
-    /// Values and derivatives up to order `ORDERS − 1` at `x` of the B-splines from `first`.
+    /// Values at `x` of the B-splines and their derivatives up to order `ORDERS − 1`, starting with the B-spline
+    /// `first`.
     ///
-    /// The values of degrees 0, 1, … are built up by the recurrence of Cox and de Boor; a
-    /// derivative of order m is an m-fold difference of the values of degree `degree − m`.
+    /// The values for degrees 0, 1, … are computed by the recurrence of Cox and de Boor. A derivative of order m is an
+    /// m-fold difference of the values for degree `degree − m`.
     #[inline]
     pub(crate) fn derivatives<const ORDERS: usize>(&self, first: usize, x: f64) -> [Basis; ORDERS] {
         match self.degree {
-            // The usual ones, with loops of known lengths.
+            // For the usual degrees, the lengths of the loops are compile-time constants.
             2 => self.derivatives_of(2, first, x),
             3 => self.derivatives_of(3, first, x),
             degree => self.derivatives_of(degree, first, x),
@@ -106,7 +107,7 @@ impl Knots {
         let mut values: Basis = [0.0; MAX_DEGREE + 1];
         values[0] = 1.0;
         for lower in 0..degree {
-            // `values` are of degree `lower`: of use for the derivative of this order.
+            // `values` are now for the degree `lower`, from which the derivative of this order is computed.
             let order = degree - lower;
             if order < ORDERS {
                 result[order] = differences(knots, degree, left, lower, values);
@@ -125,7 +126,8 @@ impl Knots {
     }
 }
 
-/// Derivatives, of order `degree − lower`, of the B-splines of full degree, from the values of those of degree `lower`.
+/// Derivatives of order `degree − lower` of the B-splines with the full degree, computed from the values of the
+/// B-splines with degree `lower`.
 #[inline(always)]
 fn differences(
     knots: &[f64],
@@ -169,7 +171,7 @@ mod tests {
 
     #[test]
     fn powers_are_reproduced_with_their_derivatives() {
-        // The B-spline coefficients of x² are the mean products of two of the inner knots.
+        // The B-spline coefficient of x² is the mean of the products of two different inner knots.
         let knots = Knots::new(3, 0.0, 4.0, &[1.0, 2.5]);
         let coefficient = |function: usize| {
             let t = &knots.as_slice()[function + 1..function + 4];

@@ -1,8 +1,8 @@
-//! EP2: the shape of a patch from fingers that slide over it.
+//! EP2: estimates the shape of a surface patch from fingers that slide over it.
 //!
-//! Fingers report where they touched and, if they can, the normals there ([`Contact`]). A [`Patch`]
-//! holds them in a frame of its own, in which the patch is a graph w(u, v), so that neither its
-//! place nor its orientation nor its size matters. A [`Method`] makes a surface of it:
+//! Fingers report their contact points and, if their sensors can measure them, the normals at these points
+//! ([`Contact`]). A [`Patch`] stores the contacts in its own frame, in which the patch is a graph w(u, v). Therefore
+//! its position, orientation and size do not affect the result. A [`Method`] fits a surface to the patch:
 //!
 //! | method | what it is | states its uncertainty |
 //! |---|---|---|
@@ -16,10 +16,10 @@
 //!
 //! [`RoundTip`] computes the contacts of round fingertips from their centres or their lowest points.
 //!
-//! A [`Fit`] gives Gaussian and mean curvature anywhere ([`Fit::curvature_at`]), principal
-//! curvatures and directions on a map ([`Fit::map`]), the probability of each of the eight shape
-//! classes ([`Curvature::class_probabilities`]) and connected [`regions`] of one class. Curvature is
-//! positive where the object is convex, in the inverse of the contacts' length unit.
+//! From a [`Fit`], the following can be computed: Gaussian and mean curvature at any place ([`Fit::curvature_at`]),
+//! principal curvatures and directions on a map ([`Fit::map`]), the probability of each of the eight shape classes
+//! ([`Curvature::class_probabilities`]), and connected [`regions`] of one class. Curvature is positive where the object
+//! is convex. Its unit is the inverse of the contacts' length unit.
 //!
 //! ```
 //! use nalgebra::{Point3, Vector3};

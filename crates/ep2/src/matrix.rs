@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-/// A linear map between vectors of coefficients, with few entries.
+/// A linear map between vectors of coefficients, stored as its few non-zero entries.
 #[derive(Clone, Debug)]
 pub(crate) struct SparseMap {
     from: usize,
@@ -37,7 +37,7 @@ impl SparseMap {
         self.apply_to_rows(&DMatrix::identity(self.from, self.from))
     }
 
-    /// Applies the map to every row of coefficients.
+    /// Applies the map to every row of a matrix of coefficients.
     pub(crate) fn apply_to_rows(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
         debug_assert_eq!(rows.ncols(), self.from);
         let height = rows.nrows();
@@ -54,10 +54,10 @@ impl SparseMap {
     }
 }
 
-/// Number of columns that are added in one pass over the sum.
+/// Number of columns that are added in one loop over the sum.
 const COLUMNS_PER_PASS: usize = 4;
 
-/// Product of the last columns of A with B. It takes as many columns as B has rows.
+/// Product of the last columns of A with B; as many columns of A are used as B has rows.
 pub(crate) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let height = a.nrows();
     let columns = &a.as_slice()[(a.ncols() - b.nrows()) * height..];
@@ -69,7 +69,7 @@ pub(crate) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     product
 }
 
-/// Adds A Bᵀ, which must be symmetric: only one triangle is computed.
+/// Adds A Bᵀ to `sum`. The product must be symmetric, because only one triangle of it is computed.
 pub(crate) fn add_symmetric(sum: &mut DMatrix<f64>, a: &DMatrix<f64>, b: &DMatrix<f64>) {
     let size = sum.nrows();
     for row in 0..size {
@@ -79,8 +79,8 @@ pub(crate) fn add_symmetric(sum: &mut DMatrix<f64>, a: &DMatrix<f64>, b: &DMatri
     sum.fill_upper_triangle_with_lower_triangle();
 }
 
-/// Adds the last entries of each column, of this height, times the column's factor. It adds four columns at a time, in the
-/// same order on every processor.
+/// To `sum`, adds the last `height` entries of each column, multiplied by the factor of the column. Four columns are
+/// added at a time, in the same order on every processor.
 #[inline]
 fn add_columns(sum: &mut [f64], columns: &[f64], height: usize, factor: impl Fn(usize) -> f64) {
     let skipped = height - sum.len();
@@ -90,7 +90,7 @@ fn add_columns(sum: &mut [f64], columns: &[f64], height: usize, factor: impl Fn(
         let last = count - 1;
         let [a, b, c, d] =
             [first, first + 1, first + 2, first + 3].map(|one| column(one.min(last)));
-        // Columns beyond the last have the factor 0.
+        // For columns beyond the last one, the factor is 0.
         let factor = |index: usize| if index < count { factor(index) } else { 0.0 };
         let (by_a, by_b) = (factor(first), factor(first + 1));
         let (by_c, by_d) = (factor(first + 2), factor(first + 3));
@@ -113,7 +113,7 @@ mod tests {
             let b = &a * weights;
             let mut sum = DMatrix::identity(rows, rows);
             add_symmetric(&mut sum, &a, &b);
-            // Whole numbers, which do not round.
+            // The entries are whole numbers, so there are no rounding errors.
             let expected = DMatrix::identity(rows, rows) + &a * b.transpose();
             assert_eq!(sum, expected, "{rows} x {columns}");
             let last = columns.min(3);

@@ -1,8 +1,9 @@
-//! Misfit of a surface: goodness of fit, and contacts that contradict the others.
+//! Tests whether contacts contradict a fitted surface: goodness of fit, and contacts that contradict the others.
 //!
-//! The surface is a quadric plus a Gaussian process of known covariance. The errors of the contacts follow to first order from
-//! those of positions and normals. In the modes in which the noise is larger than the process, the squared residuals follow
-//! a chi-squared distribution for any surface.
+//! The surface is modelled as a quadric plus a Gaussian process (a random smooth surface) with a given covariance. The
+//! errors of the contacts' heights and slopes are computed to first order from the errors of positions and normals. The
+//! equations are split into independent modes. In the modes in which the noise is larger than the process, the sum of
+//! squared residuals has a chi-squared distribution for any surface.
 
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
 use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit, SIGNIFICANCE_LEVEL};
@@ -13,43 +14,47 @@ use crate::spline::Jet;
 use crate::square_quadric::{Square, SquareQuadric, UNKNOWNS};
 use crate::{Ep2Error, Fit, Noise, Patch};
 
-/// Number of observations of a contact: its height and both slopes.
+/// Number of observations of a contact: its height and its two slopes.
 const OBSERVATIONS: usize = 3;
 /// Smallest number of contacts for which estimated noise and outliers can be separated.
 const MIN_CONTACTS: usize = 10;
-/// Largest number of tested contacts. From more contacts an even selection is tested, so the test takes no longer than a fit.
+/// Largest number of contacts that are tested. If there are more contacts, an even selection of them is tested, so that
+/// the test takes no longer than a fit.
 const MAX_CONTACTS: usize = 2000;
-/// Smallest estimated noise of positions that is tested, in the patch's unit. A smaller value may come from rounding errors,
-/// or from the series' approximation error.
+/// Smallest estimated position noise for which the contacts are tested, in the patch's unit. A smaller value may be due
+/// to rounding errors or to the approximation error of the series.
 const MIN_POSITION_STD: f64 = 1e-4;
-/// Smallest share of the estimated noise of normals that is not caused by position errors.
+/// Smallest share of the estimated noise of normals that is attributed to the normals themselves; the rest is caused by
+/// position errors.
 const MIN_NORMAL_SHARE: f64 = 0.1;
 
-/// Goodness of fit and misfit of contacts; of more than 2,000 contacts, of an even selection.
+/// Goodness of fit and misfits of contacts. If there are more than 2,000 contacts, they are computed from an even
+/// selection.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MisfitTest {
     /// Goodness of fit; `None` if the noise is not stated.
     pub goodness: Option<GoodnessOfFit>,
     /// Ways in which the contacts contradict the model; none if the noise is estimated from fewer than 10 contacts.
     ///
-    /// A wrong radius of round tips, or a gain of all positions, causes no misfit: the readings fit another surface.
+    /// A wrong radius of round tips, or a common gain of all positions, causes no misfit, because the readings then fit
+    /// another surface.
     pub misfits: Vec<Misfit>,
 }
 
-/// A process that is added to a quadric: its coefficients after those of the quadrics, with a column for each independent
-/// factor of unit variance.
+/// A Gaussian process that is added to a quadric. The matrix contains the coefficients after those of the quadric, with
+/// one column per independent factor of unit variance.
 pub(crate) type Process = DMatrix<f64>;
 
-/// The fit to test, with the data that the tests need.
+/// The fit that is tested, with the data that the tests need.
 pub(crate) struct Model<'a> {
     pub(crate) patch: &'a Patch,
     pub(crate) square: Square,
     pub(crate) fit: &'a Fit,
-    /// A quadric near the fit. Deviations from it keep more digits than heights.
+    /// A quadric near the fit. Deviations from this quadric have smaller rounding errors than heights.
     pub(crate) quadric: &'a SquareQuadric,
-    /// Stated noise.
+    /// Noise of the contacts, as stated.
     pub(crate) noise: &'a Noise,
-    /// Degree of the surface as a series.
+    /// Degree of the series that represents the surface.
     pub(crate) degree: usize,
 }
 
@@ -60,19 +65,19 @@ struct Variances {
     normal: f64,
 }
 
-/// Observations of a contact, in standard deviations.
+/// Observations of a contact, divided by their standard deviations.
 struct Weighted {
-    /// Deviation from the quadric.
+    /// Deviations from the quadric.
     values: DVector<f64>,
-    /// Derivatives with respect to the factors of quadric and process.
+    /// Derivatives with respect to the factors of the quadric and the process.
     slopes: DMatrix<f64>,
 }
 
 impl Model<'_> {
-    /// Goodness of fit and misfit, by the most probable process.
+    /// Goodness of fit and misfits, computed with the most probable process.
     ///
     /// # Errors
-    /// [`Ep2Error::OutOfRange`] if the numbers leave the range of doubles.
+    /// [`Ep2Error::OutOfRange`] if numbers are beyond the range of doubles.
     pub(crate) fn misfit(&self, process: &Process) -> Result<MisfitTest, Ep2Error> {
         let Some(variances) = self.variances() else {
             return Ok(MisfitTest::default());
@@ -97,7 +102,8 @@ impl Model<'_> {
         })
     }
 
-    /// Variances of the contacts; `None` if they were estimated and may be rounding errors, or from too few contacts.
+    /// Variances of the contacts' errors. `None` if they were estimated and may be rounding errors, or were estimated
+    /// from too few contacts.
     fn variances(&self) -> Option<Variances> {
         let noise = self.fit.noise?;
         let square = |std: f64| std * std;
@@ -110,7 +116,7 @@ impl Model<'_> {
         }
         let position = square(position);
         let found = noise.normal_std_rad.map_or(0.0, square);
-        // The fit's noise of normals includes the effect of position errors.
+        // The fit's estimate of the normals' noise includes the effect of position errors, which is subtracted here.
         let jets = self.samples().map(|sample| self.jet(sample));
         let bend = |jet: Jet| 0.5 * (jet.uu * jet.uu + 2.0 * jet.uv * jet.uv + jet.vv * jet.vv);
         let bending = jets.map(bend).sum::<f64>() / self.samples().count() as f64;
@@ -120,12 +126,12 @@ impl Model<'_> {
         })
     }
 
-    /// The tested contacts.
+    /// The contacts that are tested.
     fn samples(&self) -> impl Iterator<Item = &Sample> {
         self.patch.samples.iter().step_by(self.step())
     }
 
-    /// Every how many contacts one is tested.
+    /// One of this number of contacts is tested.
     fn step(&self) -> usize {
         self.patch.samples.len().div_ceil(MAX_CONTACTS).max(1)
     }
@@ -134,7 +140,8 @@ impl Model<'_> {
         self.fit.spline.jet(sample.u, sample.v)
     }
 
-    /// Observations of a contact in standard deviations of its noise; `None` out of the range of doubles.
+    /// Observations of a contact in standard deviations of its noise; `None` if numbers are beyond the range of
+    /// doubles.
     fn weighted(
         &self,
         sample: &Sample,
@@ -163,7 +170,8 @@ impl Model<'_> {
         })
     }
 
-    /// Cholesky factor of the covariance of a contact's height and slopes. A position error affects both.
+    /// Cholesky factor of the covariance of a contact's height and slopes. It is not diagonal, because a position error
+    /// affects height and slopes.
     fn root(&self, sample: &Sample, variances: Variances) -> Option<DMatrix<f64>> {
         let jet = self.jet(sample);
         let (p, q) = (jet.u, jet.v);
@@ -188,19 +196,20 @@ impl Model<'_> {
     }
 }
 
-/// A fit of quadric and process to weighted contacts.
+/// A fit of the quadric and the process to weighted contacts.
 struct Refit {
     covariance: DMatrix<f64>,
-    /// The most probable factors.
+    /// The most probable factors of the quadric and the process.
     factors: DVector<f64>,
     goodness: GoodnessOfFit,
-    /// Residuals of all contacts, after the process has explained as much as it can, and their degrees of freedom.
+    /// Sum of squared residuals of all contacts, after the process has explained as much as it can. The next field is
+    /// the number of degrees of freedom.
     chi_squared: f64,
     freedom: usize,
 }
 
 impl Refit {
-    /// `None` if the equations do not determine the quadric, or numbers leave the range of doubles.
+    /// The fit; `None` if the equations do not determine the quadric, or if numbers are beyond the range of doubles.
     fn new(contacts: &[Weighted]) -> Option<Self> {
         let size = contacts.first()?.slopes.ncols();
         let mut information = DMatrix::zeros(size, size);
@@ -229,7 +238,7 @@ impl Refit {
         let square = (square - own.dot(&start)).max(0.0);
         let freedom = equations.saturating_sub(UNKNOWNS);
         let (mut noisy, mut chi_squared, mut outweighing) = (square, square, 0);
-        // A quadric without a process has no modes.
+        // Without a process there are no modes.
         let eigen = (rough > 0).then(|| rest.symmetric_eigen());
         let modes = eigen.iter().flat_map(|eigen| {
             let vectors = eigen.eigenvectors.column_iter();
@@ -239,7 +248,7 @@ impl Refit {
             let along = mode.dot(&rest_right);
             let explained = along * along / (1.0 + weight.max(0.0));
             chi_squared -= explained;
-            // If the process is larger than the noise, the mode shows the surface.
+            // If the process is larger than the noise in a mode, this mode shows the surface and is left out.
             if weight >= 1.0 {
                 noisy -= along * along / weight;
                 outweighing += 1;
@@ -260,8 +269,8 @@ impl Refit {
         })
     }
 
-    /// P-value of a contact's residuals. They are compared with the stated noise if that explains the other contacts, otherwise
-    /// with the residuals of the others.
+    /// P-value of a contact's residuals. They are compared with the stated noise if this noise explains the other
+    /// contacts; otherwise with the residuals of the other contacts.
     fn p_value(&self, contact: &Weighted, is_noise_stated: bool) -> f64 {
         let rows = contact.values.len();
         let residual = &contact.values - &contact.slopes * &self.factors;
@@ -279,8 +288,8 @@ impl Refit {
     }
 }
 
-/// Products of Chebyshev polynomials at a contact, one in each column. The rows hold their values and their slopes along u
-/// and v.
+/// Products of Chebyshev polynomials at a contact, one per column. The rows contain their values and their slopes along
+/// u and v.
 fn series(square: Square, degree: usize, sample: &Sample) -> DMatrix<f64> {
     let [a, b] = square.place([sample.u, sample.v]);
     let [half_u, half_v] = square.half();

@@ -7,33 +7,34 @@ use crate::{Ep2Error, Patch, PatchFrame};
 pub struct Noise {
     /// Standard deviation of a position along each axis, length.
     pub position_std: Option<f64>,
-    /// Standard deviation of a normal's tilt about each tangent axis, rad.
+    /// Standard deviation of a normal's tilt along each tangent axis, rad.
     pub normal_std_rad: Option<f64>,
 }
 
-/// Standard deviations of the contacts' errors: stated, or estimated from the distances to the fit.
+/// Standard deviations of the contacts' errors: stated by the user, or estimated from the contacts' distances to the
+/// fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseEstimate {
     /// Standard deviation of a position along the surface's normal, length.
     pub position_std: f64,
-    /// Standard deviation of a normal's tilt about each tangent axis, rad; `None` without normals. It includes the tilt that a
-    /// position error causes on a curved surface.
+    /// Standard deviation of a normal's tilt along each tangent axis, rad; `None` without normals. If it was estimated,
+    /// it includes the tilt that position errors cause on a curved surface.
     pub normal_std_rad: Option<f64>,
 }
 
-/// Smallest standard deviation that differs from rounding errors, in the patch's unit.
+/// Smallest standard deviation that is not a rounding error, in the patch's unit.
 const MIN_STD: f64 = 1e-12;
-/// Largest ratio of the estimated variances of heights and slopes, and of its inverse. A larger ratio means that one of them
-/// is fitted exactly by chance.
+/// Largest allowed ratio of the estimated variance of heights to that of slopes, and of its inverse. A larger ratio
+/// means that the heights or the slopes are fitted almost exactly by chance.
 const MAX_VARIANCE_RATIO: f64 = 1e8;
 
 impl Noise {
-    /// Whether all noise of a patch is stated.
+    /// Whether all noise that a patch has is stated.
     pub(crate) fn is_complete_for(&self, patch: &Patch) -> bool {
         self.position_std.is_some() && (self.normal_std_rad.is_some() || !patch.has_normals())
     }
 
-    /// This noise in the unit of a patch.
+    /// This noise, converted to the unit of a patch.
     ///
     /// # Errors
     /// [`Ep2Error::BadSetting`] if a standard deviation is not finite or not > 0.
@@ -54,28 +55,29 @@ impl Noise {
     }
 }
 
-/// A pair of values: one for the heights and one for the slopes, because their errors differ.
+/// A pair of values, one for heights and one for slopes, because their errors differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Kinds<T> {
     pub(crate) heights: T,
     pub(crate) slopes: T,
 }
 
-/// Variances of a height and of a slope where the surface is level, in the patch's unit.
+/// Variances of the errors of a height and of a slope, where the surface is level, in the patch's unit.
 pub(crate) type Variances = Kinds<f64>;
 
 impl Variances {
-    /// Initial variances.
+    /// Variances with which the estimate of the noise starts.
     pub(crate) const START: Self = Self {
         heights: 1.0,
         slopes: 1.0,
     };
 
-    /// Sets the variances to those that explain weighted sums of squared residuals. Stated variances stay. `unknowns` are the
-    /// effective numbers of unknowns of the fit. `bending` is the mean square of the second derivative: on a curved surface
-    /// a position error causes an error of the slope.
+    /// Sets the variances to values that explain the weighted sums of squared residuals. Stated variances do not
+    /// change. `unknowns` are the effective degrees of freedom of the fit. `bending` is the mean square of the second
+    /// derivatives; on a curved surface, it determines the error of a slope that a position error causes.
     ///
-    /// Returns whether the residuals have at least one degree of freedom, so that the variances are determined.
+    /// Returns whether the variances are determined, that is, whether the residuals have at least one degree of
+    /// freedom.
     pub(crate) fn update(
         &mut self,
         known: &Noise,
@@ -117,7 +119,8 @@ impl Variances {
         is_determined
     }
 
-    /// The smallest factor by which residuals may reduce the variances. A smaller variance would be a rounding error.
+    /// The smallest factor by which residuals may reduce the variances. A smaller variance would be due to rounding
+    /// errors.
     pub(crate) fn min_scale(&self) -> f64 {
         MIN_STD * MIN_STD / self.heights
     }

@@ -1,4 +1,4 @@
-//! The contacts of a patch: checked, and in a frame of the patch.
+//! The contacts of a patch, after checks and in the patch's own frame.
 
 use std::collections::BTreeMap;
 
@@ -7,21 +7,24 @@ use nalgebra::{Point3, Vector3};
 use crate::error::LARGEST;
 use crate::{Ep2Error, PatchFrame};
 
-/// Smallest ratio of width to length. In a narrower patch, rounding of the heights looks like curvature.
+/// Smallest allowed ratio of width to length. In a narrower patch, rounding errors of the heights would look like
+/// curvature.
 const MIN_WIDTH_RATIO: f64 = 1e-6;
-/// Largest angle between a contact's normal and the mean normal, degrees. With a larger one the patch is no graph.
+/// Largest allowed angle between a contact's normal and the mean normal, degrees. At a larger angle, the patch is not a
+/// graph.
 const MAX_TILT_DEG: f64 = 85.0;
 
 /// One contact of a finger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Number of the finger. The contacts of a finger are in the order in which it made them.
+    /// Number of the finger. The contacts of one finger must be in the order in which the finger made them.
     pub finger: usize,
     /// Position of the contact, length.
     pub position: Point3<f64>,
-    /// The measured normal, out of the object, of any length. Either all contacts have one, or none has.
+    /// Measured normal, out of the object. Its length is arbitrary. Either all contacts have a normal, or none has one.
     pub normal: Option<Vector3<f64>>,
-    /// Weight of the contact relative to the others, an inverse variance; finite and > 0, usually 1.
+    /// Weight of the contact relative to the other contacts (an inverse variance). It must be finite and > 0; usually
+    /// it is 1.
     pub weight: f64,
 }
 
@@ -37,7 +40,8 @@ impl Contact {
     }
 }
 
-/// One value for each finger, in the order of first appearance. It is fast if contacts of one finger follow each other.
+/// One value for each finger, in the order of first appearance. Access is fast if the contacts of one finger follow
+/// each other.
 #[derive(Debug, Default)]
 pub(crate) struct FingerMap<T> {
     places: BTreeMap<usize, usize>,
@@ -46,7 +50,7 @@ pub(crate) struct FingerMap<T> {
 }
 
 impl<T: Default> FingerMap<T> {
-    /// The value of a finger. It starts as the default value.
+    /// The value of a finger. It is created with the default value if necessary.
     #[inline]
     pub(crate) fn entry(&mut self, finger: usize) -> &mut T {
         let place = match self.last {
@@ -64,20 +68,20 @@ impl<T: Default> FingerMap<T> {
         &mut self.values[place]
     }
 
-    /// The values, in the order of the first contacts of their fingers.
+    /// The values, in the order in which their fingers first appeared.
     pub(crate) fn iter(&self) -> std::slice::Iter<'_, T> {
         self.values.iter()
     }
 }
 
-/// A contact in the frame of the patch.
+/// A contact in the patch's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Coordinate along the travel of the fingers.
+    /// Coordinate along the direction of the fingers' travel.
     pub u: f64,
-    /// Coordinate across the travel.
+    /// Coordinate across the direction of travel.
     pub v: f64,
-    /// Height over the plane of the patch.
+    /// Height above the plane of the patch.
     pub w: f64,
     /// Weight of the contact, as in [`Contact::weight`].
     pub weight: f64,
@@ -104,24 +108,24 @@ pub struct Sample {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Patch {
-    /// The frame.
+    /// The patch's frame.
     pub frame: PatchFrame,
-    /// The contacts in this frame, in the order in which they were passed.
+    /// The contacts in this frame, in their original order.
     pub samples: Vec<Sample>,
-    /// The rectangle that holds the contacts: smallest and largest u, smallest and largest v.
+    /// The rectangle that contains the contacts: smallest and largest u, then smallest and largest v.
     pub domain: [[f64; 2]; 2],
-    /// Mean distance between neighbouring fingers across their travel, in the patch's unit; `None`
-    /// for a single finger.
+    /// Mean distance between neighbouring fingers, measured across their travel, in the patch's unit; `None` for a
+    /// single finger.
     pub finger_distance: Option<f64>,
     /// Number of fingers.
     pub fingers: usize,
 }
 
 impl Patch {
-    /// Checks the contacts and transforms them to the frame of their patch. So the patch's orientation, position and
-    /// size do not affect the fit.
+    /// Checks the contacts and transforms them to the frame of their patch, so that the patch's orientation, position
+    /// and size do not affect the fit.
     ///
-    /// Without normals, `outward` defines which side of the patch is outside of the object.
+    /// If the contacts have no normals, `outward` determines which side of the patch is outside of the object.
     ///
     /// # Errors
     /// [`Ep2Error`] if a number is invalid, if there are fewer than three contacts, if they lie on one point or on one
@@ -142,7 +146,7 @@ impl Patch {
             .enumerate()
             .map(|(index, contact)| sample(&frame, index, contact))
             .collect::<Result<Vec<_>, _>>()?;
-        // Half the larger side counts as 1.
+        // The unit of length is half the larger side.
         let sides = domain(&samples).map(|[low, high]| high - low);
         let half = 0.5 * sides[0].max(sides[1]);
         let spread = sides[0].min(sides[1]) / sides[0].max(sides[1]);
@@ -179,9 +183,9 @@ impl Patch {
     }
 }
 
-/// The direction, scaled such that its largest component is 1.
+/// The direction, scaled such that the largest absolute value of its components is 1.
 pub(crate) fn direction(outward: &Vector3<f64>) -> Result<Vector3<f64>, Ep2Error> {
-    // The sum is NaN if a component is. The largest component would hide that.
+    // The sum is used because it is NaN if a component is NaN, while the largest component would not show this.
     let length = outward.abs().sum();
     let is_good = length > 0.0 && length <= LARGEST;
     let expected = "a direction of finite length > 0";
@@ -255,7 +259,7 @@ fn domain(samples: &[Sample]) -> [[f64; 2]; 2] {
     domain
 }
 
-/// The mean coordinate of each finger across the travel.
+/// The mean coordinate of each finger across the direction of travel.
 fn finger_places(contacts: &[Contact], samples: &[Sample]) -> Vec<f64> {
     let mut fingers: FingerMap<[f64; 2]> = FingerMap::default();
     for (contact, sample) in contacts.iter().zip(samples) {
@@ -266,7 +270,7 @@ fn finger_places(contacts: &[Contact], samples: &[Sample]) -> Vec<f64> {
     fingers.iter().map(|[count, sum]| sum / count).collect()
 }
 
-/// Mean distance between neighbouring places; `None` if they coincide.
+/// Mean distance between neighbouring places; `None` if the places coincide.
 fn mean_distance(places: &[f64]) -> Option<f64> {
     let low = places.iter().copied().fold(f64::INFINITY, f64::min);
     let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);

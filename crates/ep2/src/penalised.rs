@@ -1,4 +1,4 @@
-//! One penalised spline through heights and slopes, with a smoothing weight that is selected from the data.
+//! A penalised spline, fitted to heights and slopes. Its smoothing weight is selected from the data.
 
 mod equations;
 mod gaussian_process;
@@ -24,46 +24,48 @@ use series::SeriesEquations;
 use spectrum::Spectrum;
 use weight::Search;
 
-/// Largest number of intervals per side. With more, the dense algebra of the coefficients would take seconds.
+/// Largest number of knot intervals per side. With more intervals, the dense matrices of the coefficients would take
+/// seconds.
 const MAX_INTERVALS: usize = 24;
-/// Largest number of intervals per side that is chosen by default.
+/// Largest number of knot intervals per side that is chosen automatically.
 const MAX_DEFAULT_INTERVALS: usize = 12;
-/// Largest number of coefficients per equation, by default.
+/// Largest number of coefficients per equation that is chosen automatically.
 const MAX_COEFFICIENTS_PER_EQUATION: f64 = 0.3;
-/// By default, the number of intervals is doubled if the effective unknowns exceed this share of the coefficients. Then the
-/// contacts are so exact that they show the spline's approximation error.
+/// If the effective degrees of freedom exceed this share of the coefficients, the automatic number of intervals is
+/// doubled. In this case, the contacts are so exact that the approximation error of the spline becomes visible.
 const MAX_UNKNOWN_SHARE: f64 = 0.6;
-/// The posterior's series has at least this many more coefficients than the spline, so that it can represent shapes that
-/// the spline cannot.
+/// The posterior's series has at least this many more coefficients than the spline. With more coefficients, the series
+/// can represent shapes that the spline cannot.
 const EXTRA_COEFFICIENTS: usize = 5;
 
-/// One bicubic tensor-product spline, fitted by weighted least squares to the heights and, if there are normals, to both
-/// slopes, with a penalty on its third derivatives.
+/// One bicubic tensor-product spline, fitted by weighted least squares to the heights and, if there are normals, to
+/// both slopes, with a penalty on its third derivatives.
 ///
-/// The penalty of a quadric is 0. A [`Criterion`] selects the weight of the penalty.
+/// For a quadric, the penalty is 0. The weight of the penalty is selected by a [`Criterion`].
 ///
-/// The stated posterior is that of a series of higher degree than the spline: a quadric plus a Gaussian process of
-/// unknown length and amplitude. So it includes the spline's approximation error and the bias of smoothing.
+/// The posterior is computed for a series of higher degree than the spline: a quadric plus a Gaussian process whose
+/// length and amplitude are unknown. Therefore, it includes the approximation error of the spline and the bias of the
+/// smoothing.
 ///
-/// The cost grows linearly with the contacts, and with the sixth power of the intervals.
+/// The computing time is proportional to the number of contacts and to the sixth power of the number of intervals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Penalised {
-    /// Intervals of the spline along each side, 1 to 24. `None` uses the largest number that suits the contacts and their
-    /// fingers.
+    /// Number of knot intervals along each side, 1 to 24. With `None`, it is the largest number that is suitable for
+    /// the contacts and their fingers.
     pub intervals: Option<usize>,
     /// Criterion by which the smoothing weight is selected.
     pub criterion: Criterion,
-    /// Known standard deviations of the contacts' errors.
+    /// Standard deviations of the contacts' errors, where the user states them.
     pub noise: Noise,
 }
 
-/// The fitted spline, and the data for its posterior.
+/// The fitted spline, and the data from which its posterior is computed.
 struct Estimated {
     fit: Fit,
     square: Square,
     quadric: SquareQuadric,
     intervals: [usize; 2],
-    /// Variances of the contacts.
+    /// Variances of the contacts' errors.
     variances: Variances,
     /// Whether the variances were stated.
     is_known: bool,
@@ -100,7 +102,7 @@ impl Method for Penalised {
 }
 
 impl Penalised {
-    /// The surface through the contacts of a patch without its uncertainty. It equals that of [`Method::fit`], at less cost.
+    /// The fitted surface without standard errors. It is the same surface as from [`Method::fit`], but costs less.
     ///
     /// # Errors
     /// Errors of [`Method::fit`].
@@ -136,7 +138,8 @@ impl Penalised {
         let mut spectrum = Spectrum::of(&equations, &roughness, &variances)?;
         let mut has_noise = quadric.noise.is_some();
         if patch.has_normals() && !is_known {
-            // The variances of heights and slopes are compared at a fit that follows the surface.
+            // The ratio of the variances of heights and slopes is estimated with a preliminary fit that follows the
+            // surface.
             let rough = Search::new(&spectrum, self.criterion, is_known, expected).best();
             let filters = spectrum.filters(rough.log_weight);
             let residuals = equations.residuals(&spectrum.coefficients(&filters));
@@ -183,7 +186,7 @@ impl Penalised {
         })
     }
 
-    /// Number of intervals along u and along v.
+    /// Number of knot intervals along u and along v.
     fn intervals(&self, patch: &Patch) -> Result<[usize; 2], Ep2Error> {
         let Some(intervals) = self.intervals else {
             return Ok(default_intervals(patch));
@@ -195,7 +198,7 @@ impl Penalised {
 }
 
 impl Estimated {
-    /// Uncertainty of the surface; `None` if the noise is neither stated nor estimated.
+    /// Mean and covariance of the surface; `None` if the noise is neither stated nor estimated.
     fn posterior(&self, patch: &Patch) -> Result<Option<Posterior>, Ep2Error> {
         if !self.has_noise {
             return Ok(None);
@@ -210,7 +213,7 @@ impl Estimated {
         (0..).find(|&degree| count(degree) >= least).unwrap_or(0)
     }
 
-    /// Equations of the posterior's series.
+    /// Normal equations of the posterior's series.
     fn equations(&self, patch: &Patch) -> SeriesEquations {
         let (quadric, square) = (&self.quadric, &self.square);
         SeriesEquations::around(quadric, patch, square, &self.variances, self.degree())
@@ -228,9 +231,9 @@ impl Estimated {
     }
 }
 
-/// Default numbers of intervals along u and v: the largest equal numbers for which the coefficients per equation stay
-/// limited. Across the travel there are at most as many intervals as gaps between fingers, because the contacts of a
-/// finger lie close to one line.
+/// Automatic numbers of knot intervals along u and along v. They are equal, and as large as the limit on the
+/// coefficients per equation allows. Across the travel, there are at most as many intervals as gaps between fingers,
+/// because the contacts of one finger are nearly on a line.
 fn default_intervals(patch: &Patch) -> [usize; 2] {
     let gaps = match patch.fingers {
         1 => MAX_DEFAULT_INTERVALS,
@@ -244,7 +247,7 @@ fn default_intervals(patch: &Patch) -> [usize; 2] {
         .unwrap_or([1, 1])
 }
 
-/// Twice as many intervals, if there are enough contacts.
+/// Twice the number of intervals, if there are enough contacts for them.
 fn finer(intervals: [usize; 2], patch: &Patch) -> Option<[usize; 2]> {
     let finer = intervals.map(|count| 2 * count);
     let fits = finer.iter().all(|&count| count <= MAX_DEFAULT_INTERVALS);

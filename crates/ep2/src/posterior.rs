@@ -1,4 +1,4 @@
-//! Uncertainty of a surface, from the contacts and a prior.
+//! The posterior distribution of a surface, which follows from the contacts and a prior.
 
 use nalgebra::DMatrix;
 
@@ -8,25 +8,26 @@ use crate::matrix::SparseMap;
 use crate::spline::{Jet, Lanes};
 use crate::square_quadric::Square;
 
-/// Number of unordered pairs of derivatives.
+/// Number of unordered pairs of the derivatives (p, q, r, s, t).
 const PAIRS: usize = DERIVATIVES * (DERIVATIVES + 1) / 2;
 
-/// The posterior distribution of the surface: mean and covariance of its slopes and second derivatives, as polynomials
-/// over the rectangle of the patch.
+/// The posterior distribution of the surface. It contains the mean and the covariance of the slopes and second
+/// derivatives, as polynomials over the rectangle of the patch.
 ///
-/// The error of an estimate has two parts: the covariance, and the distance of the estimate from the mean.
+/// The error of an estimate has two parts: the covariance, and the difference between the estimate and the mean.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Posterior {
     square: Square,
-    /// Degree of the surfaces.
+    /// Degree of the polynomials that represent the surface.
     degree: usize,
-    /// Coefficients of the mean derivatives, in the order of [`products`].
+    /// Coefficients of the mean of each derivative, in the order of [`products`].
     means: Vec<[f64; DERIVATIVES]>,
-    /// Coefficients of the covariances of derivatives, of twice the degree: of T_i(a) T_j(b), grouped by i.
+    /// Coefficients of the covariance of each pair of derivatives. The degree is twice that of the surface. The
+    /// products T_i(a) T_j(b) are grouped by i.
     covariances: Vec<[f64; PAIRS]>,
 }
 
-/// Chebyshev polynomials in u at several places.
+/// Values of the Chebyshev polynomials in u at several places.
 pub(crate) type Series = Vec<Lanes>;
 
 impl Posterior {
@@ -61,14 +62,14 @@ impl Posterior {
         }
     }
 
-    /// Multiplies all variances.
+    /// Multiplies all variances by a factor.
     pub(crate) fn widen(&mut self, factor: f64) {
         for covariance in self.covariances.iter_mut().flatten() {
             *covariance *= factor;
         }
     }
 
-    /// The polynomials in u at several places.
+    /// Values of the polynomials in u at several places.
     pub(crate) fn series(&self, u: Lanes) -> Series {
         let ([u0, _], [half, _]) = (self.square.centre(), self.square.half());
         values((u - u0) * (1.0 / half), 2 * self.degree).collect()
@@ -98,11 +99,11 @@ impl Posterior {
     }
 }
 
-/// The maps from a series to its derivatives.
+/// The linear maps from a series to its derivatives.
 struct Maps {
-    /// Derivatives with respect to u and v.
+    /// Maps to the first derivatives with respect to u and v.
     slopes: [SparseMap; 2],
-    /// Derivatives of these slopes with respect to u and v.
+    /// Maps from the first to the second derivatives with respect to u and v.
     bends: [SparseMap; 2],
 }
 
@@ -118,7 +119,8 @@ impl Maps {
         }
     }
 
-    /// The derivatives (p, q, r, s, t), starting at index `first`, of series whose coefficients are the rows.
+    /// The derivatives (p, q, r, s, t), starting at index `first`, of series whose coefficients are the rows of a
+    /// matrix.
     fn all(&self, series: &DMatrix<f64>, first: usize) -> Vec<DMatrix<f64>> {
         let by_v = self.slopes[1].apply_to_rows(series);
         let last = self.bends[1].apply_to_rows(&by_v);
@@ -133,8 +135,9 @@ impl Maps {
     }
 }
 
-/// The covariance at a place, as a series of twice the degree grouped by i, from the covariance between the coefficients of
-/// two series. A product of Chebyshev polynomials is a sum of Chebyshev polynomials.
+/// The covariance of two derivatives at a place, as a series of twice the degree that is grouped by i. It is computed
+/// from the covariance between the coefficients of the two series, because a product of Chebyshev polynomials is a sum
+/// of Chebyshev polynomials.
 fn covariance_series(covariance: &DMatrix<f64>, degree: usize) -> Vec<f64> {
     let side = 2 * degree + 1;
     let mut series = vec![0.0; side * side];
@@ -176,15 +179,15 @@ fn add<const N: usize>(sums: &mut [f64; N], coefficients: &[f64; N], factor: f64
     }
 }
 
-/// A posterior along a line of constant v: series in u.
+/// The posterior along a line of constant v, as series in u.
 pub(crate) struct PosteriorLine {
     means: Vec<[f64; DERIVATIVES]>,
     covariances: Vec<[f64; PAIRS]>,
 }
 
 impl PosteriorLine {
-    /// Mean products of the errors of an estimated jet's (p, q, r, s, t) = (∂u, ∂v, ∂u², ∂u∂v, ∂v²), at places on the line.
-    /// `series` holds the values of the polynomials in u there.
+    /// Mean products of the errors of an estimated jet's derivatives (p, q, r, s, t) = (∂u, ∂v, ∂u², ∂u∂v, ∂v²), at
+    /// places on the line. `series` contains the values of the polynomials in u at these places.
     #[inline(always)]
     pub(crate) fn errors(&self, series: &Series, jet: &Jet<Lanes>) -> JetCovariance {
         let mut distance = [jet.u, jet.v, jet.uu, jet.uv, jet.vv];

@@ -1,5 +1,5 @@
-//! Planes, spheres and cylinders through contacts: robust least squares on any side of the object, and the choice among
-//! them.
+//! Fits planes, spheres and cylinders to contacts, by robust least squares, on any side of the object; and chooses
+//! among these shapes.
 
 mod cells;
 mod intervals;
@@ -23,20 +23,23 @@ use lack_of_fit::{LackOfFit, lack_of_fit};
 use pose::{CURVATURE, Cloud, Pose, UNKNOWNS};
 use robust_fit::{RobustFit, Solution, StatedNoise, robust_fit, solve};
 
-/// Lack-of-fit p-value at which "none of these" is as probable as the best shape.
+/// p-value of the lack of fit at which "none of these" is as probable as the best shape.
 const NONE_P_VALUE: f64 = 0.01;
-/// Mean normals shorter than this are of an object that was touched all round, which is convex.
+/// Smallest length of the mean normal at which an object does not count as touched all around. An object that was
+/// touched all around is convex.
 const MIN_MEAN_NORMAL: f64 = 0.5;
-/// Smallest cosine between the outward direction and the mean normal at which the direction fixes the outside.
+/// Smallest cosine of the angle between the outward direction and the mean normal at which the direction determines the
+/// outside.
 const MIN_OUTWARD_COSINE: f64 = 0.1;
-/// Ratio of the variance of places across a line to that of noise below which they are on the line.
+/// Smallest ratio of the variance of positions across a line to the variance of noise at which the positions are not on
+/// this line.
 const MIN_SPREAD_RATIO: f64 = 10.0;
 /// Largest number of contacts from which the shape is chosen.
 const MAX_COMPARED: usize = 20_000;
-/// Iterations of a fit that starts near the best.
+/// Number of iterations of a fit that starts near the best solution.
 const ITERATIONS: usize = 40;
 
-/// Reasons for which contacts give no shape.
+/// Reasons for which no shape can be fitted to contacts.
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum ShapeError {
@@ -50,15 +53,15 @@ pub enum ShapeError {
         outliers.len()
     )]
     TooManyOutliers {
-        /// Number of contacts given.
+        /// Number of given contacts.
         contacts: usize,
-        /// Numbers of the outliers, counted from 0.
+        /// Indices of the outliers, counted from 0.
         outliers: Vec<usize>,
     },
 }
 
 impl ShapeError {
-    /// The stable name of this kind of error.
+    /// Name of this kind of error, which stays the same in all versions.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Contacts(error) => error.name(),
@@ -71,43 +74,44 @@ impl ShapeError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Shape {
-    /// A plane.
+    /// The shape is a plane.
     Plane,
-    /// A sphere.
+    /// The shape is a sphere.
     Sphere,
     /// A circular cylinder.
     Cylinder,
 }
 
 impl Shape {
-    /// Its name.
+    /// Name of the shape.
     pub fn name(self) -> &'static str {
         self.into()
     }
 }
 
-/// An estimate with its 95 % interval. An end is `None` where the interval is open.
+/// An estimate with its 95 % interval. An end of the interval is `None` if the interval is not bounded there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SizeEstimate {
-    /// The estimate; `None` if the contacts do not resolve it.
+    /// The estimate; `None` if the contacts do not determine it.
     pub value: Option<f64>,
-    /// Its standard error; `None` if the noise is undetermined or the size is not resolved.
+    /// Standard error of the estimate; `None` if the noise or the estimate is not determined.
     pub std: Option<f64>,
-    /// The ends of the 95 % interval.
+    /// Ends of the 95 % interval.
     pub interval95: [Option<f64>; 2],
 }
 
-/// Fits shapes to contacts. The weights of contacts are ignored.
+/// Settings of a fit of shapes to contacts. The weights of the contacts are not used.
 #[derive(Clone, Copy, Debug)]
 pub struct ShapeSettings {
-    /// The shape; `None` chooses the most probable one.
+    /// The shape to fit; with `None`, the most probable shape is chosen.
     pub shape: Option<Shape>,
-    /// Radius of a round tip, of which the contacts' positions are centres; 0 if they are on the object.
+    /// Radius of a round fingertip whose centres are the positions of the contacts; 0 if the positions are on the
+    /// object.
     pub tip_radius: f64,
-    /// Direction out of the object for contacts without normals. Objects that are touched all round, or whose mean normal
-    /// is perpendicular to it, are assumed to be convex.
+    /// Direction out of the object, for contacts without normals. Objects that were touched all around are assumed to
+    /// be convex, and also objects whose mean normal is perpendicular to this direction.
     pub outward: Vector3<f64>,
-    /// Noise that is stated.
+    /// Stated noise of the contacts.
     pub noise: Noise,
 }
 
@@ -122,37 +126,37 @@ impl Default for ShapeSettings {
     }
 }
 
-/// A plane, a sphere or a cylinder through contacts.
+/// A plane, a sphere or a cylinder that was fitted to contacts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShapeFit {
     /// The fitted shape.
     pub shape: Shape,
-    /// Probabilities of plane, sphere, cylinder and none of these; `None` if the shape was stated.
+    /// Probabilities of a plane, a sphere, a cylinder and none of these; `None` if the shape was stated.
     pub probabilities: Option<[f64; 4]>,
-    /// Curvature: of a sphere in all directions, of a cylinder across its axis; > 0 where convex, 1/length.
+    /// Curvature, 1/length, > 0 if convex: of a sphere in all directions, of a cylinder across its axis.
     pub curvature: SizeEstimate,
-    /// Radius of the object, length. It is open above where the curvature may be 0.
+    /// Radius of the object, length. Its interval has no upper bound if the curvature may be 0.
     pub radius: SizeEstimate,
-    /// Centre of a sphere, the point of a cylinder's axis nearest the contacts, or the point of a plane nearest their
-    /// middle; `None` if the size is not resolved.
+    /// Centre of a sphere, the point of a cylinder's axis that is nearest to the contacts, or the point of a plane that
+    /// is nearest to the middle of the contacts; `None` if the contacts do not determine the size.
     pub place: Option<Point3<f64>>,
     /// Standard errors of the coordinates of `place`.
     pub place_std: Option<[f64; 3]>,
-    /// A point of the surface in the middle of the contacts, and the outward normal there.
+    /// A point of the surface in the middle of the contacts, and the outward normal at this point.
     pub foot: (Point3<f64>, Vector3<f64>),
-    /// Axis of a cylinder or normal of a plane.
+    /// Axis of a cylinder or normal of a plane; `None` for a sphere.
     pub direction: Option<Vector3<f64>>,
-    /// Standard error of the direction, rad: of the less certain of its two angles.
+    /// Standard error of the direction, rad. The direction has two angles; this is the larger of their standard errors.
     pub direction_std_rad: Option<f64>,
-    /// Root-mean-square distance of the contacts from the shape, outliers left out, length.
+    /// Root mean square distance of the contacts from the shape, length, without outliers.
     pub rms_misfit: f64,
-    /// Probability of a worse fit if the contacts are of the shape.
+    /// Probability of a worse fit by chance, if the contacts lie on the shape.
     pub p_value: f64,
-    /// Noise of the contacts if the shape is right; `None` if there are too few contacts.
+    /// Noise of the contacts, if the shape is right; `None` if there are too few contacts.
     pub noise: Option<NoiseEstimate>,
-    /// How many independent readings there are.
+    /// Number of independent readings.
     pub readings: EffectiveReadings,
-    /// Contacts that are left out.
+    /// Contacts that were left out.
     pub outliers: Vec<Outlier>,
 }
 
@@ -162,7 +166,7 @@ impl ShapeFit {
         self.radius.value.is_some()
     }
 
-    /// Number of fitted unknowns.
+    /// Number of fitted parameters.
     pub const fn unknowns(&self) -> usize {
         match self.shape {
             Shape::Plane => 3,
@@ -177,7 +181,7 @@ impl ShapeFit {
     }
 }
 
-/// Contacts in the unit of their spread, and how to convert them back.
+/// Contacts in the unit of their spread, with the data needed to convert results back.
 struct Scaled {
     cloud: Cloud,
     fingers: Vec<usize>,
@@ -205,7 +209,8 @@ impl Scaled {
         let scale = extent * (squares.sum::<f64>() / count).sqrt();
         let places = contacts.iter().map(|one| (one.position - centre) / scale);
         let normals = contacts.iter().filter_map(|one| one.normal);
-        // A normal is scaled first, because the square of a large or small one leaves the range of doubles.
+        // A normal is first divided by its largest component, because the square of a large or small number may exceed
+        // the range of doubles.
         let normals = normals.map(|normal| (normal / normal.amax()).normalize());
         Ok(Self {
             cloud: Cloud {
@@ -223,17 +228,18 @@ impl Scaled {
     }
 }
 
-/// A shape's fit to the contacts that are not outliers, with its test.
+/// The fit of a shape to the contacts that are no outliers, with its test.
 struct Candidate {
     solution: Solution,
     lack: LackOfFit,
 }
 
 impl ShapeSettings {
-    /// Fits the shape, or the most probable shape.
+    /// Fits the stated shape or, if none is stated, the most probable shape.
     ///
     /// # Errors
-    /// [`ShapeError`] if a number is invalid, if there are too few contacts, or if more than a fifth of them are outliers.
+    /// [`ShapeError`] if a number is invalid, if there are too few contacts, or if more than a fifth of them are
+    /// outliers.
     pub fn fit(&self, contacts: &[Contact]) -> Result<ShapeFit, ShapeError> {
         let is_good = (0.0..=LARGEST).contains(&self.tip_radius);
         Ep2Error::unless_good(
@@ -332,7 +338,8 @@ impl ShapeSettings {
         Ok(fit)
     }
 
-    /// Chooses the shape from an even selection of many contacts, and fits it to all of them.
+    /// Chooses the shape by an evenly spaced selection of contacts, if there are many, and fits the shape to all
+    /// contacts.
     fn fit_chosen(
         &self,
         contacts: &[Contact],
@@ -351,7 +358,7 @@ impl ShapeSettings {
         })
     }
 
-    /// An error unless the contacts can determine the unknowns.
+    /// An error if there are too few contacts to determine the fitted parameters.
     fn enough(&self, contacts: &[Contact]) -> Result<(), Ep2Error> {
         let per_contact = if contacts.first().is_some_and(|one| one.normal.is_some()) {
             3
@@ -390,7 +397,7 @@ impl ShapeSettings {
         Ok([position_std.map(|std| std / scale), normal_std_rad])
     }
 
-    /// The results in the unit of the contacts; `None` where they leave the range of doubles.
+    /// The results in the unit of the contacts; `None` for numbers that exceed the range of doubles.
     fn reported(
         &self,
         candidate: &Candidate,
@@ -411,7 +418,8 @@ impl ShapeSettings {
         let is_plane = shape == Shape::Plane;
         let sign = if is_reversed { -1.0 } else { 1.0 };
         let is_resolved = !is_plane && interval.is_some_and(|interval| interval.is_resolved);
-        // Curvature of the surface of the tip's centres in the contacts' unit, and that of the object.
+        // Curvatures in the unit of the contacts: of the surface on which the centres of the fingertip lie, and of the
+        // object.
         let of_object = |curvature: f64| curvature / (1.0 - curvature * self.tip_radius);
         let centres = pose.curvature / scale;
         let ends = interval.map(|interval| {
@@ -500,11 +508,11 @@ impl ShapeSettings {
     }
 }
 
-/// The radius from the object's curvature.
+/// The radius that follows from the curvature of the object.
 fn radius(curvature: &SizeEstimate, is_resolved: bool, ends: [Option<f64>; 2]) -> SizeEstimate {
     let value = curvature.value.filter(|_| is_resolved);
     let size = |curvature: f64| curvature.abs().recip();
-    // The end with the larger magnitude of curvature bounds the radius below.
+    // The end of the interval with the larger magnitude of curvature determines the lower bound of the radius.
     let largest = match ends {
         [Some(low), Some(high)] => Some(low.abs().max(high.abs())),
         _ => None,
@@ -529,7 +537,7 @@ fn radius(curvature: &SizeEstimate, is_resolved: bool, ends: [Option<f64>; 2]) -
     }
 }
 
-/// Whether the outside of a fit without normals must be exchanged with its inside.
+/// Whether the inside and the outside of a fit without normals must be exchanged.
 fn is_inside_out(pose: &Pose, cloud: &Cloud, outward: &Vector3<f64>) -> bool {
     let normals = cloud.places.iter().map(|place| pose.normal_at(place));
     let mean = normals.sum::<Vector3<f64>>() / cloud.places.len() as f64;
@@ -540,7 +548,7 @@ fn is_inside_out(pose: &Pose, cloud: &Cloud, outward: &Vector3<f64>) -> bool {
     cosine < 0.0
 }
 
-/// Centre of a sphere, point of a cylinder's axis or point of a plane.
+/// Centre of a sphere, point on the axis of a cylinder, or point of a plane.
 fn place(pose: &Pose, is_resolved: bool) -> Option<Vector3<f64>> {
     match pose.shape {
         Shape::Plane => Some(pose.point),
@@ -550,26 +558,26 @@ fn place(pose: &Pose, is_resolved: bool) -> Option<Vector3<f64>> {
     }
 }
 
-/// Derivatives of [`place`] with respect to the unknowns.
+/// Derivatives of [`place`] with respect to the fitted parameters.
 fn place_derivative(pose: &Pose) -> SMatrix<f64, 3, UNKNOWNS> {
     let mut all = SMatrix::<f64, 3, UNKNOWNS>::zeros();
     all.set_column(3, &pose.axis(2));
     if pose.shape != Shape::Plane {
         let radius = pose.curvature.recip();
-        // A turn about a moves the normal by −b, and one about b by a.
+        // A rotation about the axis a moves the normal by −b, and a rotation about b moves it by a.
         all.set_column(0, &(pose.axis(1) * radius));
         all.set_column(1, &(-pose.axis(0) * radius));
         all.set_column(CURVATURE, &(pose.axis(2) * radius * radius));
     }
     if pose.shape == Shape::Cylinder {
-        // Along the axis the point is fixed.
+        // The position along the axis does not change.
         let along = pose.axis(0);
         all -= along * (along.transpose() * all);
     }
     all
 }
 
-/// Whether the contacts vary in one direction along the surface only, but for noise.
+/// Whether the contacts vary in only one direction along the surface, except for noise.
 fn is_line(candidates: &[Candidate], used: &Cloud) -> bool {
     let best = &candidates[Shape::Cylinder as usize].solution;
     let pose = best.pose.based_at(&start::middle(used));
@@ -581,10 +589,10 @@ fn is_line(candidates: &[Candidate], used: &Cloud) -> bool {
     SymmetricEigen::new(spread).eigenvalues.min() < MIN_SPREAD_RATIO * best.variances[0]
 }
 
-/// The most probable shape, and the probabilities of plane, sphere, cylinder and none of these.
+/// The most probable shape, and the probabilities of a plane, a sphere, a cylinder and none of these.
 ///
-/// The shapes are compared by the Bayesian information criterion. "None of these" has the odds 0.01 / p to the best shape,
-/// where p is the p-value of its lack of fit.
+/// The shapes are compared by the Bayesian information criterion. The odds of "none of these" to the best shape are
+/// 0.01 / p, where p is the p-value of the best shape's lack of fit.
 fn choose(
     candidates: &[Candidate],
     stated: StatedNoise,
@@ -601,7 +609,7 @@ fn choose(
         one.solution.deviance(stated, correlations) + unknowns * libm::log(equations)
     };
     let mut criteria: Vec<f64> = candidates.iter().map(criterion).collect();
-    // On one line, a sphere and a cylinder differ only by errors of places.
+    // If the contacts lie on one line, a sphere and a cylinder differ only by errors of the positions.
     if is_line(candidates, used) {
         let best = criteria[Shape::Sphere as usize].min(criteria[Shape::Cylinder as usize]);
         criteria[Shape::Sphere as usize] = best;

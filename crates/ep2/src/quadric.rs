@@ -1,4 +1,4 @@
-//! The weighted least-squares quadric: the simplest surface with a curvature.
+//! A quadric that is fitted by weighted least squares. It is the simplest surface that has a curvature.
 
 use nalgebra::DMatrix;
 
@@ -10,10 +10,9 @@ use crate::spline::TensorSpline;
 use crate::square_quadric::{SERIES, Square, SquareQuadric, UNKNOWNS};
 use crate::{Ep2Error, Fit, Method, MisfitTest, Patch};
 
-/// The quadric w = c₀ + c₁a + c₂b + c₃a² + c₄ab + c₅b² that fits heights and slopes best, weighted
-/// by their noise.
+/// The quadric w = c₀ + c₁a + c₂b + c₃a² + c₄ab + c₅b² that fits heights and slopes best, weighted by their noise.
 ///
-/// Its stated covariance includes only the noise, not the deviation of the patch from a quadric.
+/// Its standard errors include only the noise, not the deviation of the patch from a quadric.
 ///
 /// ```
 /// use nalgebra::{Point3, Vector3};
@@ -56,7 +55,7 @@ impl Method for Quadric {
 }
 
 impl Quadric {
-    /// The fit, and the same quadric over the patch's square.
+    /// The fit, and the same quadric in the coordinates of the patch's square.
     fn fit_quadric(&self, patch: &Patch) -> Result<(Fit, SquareQuadric), Ep2Error> {
         let square = Square::of(patch);
         let known = self.noise.in_patch(&patch.frame)?;

@@ -1,55 +1,55 @@
-//! Connected regions of one shape class on a map.
+//! Divides a map into connected regions of one shape class.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 
 use crate::{Ep2Error, MapPoint};
 
-/// Directions that agree less than this have no common orientation.
+/// If the coherence of the directions in a region is below this value, the region has no common direction.
 const LEAST_COHERENCE: f64 = 0.1;
 
-/// A map cut into regions.
+/// A map, divided into regions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Regions {
     /// Index of the region of each point of the map.
     pub of_point: Vec<usize>,
-    /// The regions, the largest first.
+    /// The regions, sorted by area, largest first.
     pub regions: Vec<Region>,
 }
 
-/// A connected part of a map that has one shape class.
+/// A connected part of a map with one shape class.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
-    /// Its class.
+    /// Shape class of the region.
     pub class: ShapeClass,
-    /// Number of points of the map that it holds.
+    /// Number of points of the map in the region.
     pub points: usize,
-    /// Area of the surface that they represent, length².
+    /// Area of the surface that these points represent, length².
     pub area: f64,
     /// Mean Gaussian curvature over the area, 1/length².
     pub gaussian_curvature: f64,
     /// Mean of the mean curvature over the area, 1/length.
     pub mean_curvature: f64,
-    /// Unit direction of largest curvature that its points share, of either sign. `None` where they
-    /// share none, as on a sphere.
+    /// Unit vector of the mean direction of largest curvature, with an arbitrary sign. `None` if the points have no
+    /// common direction, as on a sphere.
     pub direction_of_max: Option<Vector3<f64>>,
-    /// Degree to which its points agree on that direction, in [0, 1].
+    /// Measure of how well the directions of the points agree, from 0 to 1.
     pub coherence: f64,
 }
 
-/// The regions of a map of `side` × `side` points, whose neighbours share a row or a column and
-/// stand next to each other in it.
+/// Divides a map of `side` × `side` points into regions. The neighbours of a point are the adjacent points in the same
+/// row and in the same column.
 ///
 /// # Errors
-/// [`Ep2Error::BadSetting`] unless there are `side`² points, [`Ep2Error::OutOfRange`] where a number of one, or what
-/// follows from it, is not finite.
+/// [`Ep2Error::BadSetting`] unless there are `side`² points; [`Ep2Error::OutOfRange`] if a number of a point, or a
+/// result computed from it, is not finite.
 pub fn regions(
     side: usize,
     points: &[MapPoint],
     thresholds: &ShapeThresholds,
 ) -> Result<Regions, Ep2Error> {
     let is_good = side.checked_mul(side) == Some(points.len());
-    let expected = "as many points as the map has places";
+    let expected = "as many points as the map has grid points";
     Ep2Error::unless_good("points", points.len() as f64, is_good, expected)?;
     if !points.iter().all(MapPoint::is_finite) {
         return Err(Ep2Error::OutOfRange);
@@ -113,7 +113,7 @@ fn neighbours(point: usize, side: usize) -> impl Iterator<Item = usize> {
 }
 
 fn region(class: ShapeClass, members: &[usize], side: usize, points: &[MapPoint]) -> Region {
-    // Areas count in squares of the longest span, which neither overflow nor vanish.
+    // Areas are computed in units of the square of the longest span, so they neither overflow nor underflow.
     let spans: Vec<[Vector3<f64>; 2]> = members
         .iter()
         .map(|&member| spans_of(member, side, points))
@@ -128,7 +128,7 @@ fn region(class: ShapeClass, members: &[usize], side: usize, points: &[MapPoint]
         .map(|[along, across]| (along / longest).cross(&(across / longest)).norm())
         .collect();
     let area: f64 = areas.iter().sum();
-    // Points that represent no area count equally.
+    // If the points represent no area, all points have the same weight.
     let share = |index: usize| {
         if area > 0.0 {
             areas[index] / area
@@ -174,7 +174,8 @@ fn region(class: ShapeClass, members: &[usize], side: usize, points: &[MapPoint]
     }
 }
 
-/// The sides of the parallelogram that a point of the map represents: it extends half-way to the neighbours.
+/// The two sides of the parallelogram that a point of the map represents. The parallelogram extends half-way to the
+/// neighbours.
 fn spans_of(point: usize, side: usize, points: &[MapPoint]) -> [Vector3<f64>; 2] {
     let half_span = |place: usize, step: usize| {
         let start = point - step * usize::from(place > 0);
@@ -191,7 +192,7 @@ mod tests {
     use approx::assert_relative_eq;
     use nalgebra::Point3;
 
-    /// A map of points in a plane, `step` apart, of given curvatures.
+    /// A map of points in a plane with the spacing `step` and the given curvatures.
     fn map(
         side: usize,
         step: f64,
@@ -222,7 +223,7 @@ mod tests {
 
     #[test]
     fn corners_do_not_connect_and_areas_add_up() {
-        // A ridge across two separate pieces of plane.
+        // A ridge crosses two separate pieces of a plane.
         let points = map(
             5,
             0.5,

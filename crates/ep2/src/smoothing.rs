@@ -1,16 +1,16 @@
-//! Smoothing splines of scattered heights, with knots where the data ask for them.
+//! Smoothing splines for scattered heights, with knots where the data require them.
 //!
-//! The method is Dierckx's (An algorithm for surface-fitting with spline functions, IMA J. Numer.
-//! Anal. 1, 1981; Curve and Surface Fitting with Splines, 1993, chapter 5), known from FITPACK.
-//! Of all splines whose sum of squared weighted residuals is at most `s` it seeks a smooth one on
-//! few knots:
+//! The method is by Dierckx (An algorithm for surface-fitting with spline functions, IMA J. Numer. Anal. 1, 1981; Curve
+//! and Surface Fitting with Splines, 1993, chapter 5) and is implemented in FITPACK. Among all splines whose sum of
+//! squared weighted residuals is at most `s`, it searches a smooth one with few knots:
 //!
-//! 1. Least squares on the present knots, at first none. While the sum exceeds `s` a knot is added
-//!    in the interval, along u or v, with the largest share of it, at the residuals' centroid.
-//! 2. The equations are joined by `1/p` times the jumps of the highest derivative at the knots, and
-//!    `p` is sought at which the sum is `s` within a thousandth.
+//! 1. Compute the least-squares spline for the current knots, initially without interior knots. As long as the sum
+//!    exceeds `s`, add a knot in the interval along u or v that contributes most to the sum, at the centroid of its
+//!    squared residuals.
+//! 2. To the equations, add the jumps of the highest derivative at the knots, multiplied by `1/p`. Search the parameter
+//!    `p` for which the sum equals `s` within a relative error of 1e-3.
 //!
-//! Where the points leave coefficients open, those of least norm are taken.
+//! If the points do not determine all coefficients, the solution with the smallest norm is used.
 
 mod mesh;
 mod minimum_norm;
@@ -30,27 +30,28 @@ use mesh::{Mesh, Roughness, next_knot};
 use observations::Observations;
 use triangle::Triangle;
 
-/// A diagonal entry of the triangularised equations whose square is at most this, relative to the largest, counts as zero.
+/// A diagonal entry of the triangularised equations counts as zero if its square, relative to the largest, is at most
+/// this value.
 const RANK_TOLERANCE: f64 = 1e-16;
-/// Relative residuals of this size are rounding.
+/// Relative residuals below this value are rounding errors.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// The settings by which a smoothing spline is made.
+/// Settings of a smoothing spline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SmoothingSpline {
     /// Degrees in u and v, 1 to [`MAX_DEGREE`].
     pub(crate) degrees: [usize; 2],
-    /// The sum of squared weighted residuals that is aimed at, `s ≥ 0`.
+    /// Required sum of squared weighted residuals, `s ≥ 0`.
     pub(crate) smoothing: f64,
-    /// Largest numbers of interior knots along u and along v.
+    /// Largest number of interior knots along u and along v.
     pub(crate) most_knots: [usize; 2],
-    /// Largest deviation of the sum from `smoothing`, relative to it.
+    /// Largest difference between the sum and `smoothing`, relative to `smoothing`.
     pub(crate) tolerance: f64,
 }
 
 impl SmoothingSpline {
-    /// Settings with the same degree in both directions, as many knots as the points bear, and the
-    /// tolerance of FITPACK's `surfit` in SciPy.
+    /// Settings with the same degree in both directions, with as many knots as the points allow, and with the tolerance
+    /// of FITPACK's `surfit` in SciPy.
     pub(crate) const fn new(degree: usize, smoothing: f64) -> Self {
         Self {
             degrees: [degree; 2],
@@ -61,30 +62,31 @@ impl SmoothingSpline {
     }
 }
 
-/// The way in which a fit ended: whether its sum of squared residuals is the one aimed at, and why not.
+/// Result of a fit: whether the sum of squared residuals reaches the required sum, and if not, the reason.
 #[derive(Clone, Copy, Debug, Eq, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Status {
-    /// The polynomial without knots meets the sum.
+    /// The polynomial without knots reaches the sum.
     Polynomial,
-    /// All residuals are rounding.
+    /// All residuals are rounding errors.
     Interpolating,
-    /// The sum is met within the tolerance.
+    /// The sum is reached within the tolerance.
     Smoothing,
-    /// The sum is exceeded: there are more coefficients than points, as many knots as are allowed, or
-    /// no interval left that may be split. The spline is the least-squares one on these knots.
+    /// The sum is too large, and no further knot can be added: there are more coefficients than points, the largest
+    /// number of knots is reached, or no interval may be split. The result is the least-squares spline for the last
+    /// knots.
     KnotsExhausted,
-    /// The parameter that balances the sum against the jumps was not found.
+    /// No parameter `p` was found for which the sum is reached.
     Unsettled,
 }
 
 impl Status {
-    /// Whether the sum was met.
+    /// Whether the required sum was reached.
     pub(crate) const fn is_met(self) -> bool {
         !matches!(self, Self::KnotsExhausted | Self::Unsettled)
     }
 
-    /// The name used in files.
+    /// The name of the status in files.
     pub fn name(self) -> &'static str {
         self.into()
     }
@@ -93,20 +95,20 @@ impl Status {
 /// A smoothing spline.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Smoothed {
-    /// The spline.
+    /// The fitted spline.
     pub(crate) spline: TensorSpline,
-    /// Its sum of squared weighted residuals.
+    /// Sum of the squared weighted residuals of the spline.
     pub(crate) residual_sum: f64,
-    /// Whether that is what was aimed at.
+    /// Whether this sum is the required sum.
     pub(crate) status: Status,
-    /// Number of coefficients that the points determine; the others are chosen such that the norm is
-    /// least.
+    /// Number of coefficients that the points determine. The other coefficients are chosen such that the norm of all
+    /// coefficients is smallest.
     pub(crate) rank: usize,
-    /// Effective number of unknowns that the spline has taken up: the trace of the map from heights to spline.
+    /// Effective degrees of freedom of the spline: the trace of the linear map from the heights to the fitted values.
     pub(crate) effective_unknowns: f64,
 }
 
-/// Coefficients on some knots, in the order of the mesh.
+/// Coefficients for the knots of a mesh, in the order of the mesh.
 struct Solution {
     coefficients: Vec<f64>,
     residual_sum: f64,
@@ -115,14 +117,14 @@ struct Solution {
 }
 
 impl SmoothingSpline {
-    /// The spline of at least `(degrees[0] + 1)(degrees[1] + 1)` points.
+    /// Fits a spline to at least `(degrees[0] + 1)(degrees[1] + 1)` points.
     ///
-    /// Points that leave the polynomial open, such as points on few lines, are no error: see
+    /// It is not an error if the points do not determine the polynomial, for example if they are on few lines; see
     /// [`Smoothed::rank`].
     ///
     /// # Errors
-    /// [`Ep2Error`]: `bad-setting`, `too-few-contacts`, `not-finite`, `bad-weight`, `coincident`
-    /// or `collinear` for points that span no rectangle, `out-of-range`.
+    /// [`Ep2Error`]: `bad-setting`, `too-few-contacts`, `not-finite`, `bad-weight`, `coincident` or `collinear` if the
+    /// points do not span a rectangle, `out-of-range`.
     pub(crate) fn fit(&self, points: &[WeightedPoint]) -> Result<Smoothed, Ep2Error> {
         self.check_settings()?;
         self.check_points(points)?;
@@ -148,7 +150,8 @@ impl SmoothingSpline {
         }
     }
 
-    /// Adds knots until the least-squares spline meets the required residual sum, then returns the unused part of the sum.
+    /// Adds knots until the sum of squares of the least-squares spline is at most the required sum. If the sum is then
+    /// smaller than required, returns the smoother spline that has the required sum.
     fn approach(
         &self,
         mesh: &mut Mesh,
@@ -192,8 +195,9 @@ impl SmoothingSpline {
         }
     }
 
-    /// The spline whose sum of squares is `smoothing`, between the polynomial and the
-    /// least-squares spline, which exceed it by `bounds`; `None` if not even one could be tried.
+    /// The spline whose sum of squares is `smoothing`. It is between the polynomial and the least-squares spline;
+    /// `bounds` are the amounts by which the sums of these two exceed `smoothing`. `None` if no parameter could be
+    /// tried.
     fn balance(
         &self,
         triangle: &Triangle,
@@ -232,7 +236,7 @@ impl SmoothingSpline {
         Some((status, solution))
     }
 
-    /// The least-squares spline on the present knots.
+    /// The least-squares spline for the current knots.
     fn least_squares(
         &self,
         triangle: &Triangle,
@@ -253,7 +257,8 @@ impl SmoothingSpline {
         }
     }
 
-    /// The coefficients, those of least norm if there are many, and the rank.
+    /// The coefficients and the rank of the equations. If several solutions exist, the coefficients are those with the
+    /// smallest norm.
     fn solve(&self, triangle: &Triangle) -> (Vec<f64>, usize) {
         let largest = triangle.diagonal().fold(0.0, f64::max);
         let floor = RANK_TOLERANCE.sqrt() * largest;

@@ -1,42 +1,43 @@
-//! Tensor-product splines: a height over a rectangle.
+//! Tensor-product splines, which represent a height over a rectangle.
 
 use std::ops::{AddAssign, Mul};
 
 use crate::knots::{Knots, MAX_DEGREE};
 
-/// Vector whose lanes are places: curvatures are computed at several places at once.
+/// A vector whose lanes are different places, so that curvatures are computed at several places at once.
 pub(crate) type Lanes = wide::f64x2;
 /// Number of lanes.
 pub(crate) const LANES: usize = 2;
 
-/// Height, slopes and second derivatives of a graph, at one place or, with `Lanes`, at several.
+/// Height, slopes and second derivatives of a graph at one place (or, with `Lanes`, at several places).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Jet<T = f64> {
-    /// Height.
+    /// Height w of the surface.
     pub(crate) w: T,
-    /// ∂w/∂u.
+    /// First derivative ∂w/∂u of the height.
     pub(crate) u: T,
-    /// ∂w/∂v.
+    /// First derivative ∂w/∂v of the height.
     pub(crate) v: T,
-    /// ∂²w/∂u².
+    /// Second derivative ∂²w/∂u² of the height.
     pub(crate) uu: T,
-    /// ∂²w/∂u∂v.
+    /// Mixed derivative ∂²w/∂u∂v of the height.
     pub(crate) uv: T,
-    /// ∂²w/∂v².
+    /// Second derivative ∂²w/∂v² of the height.
     pub(crate) vv: T,
 }
 
-/// The B-splines of one variable that do not vanish at one place or several, with two derivatives.
+/// The B-splines of one variable that are not zero at one place (or at several places), with their first two
+/// derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Local<T = f64> {
     /// Index of the first of these B-splines.
     pub(crate) first: usize,
-    /// Values, first and second derivatives.
+    /// Values, first derivatives and second derivatives of these B-splines.
     pub(crate) jets: [[T; MAX_DEGREE + 1]; 3],
 }
 
 impl Local<Lanes> {
-    /// B-splines at several places within one knot interval.
+    /// The B-splines at several places, which must be within the same knot interval.
     #[inline]
     pub(crate) fn side_by_side(places: [&Local; LANES]) -> Self {
         let jets = std::array::from_fn(|order| {
@@ -61,7 +62,7 @@ impl Local {
 }
 
 impl Jet<Lanes> {
-    /// The jet at each place.
+    /// Splits the jet into one jet per place.
     #[inline(always)]
     pub(crate) fn lanes(&self) -> [Jet; LANES] {
         let [w, u, v, uu, uv, vv] =
@@ -78,8 +79,10 @@ impl Jet<Lanes> {
 }
 
 impl<T: Copy + Default + AddAssign + Mul<f64, Output = T>> Jet<T> {
-    /// The jet from the B-splines in u. `sums` holds for each of them the sums over the B-splines in v of coefficient times
-    /// value, first and second derivative.
+    /// Computes the height, slopes and second derivatives at a point. `u` contains the B-splines in u at this point.
+    ///
+    /// For each B-spline in u, `sums` contains three sums over the B-splines in v. In these sums, the coefficients are
+    /// multiplied by the values, the first derivatives and the second derivatives of the B-splines in v.
     #[inline(always)]
     pub(crate) fn from_sums(u: &Local<T>, sums: &[[f64; 3]]) -> Self {
         let mut jet = Self::default();
@@ -106,7 +109,7 @@ pub(crate) struct TensorSpline {
     pub(crate) u: Knots,
     /// Knots along v.
     pub(crate) v: Knots,
-    /// Coefficients, grouped by the B-spline in u: `u.functions() · v.functions()`.
+    /// Coefficients c_ij, grouped by the B-spline in u. Their number is `u.functions() · v.functions()`.
     pub(crate) coefficients: Vec<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! The square of a patch, and the quadric over the square that fits heights and slopes best.
+//! The square [−1, 1]² of a patch, and the quadric over this square that fits heights and slopes best.
 
 use nalgebra::{SMatrix, SVector, SymmetricEigen};
 
@@ -6,17 +6,17 @@ use crate::knots::Knots;
 use crate::noise::{Kinds, Noise, NoiseEstimate, Variances};
 use crate::{Ep2Error, Patch, Sample};
 
-/// Unknowns of a quadric: 1, a, b, a², ab, b².
+/// Number of unknown coefficients of a quadric: of 1, a, b, a², ab and b².
 pub(crate) const UNKNOWNS: usize = 6;
-/// Eigenvalues of the normal equations below this share of the largest one are rounding errors.
+/// Eigenvalues of the normal equations are rounding errors if they are below this share of the largest one.
 const RANK_TOLERANCE: f64 = 1e-13;
-/// Iterations in which the weights are updated from the noise and the slopes.
+/// Number of iterations in which the weights are updated from the noise and the slopes.
 const ITERATIONS: usize = 4;
 
 type Row = SVector<f64, UNKNOWNS>;
 type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// The square [−1, 1]² onto which the rectangle of a patch is stretched. Fits in the square are well conditioned for any
+/// The map between the rectangle of a patch and the square [−1, 1]². Fits in the square are well conditioned for any
 /// ratio of the patch's length to its width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Square {
@@ -42,7 +42,7 @@ impl Square {
         self.half
     }
 
-    /// The knots over the rectangle that correspond to knots over the square.
+    /// The knots over the rectangle that correspond to these knots over the square.
     pub(crate) fn knots(&self, axis: usize, square: &Knots) -> Knots {
         let place = |knot: f64| self.centre[axis] + self.half[axis] * knot;
         let (start, end) = square.domain();
@@ -58,7 +58,7 @@ impl Square {
     }
 }
 
-/// The coefficients of products of Chebyshev polynomials, from those of 1, a, b, a², ab, b².
+/// Matrix from the coefficients of 1, a, b, a², ab, b² to the coefficients of products of Chebyshev polynomials.
 #[rustfmt::skip]
 pub(crate) const SERIES: Gram = Gram::new(
     1.0, 0.0, 0.0, 0.5, 0.0, 0.5,
@@ -69,25 +69,25 @@ pub(crate) const SERIES: Gram = Gram::new(
     0.0, 0.0, 0.0, 0.0, 0.0, 0.5,
 );
 
-/// Root mean square, over the directions, of the second derivative of a quadric in the square. `series` holds its
-/// coefficients of Chebyshev polynomials.
+/// Root mean square over all directions of the second derivative of a quadric in the square. `series` contains the
+/// quadric's coefficients of Chebyshev polynomials.
 pub(crate) fn rms_second_derivative(series: &[f64; UNKNOWNS]) -> f64 {
     let [aa, ab, bb] = [4.0 * series[3], series[4], 4.0 * series[5]];
     (0.5 * (aa * aa + 2.0 * ab * ab + bb * bb)).sqrt()
 }
 
-/// A quadric over the square, with the noise estimated from the distances to it.
+/// A quadric over the square, and the noise that was estimated from the contacts' distances to it.
 #[derive(Clone, Debug)]
 pub(crate) struct SquareQuadric {
     unknowns: Row,
     pub(crate) covariance: Gram,
     pub(crate) variances: Variances,
-    /// `None` if there are too few contacts to estimate it.
+    /// Estimated noise; `None` if there are too few contacts for an estimate.
     pub(crate) noise: Option<NoiseEstimate>,
 }
 
-/// The equations of a contact for the surface over the square: its height and, if it has a normal, its
-/// slopes along a and b. The weight of an equation is relative to the inverse variance of its kind.
+/// The equations of a contact for the surface over the square: one for its height and, if it has a normal, one for each
+/// slope along a and b. The weight of an equation is relative to the inverse variance of heights or of slopes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Observation {
     pub(crate) a: f64,
@@ -98,7 +98,7 @@ pub(crate) struct Observation {
     pub(crate) slope_weights: [f64; 2],
 }
 
-/// The normal equations of heights and of slopes, of unit variance.
+/// The normal equations for heights and for slopes of unit variance.
 #[derive(Default)]
 struct NormalEquations {
     grams: Kinds<Gram>,
@@ -107,7 +107,7 @@ struct NormalEquations {
 }
 
 impl SquareQuadric {
-    /// The best quadric.
+    /// The quadric that fits the patch best. `known` is the stated noise.
     pub(crate) fn of(patch: &Patch, square: &Square, known: &Noise) -> Result<Self, Ep2Error> {
         if patch.equations() < UNKNOWNS {
             return Err(Ep2Error::TooFewContacts {
@@ -130,7 +130,7 @@ impl SquareQuadric {
         Ok(quadric)
     }
 
-    /// Solves for the remaining deviation, and for the noise.
+    /// Improves the quadric: solves for the remaining deviation, and estimates the noise.
     fn improve(
         &mut self,
         equations: &NormalEquations,
@@ -194,10 +194,11 @@ impl SquareQuadric {
         [height, along_a / half_u, along_b / half_v]
     }
 
-    /// The deviations of a patch's contacts from this quadric, with their weights.
+    /// The deviations of a patch's contacts from this quadric, as weighted equations.
     ///
-    /// An error of a contact's position causes an error of its height that is larger by √D, with D = 1 + p² + q². A tilt
-    /// of the normal by a small angle changes the slope p along u by √(D(1 + p²)) times this angle.
+    /// An error of a contact's position along the normal causes an error of its height that is larger by the factor √D,
+    /// with D = 1 + p² + q². A tilt of the normal by a small angle changes the slope p along u by √(D(1 + p²)) times
+    /// this angle.
     pub(crate) fn observations<'a>(
         &'a self,
         patch: &'a Patch,
@@ -236,7 +237,7 @@ impl SquareQuadric {
         (SERIES * self.unknowns).into()
     }
 
-    /// Mean square, over the directions, of the second derivative in the patch's frame.
+    /// Mean square over all directions of the second derivative, in the patch's frame.
     pub(crate) fn mean_square_curvature(&self, square: &Square) -> f64 {
         let [half_u, half_v] = square.half();
         let uu = 2.0 * self.unknowns[3] / (half_u * half_u);
@@ -245,7 +246,7 @@ impl SquareQuadric {
         0.5 * (uu * uu + 2.0 * uv * uv + vv * vv)
     }
 
-    /// The coefficients of a spline that equals this quadric.
+    /// The coefficients of a spline that is identical to this quadric.
     pub(crate) fn spline_coefficients(&self, a: &Knots, b: &Knots) -> Vec<f64> {
         (0..a.functions() * b.functions())
             .map(|index| coefficient(&self.unknowns, a, b, index))
@@ -285,7 +286,7 @@ impl NormalEquations {
     }
 }
 
-/// The inverse of normal equations that determine all unknowns.
+/// The inverse of the normal equations, which must determine all unknowns.
 fn inverse(gram: &Gram, contacts: usize) -> Result<Gram, Ep2Error> {
     let eigen = SymmetricEigen::new(*gram);
     let largest = eigen.eigenvalues.max();
@@ -308,15 +309,15 @@ fn inverse(gram: &Gram, contacts: usize) -> Result<Gram, Ep2Error> {
     Ok(vectors * Gram::from_diagonal(&eigen.eigenvalues.map(f64::recip)) * vectors.transpose())
 }
 
-/// A coefficient of a spline that equals a quadric. The coefficient of a monomial is its blossom: the mean of the products
-/// of as many different inner knots of the B-spline as the monomial's degree.
+/// A coefficient of a spline that is identical to a quadric. For a monomial, the coefficient is its blossom: the mean
+/// of all products of different inner knots of the B-spline, with as many factors as the degree of the monomial.
 fn coefficient(unknowns: &Row, a: &Knots, b: &Knots, index: usize) -> f64 {
     let (a1, a2) = blossoms(a, index / b.functions());
     let (b1, b2) = blossoms(b, index % b.functions());
     unknowns.dot(&Row::new(1.0, a1, b1, a2, a1 * b1, b2))
 }
 
-/// The coefficients of x and x² for a B-spline.
+/// The spline coefficients of x and x² for one B-spline.
 fn blossoms(knots: &Knots, function: usize) -> (f64, f64) {
     let inner = &knots.as_slice()[function + 1..=function + knots.degree()];
     let count = inner.len() as f64;

@@ -1,4 +1,5 @@
-//! A single stroke: contacts along one curve determine the curvature along it, and nothing across it.
+//! A single stroke, in which contacts lie on one curve. They determine the curvature along the curve, but not across
+//! it.
 
 use nalgebra::{
     Cholesky, Const, Matrix4, Point3, SMatrix, SVector, SymmetricEigen, Vector3, Vector4,
@@ -7,44 +8,46 @@ use palpate_statistics::student_half_width;
 
 use crate::Contact;
 
-/// Unknowns: height, slope and derivatives of order 2 to 6 along the stroke.
+/// Number of fitted parameters: height, slope, and the derivatives of order 2 to 6 along the stroke.
 const UNKNOWNS: usize = 7;
+/// Index of the second derivative in the fitted parameters.
 const CURVATURE: usize = 2;
-/// Smallest number of contacts.
+/// Smallest number of contacts in a stroke.
 const MIN_CONTACTS: usize = 8;
-/// Probability of the interval.
+/// Probability that the interval contains the curvature.
 const PROBABILITY: f64 = 0.95;
-/// Contacts are of one stroke if they vary across it by less than this multiple of their noise.
+/// Largest scatter of contacts across a single stroke, as a multiple of their noise.
 const MAX_SPREAD_RATIO: f64 = 2.5;
-/// Standard deviation of the stated outward direction about the stroke, rad.
+/// Assumed standard deviation of the stated outward direction about the direction of the stroke, rad.
 const OUTWARD_STD: f64 = 0.1;
-/// Largest standard deviation from the stroke's curve, relative to half its length.
+/// Largest standard deviation of contacts from the curve of the stroke, relative to half of the stroke's length.
 const MAX_SPREAD: f64 = 0.1;
-/// Smallest standard deviation of heights and slopes, relative to half the length.
+/// Smallest standard deviation that is assumed for slopes, and for heights relative to half of the stroke's length.
 const MIN_STD: f64 = 1e-6;
-/// Relative standard deviation of the curvature by the derivatives of higher order that are left out.
+/// Relative standard deviation of the curvature because derivatives of higher order are left out.
 const MODEL_ERROR: f64 = 1e-3;
-/// Iterations for the noise.
+/// Number of iterations in which the noise is estimated.
 const ITERATIONS: usize = 5;
 
 type Row = SVector<f64, UNKNOWNS>;
 type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// Normal curvature along a single stroke in its middle.
+/// Normal curvature along a single stroke, in the middle of the stroke.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrokeCurvature {
-    /// Curvature, > 0 where convex, 1/length.
+    /// Curvature, 1/length, > 0 if convex.
     pub value: f64,
-    /// Its standard error.
+    /// Standard error of the curvature.
     pub std: f64,
-    /// Half the width of its 95 % interval, in standard errors.
+    /// Half-width of the 95 % interval, in standard errors.
     pub half_width: f64,
-    /// Unit vector along the stroke, of either sign.
+    /// Unit vector along the stroke; the opposite vector is equivalent.
     pub direction: Vector3<f64>,
 }
 
-/// The curvature along contacts of finite positions and normals that form a single stroke; `None` if they spread across it, or
-/// are fewer than 8. Without normals, `outward` is the surface's normal.
+/// The curvature along contacts that form a single stroke; `None` if the contacts scatter across it, or if there are
+/// fewer than 8. Positions and normals must be finite. If there are no normals, `outward` is used as the normal of the
+/// surface.
 pub fn stroke_curvature(contacts: &[Contact], outward: &Vector3<f64>) -> Option<StrokeCurvature> {
     if contacts.len() < MIN_CONTACTS {
         return None;
@@ -52,7 +55,8 @@ pub fn stroke_curvature(contacts: &[Contact], outward: &Vector3<f64>) -> Option<
     Stroke::new(contacts, outward)?.curvature()
 }
 
-/// Contacts in the stroke's frame: u along it, w along the mean normal, lengths in half its length.
+/// Contacts in the frame of the stroke: u along the stroke and w along the mean normal. Lengths are in units of half of
+/// the stroke's length.
 struct Stroke {
     places: Vec<Vector3<f64>>,
     slopes: Vec<[f64; 2]>,
@@ -117,7 +121,7 @@ impl Stroke {
         if spread > MAX_SPREAD {
             return None;
         }
-        // The slope across turns a bend of the path into a bend of the heights.
+        // If the surface has a slope across the stroke, a bend of the path also bends the heights.
         let tilt = match self.slopes.is_empty() {
             true => Vector4::zeros(),
             false => self.cubic(self.slopes.iter().map(|slope| slope[1]))?,
@@ -129,7 +133,7 @@ impl Stroke {
                 .get(index)
                 .map(|slope| slope[0] + slope[1] * turn)
         };
-        // Across a bent path, the surface adds derivatives of higher order.
+        // If the path is bent, the slope of the surface across it adds derivatives of higher order.
         let slopes = self.slopes.iter().map(|slope| 10.0 * slope[1].abs());
         let steepest = slopes.fold(if self.slopes.is_empty() { 1.0 } else { 0.0 }, f64::max);
         let of_path = (steepest * bend.abs()).max(1e-3);
@@ -170,7 +174,7 @@ impl Stroke {
         let height_std = variances[0].sqrt();
         let is_one = height_std <= MAX_SPREAD
             && spread <= (MAX_SPREAD_RATIO * height_std).max(2.0 * MIN_STD);
-        // Length along the surface per length along u, squared.
+        // Square of the length along the surface per unit of length along u.
         let stretch = 1.0 + turn * turn + solved[1] * solved[1];
         let scale = (stretch * self.half_length).recip();
         let of_tilt = match self.slopes.is_empty() {
@@ -188,7 +192,7 @@ impl Stroke {
         (is_one && curvature.value.is_finite() && std.is_finite()).then_some(curvature)
     }
 
-    /// Values at the places as a cubic of the place along the stroke.
+    /// A cubic in the position along the stroke that is fitted to values at the contacts.
     fn cubic(&self, values: impl Iterator<Item = f64>) -> Option<Vector4<f64>> {
         let (mut gram, mut right) = (Matrix4::zeros(), Vector4::zeros());
         for (place, value) in self.places.iter().zip(values) {
@@ -204,7 +208,7 @@ fn powers(u: f64) -> Vector4<f64> {
     Vector4::new(1.0, u, u * u, u * u * u)
 }
 
-/// Factors of the height and its derivatives in the height at u.
+/// Factors by which the height at u depends on the height and its derivatives at 0.
 fn derivatives(u: f64) -> Row {
     let mut row = Row::from_element(1.0);
     for order in 1..UNKNOWNS {
@@ -213,7 +217,7 @@ fn derivatives(u: f64) -> Row {
     row
 }
 
-/// The same factors in the slope at u.
+/// The factors of the same parameters for the slope at u.
 fn shifted(row: &Row) -> Row {
     Row::from_fn(|order, _| if order == 0 { 0.0 } else { row[order - 1] })
 }

@@ -1,4 +1,4 @@
-//! Round fingertips: from the reported point of the tip to the contact.
+//! Computes the contacts of round fingertips from the positions that the tips report.
 
 use nalgebra::{Matrix2, Point3, SymmetricEigen, Vector2, Vector3};
 
@@ -6,21 +6,22 @@ use crate::error::LARGEST;
 use crate::patch::direction;
 use crate::{Contact, Ep2Error, Method, Patch};
 
-/// Point of a round tip whose position the readings report.
+/// The point of a round tip whose position is reported in the readings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TipPoint {
-    /// The point that is farthest against the outward direction of the object: the lowest point of a finger that comes
-    /// from above.
+    /// The lowest point of a finger that comes from above. In general, the point of the tip that is farthest in the
+    /// direction opposite to the object's outward direction.
     #[default]
     Lowest,
-    /// The tip's centre.
+    /// The centre of the tip.
     Centre,
 }
 
-/// Round fingertip whose readings report another point than the contact.
+/// A round fingertip whose readings report the position of another point than the contact.
 ///
-/// The centres of a tip of radius r lie on the surface that is offset from the object by r along its normals. So the
-/// contact is at the distance r from the centre, along the normal of this surface or of the object.
+/// The centres of a tip of radius r lie on a surface that is offset from the object by r along the normals. Therefore
+/// the contact is at the distance r from the centre, along the normal of the offset surface, which is also the normal
+/// of the object.
 ///
 /// ```
 /// use nalgebra::{Point3, Vector3};
@@ -43,10 +44,10 @@ pub struct RoundTip {
 }
 
 impl RoundTip {
-    /// The tip's centres, from readings of the reported point.
+    /// Centres of the fingertip, computed from readings of the reported point.
     ///
     /// # Errors
-    /// [`Ep2Error`]: `bad-setting` for the direction.
+    /// [`Ep2Error`] `bad-setting` if the direction is invalid.
     pub fn centres(
         &self,
         readings: &[Contact],
@@ -63,14 +64,15 @@ impl RoundTip {
         Ok(readings.iter().map(centre).collect())
     }
 
-    /// The contacts, from readings of the reported point. The normals of the readings are those of the object. If there are no
-    /// normals, those of the surface that `method` fits to the tip's centres are used, and the returned contacts have none.
+    /// Computes the contacts from readings of the reported point. The normals of the readings must be the normals of
+    /// the object. If the readings have no normals, `method` fits a surface to the tip's centres, and the normals of
+    /// this surface are used; the returned contacts then have no normals.
     ///
-    /// `outward` points out of the object, against the direction in which the fingers approach it.
+    /// `outward` points out of the object, opposite to the direction in which the fingers approach it.
     ///
     /// # Errors
-    /// [`Ep2Error`]: `bad-setting` for the radius or the direction; `tip-too-large` if the path of the centres is curved more
-    /// sharply than that of a tip of this radius on any object; without normals also the errors of `method`.
+    /// [`Ep2Error`]: `bad-setting` for the radius or the direction; `tip-too-large` if the path of the centres is more
+    /// curved than is possible for a tip of this radius; without normals also the errors of `method`.
     pub fn contacts(
         &self,
         readings: &[Contact],
@@ -86,7 +88,7 @@ impl RoundTip {
         let centres = self.centres(readings, outward)?;
         let has_normals = readings.iter().any(|contact| contact.normal.is_some());
         let normals: Vec<Vector3<f64>> = if has_normals {
-            // A missing or invalid normal becomes 0: `Patch::new` rejects it later.
+            // A missing or invalid normal is replaced by 0; `Patch::new` rejects it later.
             let normals = readings.iter().map(|reading| unit(reading.normal));
             normals.collect()
         } else {
@@ -111,18 +113,20 @@ impl RoundTip {
         }
     }
 
-    /// Radius of curvature of the path of the tip's centre, if it is smaller than the tip's radius. Then the contacts move
-    /// against their centres.
+    /// Radius of curvature of the path of the tip's centre, if it is smaller than the tip's radius. In this case, the
+    /// computed contacts move in the direction opposite to the centres.
     ///
-    /// The contacts are the centres mapped by I − r K, where K is the curvature of the surface of the centres. On an object K
-    /// is less than 1/r. So a linear regression of the contacts on the centres has a negative eigenvalue only by noise.
+    /// Displacements of the contacts are displacements of the centres multiplied by I − r K, where K is the curvature
+    /// of the surface of the centres. On a real object, K is below 1/r. Therefore a linear regression of the contacts
+    /// on the centres can only have a negative eigenvalue because of noise.
     fn reversal_radius(
         &self,
         centres: &[Contact],
         contacts: &[Contact],
         up: Vector3<f64>,
     ) -> Option<f64> {
-        /// Number of standard errors by which an eigenvalue must be below 0: a false alarm has a probability of 1/30,000.
+        /// Number of standard errors by which an eigenvalue must be below 0. The probability of a false alarm is then
+        /// 1/30,000.
         const MIN_STANDARD_ERRORS: f64 = 4.0;
         let away = match up.iamin() {
             0 => Vector3::x(),
@@ -154,7 +158,7 @@ impl RoundTip {
     }
 }
 
-/// Deviations of points from their mean, along two axes.
+/// Deviations of points from their mean, as components along two axes.
 fn deviations(points: &[Contact], axes: [Vector3<f64>; 2]) -> Vec<Vector2<f64>> {
     let count = points.len() as f64;
     let mean = points.iter().fold(Vector3::zeros(), |sum, point| {

@@ -1,5 +1,5 @@
-//! The 1996 paper's method: a smoothing spline through the contacts, and a second one through it
-//! and its tangents.
+//! The method of the 1996 paper: a smoothing spline is fitted to the contacts, and a second one to points of the first
+//! spline and of its tangents.
 
 use palpate_statistics::BadSetting;
 
@@ -9,66 +9,66 @@ use crate::smoothing::{Smoothed, SmoothingSpline, WeightedPoint};
 use crate::spline::TensorSpline;
 use crate::{Ep2Error, Fit, Method, MisfitTest, Patch, Penalised, Sample, Status};
 
-/// The normals to which the tangents of the second pass are perpendicular.
+/// The normals from which the tangents of the second pass are computed. A tangent is perpendicular to its normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TangentNormals {
-    /// The contacts' own; the first fit's where they have none.
+    /// The normals of the contacts; if there are none, the normals of the first fit.
     #[default]
     Measured,
-    /// The first fit's.
+    /// The normals of the first fit.
     FirstFit,
 }
 
-/// The number of splines that are fitted, one after the other.
+/// The number of splines that are fitted one after the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Passes {
-    /// One, to the contacts.
+    /// One spline, fitted to the contacts.
     One,
-    /// Two: one to the contacts, and one to that fit and its tangents.
+    /// Two splines: the first is fitted to the contacts, the second to points of the first spline and of its tangents.
     #[default]
     Two,
 }
 
-/// The paper's method.
+/// The method of the 1996 paper.
 ///
-/// First a smoothing spline is fitted to the contacts. Then a second one is fitted to three points
-/// per contact: the first fit there, and a step to either side along the tangent line that is
-/// perpendicular to the fingers' travel (u, in the patch's frame).
+/// First, a smoothing spline is fitted to the contacts. Then a second spline is fitted to three points per contact: the
+/// point of the first spline at the contact, and the points one step to each side on the tangent line that is
+/// perpendicular to the fingers' travel (u in the patch's frame).
 ///
-/// Its settings are meant for lengths in distances between fingers: `weight`² · `residual`² is
-/// held against the smoothing sums with residuals in that unit, and the step is counted in it.
-/// Weights of the contacts, which are inverse variances, multiply `weight` by their roots.
+/// The settings are for lengths in units of the distance between fingers. The sum of `weight`² · `residual`² is
+/// compared with the smoothing sums, with residuals in this unit, and the tangent step is in this unit too. Weights of
+/// the contacts are inverse variances, so `weight` is multiplied by their square roots.
 ///
-/// The sum of 1000 allows 30 contacts of weight 100 a root-mean-square residual of 0.058 such
-/// units. Where it needs more knots than the points bear the fit is returned as it is, and its
-/// curvature is then of no use; [`Fit::status`] reports this.
+/// With a sum of 1000, 30 contacts and a weight of 100, the root-mean-square residual is 0.058 of these units. If a
+/// smaller residual is required than the possible number of knots allows, the last fit is returned. Its curvature is
+/// useless; [`Fit::status`] reports this.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoPass {
     /// Degree of the first spline in both directions, 1 to 5.
     pub first_degree: usize,
-    /// Degree of the second spline.
+    /// Degree of the second spline in both directions.
     pub second_degree: usize,
-    /// Factor on residuals, an inverse standard deviation, per unit of length (see `unit_length`).
+    /// Factor on residuals: an inverse standard deviation, per unit of length (see `unit_length`).
     pub weight: f64,
-    /// Sum of squared weighted residuals that the first spline aims at.
+    /// Required sum of squared weighted residuals of the first spline.
     pub smoothing: f64,
-    /// Sum of squared weighted residuals that the second spline aims at.
+    /// Required sum of squared weighted residuals of the second spline.
     pub second_smoothing: f64,
-    /// Step along the tangent, in units of length.
+    /// Length of the step along the tangent, in the unit of the settings (see `unit_length`).
     pub tangent_step: f64,
-    /// Normals to which the tangents are perpendicular.
+    /// Normals from which the tangents are computed.
     pub normals: TangentNormals,
-    /// The unit, a length as those of the contacts; `None` for the mean distance between
+    /// Unit of length of the settings, in the unit of the contacts. With `None`, it is the mean distance between
     /// neighbouring fingers.
     pub unit_length: Option<f64>,
-    /// Number of splines that are fitted, one after the other.
+    /// Number of splines that are fitted one after the other.
     pub passes: Passes,
-    /// Largest number of interior knots of a spline in either direction.
+    /// Largest number of interior knots of a spline in each direction.
     pub most_knots: usize,
 }
 
 impl Default for TwoPass {
-    /// The paper's settings, with a second spline that is bicubic.
+    /// The paper's settings, with a bicubic second spline.
     fn default() -> Self {
         Self {
             first_degree: 2,
@@ -108,8 +108,8 @@ impl Method for TwoPass {
         Ok(fit(patch, second, Some(first.status)))
     }
 
-    /// Misfit of [`Penalised`] with estimated noise: a contact that contradicts the others does so for any fit. It is empty if
-    /// the contacts do not determine its spline.
+    /// The misfit test of [`Penalised`] with estimated noise, because a contact that contradicts the others does so for
+    /// any fit. The result is empty if the contacts do not determine a penalised spline.
     fn misfit(&self, patch: &Patch) -> Result<MisfitTest, Ep2Error> {
         Ok(Penalised::default().misfit(patch).unwrap_or_default())
     }
@@ -123,10 +123,10 @@ impl TwoPass {
         }
     }
 
-    /// The unit of the settings, in that of the patch.
+    /// The unit of the settings, expressed in the patch's unit.
     ///
-    /// Knots and coefficients scale with the points. So the points stay in the patch's unit, and
-    /// weight and step are turned into it instead.
+    /// The points stay in the patch's unit; weight and step are converted to this unit instead. The result is the same,
+    /// because knots and coefficients are proportional to the points.
     fn unit(&self, patch: &Patch) -> Result<f64, Ep2Error> {
         let set = self.unit_length.map(|length| length / patch.frame.scale());
         let unit = set.or(patch.finger_distance).ok_or(BadSetting {
@@ -146,7 +146,7 @@ impl TwoPass {
         WeightedPoint { u, v, w, weight }
     }
 
-    /// Three points per contact: on the first fit, and to either side on its tangent.
+    /// Three points per contact: one on the first fit, and one to each side on its tangent.
     fn second_points(
         &self,
         patch: &Patch,
@@ -176,7 +176,7 @@ impl TwoPass {
     }
 
     fn check(&self, patch: &Patch) -> Result<(), Ep2Error> {
-        // A surface of degree 1 has no curvature.
+        // The last spline needs at least degree 2, because a surface of degree 1 has no curvature.
         let (first_is_last, bent) = (self.passes == Passes::One, 2..=MAX_DEGREE);
         let first_degrees = if first_is_last {
             bent.clone()
@@ -222,7 +222,8 @@ impl TwoPass {
     }
 }
 
-/// The points must determine the polynomial. Further knots are added only if the data require them.
+/// Checks that the points determine the polynomial without knots. Further knots are added only if the data require
+/// them.
 fn determined(smoothed: &Smoothed, patch: &Patch) -> Result<(), Ep2Error> {
     let spline = &smoothed.spline;
     let is_polynomial = spline.u.interior().is_empty() && spline.v.interior().is_empty();

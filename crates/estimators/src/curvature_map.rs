@@ -1,13 +1,13 @@
-//! Maps of estimated curvature as tables.
+//! Tables that contain maps of estimated curvature.
 
 use palpate_ep2::MapPoint;
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Column, MapTable, Unit};
 
-/// Columns of a map: places, curvatures with their standard deviations, principal curvatures and
-/// directions, class, region, and the probability of each class. Maps of a study begin with their
-/// cell and have the true class.
+/// Columns of a map: positions, curvatures with their standard errors, principal curvatures and directions, class,
+/// region, and the probability of each class. Maps of a study begin with the number of the cell and also contain the
+/// true class.
 fn columns(unit: LengthUnit, of_study: bool) -> Vec<Column> {
     let cell = of_study.then(|| Column::count("cell"));
     let true_class = of_study.then(|| Column::text("true_class"));
@@ -29,12 +29,13 @@ fn columns(unit: LengthUnit, of_study: bool) -> Vec<Column> {
         .collect()
 }
 
-/// Table for a map of recorded readings, or for the maps of a study's cells, with the columns `cell` and `true_class`.
+/// Empty table for a map. With `of_study`, it is for the maps of a study's cells and has the columns `cell` and
+/// `true_class`; otherwise, it is for a map of recorded readings.
 pub fn map_table(unit: LengthUnit, of_study: bool) -> MapTable {
     MapTable::new(columns(unit, of_study))
 }
 
-/// Adds one point to a map. Fields that the estimator does not state are empty.
+/// Adds one point to a map. Fields of values that the estimator does not state stay empty.
 pub fn push_map_point(
     table: &mut MapTable,
     cell_and_true_class: Option<(usize, ShapeClass)>,

@@ -1,4 +1,4 @@
-//! The methods of EP2, chosen at run time.
+//! The methods of EP2, chosen by the settings.
 
 use palpate_ep2::{
     Contact, Criterion, Ep2Error, Fit, Method, MisfitTest, Noise, Passes, Patch, Penalised,
@@ -8,18 +8,18 @@ use palpate_ep2::{
 use nalgebra::Vector3;
 use palpate_study::config::{CriterionName, GlideEstimatorConfig, NormalsOf, StatedNoise};
 
-/// A method for glides, with its settings.
+/// A method that estimates curvature from glides, with its settings.
 #[derive(Clone, Debug)]
 pub enum GlideMethod {
-    /// A method that fits a graph over a plane.
+    /// A method that fits a graph over a plane, which must be touched from one side.
     Graph(GlideFit),
-    /// A fit of a shape, on all sides.
+    /// A fit of a simple shape, which may be touched on all sides.
     Shape(ShapeSettings),
 }
 
 impl GlideMethod {
-    /// The method of a config. `inter_finger_distance` scales noise that is given as a fraction, and is the length
-    /// unit of two-pass; if it is `None`, two-pass computes it from the contacts.
+    /// The method in a config. Noise stated as a fraction is multiplied by `inter_finger_distance`, which is also the
+    /// length unit of two-pass. If it is `None`, two-pass computes it from the contacts.
     pub fn of(config: &GlideEstimatorConfig, inter_finger_distance: Option<f64>) -> Self {
         let config = match inter_finger_distance {
             Some(distance) => config.clone().with_length_noise(distance),
@@ -51,10 +51,10 @@ impl GlideMethod {
     }
 }
 
-/// Fits a shape to contacts, or to readings of round tips.
+/// Fits a simple shape to contacts, or to readings of round fingertips.
 ///
 /// # Errors
-/// Errors of [`ShapeSettings::fit`], and [`RoundTip::centres`].
+/// The errors of [`ShapeSettings::fit`] and [`RoundTip::centres`].
 pub fn fit_shape(
     settings: &ShapeSettings,
     tip: Option<&RoundTip>,
@@ -79,14 +79,14 @@ fn noise(noise: StatedNoise) -> Noise {
     }
 }
 
-/// A method that fits a graph.
+/// A method that fits a graph over a plane, with its settings.
 #[derive(Clone, Debug)]
 pub enum GlideFit {
     /// A penalised spline.
     Penalised(Penalised),
     /// The two-pass method of the 1996 paper.
     TwoPass(TwoPass),
-    /// A quadric.
+    /// A single quadric that is fitted to all contacts.
     Quadric(Quadric),
 }
 
@@ -109,13 +109,13 @@ impl GlideFit {
         }
     }
 
-    /// Whether a method uses the distance between fingers.
+    /// Whether the method uses the distance between fingers.
     pub fn uses_finger_distance(config: &GlideEstimatorConfig) -> bool {
         matches!(config, GlideEstimatorConfig::TwoPass { .. })
             || config.position_fraction_of_ifd().is_some()
     }
 
-    /// The method with stated standard deviations of positions and normals multiplied by these factors.
+    /// The method with its stated standard deviations of positions and normals multiplied by these factors.
     #[must_use]
     pub fn with_noise_factors(mut self, [position, normal]: [f64; 2]) -> Self {
         if let Self::Penalised(Penalised { noise, .. }) | Self::Quadric(Quadric { noise }) =
@@ -195,9 +195,9 @@ impl GlideFit {
                     Criterion::Reml => "restricted maximum likelihood".to_owned(),
                 };
                 let noise = match (noise.position_std, noise.normal_std_rad) {
-                    (None, None) => "noise found from the contacts",
+                    (None, None) => "noise estimated from the contacts",
                     (Some(_), Some(_)) => "noise as stated",
-                    _ => "noise partly stated, the rest found from the contacts",
+                    _ => "noise partly stated, partly estimated from the contacts",
                 };
                 format!("penalised bicubic spline, weight by {criterion}, {noise}")
             }

@@ -1,4 +1,4 @@
-//! Builds the fit to marker images from an estimator's settings and the sensor's parameters.
+//! Builds the fit to marker images from the settings of an estimator and the parameters of the sensor.
 
 use palpate_chromatouch::{Departure, DiscDepths, Optics};
 use palpate_press::{Body, DeparturePrior, ImageFit, Markers, PressError};
@@ -10,29 +10,30 @@ use crate::image_model::ImageModel;
 use crate::marker_sphere::{MarkerSphere, optics_error};
 use crate::press_fit::{body_error, within_sensor};
 
-/// Finite-difference step of the discs' depth, in sensor radii.
+/// Step of the finite difference by which derivatives with respect to the depth of the discs are computed, in sensor
+/// radii.
 const DEEPER: f64 = 1e-3;
 const ESTIMATOR: &str = "scene.estimator";
 
 type Layers<'a> = dyn Fn(f64, &[f64]) -> Result<Vec<Body>, PressError> + 'a;
 
-/// Settings of an estimator that fits marker images, and the sensor.
+/// Settings of an estimator that fits marker images, and the sensor whose images are fitted.
 pub struct ImageFitSetup<'a> {
     /// The estimator's settings.
     pub estimator: &'a PressEstimatorConfig,
-    /// The sensor's own soft body; its parameters replace those that the settings omit.
+    /// Soft body of the sensor. Its parameters are used if the settings of the estimator do not state them.
     pub model: &'a PressModelConfig,
-    /// Skin, layout and discs.
+    /// Skin, layout and discs of the sensor.
     pub sphere: &'a MarkerSphere<'a>,
     /// The markers under the skin.
     pub markers: &'a Markers,
-    /// The nominal camera and markers; the fit ignores their misalignments.
+    /// The nominal camera and markers. The fit ignores the misalignments of these markers.
     pub optics: &'a Optics,
-    /// Standard deviations of the sensor's departures from `optics`.
+    /// Standard deviations of the sensor's deviations from `optics`.
     pub stds: [f64; Departure::NUMBERS],
-    /// Departures whose joint covariance is given, if any.
+    /// Deviations of the sensor from `optics` whose joint covariance is given; `None` without one.
     pub departure_prior: Option<DeparturePrior>,
-    /// Builds layers of one thickness: one layer for each depth of the markers.
+    /// Builds layers of one thickness, one layer for each depth of the markers.
     pub layers: &'a Layers<'a>,
 }
 
@@ -40,7 +41,7 @@ impl ImageFitSetup<'_> {
     /// Builds the fit; `None` if the estimator does not fit images.
     ///
     /// # Errors
-    /// [`FieldError`] for an impossible body or impossible discs.
+    /// [`FieldError`] if the soft body or the discs are impossible.
     pub fn fit(&self) -> Result<Option<ImageFit<ImageModel>>, FieldError> {
         let PressEstimatorConfig::Image {
             poisson, shift_std, ..
@@ -99,7 +100,7 @@ impl ImageFitSetup<'_> {
     }
 }
 
-/// Standard deviation of each number of a [`Departure`].
+/// Standard deviation of each entry of a [`Departure`].
 pub fn departure_stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
     let SensorNoise {
         centre_px,

@@ -1,12 +1,12 @@
-//! The camera model of the fit to marker images.
+//! Model of the camera, for the fit to marker images.
 
 use nalgebra::{DMatrix, Matrix4, Matrix4x2, Matrix4x3};
 use palpate_chromatouch::{Departure, DiscMotion, MarkerMotion, Optics, SeenMarker};
 use palpate_press::{MarkerDisplacement, PictureSlopes, Seen, SensorState, Steps, View};
 use palpate_tracking::{Marker, MarkerErrors};
 
-/// Computes the images of markers (centroid in px, hue in turns, logarithm of the size in px²) with optics that depart
-/// from the nominal ones. The numbers of a [`Departure`] are common to all markers.
+/// Computes the images of markers (centroid in px, hue in turns, logarithm of the size in px²) for optics that deviate
+/// from the nominal optics. The deviations in a [`Departure`] are the same for all markers.
 #[derive(Clone, Debug)]
 pub struct ImageModel {
     /// The nominal sensor.
@@ -82,7 +82,7 @@ fn picture(seen: &SeenMarker) -> [f64; 4] {
     [x, y, seen.hue_turns, libm::log(seen.size_px2)]
 }
 
-/// Converts a marker and the covariance of its errors to an input of the fit.
+/// A marker and the covariance of its errors, in the form that the fit needs.
 pub fn marker_image(marker: &Marker, errors: &MarkerErrors) -> Seen {
     let [x, y] = marker.centroid_px;
     Seen {

@@ -1,7 +1,7 @@
 //! Builds estimators from their settings and a sensor, for simulated and for recorded readings.
 //!
 //! [`PressFitSetup`] builds the fit to marker displacements, [`ImageFitSetup`] the fit to marker images, and
-//! [`GlideMethod`] the methods of EP2. [`MarkerSphere`] is the sensor of a config.
+//! [`GlideMethod`] the methods of EP2. [`MarkerSphere`] is the sensor that a config describes.
 
 mod curvature_map;
 mod glide_fit;

@@ -1,4 +1,4 @@
-//! The estimator that fits the camera's images of the markers.
+//! The estimator that fits the images of the markers in a camera's frames.
 
 use std::sync::{Arc, OnceLock};
 
@@ -12,13 +12,13 @@ use crate::image_model::{ImageModel, marker_image};
 /// Input of the fit: the images of the markers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerImages {
-    /// The markers at rest; `None` if all trials share one reading at rest.
+    /// Images of the markers at rest; `None` if all trials share the images at rest.
     pub own_rest: Option<Arc<[Option<Seen>]>>,
-    /// The markers in the press.
+    /// Images of the markers in the press; `None` for markers without an image.
     pub pressed: Vec<Option<Seen>>,
 }
 
-/// The fit to marker images, and the frame at rest that trials share.
+/// The fit to marker images, and the images at rest that trials share.
 #[derive(Clone, Debug)]
 pub struct ImageEstimator {
     fit: ImageFit<ImageModel>,
@@ -27,7 +27,7 @@ pub struct ImageEstimator {
 }
 
 impl ImageEstimator {
-    /// Estimator with a fit and the images of the markers in the shared frame at rest.
+    /// An estimator with this fit, and `rest` as the images of the markers at rest that trials share.
     pub fn new(fit: ImageFit<ImageModel>, rest: Vec<Option<Seen>>) -> Self {
         Self {
             fit,
@@ -39,7 +39,7 @@ impl ImageEstimator {
     /// Estimates the press from images of the markers.
     ///
     /// # Errors
-    /// [`PressError`] of the fit, or of the sensor at rest.
+    /// [`PressError`] of the fit to the press, or of the fit to the markers at rest.
     pub fn estimate(
         &self,
         pictures: &MarkerImages,
@@ -50,10 +50,10 @@ impl ImageEstimator {
         })
     }
 
-    /// Compares a stated indentation with the one that the images alone give.
+    /// Compares a stated indentation with the indentation estimated from the images alone.
     ///
     /// # Errors
-    /// The reason why the images alone give no indentation.
+    /// The reason for which the images alone do not determine the indentation.
     pub fn check_indentation(
         &self,
         pictures: &MarkerImages,
@@ -65,7 +65,7 @@ impl ImageEstimator {
         })
     }
 
-    /// Ways in which the pictures contradict the model of the estimate.
+    /// Contradictions between the images and the model of the estimate.
     pub fn misfits(
         &self,
         pictures: &MarkerImages,
@@ -78,8 +78,8 @@ impl ImageEstimator {
         })
     }
 
-    /// Residual displacement of each marker: its displacement estimated from its own image, minus its displacement in
-    /// the estimated press.
+    /// Residual displacement of each marker: the displacement estimated from the marker's own image, minus the
+    /// displacement in the estimated press.
     pub fn beyond(
         &self,
         pictures: &MarkerImages,
@@ -106,7 +106,7 @@ impl ImageEstimator {
         then(rest)
     }
 
-    /// The sensor as estimated from the frame at rest that trials share.
+    /// Parameters of the sensor, estimated from the images at rest that trials share.
     pub fn rest(&self) -> Result<&Rest, PressError> {
         let fitted = self.fitted.get_or_init(|| self.fit.at_rest(&self.rest));
         fitted.as_ref().map_err(|error| *error)

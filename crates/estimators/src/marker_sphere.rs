@@ -1,4 +1,4 @@
-//! Builds the parts of a marker sensor from its config: its skin, layout and discs.
+//! Builds the parts of a marker sensor from its config: skin, layout and discs.
 
 use palpate_chromatouch::{DiscDepths, Discs, Layout, LayoutError, MarkerArray, OpticsError};
 use palpate_statistics::Number;
@@ -7,7 +7,7 @@ use palpate_study::config::{
     DiscColour, DiscsConfig, LayoutConfig, LayoutTable, NamedLayout, PressProbeConfig,
 };
 
-/// Path of the layout in a config.
+/// Config path of the layout.
 pub const LAYOUT: &str = "scene.probe.layout";
 
 /// A soft sphere with markers under its skin.
@@ -15,18 +15,18 @@ pub const LAYOUT: &str = "scene.probe.layout";
 pub struct MarkerSphere<'a> {
     /// Radius of the skin, length.
     pub radius: f64,
-    /// Depth of the markers under the skin; for markers of two discs, the mean depth.
+    /// Depth of the markers under the skin, length; for markers with two discs, the mean of their depths.
     pub marker_depth: f64,
     /// Arrangement of the markers.
     pub layout: Layout,
-    /// Number of straight steps of a gore's drawn outline.
+    /// Number of straight segments in the outline of a gore in drawings.
     pub outline_samples: u32,
     /// The two discs of each marker; `None` if the config has no discs.
     pub discs: Option<&'a DiscsConfig>,
 }
 
 impl<'a> MarkerSphere<'a> {
-    /// The sensor of a config.
+    /// The sensor that a config describes.
     pub fn of(config: &'a PressProbeConfig) -> Self {
         let PressProbeConfig::MarkerSphere {
             radius,
@@ -89,22 +89,25 @@ impl<'a> MarkerSphere<'a> {
         Ok(DiscDepths { magenta, yellow })
     }
 
-    /// Standard deviation of each coordinate of a marker's misalignment: an angle at the sensor's centre, rad.
+    /// Standard deviation of each coordinate of a marker's misalignment, which is an angle at the centre of the sensor,
+    /// rad.
     pub fn misalignment_std(&self) -> Result<f64, FieldError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
-        // A coordinate of a point that is uniform in a disc has a standard deviation of half the radius.
+        // For a point that is uniformly distributed in a disc, the standard deviation of each coordinate is half of the
+        // radius.
         let most = self.discs()?.misalignment * diameters.yellow;
         Ok(0.5 * most / (self.radius - depths.yellow))
     }
 
-    /// Markers at these places, without misalignments.
+    /// Markers at these positions, without misalignments.
     pub fn array(&self, places: &[[f64; 2]]) -> Result<MarkerArray, FieldError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
         MarkerArray::new(self.radius, places, diameters, depths)
             .map_err(|error| optics_error(&error))
     }
 
-    /// Markers at these places, with the random misalignments of manufacture.
+    /// Markers at these positions, with random misalignments as by manufacture; `seed` is the seed of their random
+    /// numbers.
     pub fn made(&self, places: &[[f64; 2]], seed: u64) -> Result<MarkerArray, FieldError> {
         let array = self.array(places)?;
         match self.discs()?.misalignment {
@@ -150,7 +153,7 @@ fn layout_error(error: &LayoutError) -> FieldError {
     }
 }
 
-/// Converts an error of the markers or the camera to an error that names the config field.
+/// An error of the markers or the camera, as an error that names the config field.
 pub fn optics_error(error: &OpticsError) -> FieldError {
     if let OpticsError::BadSetting(bad) = error
         && bad.setting == "turn_rad"

@@ -1,4 +1,4 @@
-//! Builds the estimator of a press from its settings and the sensor's parameters.
+//! Builds the estimator of a press from its settings and the parameters of the sensor.
 
 use palpate_press::{
     Body, ForwardFit, LARGE_CONTACT, Markers, PressError, Prior, calibrated_c, sneddon_indentation,
@@ -11,11 +11,11 @@ use palpate_study::{FieldError, Warning};
 pub struct PressFitSetup<'a> {
     /// The estimator's settings.
     pub estimator: &'a PressEstimatorConfig,
-    /// The sensor's own soft body; its parameters replace those that the settings omit.
+    /// Soft body of the sensor. Its parameters are used if the settings of the estimator do not state them.
     pub model: &'a PressModelConfig,
-    /// Body of that model at the depth of the markers.
+    /// The soft body of the sensor, with displacements at the depth of the markers.
     pub body: &'a Body,
-    /// Thickness of the layer of `body`, if it has tables that fits can share.
+    /// Thickness of the layer of `body`, if the layer has tables that fits can share; otherwise `None`.
     pub shared: Option<f64>,
     /// Builds a layer with tables from its thickness and the depth of its markers.
     pub layer: &'a dyn Fn(f64, f64) -> Result<Body, PressError>,
@@ -23,11 +23,11 @@ pub struct PressFitSetup<'a> {
     pub markers: &'a Markers,
     /// Depth of the markers under the skin, length.
     pub marker_depth: f64,
-    /// Indentation of the press on a plane that calibrates a Gaussian's c.
+    /// Indentation, length, of the press on a plane from which the width c of a Gaussian is calibrated.
     pub calibrated_at: Option<f64>,
     /// Whether the indentation is an input of the estimator.
     pub knows_indentation: bool,
-    /// Standard deviations of normal and tangential displacements, if stated.
+    /// Standard deviations of normal and tangential displacements; `None` if they are not stated.
     pub stds: [Option<f64>; 2],
 }
 
@@ -35,12 +35,13 @@ impl PressFitSetup<'_> {
     /// Builds the fit of the assumed body.
     ///
     /// # Errors
-    /// [`PressFitError::Setting`] for a setting out of its range; [`PressFitError::Calibration`] if a Gaussian cannot
+    /// [`PressFitError::Setting`] if a setting is out of its range; [`PressFitError::Calibration`] if a Gaussian cannot
     /// be calibrated.
     pub fn fit(&self) -> Result<ForwardFit, PressFitError> {
         let priors = self.estimator.priors();
         Ok(ForwardFit {
-            // A Gaussian's amplitude is fitted if the indentation is given; otherwise it is the indentation.
+            // For a Gaussian with a given indentation, the amplitude is fitted; without one, the amplitude is the
+            // indentation.
             gain: priors.gain_std.map_or(
                 match self.knows_indentation {
                     true => Prior::Free,
@@ -77,7 +78,7 @@ impl PressFitSetup<'_> {
             (None, PressEstimatorConfig::Gaussian { c: Some(c), .. }) => Body::gaussian(*c),
             (None, PressEstimatorConfig::Gaussian { window, .. }) => {
                 let undetermined = PressError::Undetermined {
-                    what: "the calibration of a Gaussian's c needs the indentation",
+                    what: "a Gaussian without `c` needs the indentation to calibrate c",
                 };
                 let c = self
                     .calibrated_at
@@ -93,12 +94,12 @@ impl PressFitSetup<'_> {
     }
 }
 
-/// Reason why a fit cannot be built.
+/// Reason for which a fit cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PressFitError {
     /// A setting is out of its range, or missing.
     Setting(PressError),
-    /// The c of a Gaussian cannot be calibrated on the sensor's body.
+    /// The width c of a Gaussian cannot be calibrated with the sensor's soft body.
     Calibration(PressError),
 }
 
@@ -110,7 +111,7 @@ impl From<PressFitError> for PressError {
     }
 }
 
-/// Builds the body of a model; `layer` builds a bonded layer from its thickness and depth.
+/// Builds the soft body of a model. `layer` builds a bonded layer from its thickness and depth.
 pub fn sensor_body(
     model: &PressModelConfig,
     depth: f64,
@@ -123,7 +124,7 @@ pub fn sensor_body(
     }
 }
 
-/// Prior of the displacement that all markers share.
+/// Prior of the offset, a displacement that all markers have in common.
 pub const fn baseline(config: Baseline) -> Prior {
     match config {
         Baseline::Known => Prior::Exact,
@@ -131,7 +132,7 @@ pub const fn baseline(config: Baseline) -> Prior {
     }
 }
 
-/// Prior of a factor near 1 with this standard deviation.
+/// Prior of a factor near 1 that has this standard deviation.
 pub fn within(std: f64) -> Prior {
     if std > 0.0 {
         Prior::Within(std)
@@ -143,7 +144,7 @@ pub fn within(std: f64) -> Prior {
 /// Checks that a layer is not thicker than the sensor's radius.
 ///
 /// # Errors
-/// [`FieldError`] at `path` for a thicker layer.
+/// [`FieldError`] at `path` if the layer is thicker.
 pub fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(), FieldError> {
     if thickness <= radius {
         return Ok(());
@@ -156,7 +157,7 @@ pub fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(), Fiel
     Err(FieldError::at(path, message))
 }
 
-/// Converts an error of the body to one at its config field.
+/// An error of the soft body, as an error at its config field.
 pub fn body_error(table: &str, error: PressError) -> FieldError {
     match error {
         PressError::BadSetting(BadSetting {
@@ -169,7 +170,7 @@ pub fn body_error(table: &str, error: PressError) -> FieldError {
     }
 }
 
-/// Warns if the contact is too wide for small-strain theory, relative to the sensor or to the object.
+/// Warning if the contact is too wide for small-strain theory, relative to the sensor or to the object.
 pub fn large_contact_warning(
     relative_curvature: f64,
     contact_radius: f64,

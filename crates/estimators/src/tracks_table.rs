@@ -3,8 +3,8 @@
 use palpate_study::{Column, Table, number};
 use palpate_tracking::Track;
 
-/// Table with one row per marker: its place and hues at rest (or pressed, if it is new), and their changes if it was
-/// tracked. Values that were not measured stay empty.
+/// Table with one row per marker: position and hues at rest (of a new marker: when pressed), and their changes if the
+/// marker was tracked. Fields of values that were not measured stay empty.
 pub fn tracks_table<'a>(tracks: impl Iterator<Item = Option<&'a Track>>) -> Table {
     let mut table = Table::new([
         Column::count("marker"),

@@ -1,10 +1,10 @@
 //! Fuzz targets for the readers of files: configs, formulas, readings, frames and calibrations.
 //!
-//! Each target takes arbitrary bytes as the contents of a file, and panics if a reader breaks its contract. A reader must
-//! return a result or an error with a message. A result must not contain NaN or infinity, and a file written from it must
-//! read back the same. `corpus/` contains inputs that reach different parts of the code, found by coverage. Their names
-//! give the expected outcome: `read-…` or `refused-…`. The tests replay the inputs, check their outcome, and replay
-//! variations of them.
+//! Each target reads arbitrary bytes as the content of a file, and panics if a reader violates one of the following
+//! rules. A reader must return a result, or an error with a message. A result must not contain NaN or infinity. If the
+//! result is written to a file and read again, it must be the same. `corpus/` contains inputs that reach different
+//! parts of the code; they were found by their code coverage. Their names contain the expected outcome: `read-…` or
+//! `refused-…`. The tests replay the inputs, check their outcome, and replay variations of them.
 
 use std::collections::BTreeMap;
 use std::fmt::{Debug, Display};
@@ -19,16 +19,16 @@ use palpate_tracking::Finder;
 /// A reader under test.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
-    /// Name of the reader, also of the folder of its corpus.
+    /// Name of the reader, which is also the name of the folder with its corpus.
     pub name: &'static str,
-    /// Passes bytes to the reader; panics if the reader breaks its contract.
+    /// Runs the reader on some bytes. Panics if the reader violates a rule.
     pub run: fn(&[u8]) -> Outcome,
 }
 
-/// Outcome of a reader: the input is read, or rejected with a message.
+/// Outcome of a reader: the input was read, or it was rejected with this message.
 pub type Outcome = Result<(), String>;
 
-/// All readers.
+/// All readers that are fuzzed.
 pub const TARGETS: [Target; 5] = [
     Target {
         name: "config",
@@ -52,9 +52,9 @@ pub const TARGETS: [Target; 5] = [
     },
 ];
 
-/// Largest number of lines for estimates of a glide or press, so that a target is fast.
+/// Maximum number of lines for estimates of a glide or press. It limits the run time of a target.
 const MAX_ROWS: usize = 60;
-/// Largest number of pixels for the detection of markers.
+/// Maximum number of pixels for the detection of markers. It limits the run time of a target.
 const MAX_PIXELS: u32 = 200 * 200;
 
 /// Reads a study's config.
@@ -63,7 +63,7 @@ const MAX_PIXELS: u32 = 200 * 200;
 /// Message of the reader if it rejects the input.
 ///
 /// # Panics
-/// If a resolved config does not read back the same, or an error has no message.
+/// If a resolved config changes when it is written and read again, or an error has no message.
 pub fn config(bytes: &[u8]) -> Outcome {
     let study = with_message(config::parse("fuzz.toml", text(bytes)?))?;
     let written = config::to_toml(&study.config);
@@ -75,13 +75,13 @@ pub fn config(bytes: &[u8]) -> Outcome {
     Ok(())
 }
 
-/// Parses and evaluates the formula of a height field, with two parameters and without any.
+/// Parses and evaluates the formula of a height field, once with two parameters and once without parameters.
 ///
 /// # Errors
-/// Message of the parser if both fail.
+/// Message of the parser if both attempts fail.
 ///
 /// # Panics
-/// If value and jet differ, or an error has no message.
+/// If `value` and `jet` return different values, or an error has no message.
 pub fn formula(bytes: &[u8]) -> Outcome {
     let text = text(bytes)?;
     let parameters = BTreeMap::from([("A".to_owned(), 0.15), ("k".to_owned(), 0.7)]);
@@ -104,7 +104,7 @@ pub fn formula(bytes: &[u8]) -> Outcome {
     first_read([parsed(&parameters), parsed(&BTreeMap::new())])
 }
 
-/// Reads recorded readings of rolls, glides and presses, and estimates from them.
+/// Reads recorded readings of rolls, of glides and of presses, and computes estimates from them.
 ///
 /// # Errors
 /// Message of the last reader if all reject the input.
@@ -151,7 +151,7 @@ pub fn readings(bytes: &[u8]) -> Outcome {
 /// Reads a frame of a camera and finds the markers in it.
 ///
 /// # Errors
-/// Message of the reader if it rejects the input, or of the finder if it finds no markers.
+/// Message of the reader if it rejects the input, or of the marker finder if it finds no markers.
 ///
 /// # Panics
 /// If a marker is not finite, or an error has no message.
@@ -165,13 +165,14 @@ pub fn frame(bytes: &[u8]) -> Outcome {
     Ok(())
 }
 
-/// Reads a calibration, points to make one from, and a camera.
+/// Reads the input as a calibration, as the points of a calibration, and as a camera.
 ///
 /// # Errors
 /// Message of the last reader if all reject the input.
 ///
 /// # Panics
-/// If a calibration or a camera does not read back the same, is not finite, or an error has no message.
+/// If a calibration or a camera is not finite or changes when it is written and read again, or if an error has no
+/// message.
 pub fn calibration(bytes: &[u8]) -> Outcome {
     let file = || RecordedFile::new("fuzz", bytes.to_vec());
     let points = finite(palpate_recorded::parse_calibration_points(&file())).map(|points| {
@@ -201,12 +202,12 @@ fn text(bytes: &[u8]) -> Result<&str, String> {
     with_message(std::str::from_utf8(bytes))
 }
 
-/// Outcome of the first reader that read the input, or of the last one.
+/// Outcome of the first reader that could read the input; if none could, outcome of the last reader.
 fn first_read<const N: usize>(outcomes: [Outcome; N]) -> Outcome {
     outcomes.into_iter().reduce(Outcome::or).unwrap_or(Ok(()))
 }
 
-/// Value that was read, or the message, which must not be empty.
+/// The value that was read, or the message of the error, which must not be empty.
 fn with_message<T>(read: Result<T, impl Display>) -> Result<T, String> {
     read.map_err(|error| {
         let message = error.to_string();
@@ -215,7 +216,7 @@ fn with_message<T>(read: Result<T, impl Display>) -> Result<T, String> {
     })
 }
 
-/// Value that was read, whose numbers must be finite.
+/// The value that was read. Its numbers must be finite.
 fn finite<T: Debug>(read: Result<T, RecordedError>) -> Result<T, String> {
     with_message(read).inspect(|value| check_finite(value))
 }

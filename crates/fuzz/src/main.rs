@@ -1,4 +1,4 @@
-//! libFuzzer's loop around the reader that the environment variable `FUZZ_READER` names.
+//! Runs libFuzzer with the reader that the environment variable `FUZZ_READER` names.
 #![no_main]
 
 use std::sync::LazyLock;

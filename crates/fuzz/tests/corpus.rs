@@ -1,4 +1,5 @@
-//! Replay of the corpus and of variations of its files. The name of a file gives the expected outcome of its reader.
+//! Reads the files of the corpus and variations of them. The name of each file states the expected result of its
+//! reader.
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
@@ -6,12 +7,12 @@ use std::path::Path;
 
 use palpate_fuzz::{TARGETS, Target};
 
-/// Number of variations of each file of a target with few files.
+/// Number of variations of each file, for a target with few files.
 const VARIATIONS: u64 = 40;
-/// Largest number of variations of a target over all its files.
+/// Largest number of variations for all files of a target together.
 const MAX_VARIATIONS: u64 = 4000;
 
-/// Files of a target by name.
+/// Names and contents of the files of a target.
 fn corpus(target: &Target) -> Vec<(String, Vec<u8>)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("corpus")
@@ -29,7 +30,7 @@ fn corpus(target: &Target) -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// Random numbers by SplitMix64, the same in every run.
+/// Random numbers (SplitMix64), which are the same in every run.
 struct Dice(u64);
 
 impl Dice {
@@ -41,7 +42,7 @@ impl Dice {
     }
 }
 
-/// Texts that readers of numbers and files often mishandle.
+/// Texts that programs often read wrongly in numbers and files.
 const WORDS: [&[u8]; 16] = [
     b"nan",
     b"inf",

@@ -1,4 +1,4 @@
-//! Curvature at a point: the form, its invariants and its classes.
+//! Curvature at a point of a surface: the curvature form, its invariants and the classes of surface points.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
@@ -9,8 +9,8 @@ use thiserror::Error;
 
 /// The curvature form of a surface in an orthonormal tangent basis `(u, v)`, 1/length.
 ///
-/// Symmetric; positive where the solid is convex. A sphere of radius `R` has `I/R`, a dish `−I/R`. Derived quantities
-/// are finite if every component is finite and at most 1e150 in absolute value.
+/// The form is symmetric, and positive where the solid is convex. A sphere of radius `R` has `I/R`, a dish `−I/R`.
+/// Derived quantities are finite if every component is finite and at most 1e150 in absolute value.
 ///
 /// ```
 /// use palpate_geometry::CurvatureForm;
@@ -27,16 +27,18 @@ use thiserror::Error;
 pub struct CurvatureForm {
     /// Normal curvature along `u`.
     pub k_uu: f64,
-    /// Mixed term: turn of the normal towards `v` per length along `u`.
+    /// Rotation of the normal towards `v` per unit length along `u`.
     pub k_uv: f64,
     /// Normal curvature along `v`.
     pub k_vv: f64,
 }
 
-/// Half the difference of two estimated principal curvatures, in standard deviations across it, that noise alone exceeds
-/// in 5 % of the cases if the true curvatures are equal: the root of the 95 % quantile of χ² with 2 degrees of freedom.
+/// Half of the difference between two estimated principal curvatures, in standard deviations, that noise alone exceeds
+/// with a probability of 5 % if the true curvatures are equal. It is the square root of the 95 % quantile of χ² with 2
+/// degrees of freedom.
 const SIGNIFICANT_SPREAD: f64 = 2.447_746_830_680_816;
-/// Standard deviation of a direction that is uniform over half a turn: π/√12, rad.
+/// Standard deviation of a direction of which nothing is determined, so that it is uniform over half a turn: π/√12,
+/// rad.
 const UNKNOWN_DIRECTION_STD: f64 = 0.906_899_682_117_089_3;
 
 /// The two principal curvatures, ordered by signed value, and their directions.
@@ -47,13 +49,13 @@ pub struct PrincipalCurvatures {
     /// Largest normal curvature, 1/length.
     pub k_max: f64,
     /// Direction of `k_max`: angle from `u` towards `v`, in (−π/2, π/2]. The direction of `k_min` is perpendicular to
-    /// it. At an umbilic every direction is principal and the angle is 0.
+    /// it. At an umbilic, where both curvatures are equal, every direction is principal; the angle is then 0.
     pub angle_of_max_rad: f64,
 }
 
 impl PrincipalCurvatures {
     /// Shape index `(2/π) atan((k_max + k_min)/(k_max − k_min))` in [−1, 1]: +1 for a convex cap, 0 for a symmetric
-    /// saddle, −1 for a cup. Its error is at most 1e-15. `None` at a flat point, where it is undefined, or if a
+    /// saddle, −1 for a cup. Its error is at most 1e-15. `None` at a flat point, where the index is undefined, or if a
     /// curvature is not finite.
     pub fn shape_index(&self) -> Option<f64> {
         let Self { k_min, k_max, .. } = *self;
@@ -99,13 +101,13 @@ impl CurvatureForm {
         0.5 * self.k_uu + 0.5 * self.k_vv
     }
 
-    /// Principal curvatures and directions. The error of both curvatures is at most 1e-15 of the larger one.
+    /// Principal curvatures and their directions. The error of both curvatures is at most 1e-15 times the larger one.
     pub fn principal(&self) -> PrincipalCurvatures {
         let mean = self.mean_curvature();
         let (half_difference, mixed) = (0.5 * self.k_uu - 0.5 * self.k_vv, self.k_uv);
         let spread = libm::hypot(half_difference, mixed);
         let angle = 0.5 * libm::atan2(mixed, half_difference);
-        // −π/2 and π/2 are the same direction; the range (−π/2, π/2] contains only π/2.
+        // −π/2 and π/2 are the same direction, and only π/2 is in the range (−π/2, π/2].
         let angle = if angle <= -FRAC_PI_2 {
             FRAC_PI_2
         } else {
@@ -118,11 +120,11 @@ impl CurvatureForm {
         }
     }
 
-    /// Standard deviations of `k_min`, `k_max` and the angle of [`CurvatureForm::principal`] (rad), from the covariance of
-    /// `k_uu`, `k_vv` and `k_uv`, to first order.
+    /// Standard errors of `k_min`, `k_max` and the angle (rad) in [`CurvatureForm::principal`], to first order, from
+    /// the covariance of `k_uu`, `k_vv` and `k_uv`.
     ///
-    /// If the two curvatures do not differ significantly, the direction is unknown, and noise alone separates the
-    /// estimates. The intervals of both then reach beyond the mean curvature.
+    /// If the two curvatures do not differ significantly, nothing is determined about the direction, and the difference
+    /// between the estimates is only noise. The intervals of both estimates then extend beyond the mean curvature.
     ///
     /// ```
     /// use palpate_geometry::CurvatureForm;
@@ -174,8 +176,9 @@ impl CurvatureForm {
             + self.k_vv * unit.y * unit.y
     }
 
-    /// The form in the contact frame of the other body: its normal is opposite and its axes are turned by the contact
-    /// angle ψ. `K̃ = R_ψ K R_ψ` with `R_ψ = [[cos ψ, −sin ψ], [−sin ψ, −cos ψ]]`.
+    /// The curvature form of the other body in this body's contact frame, or the reverse. The other body's normal
+    /// points in the opposite direction, and its axes are rotated by the contact angle ψ. The form is `K̃ = R_ψ K R_ψ`
+    /// with `R_ψ = [[cos ψ, −sin ψ], [−sin ψ, −cos ψ]]`.
     pub fn seen_from_other_body(&self, contact_angle_rad: f64) -> Self {
         let (sin, cos) = libm::sincos(contact_angle_rad);
         let reflection = Matrix2::new(cos, -sin, -sin, -cos);
@@ -183,7 +186,7 @@ impl CurvatureForm {
     }
 }
 
-/// The eight classes of surface points, by the signs of Gaussian curvature K and mean curvature H.
+/// The eight classes of surface points, defined by the signs of Gaussian curvature K and mean curvature H.
 ///
 /// |        | K > 0 | K = 0  | K < 0         |
 /// |--------|-------|--------|---------------|
@@ -193,26 +196,26 @@ impl CurvatureForm {
 #[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, Ord, PartialEq, PartialOrd)]
 #[strum(serialize_all = "kebab-case")]
 pub enum ShapeClass {
-    /// K > 0, H > 0.
+    /// Convex in all directions: K > 0, H > 0.
     Peak,
-    /// K = 0, H > 0.
+    /// Convex in one direction and straight across it: K = 0, H > 0.
     Ridge,
-    /// K < 0, H > 0.
+    /// More convex than concave: K < 0, H > 0.
     SaddleRidge,
-    /// K = 0, H = 0.
+    /// Without curvature: K = 0, H = 0.
     Flat,
-    /// K < 0, H = 0.
+    /// As convex as concave: K < 0, H = 0.
     Minimal,
-    /// K > 0, H < 0.
+    /// Concave in all directions: K > 0, H < 0.
     Pit,
-    /// K = 0, H < 0.
+    /// Concave in one direction and straight across it: K = 0, H < 0.
     Valley,
-    /// K < 0, H < 0.
+    /// More concave than convex: K < 0, H < 0.
     SaddleValley,
 }
 
 impl ShapeClass {
-    /// All eight, in the order of the table above.
+    /// All eight classes, in the order of the table above.
     pub const ALL: [Self; 8] = [
         Self::Peak,
         Self::Ridge,
@@ -224,20 +227,20 @@ impl ShapeClass {
         Self::SaddleValley,
     ];
 
-    /// The kebab-case name used in files.
+    /// The kebab-case name of the class in files.
     pub fn name(self) -> &'static str {
         self.into()
     }
 }
 
-/// Absolute values up to which Gaussian curvature K and mean curvature H count as zero.
+/// Thresholds below which Gaussian curvature K and mean curvature H count as zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeThresholds {
     gaussian: f64,
     mean: f64,
 }
 
-/// Errors of [`ShapeThresholds::new`].
+/// Errors of thresholds that [`ShapeThresholds::new`] rejects.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum InvalidThresholds {
     /// A threshold is negative or not finite.
@@ -248,10 +251,10 @@ pub enum InvalidThresholds {
     OutOfRange {
         /// Name of the threshold: `gaussian` or `mean`.
         name: &'static str,
-        /// Its value.
+        /// Value of the threshold.
         value: f64,
     },
-    /// With these thresholds, the class `K > 0`, `H = 0` would appear. No surface has such points.
+    /// With these thresholds, some points would belong to the class `K > 0`, `H = 0`, which no surface point can have.
     #[error(
         "gaussian threshold {gaussian} is below the square of the mean threshold {mean}{}; \
          then the impossible class K > 0, H = 0 appears",
@@ -260,14 +263,14 @@ pub enum InvalidThresholds {
         mean = Number(*mean)
     )]
     ImpossibleClass {
-        /// The Gaussian threshold, 1/length².
+        /// Threshold of the Gaussian curvature, 1/length².
         gaussian: f64,
-        /// The mean threshold, 1/length.
+        /// Threshold of the mean curvature, 1/length.
         mean: f64,
     },
 }
 
-/// The square of a number in brackets for a message; empty if the square overflows.
+/// The text ` ({number²})` for a message; empty if the square overflows.
 fn square(number: f64) -> String {
     let square = number * number;
     match square.is_finite() {
@@ -277,18 +280,19 @@ fn square(number: f64) -> String {
 }
 
 impl ShapeThresholds {
-    /// Thresholds such that `|K| <= gaussian` (1/length²) and `|H| <= mean` (1/length) count as zero.
+    /// Thresholds for curvatures that count as zero: those with `|K| <= gaussian` (1/length²) and those with `|H| <=
+    /// mean` (1/length).
     ///
     /// # Errors
-    /// [`InvalidThresholds`] unless both are finite, at least 0, and `gaussian >= mean²`: since
-    /// `K <= H²`, a smaller Gaussian threshold would leave points with `K > 0` and `H = 0`.
+    /// [`InvalidThresholds`] unless both are finite, at least 0, and `gaussian >= mean²`. The last condition is needed
+    /// because `K <= H²` on a surface: a smaller Gaussian threshold would allow points with `K > 0` and `H = 0`.
     pub fn new(gaussian: f64, mean: f64) -> Result<Self, InvalidThresholds> {
         for (name, value) in [("gaussian", gaussian), ("mean", mean)] {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(InvalidThresholds::OutOfRange { name, value });
             }
         }
-        // The tolerance covers rounding: in doubles, 0.1² is not exactly 0.01.
+        // The tolerance allows for rounding: in doubles, 0.1² is not exactly 0.01.
         if gaussian < mean * mean * (1.0 - 4.0 * f64::EPSILON) {
             return Err(InvalidThresholds::ImpossibleClass { gaussian, mean });
         }
@@ -306,7 +310,7 @@ impl ShapeThresholds {
     }
 
     /// The class of a point from its Gaussian curvature (1/length²) and mean curvature (1/length), both finite. Noise
-    /// can raise `K` above `H²`, which is impossible on a surface; `K` is then lowered to `H²`.
+    /// can make `K` larger than `H²`, which is impossible on a surface. In this case, `H²` is used instead of `K`.
     ///
     /// ```
     /// use palpate_geometry::{ShapeClass, ShapeThresholds};
@@ -397,7 +401,7 @@ mod tests {
         assert_eq!(class(1.0, -1.0), "pit");
         assert_eq!(class(0.0, -1.0), "valley");
         assert_eq!(class(-1.0, -1.0), "saddle-valley");
-        // Noise can raise K above H²; `classify` then uses K = H².
+        // K is larger than H² because of noise, so `classify` uses K = H².
         assert_eq!(class(1.0, 0.0), "flat");
     }
 

@@ -11,38 +11,40 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum SurfaceError {
-    /// The surface has no point there, or its height is undefined or not smooth there.
+    /// The surface has no point at `(x, y)`, or its height is undefined or not smooth there.
     #[error("the surface is not defined, or not smooth, {}", place([("x", x), ("y", y)]))]
     OffDomain {
-        /// Coordinate in the surface's frame.
+        /// x coordinate in the surface's frame.
         x: f64,
-        /// Coordinate in the surface's frame.
+        /// y coordinate in the surface's frame.
         y: f64,
     },
-    /// The chart (not the surface) is singular at these parameters, or they are outside of its range.
+    /// The parameters are outside of the chart's range, or the chart is singular there. The surface itself may be
+    /// smooth there.
     #[error("the chart is singular {}", place([("u", u), ("v", v)]))]
     ChartSingular {
-        /// First parameter.
+        /// First parameter of the chart.
         u: f64,
-        /// Second parameter.
+        /// Second parameter of the chart.
         v: f64,
     },
-    /// Several points of the surface are equally close, as from the centre of a sphere or the axis of a cylinder.
+    /// Several points of the surface are equally close to the query point, for example if it is the centre of a sphere
+    /// or lies on the axis of a cylinder.
     #[error(
         "no single closest point to ({x}, {y}, {z})",
         x = Number(*x), y = Number(*y), z = Number(*z)
     )]
     NoClosestPoint {
-        /// Coordinate of the query point.
+        /// x coordinate of the query point.
         x: f64,
-        /// Coordinate of the query point.
+        /// y coordinate of the query point.
         y: f64,
-        /// Coordinate of the query point.
+        /// z coordinate of the query point.
         z: f64,
     },
 }
 
-/// Text of a place for a message, from the names and values of its coordinates.
+/// Coordinates with their names as text for a message, such as `x = 1, y = 2`.
 fn place(coordinates: [(&str, &f64); 2]) -> String {
     if coordinates.iter().any(|(_, value)| !value.is_finite()) {
         return "at a place beyond the range of numbers".to_owned();
@@ -61,10 +63,10 @@ impl SurfaceError {
     }
 }
 
-/// A parameter of a surface that is out of its range.
+/// Error of a surface whose parameter is out of its range.
 pub type InvalidShape = BadSetting;
 
-/// Checks that a parameter is a length whose square neither overflows nor vanishes.
+/// Checks that a parameter is a length whose square neither overflows nor underflows to zero.
 pub(crate) fn checked_length(parameter: &'static str, value: f64) -> Result<f64, InvalidShape> {
     let expected = match value > 0.0 && value.is_finite() {
         true => "between 1e-150 and 1e150",
@@ -78,10 +80,11 @@ pub(crate) fn checked_finite(parameter: &'static str, value: f64) -> Result<f64,
     BadSetting::unless(value.is_finite(), parameter, value, "finite")
 }
 
-/// Range of lengths and slopes whose squares neither overflow nor vanish. Outside of it, vectors cannot be normalised.
+/// Range of lengths and slopes whose squares neither overflow nor underflow. Vectors outside of this range cannot be
+/// scaled to length 1.
 pub(crate) const SQUARABLE: RangeInclusive<f64> = 1e-150..=1e150;
 
-/// Whether the coordinates of a place can be squared; false for NaN.
+/// Whether the squares of both coordinates are within the range of doubles. False if a coordinate is NaN.
 pub(crate) fn is_within_reach(x: f64, y: f64) -> bool {
     x.abs() + y.abs() <= *SQUARABLE.end()
 }

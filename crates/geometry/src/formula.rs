@@ -4,12 +4,13 @@
 //! # Grammar
 //!
 //! - numbers `1`, `.5`, `1e-3`; the variables `x` and `y`; the constant `pi`; parameters by name;
-//! - `+ - * /` and `^`, from loosest to tightest; `^` groups to the right (`2^3^2` is `2^(3^2)`), the others to the
-//!   left; a sign binds looser than `^` (`-x^2` is `-(x^2)`) and may follow any operator (`2^-1`);
-//! - parentheses, and the functions `sin cos tan asin acos atan sinh cosh tanh exp ln log10 sqrt cbrt abs` of one
-//!   argument, `atan2(y, x)` and `hypot(a, b)` of two.
+//! - the operators `+ - * /` and `^`, of which `^` has the highest precedence. `^` groups to the right (`2^3^2` is
+//!   `2^(3^2)`), the others to the left. A sign has a lower precedence than `^` (`-x^2` is `-(x^2)`), and may follow
+//!   any operator (`2^-1`);
+//! - parentheses; the functions `sin cos tan asin acos atan sinh cosh tanh exp ln log10 sqrt cbrt abs` of one argument,
+//!   and `atan2(y, x)` and `hypot(a, b)` of two arguments.
 //!
-//! Multiplication needs its sign: `2*x`, not `2x`. Angles are in radians.
+//! A multiplication must be written as `2*x`, not as `2x`. Angles are in radians.
 
 mod error;
 mod jet;
@@ -24,9 +25,10 @@ pub use error::{FormulaError, FormulaErrorKind};
 pub use jet::Jet;
 use program::Program;
 
-/// A function z = f(x, y) that is parsed from a text. Its parameters become constants.
+/// A function z = f(x, y), parsed from a text. The values of its parameters become constants.
 ///
-/// Evaluation neither fails nor allocates. Outside of the formula's domain the value is not finite (`ln(x)` at x ≤ 0).
+/// Evaluation neither fails nor allocates memory. Outside of the formula's domain, the value is not finite, for example
+/// `ln(x)` at x ≤ 0.
 ///
 /// ```
 /// use std::collections::BTreeMap;
@@ -45,18 +47,19 @@ pub struct Formula {
 }
 
 impl Formula {
-    /// Largest number of characters of a formula. It limits the length of the compiled program.
+    /// Maximum number of characters of a formula. It limits the length of the compiled program.
     pub(crate) const MAX_CHARACTERS: usize = 10_000;
-    /// Largest depth of nesting, which limits the parser's stack. Parentheses, calls, signs and right-hand sides of
-    /// operators count.
+    /// Maximum depth of nesting, which limits the size of the parser's stack. Parentheses, function calls, signs and
+    /// right-hand operands each add one level.
     pub(crate) const MAX_NESTING: usize = 100;
 
-    /// Parses a formula. `parameters` has the value of every name in it except `x`, `y`, `pi` and the functions.
+    /// Parses a formula. `parameters` must contain the value of every name in the formula except `x`, `y`, `pi` and the
+    /// functions.
     ///
     /// # Errors
-    /// [`FormulaError`] with the place of the error in the text: if the text is not a formula, has an unknown name, or
-    /// has a constant part that is not finite (`1/0`); if a parameter is not finite, is not used (probably misspelt),
-    /// or has a name that is reserved.
+    /// [`FormulaError`] with the place of the error in the text. The text may not be a formula, may contain an unknown
+    /// name, or may have a constant part that is not finite (`1/0`). A parameter may be not finite, may have a reserved
+    /// name, or may be unused (probably misspelt).
     pub fn parse(text: &str, parameters: &BTreeMap<String, f64>) -> Result<Self, FormulaError> {
         parser::parse(text, parameters).map(|program| Self { program })
     }
@@ -66,13 +69,13 @@ impl Formula {
         self.program.run(x, y)
     }
 
-    /// The height with its first and second derivatives. Each operation adds a rounding error of 1e-15; a difference of
-    /// nearly equal numbers amplifies it.
+    /// The height with its first and second derivatives. Each operation adds a relative rounding error of 1e-15. If
+    /// nearly equal numbers are subtracted, this error is amplified.
     ///
-    /// Where the formula or a part of it is not twice differentiable, some component is infinite or NaN: `sqrt(x)` and
-    /// `abs(x)` at x = 0, `hypot(x, y)` at the origin, and also `sqrt(x^4)` at x = 0, which is only smooth as a whole.
-    /// The same holds where a derivative overflows. [`Jet::is_finite`] checks this. The only exception is the cut of
-    /// `atan2`: there the jet is finite and belongs to one side.
+    /// Where the formula or a part of it is not twice differentiable, or where a derivative overflows, some component
+    /// is infinite or NaN. Examples are `sqrt(x)` and `abs(x)` at x = 0, `hypot(x, y)` at the origin, and also
+    /// `sqrt(x^4)` at x = 0, which is smooth only as a whole. [`Jet::is_finite`] checks this. The only exception is the
+    /// branch cut of `atan2`: the jet there is finite and is the limit from one side.
     pub fn jet(&self, x: f64, y: f64) -> Jet {
         self.program.run(Jet::x(x), Jet::y(y))
     }

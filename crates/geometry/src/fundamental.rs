@@ -1,8 +1,8 @@
 //! Fundamental forms of a surface from the derivatives of its chart.
 //!
-//! With the Gauss frame `x = f_u/|f_u|`, `y` perpendicular to it in the tangent plane and
-//! `z = x × y = n`, and with `E = [x y]`, `J = [f_u f_v]`, `N = [n_u n_v]`, `X = [x_u x_v]`
-//! (Montana 1988, stated for charts that need not be orthogonal):
+//! The Gauss frame has the axes `x = f_u/|f_u|`, `y` perpendicular to it in the tangent plane, and `z = x × y = n`.
+//! With `E = [x y]`, `J = [f_u f_v]`, `N = [n_u n_v]`, `X = [x_u x_v]`, the forms are (Montana 1988; also valid for
+//! charts that are not orthogonal):
 //!
 //! ```text
 //! metric     M = Eᵀ J          upper triangular, diagonal for an orthogonal chart
@@ -20,9 +20,9 @@ use crate::{CurvatureForm, SurfaceError};
 /// The two parameters of a chart, in the chart's own units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// First parameter.
+    /// First parameter of the chart.
     pub u: f64,
-    /// Second parameter.
+    /// Second parameter of the chart.
     pub v: f64,
 }
 
@@ -32,8 +32,8 @@ impl Parameters {
         Self { u, v }
     }
 
-    /// Checks that latitude `u` lies between the poles of a chart, `u = ±π/2`. Beyond the poles the chart would cover
-    /// the surface a second time, with its normal inwards.
+    /// Checks that the latitude `u` is between the poles of a chart, `u = ±π/2`. Beyond the poles, the chart would
+    /// cover the surface a second time, with its normal pointing inwards.
     pub(crate) fn unless_beyond_pole(self) -> Result<Self, SurfaceError> {
         let Self { u, v } = self;
         if u.abs() <= FRAC_PI_2 && is_within_reach(u, v) {
@@ -43,7 +43,7 @@ impl Parameters {
         }
     }
 
-    /// Rejects parameters that are not finite or exceed 1e150.
+    /// Rejects parameters that are not finite or whose magnitude exceeds 1e150.
     pub(crate) fn unless_out_of_reach(self) -> Result<Self, SurfaceError> {
         let Self { u, v } = self;
         if is_within_reach(u, v) {
@@ -57,17 +57,17 @@ impl Parameters {
 /// A point of a chart with its first and second derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChartJet {
-    /// `f(u, v)`.
+    /// The point `f(u, v)` of the surface.
     pub point: Point3<f64>,
-    /// `∂f/∂u`.
+    /// First derivative `∂f/∂u` of the point.
     pub du: Vector3<f64>,
-    /// `∂f/∂v`.
+    /// First derivative `∂f/∂v` of the point.
     pub dv: Vector3<f64>,
-    /// `∂²f/∂u²`.
+    /// Second derivative `∂²f/∂u²` of the point.
     pub duu: Vector3<f64>,
-    /// `∂²f/∂u∂v`.
+    /// Mixed derivative `∂²f/∂u∂v` of the point.
     pub duv: Vector3<f64>,
-    /// `∂²f/∂v²`.
+    /// Second derivative `∂²f/∂v²` of the point.
     pub dvv: Vector3<f64>,
 }
 
@@ -85,44 +85,46 @@ pub struct GaussFrame {
 /// Gauss frame, metric, curvature form and torsion form at one point of a chart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChartGeometry {
-    /// The point.
+    /// The point of the surface.
     pub point: Point3<f64>,
-    /// Its Gauss frame.
+    /// Gauss frame at the point.
     pub frame: GaussFrame,
-    /// `M`: tangent components in the Gauss frame per change of the parameters. Upper triangular.
+    /// The metric `M`: maps changes of the parameters to tangent components in the Gauss frame. It is upper triangular.
     pub metric: Matrix2<f64>,
-    /// `K`: the curvature form in the Gauss frame, 1/length, convex positive.
+    /// The curvature form `K` in the Gauss frame, 1/length. It is positive where the solid is convex.
     pub curvature: CurvatureForm,
-    /// `T`: turn of the Gauss frame about its normal per length along `x` and along `y`, 1/length.
+    /// The torsion form `T`: rotation of the Gauss frame about its normal per unit length along `x` and along `y`,
+    /// 1/length.
     pub torsion: RowVector2<f64>,
 }
 
 impl ChartJet {
-    /// Frame and forms at this point.
+    /// Gauss frame and fundamental forms of the chart at this point.
     ///
     /// # Errors
-    /// [`SurfaceError::ChartSingular`] where the tangents vanish or are parallel (at a pole of the chart, not
-    /// necessarily of the surface), or where a result is not finite.
+    /// [`SurfaceError::ChartSingular`] where the tangents vanish or are parallel, or where a result is not finite. This
+    /// happens at a pole of the chart, where the surface itself may be regular.
     pub(crate) fn geometry(&self, at: Parameters) -> Result<ChartGeometry, SurfaceError> {
         let singular = SurfaceError::ChartSingular { u: at.u, v: at.v };
         let m11 = self.du.norm();
         let x = self.du / m11;
         let m12 = x.dot(&self.dv);
-        // The cross product keeps digits that Gram–Schmidt loses if the tangents are nearly parallel.
+        // The cross product stays accurate for nearly parallel tangents. Gram–Schmidt orthogonalisation would lose
+        // digits.
         let across = x.cross(&self.dv);
         let m22 = across.norm();
         let normal = across / m22;
         let y = normal.cross(&x);
 
-        // Two cases are singular: the place is nearer to a pole than u resolves, or rounding hides the angle of the
-        // tangents.
+        // The chart is singular in two cases: the distance to a pole is below the resolution of u, or the angle between
+        // the tangents is below the rounding error.
         let at_pole = m22 <= 4.0 * f64::EPSILON * at.u.abs() * self.duv.norm();
         let parallel = m22 <= 4.0 * f64::EPSILON * m12.abs();
         if at_pole || parallel || !SQUARABLE.contains(&m11) || !SQUARABLE.contains(&m22) {
             return Err(singular);
         }
 
-        // K = −M⁻ᵀ II M⁻¹ with II the second form n·f_ij.
+        // K = −M⁻ᵀ II M⁻¹, where II is the second fundamental form n·f_ij.
         let (l, m, n) = (
             normal.dot(&self.duu),
             normal.dot(&self.duv),
@@ -133,7 +135,8 @@ impl ChartJet {
         let k_uv = -(m - l * shear) / (m11 * m22);
         let k_vv = -(n - 2.0 * m * shear + l * shear * shear) / (m22 * m22);
 
-        // yᵀ x_u = y·f_uu/|f_u| and likewise for v; then times M⁻¹.
+        // The components of T for steps in u and v are yᵀ x_u = y·f_uu/|f_u| and y·f_uv/|f_u|. They are then multiplied
+        // by M⁻¹.
         let (t_u, t_v) = (y.dot(&self.duu) / m11, y.dot(&self.duv) / m11);
         let torsion = RowVector2::new(t_u / m11, (t_v - t_u * shear) / m22);
 

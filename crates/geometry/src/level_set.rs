@@ -1,11 +1,12 @@
-//! Normal and curvature from a level set: the form without a chart.
+//! Normal and curvature of a surface from a level set, without a chart.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::CurvatureForm;
 use crate::error::SQUARABLE;
 
-/// Normal and curvature of the level set of a function `F` through a point. `F` grows out of the solid.
+/// Normal and curvature of the level set of a function `F` through a point. `F` increases towards the outside of the
+/// solid.
 ///
 /// On the tangent plane the shape operator is `Hess F / |∇F|`. It does not depend on a chart, so it has no poles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +20,7 @@ pub struct LevelSet {
 impl LevelSet {
     /// The level set of a function `F` through a point, from the gradient and Hessian of `F` there.
     ///
-    /// Returns `None` where no normal can be computed: if the gradient vanishes or overflows when squared, or if a
+    /// Returns `None` if no normal can be computed: the gradient vanishes, its square overflows or underflows, or a
     /// number is not finite.
     #[inline]
     pub(crate) fn new(gradient: Vector3<f64>, hessian: Matrix3<f64>) -> Option<Self> {
@@ -29,8 +30,8 @@ impl LevelSet {
             normal: gradient * inverse,
             second_form: hessian * inverse,
         };
-        // If a term is not finite, the sum is not finite. A sum of finite terms overflows so rarely that the false
-        // `None` is harmless.
+        // If a term is not finite, the sum is not finite. In rare cases a sum of finite terms overflows, and the result
+        // is `None` although a normal exists; this is harmless.
         let sum = level_set.normal.sum() + level_set.second_form.sum();
         (SQUARABLE.contains(&norm) && sum.is_finite()).then_some(level_set)
     }
@@ -46,27 +47,27 @@ impl LevelSet {
         }
     }
 
-    /// The shape operator as a linear map of space: `dn = S dq` for tangent `dq`, zero along the
-    /// normal. Units 1/length.
+    /// The shape operator as a linear map of 3D vectors, 1/length: `dn = S dq` for a tangent displacement `dq`. It maps
+    /// the normal to zero.
     pub fn shape_operator(&self) -> Matrix3<f64> {
-        // I − n nᵀ, without the cancellation on its diagonal.
+        // For a unit normal n, this product is I − n nᵀ, but without cancellation on its diagonal.
         let across = self.normal.cross_matrix();
         let tangential = across.transpose() * across;
         tangential * self.second_form * tangential
     }
 }
 
-/// Normal and second form of a level set `F` along one tangent. Normal and basis are not normalised, which saves
-/// divisions and roots.
+/// Normal and second form of the level set of `F`, in a basis with a given tangent. Neither the normal nor the basis is
+/// scaled to length 1, which saves divisions and square roots.
 ///
 /// The basis of the tangent plane is a unit tangent `x` and `y = x × ∇F`, whose length is `|∇F|`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TangentForm {
     /// `∇F`, out of the solid.
     pub gradient: Vector3<f64>,
-    /// `|∇F|`.
+    /// Length `|∇F|` of the gradient of the level-set function.
     pub steepness: f64,
-    /// `|∇F|²`.
+    /// Square `|∇F|²` of the length of the gradient.
     pub steepness_squared: f64,
     /// `xᵀ (Hess F) x`.
     pub xx: f64,
@@ -77,7 +78,7 @@ pub struct TangentForm {
 }
 
 impl TangentForm {
-    /// The tangent form from a unit normal and the curvature form in the basis `(x, x × normal)`.
+    /// The tangent form for a unit normal, and a curvature form in the basis `(x, x × normal)`.
     #[inline]
     pub const fn of_unit_normal(normal: Vector3<f64>, curvature: CurvatureForm) -> Self {
         Self {

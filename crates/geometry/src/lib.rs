@@ -1,7 +1,8 @@
-//! Surfaces and their fundamental forms, curvature and its classes. All crates use these types.
+//! Surfaces, their fundamental forms, their curvature, and the classes of surface points by curvature. All crates use
+//! these types.
 //!
-//! There is one sign convention: a surface's unit normal points out of the solid, and curvature is positive where the
-//! solid is convex. The page `docs/notation.md` lists symbols, units and equations.
+//! All crates use one sign convention: a surface's unit normal points out of the solid, and curvature is positive where
+//! the solid is convex. The page `docs/notation.md` lists symbols, units and equations.
 //!
 //! Every [`Surface`] has two independent descriptions. One uses a chart: first and second derivatives with respect to
 //! two parameters, see [`ChartGeometry`]. The other is chart-free and has no poles: gradient and Hessian of a level

@@ -1,10 +1,10 @@
-//! Meridians of surfaces of revolution, and other sections in planes of symmetry, from the apex outwards.
+//! Meridians of surfaces of revolution, and sections of other surfaces in planes of symmetry, from the apex outwards.
 
 use std::f64::consts::TAU;
 
 /// The meridian of a surface of revolution from its apex, or the section of another surface in a plane of symmetry.
 ///
-/// The parameter `t` is 0 at the apex and grows along the meridian. Points, normals, slope angles and arc-length
+/// The parameter `t` is 0 at the apex and increases along the meridian. Points, normals, slope angles and arc-length
 /// elements have relative errors of at most 1e-15.
 ///
 /// ```
@@ -18,17 +18,17 @@ use std::f64::consts::TAU;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Meridian {
-    /// `z = −c r²`, also a section of a saddle; the parameter is `r`.
+    /// The curve `z = −c r²` of a paraboloid or of a section of a saddle; the parameter is `r`.
     Paraboloid {
         /// Coefficient, 1/length; negative for a bowl.
         c: f64,
     },
-    /// A spheroid with equatorial radius `a` and polar half-axis `c`, from its pole, or a section of an ellipsoid; the
-    /// parameter is the angle φ in `r = a sin φ`, `height = c cos φ`.
+    /// The curve `r = a sin φ`, `height = c cos φ` of a spheroid with the equatorial radius `a` and the polar half-axis
+    /// `c`, from its pole, or of a section of an ellipsoid; the parameter is φ.
     Spheroid {
-        /// Equatorial radius.
+        /// Equatorial radius of the spheroid, length.
         a: f64,
-        /// Polar half-axis.
+        /// Polar half-axis of the spheroid, length.
         c: f64,
     },
 }
@@ -38,25 +38,27 @@ pub enum Meridian {
 pub struct MeridianPoint {
     /// Distance from the axis.
     pub r: f64,
-    /// Height above the apex (negative: below), along the normal at the apex.
+    /// Height above the apex along the normal at the apex; negative below the apex.
     pub height: f64,
-    /// Components of the unit normal: away from the axis (sine of the slope angle) and along the axis (its cosine).
+    /// Components of the unit normal: away from the axis (the sine of the slope angle) and along the axis (the cosine
+    /// of the slope angle).
     pub normal: [f64; 2],
 }
 
-/// Slope of a [`Meridian`] at a point, and the derivatives of arc length and slope by the parameter.
+/// Slope angle of a [`Meridian`] at a point, and the derivatives of the arc length and of the slope angle with respect
+/// to the parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeridianSlope {
     /// Angle by which the normal has turned from the axis, positive on a convex surface.
     pub slope_rad: f64,
-    /// Derivative of the arc length by the parameter.
+    /// Derivative of the arc length with respect to the parameter.
     pub arc_per_parameter: f64,
-    /// Derivative of the slope angle by the parameter.
+    /// Derivative of the slope angle with respect to the parameter.
     pub slope_per_parameter: f64,
 }
 
 impl Meridian {
-    /// The point at parameter `t`. `t` and the meridian's own numbers must be finite.
+    /// The point with parameter `t`. `t` and the coefficients of the meridian must be finite.
     pub fn at(&self, t: f64) -> MeridianPoint {
         let (r, height, [outward, along]) = match *self {
             Self::Paraboloid { c } => (t, -c * t * t, [2.0 * c * t, 1.0]),
@@ -74,7 +76,7 @@ impl Meridian {
         }
     }
 
-    /// The slope at parameter `t`, with the requirements of [`Meridian::at`].
+    /// The slope at parameter `t`. As in [`Meridian::at`], all numbers must be finite.
     pub fn slope(&self, t: f64) -> MeridianSlope {
         match *self {
             Self::Paraboloid { c } => {
@@ -90,7 +92,7 @@ impl Meridian {
                 let (sin, cos) = libm::sincos(t);
                 let square = (a * cos).powi(2) + (c * sin).powi(2);
                 // The angle of the normal (c sin φ, a cos φ) differs from φ by less than a quarter turn, so φ
-                // determines the whole turns.
+                // determines its number of whole turns.
                 let within_turn = libm::atan2(c * sin, a * cos);
                 let turns = ((t - within_turn) / TAU).round();
                 MeridianSlope {

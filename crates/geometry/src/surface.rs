@@ -1,4 +1,4 @@
-//! The interface of all surfaces.
+//! The interface that all surfaces implement.
 
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -7,15 +7,15 @@ use crate::{
     TangentForm,
 };
 
-/// The boundary of a solid: smooth, with its normal out of the solid.
+/// The boundary of a solid. It is smooth, and its normal points out of the solid.
 ///
 /// Points are in the surface's own frame. Graph surfaces lie at z = f(x, y) with the solid below;
 /// closed surfaces are centred on the origin; a dish is the inside of a sphere.
 ///
-/// For well-conditioned numbers, errors are at most 1e-14: of forms relative to the larger principal curvature there,
-/// of torsions relative to the torsion, of normals, and of heights and points relative to the object's size. Errors are
-/// larger for heights near a rim (where `R² − x²` cancels), for a Gaussian curvature far below H², for the closest
-/// point from inside a hollow, and at a place that its coordinates barely resolve.
+/// For well-conditioned numbers, errors are at most 1e-14. The errors of forms are relative to the larger principal
+/// curvature there, of torsions to the torsion, and of heights and points to the object's size. Errors are larger in
+/// four cases: for heights near a rim, where `R² − x²` cancels; for a Gaussian curvature far below H²; for the closest
+/// point from inside a hollow; and at a place that its coordinates barely resolve.
 ///
 /// ```
 /// use nalgebra::Vector3;
@@ -30,10 +30,10 @@ use crate::{
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Surface {
-    /// Whether the surface is a graph z = f(x, y), so that x and y determine a point on it.
+    /// Whether the surface is a graph z = f(x, y), so that x and y determine one point of the surface.
     const IS_GRAPH: bool = false;
 
-    /// The chart's point and derivatives at `at`.
+    /// The point of the chart with the parameters `at`, and its derivatives.
     ///
     /// # Errors
     /// [`SurfaceError::OffDomain`] where the surface is not defined;
@@ -47,9 +47,9 @@ pub trait Surface {
     /// [`SurfaceError::OffDomain`] where the surface is not defined or has no normal.
     fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError>;
 
-    /// Normal and second form along `x`, which must be a unit tangent, at a point on the surface. The result is
-    /// meaningless off the surface. Integrators call this function at every stage, so a surface overrides it if it can
-    /// avoid the whole level set.
+    /// Normal and second form at a point on the surface. `x` must be a unit tangent. The result is meaningless if the
+    /// point is not on the surface. Integrators call this function at every stage, so a surface overrides it if it can
+    /// compute the result without the complete level set.
     ///
     /// # Errors
     /// Errors of [`Surface::level_set`].
@@ -65,8 +65,8 @@ pub trait Surface {
         Ok(TangentForm::of_unit_normal(level_set.normal, curvature))
     }
 
-    /// Unit normal `n`, and the curvature form in the tangent basis `(x, x × n)`, at a point on the
-    /// surface; `x` must be a unit tangent.
+    /// Unit normal `n` at a point on the surface, and the curvature form in the tangent basis `(x, x × n)`. `x` must be
+    /// a unit tangent.
     ///
     /// # Errors
     /// Errors of [`Surface::level_set`].
@@ -88,22 +88,22 @@ pub trait Surface {
         }
     }
 
-    /// The chart parameters of a point on (or very near) the surface: `chart` maps them to the point. They are
+    /// The chart parameters of a point on (or very near) the surface, so that `chart` maps them to the point. They are
     /// meaningless if the point is not finite.
     fn parameters(&self, point: &Point3<f64>) -> Parameters;
 
     /// The point of the surface closest to `point`.
     ///
-    /// Graph surfaces descend from the vertical projection. The result is the closest point wherever the closest point
-    /// is unique within the radius of curvature.
+    /// On a graph surface, the distance is minimised by a descent that starts above or below `point`. The descent finds
+    /// the closest point if this point is unique and its distance is smaller than the radius of curvature there.
     ///
     /// # Errors
     /// [`SurfaceError::NoClosestPoint`] where several points are equally close, or if `point` is not finite;
-    /// [`SurfaceError::OffDomain`] where a graph's descent cannot start.
+    /// [`SurfaceError::OffDomain`] where the graph has no point at which the descent can start.
     fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError>;
 
-    /// On a graph, the point that descent from this `(x, y)` reaches, which may differ from [`Surface::closest_point`].
-    /// On other surfaces, the same point as [`Surface::closest_point`].
+    /// On a graph, the point that the descent reaches from this `(x, y)`; it may differ from the result of
+    /// [`Surface::closest_point`]. On other surfaces, the result of [`Surface::closest_point`].
     ///
     /// # Errors
     /// Errors of [`Surface::closest_point`].
@@ -115,25 +115,26 @@ pub trait Surface {
         self.closest_point(point)
     }
 
-    /// Whether a ball of `radius` that touches the solid from outside may penetrate it elsewhere, even if the ball fits
-    /// at the contact (is more convex than the solid is concave there).
+    /// Whether a ball of `radius` that touches the solid from outside may penetrate it at another place. The ball is
+    /// assumed to fit at the contact point, that is, the solid is less concave there than the ball is convex.
     fn may_touch_twice(&self, _radius: f64) -> bool {
         false
     }
 
-    /// The point at `(x, y)` that a probe touches from outside of the solid: on the graph, on the upper half of a
-    /// closed surface, on the lower half of a dish.
+    /// The point at `(x, y)` that a probe touches from outside of the solid. It lies on the graph, on the upper half of
+    /// a closed surface, or on the lower half of a dish.
     ///
     /// # Errors
     /// [`SurfaceError::OffDomain`] if the surface has no point at `(x, y)`, or if `x` or `y` is not finite.
     fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError>;
 
-    /// Default position of the first contact, `(x, y)` in the surface's frame: the origin or the top.
+    /// Default position of the first contact, `(x, y)` in the surface's frame: the origin of the frame, or the top of
+    /// the object.
     fn default_contact(&self) -> (f64, f64) {
         (0.0, 0.0)
     }
 
-    /// Frame and forms of the chart at `at`.
+    /// Gauss frame and fundamental forms of the chart at the parameters `at`.
     ///
     /// # Errors
     /// Errors of [`Surface::chart`], and [`SurfaceError::ChartSingular`] at a pole of the chart.
@@ -141,20 +142,21 @@ pub trait Surface {
         self.chart(at)?.geometry(at)
     }
 
-    /// The section of the surface through the given apex in the plane of `_direction` (a unit tangent there), if the
-    /// surface is symmetric about that plane and [`Meridian`] has the section's form.
+    /// The section of the surface through the given apex in the plane of `_direction` (a unit tangent at the apex).
+    /// `None` if the surface is not symmetric about this plane, or if [`Meridian`] does not have the form of the
+    /// section.
     fn meridian(&self, _apex: &Point3<f64>, _direction: &Vector3<f64>) -> Option<Meridian> {
         None
     }
 
-    /// Whether the shape operator is constant along every geodesic in a parallel-transported basis: true for planes,
-    /// spheres and cylinders. A probe then rolls along geodesics.
+    /// Whether the shape operator is constant along every geodesic in a parallel-transported basis. This is true for
+    /// planes, spheres and cylinders; on these surfaces, a probe rolls along geodesics.
     fn is_homogeneous(&self) -> bool {
         self.constant_curvature().is_some()
     }
 
-    /// The curvature form, in a basis of principal directions, if it is the same at all points: on planes, spheres and
-    /// cylinders. It is exact, because it is not computed from a point.
+    /// The curvature form in a basis of principal directions, if it is the same at all points, as on planes, spheres
+    /// and cylinders. It has no rounding error from the coordinates of a point.
     fn constant_curvature(&self) -> Option<CurvatureForm> {
         None
     }

@@ -1,4 +1,4 @@
-//! The surfaces, each family in its own file, and a surface of any type.
+//! The surfaces, one file per family of surfaces, and an enum of all of them.
 
 mod cylinder;
 mod ellipsoid;
@@ -52,18 +52,18 @@ macro_rules! delegate {
     };
 }
 
-/// A computation that is compiled for each type of surface. It is faster than the use of [`Shape`] as a [`Surface`],
-/// which selects the type at every call.
+/// A computation on a surface that is compiled separately for each type of surface. It is faster than the same
+/// computation on a [`Shape`], because a [`Shape`] selects the type at every call.
 pub trait Visitor {
     /// Result of the computation.
     type Out;
 
-    /// Computes on one surface.
+    /// Runs the computation on one surface.
     fn visit<S: Surface>(self, surface: &S) -> Self::Out;
 }
 
 impl Shape {
-    /// The result of a computation on the surface.
+    /// The result of the visitor's computation on this surface.
     #[inline]
     pub fn visited_by<V: Visitor>(&self, visitor: V) -> V::Out {
         delegate!(self, surface => visitor.visit(surface))
@@ -77,7 +77,7 @@ impl Shape {
         delegate!(self, surface => of(surface))
     }
 
-    /// The kebab-case name used in configs.
+    /// Name of the surface in configs, in kebab case.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Sphere(_) => "sphere",

@@ -1,9 +1,10 @@
-//! Cost of the journal: the same study by the bare loop, which makes its rows and drops them, and with a journal of them on
-//! disk, brought there at the end as after each second of a longer run. On a busy machine times of minutes ago tell little:
-//! the ratio that is printed is the median of pairs of runs, one after the other.
+//! Cost of the journal. The same study runs twice: without a journal (its rows are made and dropped), and with a
+//! journal that is written to the disk at the end, as after each second of a longer run. On a busy machine, times that
+//! were measured minutes apart cannot be compared. Therefore the printed ratio is the median over pairs of runs, one
+//! directly after the other.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
-// The journal is the program's, and a program has nothing to import.
+// The journal is a part of the program, which no crate can import, so its files are included.
 #[allow(dead_code, unused_imports)]
 #[path = "../src/bin/palpate/failure.rs"]
 mod failure;
@@ -25,7 +26,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use journal::{CellRecord, Header, Journal, RunRequest};
 use palpate::{RunOptions, Runner, Simulation, Study, SweepOutput, Warnings};
 
-/// Rolls on balls of so many radii, closed form.
+/// A study of rolls on balls of different radii, computed in closed form.
 fn study(cells: u64, trials: u64) -> Study {
     let text = format!(
         "name = \"bench\"\nlength_unit = \"mm\"\ntrials = {trials}\n[scene]\nkind = \"roll\"\n\
@@ -82,11 +83,11 @@ fn journalled(simulation: &Simulation<'_>, dir: &Path) {
     journal.end().unwrap();
 }
 
-/// Median of the ratios of both in pairs of runs.
+/// Median, over pairs of runs, of the time with a journal divided by the time without.
 fn ratio(simulation: &Simulation<'_>, dir: &Path) -> f64 {
     const PAIRS: usize = 15;
     let time = |run: &dyn Fn()| {
-        // To make room where one was is no part of a run.
+        // The time to delete the old journal is not a part of the run.
         let _ = std::fs::remove_file(dir.join(output::names::JOURNAL));
         let start = Instant::now();
         run();
@@ -105,7 +106,7 @@ fn ratio(simulation: &Simulation<'_>, dir: &Path) -> f64 {
 
 fn benches(criterion: &mut Criterion) {
     let runner = Runner::new(&RunOptions::default()).unwrap();
-    // On the disk of the results, not in memory.
+    // The directory is on the disk of the target directory, not in memory.
     let dir = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
     let mut group = criterion.benchmark_group("journal");
     group.sample_size(10);

@@ -1,4 +1,4 @@
-//! A whole trial: draws, rolls, least squares, covariance, and the statistics of the runner.
+//! Time of a whole trial: random numbers, rolls, least squares, covariance, and the statistics of the runner.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use palpate_scene::Scenes;

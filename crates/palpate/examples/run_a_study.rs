@@ -1,4 +1,4 @@
-//! Runs a study of three balls and prints how well their curvature is estimated.
+//! Runs a study of three balls, and prints the error of their estimated curvature.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;

@@ -1,4 +1,4 @@
-//! Follows one trial of a roll on a saddle and prints where its contacts ended, and what the sensor read.
+//! Traces one trial of a roll on a saddle, and prints the last contacts and the readings of the sensor.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;

@@ -1,4 +1,4 @@
-//! Forecast of a study: its models, trials and time, without a run.
+//! Forecast of a study: its models, number of trials and run time, without running it.
 
 use std::collections::HashMap;
 use std::num::NonZeroUsize;
@@ -16,15 +16,16 @@ use crate::output_check::check_outputs;
 use crate::plan::with_ideal_sensor;
 use crate::planner::{Pace, spread};
 
-/// Time limit for the set-up of cells with their cameras.
+/// Time limit for setting up cells. Cells that are read by a camera are set up with their camera.
 const SET_UP_LIMIT: Duration = Duration::from_millis(800);
-/// Time limit for the set-up of the other cells without cameras, if the sample has every cell of the study.
+/// Time limit for setting up further cells, now without cameras. It applies only if the sample contains every cell of
+/// the study.
 const SET_UP_WITHOUT_CAMERA_LIMIT: Duration = Duration::from_secs(10);
-/// Time limit for timing trials.
+/// Time limit for running trials to measure their time.
 const TRIALS_LIMIT: Duration = Duration::from_millis(300);
-/// Time limit for the ladders of all groups.
+/// Time limit for measuring the models of all groups of cells.
 const LADDERS_LIMIT: Duration = Duration::from_millis(600);
-/// The ladder of a roll is measured only if a trial takes at most this long.
+/// The models of a roll are measured only if a trial takes at most this time.
 const MAX_TRIAL_TIME: Duration = Duration::from_millis(50);
 
 /// Forecast of a valid study.
@@ -32,22 +33,24 @@ const MAX_TRIAL_TIME: Duration = Duration::from_millis(50);
 pub struct Check {
     /// Number of cells.
     pub cells: usize,
-    /// Number of cells whose settings were checked together. In the others only each single swept value was checked.
+    /// Number of cells in which the settings were checked in combination. In the other cells, each swept value was
+    /// checked only by itself.
     pub checked: usize,
-    /// Number of cells that were set up completely. Of the others, as many as possible in the time were set up without a
+    /// Number of cells that were set up completely. As many other cells as the time limit allowed were set up without a
     /// camera.
     pub set_up: usize,
-    /// Number of these cells with a single trial, because nothing in them is random.
+    /// Number of the set-up cells that have only one trial, because they use no random numbers.
     pub single: usize,
-    /// Number of trials; if not all cells were set up, an upper limit.
+    /// Number of trials of the study. If not all cells were set up, this is an upper limit.
     pub trials: u64,
-    /// Cells that were set up, by the models that they need.
+    /// The cells that were set up, grouped by the models that they need.
     pub groups: Vec<CellGroup>,
-    /// Measured coverage of the cells that were set up, with the number of cells that share it.
+    /// Measured coverage of the intervals in the cells that were set up. Each entry has the number of cells to which it
+    /// applies.
     pub intervals: Vec<(usize, Coverage)>,
-    /// Estimated time of planning and run, s.
+    /// Estimated time of planning and run together, s.
     pub seconds: f64,
-    /// Number of threads for this time.
+    /// Number of threads that the estimated time assumes.
     pub threads: NonZeroUsize,
 }
 
@@ -56,9 +59,11 @@ pub struct Check {
 pub struct CellGroup {
     /// Number of cells.
     pub cells: usize,
-    /// One line per model that each cell needs, with the reason, and one line per warning.
+    /// Lines that are true for each cell of the group: one line with the reason for each model that the cells need, and
+    /// one line per warning.
     pub needs: Vec<String>,
-    /// Means that other scenes of this kind need and these do not: "integrator".
+    /// Parts of the simulation that other scenes of this kind need but the cells of this group do not, such as
+    /// "integrator".
     pub needless: Vec<&'static str>,
     /// Models that can compute the true values.
     pub rungs: Rungs,
@@ -67,25 +72,26 @@ pub struct CellGroup {
 /// Models that can compute the true values of a group's first cell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rungs {
-    /// There is nothing to choose.
+    /// There is no choice of models.
     None,
-    /// Not measured, to be quick.
+    /// The models were not measured, to save time.
     NotMeasured,
-    /// Measured in an earlier group, whose first cell has this number.
+    /// The models were measured in an earlier group, whose first cell has this number.
     AsIn(usize),
-    /// Measured in this cell.
+    /// The models were measured in this cell.
     Measured {
         /// Number of the cell.
         cell: usize,
-        /// Rungs with their errors.
+        /// The models with their errors, cheapest first.
         ladder: Ladder,
-        /// Indices of the chosen rung and its neighbours, with the computing time if it was measured.
+        /// Indices of the chosen model and its neighbours, with the computing time if it was measured.
         times: Vec<(usize, Option<EvaluationTime>)>,
     },
 }
 
-/// Checks a study: sets up as many cells as a time limit allows, measures their models, and times a few trials. Of a study
-/// with many cells it uses the [sample](Study::sample). `progress` receives the number of checked cells and of all.
+/// Checks a study: sets up as many cells as a time limit allows, measures their models, and measures the time of a few
+/// trials. For a study with many cells, it uses the [sample](Study::sample) of cells. `progress` receives the number of
+/// checked cells and the number of all cells.
 ///
 /// ```
 /// use std::time::Instant;
@@ -114,8 +120,8 @@ pub enum Rungs {
 /// ```
 ///
 /// # Errors
-/// [`SweepError::SetUp`] for an error of [`check_outputs`], and for the first cell with an invalid field; other [`SweepError`]s
-/// if trials cannot be timed.
+/// [`SweepError::SetUp`] for an error of [`check_outputs`], and for the first cell with an invalid field; other
+/// [`SweepError`]s if running trials to measure their time fails.
 pub fn check(
     study: &Study,
     runner: &Runner,
@@ -150,12 +156,12 @@ pub fn check(
     })
 }
 
-/// Saturating sum of counts.
+/// Sum of counts; the largest `u64` if the sum is larger.
 fn sum(counts: impl Iterator<Item = u64>) -> u64 {
     counts.fold(0, u64::saturating_add)
 }
 
-/// Cell that is set up.
+/// A cell, and the scene that was set up for it.
 struct CellScene {
     number: usize,
     config: StudyConfig,
@@ -167,7 +173,8 @@ impl CellScene {
         self.trial.scene.trials(self.config.trials)
     }
 
-    /// Scene whose computing time is measured: a press without its camera, so that its set-up is fast.
+    /// Config of the scene whose computing time is measured. For a press, this is the press without its camera, so that
+    /// the set-up is fast.
     fn measured(&self) -> SceneConfig {
         match &self.config.scene {
             scene @ SceneConfig::Press(_) => with_ideal_sensor(scene),
@@ -175,15 +182,16 @@ impl CellScene {
         }
     }
 
-    /// Whether a camera reads the press. Then its markers are at other depths than in a direct reading.
+    /// Whether a camera reads the press. The markers of a camera sensor lie at other depths than the markers of a
+    /// direct reading.
     fn has_camera(&self) -> bool {
         let scene = &self.config.scene;
         matches!(scene, SceneConfig::Press(press) if press.sensor.camera().is_some())
     }
 }
 
-/// Scenes of the study's sample in order, as many as the time limit allows. After the limit, presses are only checked, without
-/// a camera; if the sample is not the whole study, nothing more is set up.
+/// Sets up scenes of the study's sample in order, as many as the time limit allows. After the time limit, presses are
+/// set up without a camera; but if the sample is not the whole study, no more scenes are set up.
 fn scenes(
     study: &Study,
     clock: &Clock<'_>,
@@ -222,7 +230,7 @@ fn scenes(
     Ok(scenes)
 }
 
-/// Groups of cells that need the same models, with the rungs of their ladders.
+/// Groups of cells that need the same models, with the measured models.
 fn groups(
     study: &Study,
     scenes: &[CellScene],
@@ -264,7 +272,7 @@ fn groups(
             group.rungs = Rungs::AsIn(*other);
             continue;
         }
-        // Each rung of a roll's ladder takes as long as a trial.
+        // Measuring one model of a roll takes as long as a trial, so models are not measured if a trial is slow.
         let is_roll = matches!(one.config.scene, SceneConfig::Roll(_));
         let is_long = is_roll && pace.seconds_per_trial(place) > MAX_TRIAL_TIME.as_secs_f64();
         let in_time = clock() < deadline && !is_long;
@@ -294,7 +302,7 @@ fn groups(
     Ok(groups)
 }
 
-/// Measured coverage of the scenes, with the number of scenes that share it.
+/// Measured coverage of the scenes. Each coverage has the number of scenes that it applies to.
 fn intervals(scenes: &[CellScene]) -> Vec<(usize, Coverage)> {
     let mut all: Vec<(usize, Coverage)> = Vec::new();
     for one in scenes {
@@ -307,7 +315,7 @@ fn intervals(scenes: &[CellScene]) -> Vec<(usize, Coverage)> {
     all
 }
 
-/// Means that other scenes of this kind need and this one does not.
+/// Parts of the simulation that other scenes of this kind need but this scene does not.
 fn needless(
     trial: &SceneTrial,
     scene: &SceneConfig,

@@ -1,4 +1,4 @@
-//! Forecast of a study as JSON.
+//! The forecast of a study as JSON.
 
 use serde_json::{Value as Json, json};
 
@@ -8,7 +8,7 @@ use crate::ladder_timing::EvaluationTime;
 use palpate_scene::Accuracy;
 
 impl Check {
-    /// The check as JSON.
+    /// The forecast as a JSON object.
     pub fn to_json(&self) -> Json {
         let groups = self.groups.iter().map(|group| {
             json!({

@@ -1,9 +1,9 @@
-//! Columns of tables: their units, and their values as other programs read them.
+//! Columns of tables: their units, and their values as numbers or texts.
 
 use palpate_study::config::{self, LengthUnit, Study};
 use palpate_study::{Column, ColumnType, Label, Rows};
 
-/// Units that names of columns end with, and how they are written.
+/// Endings of column names that state a unit, each with the usual notation of this unit.
 const UNITS: [(&str, &str); 7] = [
     ("_rad", "rad"),
     ("_rad_per_s", "rad/s"),
@@ -14,16 +14,16 @@ const UNITS: [(&str, &str); 7] = [
     ("_turns", "turn"),
 ];
 
-/// Values of a column, one per row.
+/// Values of a column, one value per row.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
-    /// Numbers; NaN where the field is empty.
+    /// Numbers; NaN if the field is empty.
     Numbers(Vec<f64>),
-    /// Texts of a column that is of texts, or in which some field is no number.
+    /// Texts. A column has texts if it is a column of texts, or if one of its fields is not a number.
     Texts(Vec<String>),
 }
 
-/// Column of a swept field, by its place among those of the study.
+/// Column of a swept field. `place` is the index of the field among the swept fields of the study.
 pub(crate) fn swept_column(study: &Study, place: usize) -> Column {
     let (path, name) = (&study.paths[place], &study.columns[place]);
     let values = study.swept_kind(place);
@@ -35,7 +35,8 @@ pub(crate) fn swept_column(study: &Study, place: usize) -> Column {
     }
 }
 
-/// Name of a column without the length unit of its table: `x` for `x_mm`; `rotation_x_rad` is unchanged.
+/// Name of a column without the study's length unit: `x` for `x_mm`. Other units stay in the name, as in
+/// `rotation_x_rad`.
 pub fn stem(name: &str, length_unit: LengthUnit) -> &str {
     let length = length_unit.as_str();
     let endings = [
@@ -46,7 +47,7 @@ pub fn stem(name: &str, length_unit: LengthUnit) -> &str {
     (endings.iter().find_map(|end| name.strip_suffix(end))).unwrap_or(name)
 }
 
-/// Unit of a swept field, by the header of its column.
+/// Unit of a swept field, from the header of its column.
 fn unit_of_field(header: &str, length_unit: LengthUnit) -> String {
     let (_, tail) = config::field(header);
     let of_tail = unit_of(&format!("_{tail}"), length_unit);
@@ -55,15 +56,15 @@ fn unit_of_field(header: &str, length_unit: LengthUnit) -> String {
         match label.unit.as_str() {
             "°" => "deg".to_owned(),
             "turns" => "turn".to_owned(),
-            // Shares, which readers see in percent.
+            // These fields are stored as shares, although axes and messages show them in percent.
             unit if unit.is_empty() || label.factor != 1.0 => "1".to_owned(),
             unit => unit.to_owned(),
         }
     })
 }
 
-/// Columns of a table that is CSV text, with every digit of their numbers. `known` are columns that it may have; others
-/// have no unit.
+/// Columns of a table in CSV text; the numbers keep every digit. `known` are columns that the table may have, with
+/// their units; all other columns have no unit.
 ///
 /// ```
 /// use palpate::{Column, Values, columns};
@@ -78,7 +79,7 @@ fn unit_of_field(header: &str, length_unit: LengthUnit) -> String {
 /// ```
 ///
 /// # Errors
-/// [`csv::Error`] for a row that has not as many fields as the header.
+/// [`csv::Error`] for a row whose number of fields differs from the header's.
 pub fn columns(text: &str, known: &[Column]) -> Result<Vec<(Column, Values)>, csv::Error> {
     let mut rows = Rows::new(text.as_bytes());
     let column = |name: String| {
@@ -86,7 +87,8 @@ pub fn columns(text: &str, known: &[Column]) -> Result<Vec<(Column, Values)>, cs
         known.cloned().unwrap_or_else(|| name.into())
     };
     let columns: Vec<Column> = rows.header()?.into_iter().map(column).collect();
-    // Swept fields and unknown columns may have texts among numbers, up to the last row.
+    // Read all rows before choosing the type of a column, because a swept field or an unknown column may have a text
+    // even in the last row.
     let is_numeric = |column: &Column| column.values != ColumnType::Text;
     let mut are_numbers: Vec<bool> = columns.iter().map(is_numeric).collect();
     while let Some((_, row)) = rows.next_row()? {
@@ -111,7 +113,7 @@ pub fn columns(text: &str, known: &[Column]) -> Result<Vec<(Column, Values)>, cs
     Ok(columns.into_iter().zip(all).collect())
 }
 
-/// Unit that the name of a column ends with, if nothing else states it.
+/// Unit that the ending of a column's name states; used if nothing else states the unit.
 pub fn unit_of(name: &str, length_unit: LengthUnit) -> Option<String> {
     let length = length_unit.as_str();
     let of_length = [
@@ -124,12 +126,12 @@ pub fn unit_of(name: &str, length_unit: LengthUnit) -> Option<String> {
     let ending = of_length
         .chain(others)
         .filter(|(suffix, _)| name.ends_with(suffix));
-    // Of the endings that fit the longest counts.
+    // Several endings may match, for example `_s` and `_rad_per_s`. Use the longest one.
     let longest = ending.max_by_key(|(suffix, _)| suffix.len());
     longest.map(|(_, unit)| unit)
 }
 
-/// Number of a field, NaN where it is empty; `None` where it is a text.
+/// Number in a field. It is NaN if the field is empty, and `None` if the field is a text.
 fn number(field: &str) -> Option<f64> {
     match field {
         "" => Some(f64::NAN),

@@ -1,8 +1,8 @@
-//! Measured coverage: how often 95 % intervals contained the true value in random scenes, and which family of random
-//! scenes a scene belongs to.
+//! Measured coverage: the share of 95 % intervals that contained the true value in random scenes. Finds the family of
+//! random scenes that a scene belongs to.
 //!
-//! `cargo xtask intervals` measures the families. A row of its tables is a family: the fields of its scenes, many of them as
-//! ranges, and the measured shares.
+//! `cargo xtask intervals` measures the families. Each row of its tables is one family: the fields of its scenes, many
+//! of them as ranges, and the measured coverage.
 
 mod comparable_scene;
 
@@ -16,10 +16,11 @@ use serde_json::{Value as Json, json};
 
 use comparable_scene::{Fields, comparable_fields, unit_length};
 
-/// Field of the tables: the curvature of a ball or, if negative, of a dish.
+/// Name of the field that stands for the radius of a ball or a dish in the tables. It is the curvature; for a dish it
+/// is negative.
 const CURVATURE: &str = "scene.object.curvature";
 
-/// Names and texts of the tables of families.
+/// File names and contents of the tables of families.
 pub const FAMILY_TABLES: [(&str, &str); 4] = [
     ("roll", include_str!("coverage/roll.csv")),
     ("glide", include_str!("coverage/glide.csv")),
@@ -27,38 +28,38 @@ pub const FAMILY_TABLES: [(&str, &str); 4] = [
     ("image", include_str!("coverage/image.csv")),
 ];
 
-/// Random scenes of one kind, and how often their intervals contained the true value.
+/// A family of random scenes, with the measured coverage of its intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
     /// Kind of scene: `roll`, `glide`, `press`.
     pub scene: &'static str,
-    /// Name, as in the table.
+    /// Name of the family, as in the table.
     pub name: String,
-    /// Number of scenes.
+    /// Number of random scenes.
     pub scenes: usize,
-    /// Share of all trials whose 95 % interval contained the true value. A trial without an interval is a miss.
+    /// Share of all trials whose 95 % interval contained the true value. A trial without an interval counts as a miss.
     pub coverage95: f64,
-    /// The lowest share of a scene.
+    /// Lowest coverage in one scene of the family.
     pub lowest: f64,
-    /// Fields of one of the scenes.
+    /// Field values of one scene of the family.
     fields: Fields,
-    /// Ranges of the scenes' numbers, by field.
+    /// Range of the numbers of each field over the scenes of the family.
     ranges: BTreeMap<String, [f64; 2]>,
 }
 
-/// Measured coverage of scenes like one.
+/// Measured coverage of scenes like a given scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Coverage {
-    /// Random scenes of this family were measured.
+    /// Random scenes like this scene were measured; they are this family.
     Measured(&'static Family),
-    /// Random scenes of this family were measured, but some numbers of the scene are outside their ranges, which the text
-    /// names.
+    /// No family contains the scene. This family is the most similar one; the text names the numbers of the scene that
+    /// are outside its ranges.
     Outside(&'static Family, String),
-    /// No such scenes were measured, for this reason.
+    /// No similar scenes were measured; the text is the reason.
     NotMeasured(String),
 }
 
-/// Measured coverage of scenes like this one, whose lengths are in `unit`.
+/// Measured coverage of scenes like `scene`, whose lengths are in `unit`.
 ///
 /// ```
 /// use palpate::{Coverage, coverage};
@@ -106,9 +107,9 @@ pub fn coverage(scene: &SceneConfig, unit: LengthUnit) -> Coverage {
     }
 }
 
-/// Config of a scene of a family. `cells` are the columns and cells of its row; those of other columns than fields of a scene
-/// are ignored. A cell is a value, a range `low..high`, of which `draw` chooses a number, or `factor * field`, a multiple of
-/// the number of an earlier column.
+/// Config of a scene of a family. `cells` are the columns and cells of the family's row; columns that are not fields of
+/// a scene are ignored. A cell is a value; or a range `low..high`, from which `draw` chooses a number; or `factor *
+/// field`, a multiple of the number in an earlier column.
 ///
 /// # Errors
 /// [`ConfigError`] of [`with_fields`].
@@ -139,7 +140,7 @@ pub fn family_scene<'a>(
                 };
                 ("scene.object".to_owned(), object)
             }
-            // Counts are integers.
+            // A number without fractional part becomes an integer, because the config requires integers for counts.
             (_, Some(number)) if number.fract() == 0.0 => (field.to_owned(), json!(number as i64)),
             _ => (field.to_owned(), value),
         });
@@ -147,29 +148,29 @@ pub fn family_scene<'a>(
     with_fields("family", "", &fields)
 }
 
-/// Range in a cell: `low..high`.
+/// Parses a range in a cell of the table: `low..high`.
 fn range(cell: &str) -> Option<[f64; 2]> {
     let (low, high) = cell.split_once("..")?;
     Some([low.parse().ok()?, high.parse().ok()?])
 }
 
-/// Multiple of another field's number in a cell: `factor * field`.
+/// Parses a multiple of another field's number in a cell of the table: `factor * field`.
 fn multiple(cell: &str) -> Option<(f64, &str)> {
     let (factor, field) = cell.split_once(" * ")?;
     Some((factor.parse().ok()?, field))
 }
 
 impl Family {
-    /// Range of shares in which the intervals count as 95 % intervals.
+    /// Range of measured coverage for which intervals count as valid 95 % intervals.
     pub const HOLDS: [f64; 2] = [0.92, 0.98];
 
-    /// Whether the share is near 95 %.
+    /// Whether the measured coverage is close to 95 %.
     pub(crate) fn holds(&self) -> bool {
         (Self::HOLDS[0]..=Self::HOLDS[1]).contains(&self.coverage95)
     }
 
-    /// Family in a row of a table; `None` if the row has no measured coverage, or if its readings contradict
-    /// the estimator's model.
+    /// The family in a row of a table; `None` if the row has no measured coverage, or if the readings of its scenes
+    /// have a flaw.
     fn of_row(cells: &[(&str, &str)]) -> Option<Self> {
         let cell = |name| {
             cells
@@ -198,7 +199,8 @@ impl Family {
         })
     }
 
-    /// Fields that differ from those of a scene: those without a range, and those whose numbers are outside their ranges.
+    /// Fields in which a scene differs from the family. The first list has fields that have no range in the family, the
+    /// second list numbers outside their ranges.
     fn differences<'a>(&'a self, scene: &'a Fields) -> [Vec<&'a String>; 2] {
         let keys = self.fields.keys().chain(self.ranges.keys());
         let all: BTreeSet<&String> = keys.chain(scene.keys()).collect();
@@ -212,7 +214,8 @@ impl Family {
         [others, outside]
     }
 
-    /// A field of a scene, and what the random scenes have instead, in the scene's unit of length.
+    /// Text with the value of a field in this scene, and the values of this field in the random scenes. Lengths are in
+    /// the scene's unit.
     fn in_words(&self, scene: &SceneConfig, unit: LengthUnit, field: &str) -> String {
         let [fields, doubled] = [1.0, 2.0].map(|factor| comparable_fields(scene, factor));
         let (length, name) = (unit_length(scene), unit.as_str());
@@ -242,12 +245,12 @@ impl Family {
     }
 }
 
-/// A number of a scene; a field that it does not have counts as 0.
+/// A number of a scene; 0 if the scene does not have the field.
 fn number(scene: &Fields, field: &str) -> f64 {
     scene.get(field).and_then(Json::as_f64).unwrap_or(0.0)
 }
 
-/// Families of random scenes whose readings have no flaw.
+/// All families of random scenes whose readings have no flaw.
 fn families() -> &'static [Family] {
     static FAMILIES: OnceLock<Vec<Family>> = OnceLock::new();
     FAMILIES.get_or_init(|| {

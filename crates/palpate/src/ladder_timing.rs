@@ -1,4 +1,4 @@
-//! Measured computing time of the models of a scene's ladder.
+//! Measures the computing time of the models that a scene may use.
 
 use std::ops::RangeInclusive;
 use std::time::Duration;
@@ -7,32 +7,35 @@ use palpate_scene::{Arch, Ladder, RollScene, Rung, Scene};
 use palpate_study::config::{LengthUnit, SceneConfig};
 use palpate_sweep::Clock;
 
-/// Time for which the measurement of a rung is repeated.
+/// Duration over which the measurement of one model is repeated.
 const TIMING: Duration = Duration::from_millis(12);
-/// Largest number of measurements of a rung.
+/// Largest number of measurements of one model.
 const MAX_MEASUREMENTS: usize = 100_000;
-/// Largest number of trials of a roll between two readings of the clock, whose own cost is then negligible.
+/// Largest number of trials of a roll between two readings of the clock. With several trials per reading, the time for
+/// reading the clock is negligible.
 const MAX_TRIALS_PER_READING: u64 = 64;
 
-/// Computing time of a rung, s: the least of several measurements, because other work of the machine only adds to them.
+/// Computing time of a model, s. It is the smallest of several measurements, because other programs on the machine can
+/// only make a measurement longer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EvaluationTime {
-    /// Seconds per trial, without the statistics: each trial of a roll follows its contacts anew.
+    /// Seconds per trial, without the statistics. Each trial of a roll computes the path of its contact again.
     EachTrial(f64),
-    /// Seconds to set up the scene: contacts of a glide and displacements of markers are computed once for all trials.
+    /// Seconds to set up the scene. The contacts of a glide and the displacements of markers are computed once for all
+    /// trials.
     SettingUp(f64),
 }
 
 impl EvaluationTime {
-    /// Seconds, per trial or once.
+    /// The time in seconds, per trial or for the set-up.
     pub fn seconds(&self) -> f64 {
         let (Self::EachTrial(seconds) | Self::SettingUp(seconds)) = self;
         *seconds
     }
 }
 
-/// Rungs of a scene's ladder from the next usable one below the chosen rung to the next usable one above it, with their
-/// computing times if they are measured before `deadline`.
+/// Three models: the next cheaper usable model, the chosen model, and the next more exact usable model. Each has its
+/// computing time if it could be measured before `deadline`.
 pub(crate) fn neighbour_times(
     scene: (&SceneConfig, LengthUnit, u64),
     ladder: &Ladder,
@@ -43,7 +46,7 @@ pub(crate) fn neighbour_times(
         true => evaluation_time(scene, &ladder.rungs[place], clock),
         false => None,
     };
-    // The chosen rung comes first, because the others are compared with it.
+    // Measure the chosen model first, because the other models are compared with it.
     let taken = time(ladder.taken);
     let place = |place| match place == ladder.taken {
         true => (place, taken),
@@ -60,7 +63,7 @@ fn neighbours(ladder: &Ladder) -> RangeInclusive<usize> {
     down..=up
 }
 
-/// Measured time of the scene on a rung; `None` if the rung cannot compute the scene.
+/// Measured computing time of the scene with one model; `None` if this model cannot compute the scene.
 fn evaluation_time(
     (scene, unit, seed): (&SceneConfig, LengthUnit, u64),
     rung: &Rung,
@@ -69,7 +72,7 @@ fn evaluation_time(
     rung.accuracy.error()?;
     let config = scene.with_model(&rung.model)?;
     let set_up = || Scene::new(&config, unit, seed).ok();
-    // The first set-up fills caches and tables, and is not measured.
+    // The first set-up fills caches and tables, so it is not measured.
     let scene = set_up()?;
     let Scene::Roll(roll) = &scene else {
         let timed = || {
@@ -90,7 +93,7 @@ fn evaluation_time(
     least(timed, clock).map(EvaluationTime::EachTrial)
 }
 
-/// Runs trials 0 to `trials` as the runner does, side by side where the roll can.
+/// Runs trials 0 to `trials` in the same way as the runner does: several trials at once if the roll allows it.
 fn run(roll: &RollScene, trials: u64) {
     let mut trial = 0;
     while trial < trials {
@@ -98,14 +101,14 @@ fn run(roll: &RollScene, trials: u64) {
             std::hint::black_box(observed)[0].estimates.len()
         });
         if trial < trials {
-            // A trial that fails takes its time, too.
+            // A failed trial also takes time, so its result is ignored.
             let _ = std::hint::black_box(roll.outcomes(trial));
             trial += 1;
         }
     }
 }
 
-/// Least of the values measured within about [`TIMING`]; at least one is taken.
+/// Smallest of the values that `measured` returns within about [`TIMING`]; it is called at least once.
 fn least(mut measured: impl FnMut() -> Option<f64>, clock: &Clock<'_>) -> Option<f64> {
     let start = clock();
     let mut least = measured()?;
@@ -126,7 +129,7 @@ mod tests {
 
     #[test]
     fn the_least_of_several_counts() {
-        // A clock that goes on by 1 ms whenever it is read.
+        // This test uses a clock that advances by 1 ms at each reading.
         let now = Cell::new(Duration::ZERO);
         let clock = || now.replace(now.get() + Duration::from_millis(1));
         let mut samples = [3.0, 1.0, 2.0].into_iter().chain(std::iter::repeat(4.0));

@@ -1,20 +1,20 @@
 //! Studies of a fingertip that explores a surface, and estimates from recorded readings.
 //!
-//! | to | call |
+//! | task | function |
 //! |---|---|
 //! | read a study | [`load`] from a file, [`parse`] from a text with a name |
-//! | forecast its models, trials and time | [`check`] |
-//! | look up how often intervals of such scenes contain the true value | [`coverage`] |
-//! | check that the outputs that it requests are possible | [`check_outputs`] |
-//! | choose its trials from a budget of time or a target error | [`plan`] |
+//! | forecast the models, the number of trials and the run time of a study | [`check`] |
+//! | look up the measured coverage of intervals in similar scenes | [`coverage`] |
+//! | check that a study requests only possible outputs | [`check_outputs`] |
+//! | choose the number of trials from a time budget or a target error | [`plan`] |
 //! | find the values of fields that meet a target | [`design`] |
-//! | compute how certainly its objects are distinguished | [`distinguish`] |
-//! | run it | [`run`]; [`Simulation`] for some of its cells, with progress and cancellation |
-//! | trace one pass of a cell | [`trace`] |
-//! | write its config as a run does | [`resolved`] |
+//! | compute how reliably the estimates put objects in order | [`distinguish`] |
+//! | run a study | [`run`]; [`Simulation`] for some of its cells, with progress and cancellation |
+//! | trace one trial of a cell | [`trace`] |
+//! | write the config with all defaults, as a run does | [`resolved`] |
 //! | split tables into columns | [`columns`] |
-//! | draw a figure of tables as SVG text | [`figure`] of [`Files`] |
-//! | score the papers' claims on tables, and make their page | [`report`] |
+//! | draw a figure from tables as SVG text | [`figure`] of [`Files`] |
+//! | test the papers' claims with tables, and make a page of the results | [`report`] |
 //! | look up the meaning of a word | [`glossary`] |
 //! | get the cutting pattern of a sensor's skin | [`CutPattern`], [`marker_places`] |
 //! | estimate from recorded readings, track camera images | [`recorded`], with [`readings`] for numbers and [`frame`] for pixels |

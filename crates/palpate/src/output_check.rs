@@ -1,4 +1,4 @@
-//! Check of the outputs that a study requests: its plots, its claims and its stop rule.
+//! Checks the outputs that a study requests: its plots, its claims and its stop rule.
 
 use palpate_report::{Files, figure, is_claim};
 use palpate_scene::quantities_of;
@@ -8,11 +8,11 @@ use palpate_sweep::{CellStatistics, Summary};
 use crate::run_files::{self, Row};
 use crate::simulation::CellTruth;
 
-/// Rejects a study that requests an impossible output: a plot that cannot be drawn from its table, with the message of that
-/// failure, a claim that does not exist, or a stop rule for a missing quantity.
+/// Rejects a study that requests an impossible output. Examples are a plot that cannot be drawn from the study's table,
+/// a claim that does not exist, or a stop rule for a quantity that the study does not have.
 ///
-/// Of a long sweep only some values are checked. Faults that depend on the results of trials appear only when the plot is
-/// drawn.
+/// In a long sweep, only some values are checked. Faults that depend on the results of trials appear only when the plot
+/// is drawn.
 ///
 /// ```
 /// let text = r#"
@@ -33,7 +33,7 @@ use crate::simulation::CellTruth;
 /// ```
 ///
 /// # Errors
-/// [`ConfigError`] at the plot or the claim.
+/// [`ConfigError`] at the impossible plot, claim or stop rule.
 pub fn check_outputs(study: &Study) -> Result<(), ConfigError> {
     for (place, &claim) in study.config.claims.iter().enumerate() {
         if !is_claim(claim) {
@@ -50,7 +50,7 @@ pub fn check_outputs(study: &Study) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// Rejects a stop rule for a quantity that some cell does not have.
+/// Rejects a stop rule for a quantity that one or more cells do not have.
 fn check_stop_rule(study: &Study) -> Result<(), ConfigError> {
     let stop = study.config.stop.as_ref();
     let Some(name) = stop.and_then(|stop| stop.quantity.as_ref()) else {
@@ -78,7 +78,7 @@ fn check_stop_rule(study: &Study) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// Draws a plot from a table with invented numbers.
+/// Draws a plot from a table with invented numbers, to find faults in the plot's settings.
 fn check_plot(study: &Study, place: usize, plot: &PlotConfig) -> Result<(), ConfigError> {
     let is_swept = |path: &str| {
         study
@@ -90,7 +90,8 @@ fn check_plot(study: &Study, place: usize, plot: &PlotConfig) -> Result<(), Conf
     let mut plot = plot.clone();
     let all = plot.where_.len();
     plot.where_.retain(|path, _| is_swept(path));
-    // Filters by results could separate rows that are the same here.
+    // Filters by results are not applied to this invented table. In a real table they may separate rows, so a message
+    // about several rows is ignored below.
     let filters_results = plot.where_.len() < all;
     let filters: Vec<(&str, Vec<String>)> = plot.filters().collect();
     let cells = table(study, &study.star(&filters))?;
@@ -115,7 +116,7 @@ fn check_plot(study: &Study, place: usize, plot: &PlotConfig) -> Result<(), Conf
     Err(study.error_beside(&path, message))
 }
 
-/// `cells.csv` as a run would write it, but with invented statistics that differ from row to row.
+/// A table like the `cells.csv` of a run, but with invented statistics that differ from row to row.
 fn table(study: &Study, numbers: &[usize]) -> Result<String, ConfigError> {
     let mut rows: Vec<(usize, CellTruth, CellStatistics)> = Vec::new();
     let mut value = 0.0;

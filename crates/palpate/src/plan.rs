@@ -1,4 +1,4 @@
-//! Choice of trials and of a model's rung for cells of a study.
+//! Chooses the number of trials and the model for cells of a study.
 
 use palpate_scene::{Scene, SceneTrial, Scenes, TOLERANCES};
 use palpate_study::Quantity;
@@ -10,8 +10,8 @@ use palpate_sweep::{Clock, Runner};
 
 use crate::planner::{self, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable};
 
-/// Chooses the number of trials of cells of a study, and where all take the same, the rung of their model. The study comes
-/// back as it is to be run: it states the choice, and running it again needs no plan.
+/// Chooses the number of trials for cells of a study. Also chooses the model, if all cells use the same one. The
+/// returned study states these choices, so running it again needs no plan.
 ///
 /// ```
 /// use std::time::{Duration, Instant};
@@ -39,7 +39,8 @@ use crate::planner::{self, Goal, Pass, PassQuantity, PassValue, Plan, PlanError,
 /// ```
 ///
 /// # Errors
-/// [`PlanError`], whose cells are indices of `numbers`; [`PlanError::SetUp`] also where the number of trials is swept.
+/// [`PlanError`], whose cells are indices of `numbers`. [`PlanError::SetUp`] also occurs if the number of trials is
+/// swept.
 pub fn plan(
     study: &Study,
     numbers: &[usize],
@@ -66,7 +67,7 @@ struct Chosen {
     study: Study,
     /// Numbers of the cells.
     numbers: Vec<usize>,
-    /// Whether every cell of the study has the model `auto` with a tolerance that no sweep sets.
+    /// Whether every cell of the study has the model `auto`, and no sweep sets its tolerance.
     is_auto: bool,
 }
 
@@ -113,8 +114,8 @@ impl Plannable for Chosen {
         pass(&cell.config, trial.scene.quantities(), tolerance)
     }
 
-    /// Cells with `tolerance` for `auto`. Where they are all cells of the study and `auto` takes the same rung in each, that
-    /// rung stands in place of `auto`.
+    /// The same cells, with this `tolerance` for the model `auto`. If they are all cells of the study, and `auto`
+    /// chooses the same model in each cell, this model replaces `auto`.
     fn with_tolerance(&self, tolerance: Option<f64>) -> Result<Self, ConfigError> {
         let parsed = |config: &StudyConfig| config::parse("run.toml", &config::to_toml(config));
         let mut config = self.study.config.clone();
@@ -139,7 +140,7 @@ impl Plannable for Chosen {
     }
 }
 
-/// Rung that `auto` takes in every cell of a study, if it is the same in all.
+/// The model that `auto` chooses in every cell of a study; `None` if it differs between cells.
 fn common_rung(study: &Study) -> Result<Option<ModelConfig>, ConfigError> {
     let mut common = None;
     for cell in 0..study.cell_count() {
@@ -154,8 +155,8 @@ fn common_rung(study: &Study) -> Result<Option<ModelConfig>, ConfigError> {
     Ok(common)
 }
 
-/// Noiseless pass of a cell that estimates the quantities `in_cell`, with this tolerance; `None` where the scene cannot be
-/// set up or its trial fails.
+/// Estimates and true values of a trial without noise, with this tolerance for the model `auto`. `in_cell` are the
+/// quantities of the cell. `None` if the scene cannot be set up or the trial fails.
 fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pass> {
     let set_up = |scene: &SceneConfig| Scene::new(scene, config.length_unit, config.seed).ok();
     let mut scene = with_tolerance(&config.scene, tolerance)?;
@@ -170,7 +171,7 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
     let mut truths = vec![0.0_f64; quantities.len()];
     scene
         .trial(0, |quantity, outcome| {
-            // A class is not a number that could be shifted.
+            // A shape class is not a number, so it cannot be shifted.
             if quantities[quantity].name != "class" {
                 truths[quantity] = truths[quantity].max(outcome.truth.abs());
                 values.push(PassValue {
@@ -181,7 +182,8 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
             }
         })
         .ok()?;
-    // Where all truths of a quantity are 0, the largest of any quantity in the same unit.
+    // If all true values of a quantity are 0, errors are compared with the largest true value of any quantity with the
+    // same unit.
     let of_unit = |place: usize| {
         let alike = (0..truths.len()).filter(|&one| quantities[one].unit == quantities[place].unit);
         alike.map(|one| truths[one]).fold(0.0, f64::max)
@@ -201,7 +203,7 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
     })
 }
 
-/// Scene without noise and with an ideal sensor, so that its set-up is fast.
+/// The scene without noise and with an ideal sensor, so that its set-up is fast.
 pub(crate) fn with_ideal_sensor(scene: &SceneConfig) -> SceneConfig {
     let mut scene = scene.clone();
     match &mut scene {
@@ -226,8 +228,7 @@ pub(crate) fn with_ideal_sensor(scene: &SceneConfig) -> SceneConfig {
     scene
 }
 
-/// Copy of a scene with this tolerance of `auto`; `None` where the scene's model is another than `auto`, or there is
-/// none.
+/// Copy of a scene with this tolerance for the model `auto`; `None` if the scene has another model or no model.
 fn with_tolerance(scene: &SceneConfig, tolerance: f64) -> Option<SceneConfig> {
     let mut scene = scene.clone();
     let of_auto = match &mut scene {

@@ -1,5 +1,4 @@
-//! Choice of the number of trials and of a model's tolerance before the first trial, from a budget of time or a target
-//! error.
+//! Chooses the number of trials and the model's tolerance before a run, from a time budget or a target error.
 
 mod pace;
 mod pilot;
@@ -16,28 +15,29 @@ use pilot::{CellPilot, Pilot};
 use tolerance::{Allowance, tolerance_for};
 pub(crate) use tolerance::{Pass, PassQuantity, PassValue};
 
-/// Largest shift of an estimate by the model's error, as a share of target error × rms error.
+/// Largest allowed shift of an estimate by the model's error. It is relative to the product of the target error and the
+/// rms error.
 pub const MODEL_ERROR_SHARE: f64 = 0.1;
-/// Largest number of trials per cell for a target error.
+/// Largest number of trials per cell that a target error may require.
 const MAX_FOR_TARGET: f64 = 1e8;
-/// Largest number of trials per cell for a budget.
+/// Largest number of trials per cell that a budget may give.
 const MAX_FOR_BUDGET: NonZeroU64 = NonZeroU64::MIN.saturating_add(999_999_999_999);
-/// Share of a budget for timing a few trials.
+/// Share of the budget that is spent on timing a few trials.
 const TIMING_SHARE: f64 = 0.1;
-/// Share of a budget for a pilot.
+/// Share of the budget that is spent on a pilot, which is a small run before the actual run.
 const PILOT_SHARE: f64 = 0.15;
-/// Predicted time of the run, as a share of the budget left after planning.
+/// Predicted time of the run, as a share of the budget that remains after planning.
 const RUN_SHARE: f64 = 0.9;
-/// Smallest number of trials per cell of a pilot within a budget. With fewer, errors cannot be estimated.
+/// Smallest number of trials per cell of a pilot, if there is a budget. Fewer trials cannot estimate errors.
 const MIN_PILOT: u64 = 32;
-/// Largest number of trials per cell of a pilot within a budget.
+/// Largest number of trials per cell of a pilot, if there is a budget.
 const MAX_PILOT: u64 = 1024;
 
-/// Cells whose number of trials and model can be chosen.
+/// Cells for which the number of trials and the model's tolerance can be chosen.
 pub(crate) trait Plannable: Sized {
     /// Experiment of a cell.
     type Trial: Trial;
-    /// Error of setting up an experiment.
+    /// Error if an experiment cannot be set up.
     type Error;
 
     /// Number of cells.
@@ -52,45 +52,46 @@ pub(crate) trait Plannable: Sized {
     /// Name of a quantity that an experiment observes.
     fn quantity(trial: &Self::Trial, quantity: usize) -> &'static str;
 
-    /// Possible tolerances of the model of all cells, largest first; empty if the config states the model.
+    /// Possible tolerances of the common model of all cells, largest first; empty if the config states the model.
     fn tolerances(&self) -> &[f64];
 
-    /// Noiseless pass of a cell whose model has this tolerance; `None` if the cell has no such pass. `trial` is the
-    /// experiment of the cell.
+    /// The results of a cell without noise, computed by a model with this tolerance. `None` if the cell cannot be
+    /// computed without noise. `trial` is the experiment of the cell.
     fn pass(&self, cell: usize, trial: &Self::Trial, tolerance: f64) -> Option<Pass>;
 
-    /// The cells to run: with a model of this tolerance, or with the model of the config.
+    /// The same cells, with a model of this tolerance. If `tolerance` is `None`, they use the model of the config.
     ///
     /// # Errors
-    /// Reason why the cells cannot be made.
+    /// Reason why the cells cannot be created.
     fn with_tolerance(&self, tolerance: Option<f64>) -> Result<Self, Self::Error>;
 }
 
-/// Aim of a run: its time, the precision of its error figures, or both.
+/// Goal of a run: a time budget, a precision of the estimated errors, or both.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Goal {
-    /// Time for planning and run together.
+    /// Time for the planning and the run together.
     pub budget: Option<Duration>,
-    /// Largest relative standard error of every rms error, in (0, 1).
+    /// Largest allowed relative standard error of every rms error, in (0, 1).
     pub target_error: Option<f64>,
 }
 
-/// Chosen number of trials, and the reasons for it.
+/// The chosen number of trials, and the numbers on which the choice is based.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Whether the model's tolerance could be chosen.
+    /// Whether the plan also chose the model's tolerance; false if the config states the model.
     pub chooses_model: bool,
-    /// Whether at least one cell is random. If none is, one trial of each cell is enough.
+    /// Whether at least one cell is random. If no cell is random, one trial of each cell is enough.
     pub is_random: bool,
-    /// Number of trials of each random cell for the target error; `None` without a target, or without time for a pilot.
+    /// Number of trials of each random cell that the target error requires; `None` without a target error, or if there
+    /// was no time for a pilot.
     pub by_target: Option<NonZeroU64>,
-    /// Number of trials of each random cell for the budget; `None` without a budget.
+    /// Number of trials of each random cell that the budget allows; `None` without a budget.
     pub by_budget: Option<NonZeroU64>,
-    /// Largest expected relative standard error of an rms error; `None` without an estimate.
+    /// Largest relative standard error that is expected for an rms error; `None` if it could not be estimated.
     pub expected_error: Option<f64>,
-    /// Cell and name of the quantity whose heavy-tailed errors determined `by_target`.
+    /// The quantity that determined `by_target`, if its errors have heavy tails: the index of its cell, and its name.
     pub heavy_tails: Option<(usize, &'static str)>,
-    /// Cells in which every trial of the pilot failed, so that they have no errors.
+    /// Cells in which every trial of the pilot failed, so that their errors are unknown.
     pub failing: Vec<FailingCell>,
 }
 
@@ -99,13 +100,13 @@ pub struct Plan {
 pub struct FailingCell {
     /// Index of the cell.
     pub cell: usize,
-    /// Number of its trials in the pilot.
+    /// Number of trials of the cell in the pilot.
     pub trials: u64,
-    /// Kind of failure of its first trial.
+    /// Kind of failure of the cell's first trial.
     pub kind: &'static str,
 }
 
-/// Reason why there is no plan; `E` is the error of setting up a cell.
+/// Reason why planning failed. `E` is the type of error of setting up a cell.
 #[derive(Debug, Error)]
 pub enum PlanError<E> {
     /// A cell cannot be set up.
@@ -116,38 +117,38 @@ pub enum PlanError<E> {
         "one trial of each cell does not fit into {budget:?}; the least is about {least_s} s on {threads} threads"
     )]
     DoesNotFit {
-        /// The budget.
+        /// The stated budget of time.
         budget: Duration,
-        /// Approximate smallest budget for which there is a plan, s.
+        /// Approximate smallest budget for which a plan is possible, s.
         least_s: f64,
-        /// Number of threads for that budget.
+        /// Number of threads that `least_s` assumes.
         threads: NonZeroUsize,
     },
-    /// All trials of all random cells fail in a pilot.
+    /// All trials of all random cells failed in a pilot.
     #[error("all {} trials of a pilot fail ({}), so no error can be estimated", .0.trials, .0.kind)]
     AllFail(FailingCell),
-    /// A target error needs more trials than the largest number.
+    /// The target error requires more trials than the maximum.
     #[error(
         "the rms error of {quantity} needs about {needed:.1e} trials; the maximum of {MAX_FOR_TARGET:.0e} \
          reaches {reached:.1e}{}", if *has_heavy_tails { "; its errors have heavy tails" } else { "" }
     )]
     TooManyTrials {
-        /// Index of the cell that needs them.
+        /// Index of the cell that needs the most trials.
         cell: usize,
-        /// Name of the quantity whose error needs them.
+        /// Name of the quantity that needs the most trials.
         quantity: &'static str,
-        /// Number of trials.
+        /// Required number of trials.
         needed: f64,
-        /// Relative standard error with the largest number of trials.
+        /// Relative standard error that the maximum number of trials would reach.
         reached: f64,
-        /// Whether a few trials determine the error.
+        /// Whether the quantity's errors have heavy tails, so that a few trials determine the rms error.
         has_heavy_tails: bool,
     },
 }
 
 impl Plan {
-    /// Number of trials of each random cell: the smaller of the numbers for target error and budget. `None` if no cell
-    /// is random.
+    /// Number of trials of each random cell: the smaller of the numbers for the target error and for the budget. `None`
+    /// if no cell is random.
     pub fn trials(&self) -> Option<NonZeroU64> {
         let fewer = match (self.by_target, self.by_budget) {
             (Some(error), Some(time)) => Some(error.min(time)),
@@ -159,10 +160,11 @@ impl Plan {
 
 /// Chooses the model's tolerance and the number of trials for a goal. Returns the cells with that model, and the plan.
 ///
-/// `clock` counts from the start of the budget. Without a budget the result depends only on the trials.
+/// `clock` returns the time since the start of the budget. Without a budget, the result depends only on the trials and
+/// not on the clock.
 ///
 /// # Errors
-/// [`PlanError`].
+/// [`PlanError`] if no plan reaches the goal, or if a cell cannot be set up.
 pub(crate) fn plan<C: Plannable>(
     cells: &C,
     goal: &Goal,
@@ -203,7 +205,7 @@ pub(crate) fn plan<C: Plannable>(
     if let (Some(pilot), Some(target)) = (&pilot, goal.target_error) {
         planner.set_by_target::<C>(&mut plan, &trials, &random, pilot, target)?;
     }
-    // The run will use this model, so it is timed.
+    // Choose the model first, because the time per trial must be measured with the model of the run.
     plan.by_budget = planner.by_budget(&planned, &random)?;
     let trials = plan.trials();
     plan.expected_error = trials
@@ -220,7 +222,7 @@ struct Planner<'a> {
 }
 
 impl Planner<'_> {
-    /// Sets up the experiments of all cells. Fails if this uses up the budget.
+    /// Sets up the experiments of all cells. Fails if this takes the whole budget.
     fn set_up<C: Plannable>(&self, cells: &C) -> Result<Vec<C::Trial>, PlanError<C::Error>> {
         let mut trials = Vec::with_capacity(cells.cells());
         for cell in 0..cells.cells() {
@@ -229,7 +231,7 @@ impl Planner<'_> {
             if let Some(budget) = self.goal.budget
                 && elapsed >= budget
             {
-                // Each cell is set up twice: for planning and for the run.
+                // The factor 2 is needed because each cell is set up twice: once for planning and once for the run.
                 let share = trials.len() as f64 / cells.cells() as f64;
                 return Err(self.does_not_fit(budget, 2.0 * elapsed.as_secs_f64() / share));
             }
@@ -237,8 +239,8 @@ impl Planner<'_> {
         Ok(trials)
     }
 
-    /// Pilot of the random cells: for the target error, or to predict the errors within a budget. `None` without random
-    /// cells or without time.
+    /// Runs a pilot with the random cells, either to reach the target error or to predict the errors within a budget.
+    /// Returns `None` if no cell is random, or if there is not enough time.
     fn pilot<T: Trial>(&self, trials: &[T], random: &[usize]) -> Option<Pilot> {
         if random.is_empty() {
             return None;
@@ -257,13 +259,14 @@ impl Planner<'_> {
             return None;
         }
         let cells: Vec<&dyn Trial> = random.iter().map(|&cell| &trials[cell] as _).collect();
-        // Without a target, as many trials as the budget's share allows.
+        // Without a target error, the pilot runs as many trials as its share of the budget allows. So the target is set
+        // to the smallest possible number.
         let target = self.goal.target_error.unwrap_or(f64::MIN_POSITIVE);
         let pilot = Pilot::for_error(self.runner, &cells, target, most, MAX_FOR_TARGET);
         Some(pilot)
     }
 
-    /// Cells in which every trial of the pilot failed. Returns an error if these are all random cells and there is a
+    /// Cells in which every trial of the pilot failed. Returns an error if all random cells fail although there is a
     /// target error.
     fn failing<E>(
         &self,
@@ -300,7 +303,7 @@ impl Planner<'_> {
         )
     }
 
-    /// Sets the number of trials that the target needs.
+    /// Sets the number of trials that the target error requires in the plan.
     fn set_by_target<C: Plannable>(
         &self,
         plan: &mut Plan,
@@ -310,7 +313,7 @@ impl Planner<'_> {
         target: f64,
     ) -> Result<(), PlanError<C::Error>> {
         let Some(need) = pilot.need(target) else {
-            // If no estimate of the pilot has an error, the run has as many trials as the pilot.
+            // If all estimates of the pilot are exact, the run has the same number of trials as the pilot.
             let run = pilot.cells.iter().map(|cell| cell.trials).max();
             plan.by_target = run.and_then(NonZeroU64::new).or(Some(NonZeroU64::MIN));
             return Ok(());
@@ -331,7 +334,7 @@ impl Planner<'_> {
         Ok(())
     }
 
-    /// Largest number of trials for which the rest of the budget has time; `None` without a budget.
+    /// Largest number of trials that can be run in the remaining budget; `None` without a budget.
     fn by_budget<C: Plannable>(
         &self,
         planned: &C,
@@ -340,7 +343,7 @@ impl Planner<'_> {
         let Some(budget) = self.goal.budget else {
             return Ok(None);
         };
-        // The run sets up the cells again.
+        // Measure the time of setting up the cells, because the run sets them up again.
         let before = (self.clock)();
         let trials = self.set_up(planned)?;
         let setting_up = (self.clock)().saturating_sub(before);
@@ -367,7 +370,8 @@ impl Planner<'_> {
     }
 }
 
-/// Allowances of all cells, with the rms errors of the cells in the pilot.
+/// Largest shifts that the model's error may cause in each cell. For the cells of the pilot, they are relative to the
+/// rms errors that the pilot estimated.
 fn allowances(cells: usize, random: &[usize], pilot: Option<&Pilot>, share: f64) -> Vec<Allowance> {
     let rms_errors = |cell: usize| {
         let found = random.iter().position(|&one| one == cell);

@@ -1,11 +1,11 @@
-//! Readings and frames that are numbers in memory, not files.
+//! Readings and frames from numbers in memory instead of files.
 
 use image::RgbImage;
 use palpate_recorded::{Frame, RecordedFile};
 use palpate_study::{Column, Table};
 
-/// Readings with these columns, as a file of them would be read by [`recorded`](crate::recorded); `file` is the name that
-/// messages give.
+/// Readings from columns of numbers, in the form in which [`recorded`](crate::recorded) reads them from a file.
+/// Messages use `file` as the file's name.
 ///
 /// ```
 /// use palpate::recorded::parse_press;
@@ -25,8 +25,8 @@ pub fn readings<const N: usize>(file: &str, header: [&str; N], rows: &[[f64; N]]
     RecordedFile::new(file, table.to_csv().into_bytes())
 }
 
-/// Frame of a camera from its pixels, three bytes of red, green and blue each, row by row from the top left; `file` is the
-/// name that messages give. `None` where there are not `width` times `height` pixels.
+/// Frame of a camera from its pixels: three bytes (red, green, blue) for each pixel, row by row from the top left.
+/// Messages use `file` as the frame's name. `None` if the number of pixels is not `width` times `height`.
 ///
 /// ```
 /// use palpate::{frame, recorded};

@@ -19,7 +19,8 @@ pub(crate) fn failure_columns() -> Vec<Column> {
     first.into_iter().chain(counts).collect()
 }
 
-/// Columns that the tables of a run may have: of cells, failures, trials and, if its scene has maps, of these.
+/// All columns that the tables of a run may have. They are the columns of the tables of cells, failures and trials, and
+/// of the map if the scene has one.
 pub fn result_columns(study: &Study) -> Vec<Column> {
     let map = map_table_of(&study.config.scene, study.config.length_unit);
     let map = map.map_or_else(Vec::new, |map| map.table.columns);
@@ -39,10 +40,11 @@ pub(crate) struct Row<'a> {
     pub(crate) statistics: &'a CellStatistics,
 }
 
-/// Whether `cells.csv` has a column for the bound on the standard deviation: if some cell is a press.
+/// Whether `cells.csv` has a column for the bound on the standard deviation. This is the case if at least one cell is a
+/// press.
 pub(crate) fn states_bounds(study: &Study) -> bool {
     let is_press = |scene: &SceneConfig| matches!(scene, SceneConfig::Press(_));
-    // No other field changes the kind.
+    // Only these two fields can change the kind of the scene.
     let sets_kind = |path: &String| path == "scene" || path == "scene.kind";
     let mut sample = study.sample().iter();
     is_press(&study.config.scene)
@@ -53,7 +55,8 @@ pub(crate) fn states_bounds(study: &Study) -> bool {
             })
 }
 
-/// Swept fields with a column of their own. A swept number of trials is in the column of the statistic `trials`.
+/// Swept fields that have their own column in the tables. A swept number of trials has none, because the column
+/// `trials` already states it.
 fn swept(study: &Study) -> impl Iterator<Item = usize> + '_ {
     (0..study.paths.len()).filter(|&place| Statistic::named(&study.paths[place]).is_none())
 }
@@ -74,7 +77,7 @@ pub(crate) fn columns(study: &Study, states_bounds: bool) -> Vec<Column> {
         .collect()
 }
 
-/// Column of numbers in the unit that the column `unit` has in their row.
+/// Column of numbers. The column `unit` of the same row states their unit.
 fn in_unit_of_row(name: &str) -> Column {
     Column::number(name, Column::UNIT_OF_ROW)
 }
@@ -98,7 +101,7 @@ pub(crate) fn cells_csv(study: &Study, ran: &Row<'_>, states_bounds: bool) -> St
     text
 }
 
-/// Fields of a row. Their memory is reused for the next row.
+/// Fields of one row of a table. Their memory is reused for the next row.
 #[derive(Default)]
 struct Fields {
     fields: Vec<String>,
@@ -117,7 +120,7 @@ impl Fields {
         self.used += 1;
     }
 
-    /// Adds the text of a number, or an empty field.
+    /// Adds a number as text, or an empty field if there is no number.
     fn number(&mut self, value: Option<f64>) {
         match value {
             Some(value) => self.text(Shortest(value)),
@@ -126,7 +129,7 @@ impl Fields {
     }
 }
 
-/// Passes the rows of a cell to `take`, one per quantity.
+/// Passes the rows of a cell to `take`, one for each quantity.
 fn cell_rows(study: &Study, ran: &Row<'_>, states_bounds: bool, take: &mut dyn FnMut(&[String])) {
     let Row {
         cell,
@@ -141,7 +144,7 @@ fn cell_rows(study: &Study, ran: &Row<'_>, states_bounds: bool, take: &mut dyn F
         swept(study).for_each(|place| row.text(&cell_truth.coordinates[place]));
         row.text(quantity.name);
         row.text(quantity.unit.of(study.config.length_unit));
-        // If every trial failed, the true value comes from the scene.
+        // If every trial failed, no trial has a true value, so use the scene's.
         let truth = summary.truth.or(cell_truth.truths[place]);
         push_statistics(&mut row, statistics, &Summary { truth, ..*summary });
         if states_bounds {
@@ -151,12 +154,12 @@ fn cell_rows(study: &Study, ran: &Row<'_>, states_bounds: bool, take: &mut dyn F
     }
 }
 
-/// The statistics of a quantity, in the order of [`Statistic::ALL`].
+/// Adds the statistics of a quantity, in the order of [`Statistic::ALL`].
 fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
     row.number(summary.truth);
     row.text(cell.trials);
     row.text(cell.failed());
-    // If both are equal, they are the single estimate, with all its digits.
+    // If both quantiles are equal, they are the only estimate, which keeps all its digits.
     let quantile = |value| match summary.q05 == summary.q95 {
         true => value,
         false => with_digits(value, summary.truth),
@@ -182,8 +185,8 @@ fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
     }
 }
 
-/// Quantile rounded to its resolution: its distance to the true value is exact to one part in 256, and the last digit is
-/// the first one of such a part.
+/// A quantile, rounded to its resolution. Its distance from the true value is accurate to 1/256 of this distance. So
+/// the last digit that is kept has the place of the first digit of 1/256 of the distance.
 fn with_digits(quantile: Option<f64>, truth: Option<f64>) -> Option<f64> {
     let (value, error) = (quantile?, (quantile? - truth?).abs());
     if value == 0.0 || error == 0.0 {
@@ -206,7 +209,7 @@ pub(crate) fn trial_columns() -> Vec<Column> {
         .collect()
 }
 
-/// Adds the rows of a trial of a cell to a CSV text: one per observation, or one with the kind of its failure.
+/// Adds the rows of a trial to a CSV text: one row per observation, or one row with the kind of the failure.
 pub(crate) fn push_trial(
     text: &mut String,
     (cell, trial): (usize, u64),
@@ -235,9 +238,10 @@ pub(crate) fn push_trial(
     }
 }
 
-/// Power of ten of the first digit of a number's shortest text; `None` of 0.
+/// Power of ten of the first digit of a number in its shortest decimal text; `None` for 0.
 fn decimal_place(number: f64) -> Option<i32> {
-    // Powers of ten, exact or nearly so. For numbers close to one of them, the text decides.
+    // Powers of ten, exact or nearly exact. If a number is very close to one of them, the number's decimal text
+    // decides.
     const POWERS: [f64; 19] = [
         1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6,
         1e7, 1e8, 1e9,
@@ -272,8 +276,8 @@ pub(crate) fn failures(ran: &[Row<'_>]) -> Table {
     table
 }
 
-/// Contents of `run.toml`: the config of a study with every default and with this version of palpate. Running it gives the
-/// same bytes.
+/// Contents of `run.toml`: the config of a study with all defaults, and the version of palpate. A run of this file
+/// writes the same tables, byte for byte.
 ///
 /// ```
 /// let text = r#"
@@ -321,7 +325,8 @@ mod tests {
     #[test]
     fn quantiles_have_the_digits_that_their_histogram_resolves() {
         for (quantile, truth, shown) in [
-            // A part in 256 of 0.0023456 is 9e-6.
+            // The distance from the true value is 0.0023456, and 1/256 of it is 9e-6, so the sixth decimal is the last
+            // one.
             (0.0356789, 0.0333333, 0.035679),
             (-755.306_709, -80.0, -755.0),
             (1234.5678, 1234.5, 1234.5678),

@@ -1,18 +1,19 @@
-//! Shards: the cells of a study that one of several runs computes.
+//! Shards: parts of a study, each with its own cells, that run separately.
 
 use palpate_study::config::Study;
 use palpate_sweep::Task;
 
-/// One of several runs that share a study. Each runs every `of`-th cell, so that all have about the same work.
+/// One part of a study that is divided into several runs. Each shard runs every `of`-th cell, so that all shards have
+/// about the same work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Its number, from 1 on.
+    /// Number of the shard, counted from 1.
     pub number: u64,
     /// Number of shards.
     pub of: u64,
 }
 
-/// The whole study.
+/// The default is a single shard that contains the whole study.
 impl Default for Shard {
     fn default() -> Self {
         Self { number: 1, of: 1 }
@@ -54,7 +55,7 @@ impl ShardTasks {
         }
     }
 
-    /// Number of trials of the first `tasks` tasks of this shard, saturating.
+    /// Number of trials of the first `tasks` tasks of this shard; the largest `u64` if the number is larger.
     pub(crate) fn trials_before(&self, study: &Study, tasks: u64) -> u64 {
         if !study.paths.iter().any(|path| path == "trials") {
             let of_each = self.cells.first().map_or(0, |&cell| trials(study, cell));
@@ -65,7 +66,7 @@ impl ShardTasks {
     }
 }
 
-/// Number of trials of a cell; with a stop rule, its maximum.
+/// Number of trials of a cell; with a stop rule, the largest possible number.
 fn trials(study: &Study, cell: usize) -> u64 {
     let stop = study.config.stop.as_ref();
     stop.map_or_else(|| study.trials_of(cell), |stop| stop.max_trials)

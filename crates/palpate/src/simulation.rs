@@ -1,4 +1,4 @@
-//! Simulation of a study: the trials of its cells, and their tables.
+//! Simulation of a study: runs the trials of its cells and makes their tables.
 
 mod cell_results;
 mod cell_setup;
@@ -26,10 +26,11 @@ pub(crate) use cell_setup::CellTruth;
 
 use cell_setup::CellSetup;
 
-/// Largest number of cells that are all set up before the first trial. Of a larger study, only a sample is.
+/// Largest number of cells for which every cell is set up before the first trial. For a larger study, only a sample of
+/// cells is set up first.
 const MAX_CHECKED: u64 = 10_000;
-/// Number of scenes that are stored from their check until their trials. The others are set up twice, which limits the
-/// memory for studies with many cells. A scene with a camera takes a second to set up.
+/// Number of scenes that are kept in memory between their check and their trials. All other scenes are set up twice, so
+/// that studies with many cells do not need much memory. Setting up a scene with a camera takes about a second.
 const MAX_CACHED: usize = 64;
 
 /// Cells of a study that are checked and ready for their trials.
@@ -67,19 +68,19 @@ pub struct Simulation<'a> {
     arch: Arch,
     tasks: ShardTasks,
     states_bounds: bool,
-    /// Empty table for maps of the cells; `None` if the config requests no maps.
+    /// Empty table with the columns of the maps; `None` if the config requests no maps.
     maps: Option<MapTable>,
     warnings: Warnings,
-    /// Whether each trial gets a row.
+    /// Whether each trial is also output as rows of a table.
     has_trials: bool,
-    /// Checked scenes that wait for their trials, by the numbers of their cells.
+    /// Scenes that were set up for the check and will be used for the trials, by the numbers of their cells.
     cached: Mutex<BTreeMap<usize, (Cell, Scene)>>,
-    /// Models that scenes share.
+    /// Models that several scenes share, so that they are computed only once.
     parts: SharedModels,
 }
 
 impl<'a> Simulation<'a> {
-    /// Simulation of the cells with these numbers, which are set up on the runner's threads to check them.
+    /// Simulation of the cells with these numbers. To check the cells, they are set up on the runner's threads.
     ///
     /// # Errors
     /// [`ConfigError`] of the first cell with an invalid field, with readings that allow no estimate, or with a map that its
@@ -93,10 +94,11 @@ impl<'a> Simulation<'a> {
         Self::of_shard(study, cells, Shard::default(), runner)?.checked()
     }
 
-    /// Simulation of a shard of the cells with these numbers, without a check of them.
+    /// Simulation of one shard of the cells with these numbers. The cells are not checked.
     ///
     /// # Errors
-    /// [`ConfigError`] of the first cell, which is set up if the config requests maps.
+    /// [`ConfigError`] of the first cell. It is set up if the config requests maps, because its scene determines the
+    /// columns of the map.
     pub fn of_shard(
         study: &'a Study,
         numbers: Vec<usize>,
@@ -127,7 +129,8 @@ impl<'a> Simulation<'a> {
         })
     }
 
-    /// Sets up the cells to check them. Of more than 10,000 cells, only those of the study's [sample](Study::sample).
+    /// Sets up the cells to check them. If there are more than 10,000 cells, only the cells of the study's
+    /// [sample](Study::sample) are set up.
     ///
     /// # Errors
     /// [`ConfigError`], as [`Simulation::new`] has.
@@ -160,14 +163,14 @@ impl<'a> Simulation<'a> {
         })
     }
 
-    /// Uses other vector instructions than the widest ones of the processor. No result depends on them.
+    /// Uses narrower vector instructions than the widest ones of the processor. The results do not depend on the width.
     #[must_use]
     pub fn with_arch(self, arch: Arch) -> Self {
         Self { arch, ..self }
     }
 
-    /// Adds per-trial output: [`Simulation::stream`] passes it on before the results of the cell, [`Simulation::run`] returns a
-    /// table.
+    /// Switches per-trial output on. [`Simulation::stream`] then passes the rows of the trials on before the results of
+    /// their cell, and [`Simulation::run`] returns a table of them.
     #[must_use]
     pub fn with_trials(self) -> Self {
         Self {
@@ -176,23 +179,24 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// Number of trials of all cells together, saturating. A cell without noise runs fewer.
+    /// Number of trials of all cells together; the largest `u64` if the number is larger. A cell without noise runs
+    /// fewer trials than this number assumes.
     pub fn trials(&self) -> u64 {
         self.tasks.trials_before(self.study, self.tasks.tasks())
     }
 
-    /// Number of trials of the first tasks, as [`Simulation::trials`] counts them.
+    /// Number of trials of the first `tasks` tasks, counted as in [`Simulation::trials`].
     pub fn trials_before(&self, tasks: u64) -> u64 {
         self.tasks.trials_before(self.study, tasks)
     }
 
-    /// Number of tasks: the cells of this shard.
+    /// Number of tasks. Each cell of this shard is one task.
     pub fn tasks(&self) -> u64 {
         self.tasks.tasks()
     }
 
-    /// Whether there are so many cells that only a sample is set up before the first trial. Then each cell reports its
-    /// warnings when it runs.
+    /// Whether the study has so many cells that only a sample is set up before the first trial. Each cell then reports
+    /// its warnings when it runs.
     pub fn is_sampled(&self) -> bool {
         self.tasks.tasks() > MAX_CHECKED
     }
@@ -207,13 +211,14 @@ impl<'a> Simulation<'a> {
         self.tasks.cell(task)
     }
 
-    /// Warnings of the checked cells: cells in which the theory or the estimator does not hold.
+    /// Warnings of the checked cells, for example a warning that the contact model or the estimator is not valid in a
+    /// cell.
     pub fn check_warnings(&self) -> &Warnings {
         &self.warnings
     }
 
-    /// Columns of `cells.csv` and `failures.csv`, of `map.csv` if the config requests maps, and of the table of trials with
-    /// per-trial output.
+    /// Columns of `cells.csv`, of `failures.csv`, of `map.csv` (if the config requests maps), and of the table of
+    /// trials (if per-trial output is on).
     pub fn columns(&self) -> [Option<Vec<Column>>; 4] {
         let maps = self.maps.as_ref();
         [
@@ -224,15 +229,16 @@ impl<'a> Simulation<'a> {
         ]
     }
 
-    /// Runs the tasks from `first` on, until another thread sets `cancelled` or `take` returns `Break`. Any thread
-    /// calls `make`. `take` receives the results in task order. With per-trial output, each result follows the rows
-    /// of its trials. Any thread calls `progress` with the number of trials that it has done since its last call.
+    /// Runs the tasks from `first` on, until another thread sets `cancelled` or `take` returns `Break`. `make` may be
+    /// called on any thread. `take` receives the results in task order; with per-trial output, it receives the rows of
+    /// the trials before the result of their cell. `progress` may be called on any thread, with the number of trials
+    /// that were done since the previous call.
     ///
     /// # Errors
     /// [`SweepError::Cancelled`], also if `take` returns `Break`; [`SweepError::SetUp`] if a cell cannot be set up.
     ///
     /// # Panics
-    /// If `progress`, `make` or `take` panics.
+    /// Panics if `progress`, `make` or `take` panics.
     pub fn stream<R: Send>(
         &self,
         first: u64,
@@ -250,14 +256,15 @@ impl<'a> Simulation<'a> {
         self.runner.stream(&tasks, cancelled, progress, take)
     }
 
-    /// Runs all trials, until another thread sets `cancelled`. Any thread calls `progress` with the number of trials that it
-    /// has done since its last call.
+    /// Runs all trials, until another thread sets `cancelled`. `progress` may be called on any thread, with the number
+    /// of trials that were done since the previous call.
     ///
     /// # Errors
-    /// [`SweepError`], before any trial is run; [`SweepError::Cancelled`].
+    /// [`SweepError`] of a cell that cannot be set up, before any trial is run; [`SweepError::Cancelled`] if
+    /// `cancelled` is set.
     ///
     /// # Panics
-    /// If `progress` panics.
+    /// Panics if `progress` panics.
     pub fn run(
         &self,
         cancelled: &AtomicBool,
@@ -273,7 +280,8 @@ impl<'a> Simulation<'a> {
             ControlFlow::Continue(())
         };
         self.stream(0, cancelled, progress, |results| results, take)?;
-        // Cells that report their warnings when they run are not counted twice.
+        // In a sampled study, each cell reports its warnings when it runs, so do not count the warnings of the check
+        // again.
         let mut warnings = match self.is_sampled() {
             true => Warnings::default(),
             false => self.warnings.clone(),
@@ -301,7 +309,7 @@ impl<'a> Simulation<'a> {
         self.study.estimable_scene_of(number, cell, &self.parts)
     }
 
-    /// Sets up a cell, or takes it from the checked ones.
+    /// Sets up a cell, or returns the stored scene of a checked cell.
     fn set_up(&self, number: usize) -> Result<CellSetup, ConfigError> {
         let cached = lock(&self.cached).remove(&number);
         let (cell, scene) = match cached {
@@ -319,7 +327,7 @@ impl<'a> Simulation<'a> {
         let map = self.maps.clone().map(|mut map| {
             if let Err(failure) = scene.map(number, 0, &mut map) {
                 let text =
-                    format!("the map lacks estimates, because trial 0 failed as `{failure}`");
+                    format!("the map has no estimates, because trial 0 failed as `{failure}`");
                 warnings.push(Warning::new("failed-map", text, []));
             }
             map.table
@@ -338,9 +346,9 @@ impl<'a> Simulation<'a> {
 }
 
 const UNLIKE_MAPS: &str =
-    "maps of glides and presses do not share a table; \"cells\" and \"trace\" are possible";
+    "maps of glides and presses cannot be in one table; only \"cells\" and \"trace\" are possible";
 
-/// Empty table for maps of a scene.
+/// Empty table for the maps of a scene.
 fn map_table(study: &Study, scene: &Scene) -> Result<MapTable, ConfigError> {
     let table = scene.map_table(study.config.length_unit);
     table.map_err(|message| study.error_at(0, "outputs", message))
@@ -350,7 +358,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Tasks of a simulation that are still to be run.
+/// The tasks of a simulation that have not been run yet.
 struct Tasks<'s, 'a, F> {
     simulation: &'s Simulation<'a>,
     first: u64,
@@ -447,25 +455,25 @@ pub struct Ran {
     pub cells: Table,
     /// Table `failures.csv`: one row per cell and kind of failure.
     pub failures: Table,
-    /// Table `map.csv`, of the first trial of every cell; `None` if the config does not request it.
+    /// Table `map.csv` of the first trial of every cell; `None` if the config does not request it.
     pub map: Option<Table>,
-    /// Warnings of the cells, one per code.
+    /// Warnings of the cells, at most one warning for each code.
     pub warnings: Vec<Warning>,
-    /// Table of all trials as CSV text, one row per observation or failure; `None` without
-    /// [per-trial output](Simulation::with_trials).
+    /// Table of all trials as CSV text, with one row per observation or failure; `None` without [per-trial
+    /// output](Simulation::with_trials).
     pub trials: Option<String>,
 }
 
 /// Reason why a study cannot be run.
 #[derive(Debug, Error)]
 pub enum RunError {
-    /// Lack of threads.
+    /// No thread could be started.
     #[error(transparent)]
     NoThreads(#[from] NoThreads),
-    /// Invalid field of a cell's config.
+    /// The config of a cell has an invalid field.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// Failure of the trials.
+    /// The trials failed or were cancelled.
     #[error(transparent)]
     Sweep(#[from] SweepError<ConfigError>),
 }

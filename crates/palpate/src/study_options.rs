@@ -1,17 +1,18 @@
-//! Options of estimates from recorded readings that are computed from a simulated sensor of a study. All others follow
-//! from the config: [`GlideOptions::from_study`](crate::recorded::GlideOptions::from_study) and
+//! Options of estimates from recorded readings that depend on the simulated sensor of a study. The options of other
+//! estimates follow from the config alone: [`GlideOptions::from_study`](crate::recorded::GlideOptions::from_study) and
 //! [`PictureOptions::from_study`](crate::recorded::PictureOptions::from_study).
 //!
 //! Each function converts the study's lengths to the unit of the readings.
 //!
 //! # Errors
-//! [`StudyMismatch`] for a scene of another kind, a unit that cannot be converted, and a config that makes no scene.
+//! [`StudyMismatch`] for a scene of another kind, for a unit that cannot be converted, and for a config that does not
+//! describe a possible scene.
 
 use palpate_recorded::{PressOptions, RollOptions, StudyMismatch};
 use palpate_scene::{PressScene, RollScene, SharedModels};
 use palpate_study::config::{LengthUnit, StudyConfig};
 
-/// Options of `estimate_roll`. The noise is that of the study's sensor.
+/// Options of `estimate_roll`. The stated noise is the noise of the study's simulated sensor.
 #[expect(clippy::missing_errors_doc, reason = "the module has them")]
 pub fn roll(study: &StudyConfig, unit: LengthUnit) -> Result<RollOptions, StudyMismatch> {
     RollOptions::from_study(study, unit, |config| {
@@ -19,7 +20,7 @@ pub fn roll(study: &StudyConfig, unit: LengthUnit) -> Result<RollOptions, StudyM
     })
 }
 
-/// Options of `estimate_press`. Standard deviations are those that the study states to its estimator.
+/// Options of `estimate_press`. The study states their standard deviations as settings of its estimator.
 #[expect(clippy::missing_errors_doc, reason = "the module has them")]
 pub fn press(study: &StudyConfig, unit: LengthUnit) -> Result<PressOptions, StudyMismatch> {
     PressOptions::from_study(study, unit, |config| {

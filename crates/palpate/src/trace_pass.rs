@@ -1,21 +1,22 @@
-//! The trace of one pass of a trial.
+//! The trace of one trial.
 
 use palpate_scene::{Scenes, Trace, TraceError as PassError};
 use palpate_study::config::{ConfigError, Study};
 use thiserror::Error;
 
-/// Reason why a pass cannot be traced.
+/// Reason why a trial cannot be traced.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TraceError {
-    /// Invalid field, scene without contact, or a number that is not a cell of the study.
+    /// Invalid field, a scene without contact, or a cell number that the study does not have.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// Pass that ends early, or that the sensor cannot read.
+    /// The traced trial ends early, or the sensor cannot read it.
     #[error(transparent)]
     Pass(PassError),
 }
 
-/// Traces one pass of a cell: without noise, or as in trial number `trial`.
+/// Traces one trial of a cell. This is trial number `trial` with its noise; if `trial` is `None`, it is a trial without
+/// noise.
 ///
 /// ```
 /// let text = r#"
@@ -35,7 +36,7 @@ pub enum TraceError {
 /// ```
 ///
 /// # Errors
-/// [`TraceError`].
+/// [`TraceError`] if the config is invalid or the trial cannot be traced.
 pub fn trace(study: &Study, cell: usize, trial: Option<u64>) -> Result<Trace, TraceError> {
     let unit = study.config.length_unit;
     let trace = study.scene(cell)?.trace(trial, unit);

@@ -1,29 +1,29 @@
-//! Warnings of a run, grouped by their codes.
+//! Warnings of a run, grouped by code.
 
 use std::collections::BTreeMap;
 
 use palpate_study::Warning;
 use serde::{Deserialize, Serialize};
 
-/// Warnings of cells: of each code the first, and the number of cells.
+/// Warnings of cells. For each code, the first warning and the number of cells are stored.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Warnings {
     by_code: BTreeMap<String, Group>,
 }
 
-/// Warnings of one code.
+/// Warnings that have the same code.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Group {
-    /// Warning of the first cell.
+    /// Warning of the first cell that has this code.
     warning: Warning,
-    /// The first cell, and the place among its warnings.
+    /// Number of this cell, and index of the warning among the warnings of this cell.
     first: (usize, usize),
-    /// Number of cells.
+    /// Number of cells that have a warning with this code.
     cells: usize,
 }
 
 impl Warnings {
-    /// Adds the warnings of a cell. Of several with one code, only the first counts.
+    /// Adds the warnings of a cell. If several warnings of the cell have the same code, only the first one is used.
     pub fn add(&mut self, cell: usize, warnings: &[Warning]) {
         for (place, warning) in warnings.iter().enumerate() {
             if warnings[..place]
@@ -63,8 +63,8 @@ impl Warnings {
         known.cells = cells;
     }
 
-    /// One warning per code, in the order of the first cells. If there are several `cells`, it states which have it: the
-    /// number of these cells and the first one.
+    /// One warning for each code, in the order of the first cells. If the study has several `cells`, the text states
+    /// the number of cells with the warning, and the first of these cells.
     pub fn grouped(&self, cells: usize) -> Vec<Warning> {
         let mut groups: Vec<&Group> = self.by_code.values().collect();
         groups.sort_by_key(|group| group.first);
@@ -84,7 +84,8 @@ impl Warnings {
     }
 }
 
-/// Files with the warnings of a run, by their names: as lines, and as JSON. There are none without warnings.
+/// Files with the warnings of a run, as names and contents: one file with lines of text and one with JSON. If there are
+/// no warnings, there are no files.
 pub fn warning_files(warnings: &[Warning]) -> Vec<(&'static str, String)> {
     if warnings.is_empty() {
         return Vec::new();

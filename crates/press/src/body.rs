@@ -1,4 +1,4 @@
-//! Models of the soft body, and a contact with it.
+//! Models of the soft body, and a contact of an object with a soft body.
 
 use std::f64::consts::FRAC_2_PI;
 use std::sync::Arc;
@@ -9,10 +9,10 @@ use crate::{PressError, half_space};
 /// Distance from a contact beyond which displacements are set to 0, length.
 const MAX_DISTANCE: f64 = 1e50;
 
-/// A model of the soft body: the displacement of the skin, at the markers' depth, under a press.
+/// A model of the soft body. It computes the displacement of the skin at the markers' depth under a press.
 ///
-/// All bodies scale in the same way: with the contact's radius a and the relative curvature C_r, the displacement is
-/// C_r F(a, r) and the indentation is C_r D(a).
+/// For all bodies, the displacement is C_r F(a, r) and the indentation is C_r D(a), where a is the contact's radius, r
+/// the distance from its middle, and C_r the relative curvature.
 ///
 /// ```
 /// use palpate_press::Body;
@@ -45,58 +45,59 @@ enum Rung {
     },
 }
 
-/// Method for contacts with a layer.
+/// The method for contacts with a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Layers {
-    /// Interpolation in tables; faster for many contacts.
+    /// Interpolation in tables, which is faster for many contacts.
     Tables,
-    /// Solution of the equations of each contact; faster for few contacts.
+    /// Solution of the equations for each contact, which is faster for few contacts.
     Solved,
 }
 
-/// A contact of an object with the body.
+/// A contact between an object and the body.
 #[derive(Clone, Debug)]
 pub struct Contact<'b> {
     body: &'b Body,
     /// The contact with the layer, if the body is a layer.
     layer: Option<LayerContact>,
-    /// 1/R_s + 1/R_o, 1/length.
+    /// Relative curvature 1/R_s + 1/R_o, 1/length, with the radius R_s of the sensor and R_o of the object.
     pub relative_curvature: f64,
-    /// Approach of the bodies since first touch, length.
+    /// Approach of the bodies since their first contact, length.
     pub indentation: f64,
-    /// Radius of the contact, length.
+    /// Radius of the contact area, length.
     pub radius: f64,
 }
 
 /// Displacement of a point of the skin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Displacement {
-    /// Inward, length.
+    /// Inward displacement along the normal, length.
     pub normal: f64,
-    /// Along the skin, away from the contact, length.
+    /// Displacement along the skin, positive away from the contact, length.
     pub radial: f64,
 }
 
-/// Displacement at a distance from the middle of a contact, with its derivatives by the distance and by the contact's
-/// radius, divided by the relative curvature: F(a, r) in u = C_r F. Units: length² for displacements, length for derivatives.
+/// The function F(a, r) in u = C_r F: the displacement at a distance r from the middle of a contact of radius a,
+/// divided by the relative curvature C_r, and its derivatives with respect to r and a. Units: length² for
+/// displacements, length for derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Field {
-    /// Inward displacement.
+    /// Inward displacement, divided by the relative curvature.
     pub(crate) normal: f64,
-    /// Derivative of the inward displacement by the distance.
+    /// Derivative of the inward displacement with respect to the distance.
     pub(crate) normal_per_r: f64,
-    /// Derivative of the inward displacement by the contact's radius.
+    /// Derivative of the inward displacement with respect to the contact's radius.
     pub(crate) normal_per_a: f64,
     /// Displacement along the skin, away from the contact.
     pub(crate) radial: f64,
-    /// Derivative of the displacement along the skin by the distance.
+    /// Derivative of the displacement along the skin with respect to the distance.
     pub(crate) radial_per_r: f64,
-    /// Derivative of the displacement along the skin by the contact's radius.
+    /// Derivative of the displacement along the skin with respect to the contact's radius.
     pub(crate) radial_per_a: f64,
 }
 
 impl Body {
-    /// An elastic half-space with displacements at its surface.
+    /// An elastic half-space whose displacements are computed at its surface.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5].
@@ -104,7 +105,7 @@ impl Body {
         Self::half_space(poisson, 0.0)
     }
 
-    /// An elastic half-space with displacements at this depth.
+    /// An elastic half-space whose displacements are computed at this depth.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5] and a `depth` that is negative or beyond 1e50.
@@ -116,9 +117,10 @@ impl Body {
         Ok(Self(Rung::HalfSpace { poisson, depth }))
     }
 
-    /// An incompressible layer bonded to a rigid core, with displacements at this depth. Contacts are interpolated in tables;
-    /// the error is at most 1e-7 of the largest displacement for depths up to 0.8 of the thickness. A contact takes a few
-    /// microseconds; the first one in each of nine ranges of radii takes about ten milliseconds, because its table is computed.
+    /// An incompressible layer bonded to a rigid core, whose displacements are computed at this depth. Contacts are
+    /// interpolated in tables, with an error of at most 1e-7 of the largest displacement for depths up to 0.8 of the
+    /// thickness. The computation of a contact takes a few microseconds. There are nine ranges of contact radii; the
+    /// first contact in each range takes about ten milliseconds, because the table of this range is computed.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for a `thickness` that is not from 1e-50 to 1e50, or a `depth` outside the layer.
@@ -127,7 +129,7 @@ impl Body {
     }
 
     /// Models of one incompressible layer bonded to a rigid core, one for each depth, in the order of the depths. Their
-    /// tables are computed together, in little more time than the tables of one depth.
+    /// tables are computed together, in little more time than the tables for one depth.
     ///
     /// # Errors
     /// Errors of [`Body::bonded_layer`].
@@ -138,8 +140,8 @@ impl Body {
             .collect())
     }
 
-    /// The same layer as [`Body::bonded_layer`], but for few contacts: each is solved without tables. The error is at most 1e-9
-    /// of the largest displacement at the surface.
+    /// The same layer as [`Body::bonded_layer`], for use with few contacts: each contact is solved without tables. The
+    /// error is at most 1e-9 of the largest displacement at the surface.
     ///
     /// # Errors
     /// Errors of [`Body::bonded_layer`].
@@ -147,8 +149,8 @@ impl Body {
         Self::solved_layer_at(thickness, depth, 1.0)
     }
 
-    /// The same with `resolution` times the number of nodes. Below 1 the solution is faster and coarser; above 1 it serves as
-    /// a check of convergence.
+    /// The same as [`Body::solved_layer`], with the number of quadrature nodes multiplied by `resolution`. With a value
+    /// below 1, the solution is faster and less accurate; values above 1 are for checks of convergence.
     ///
     /// # Errors
     /// Errors of [`Body::bonded_layer`], and [`PressError::BadSetting`] for a `resolution` that is not from 1/16 to 16.
@@ -168,8 +170,8 @@ impl Body {
         })
     }
 
-    /// The approximation of the 2020 paper, u = δ exp(−r²/2σ²) with σ² = δ R/c, without displacements along the skin. The
-    /// paper has c = 1.
+    /// The approximation of the 2020 paper, u = δ exp(−r²/2σ²) with σ² = δ R/c, where δ is the indentation and R the
+    /// effective radius. There are no displacements along the skin. The paper uses c = 1.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for a `c` that is not finite and positive.
@@ -179,7 +181,7 @@ impl Body {
         Ok(Self(Rung::Gaussian { c }))
     }
 
-    /// The c of a Gaussian; `None` for other bodies.
+    /// The constant c of the Gaussian approximation; `None` for other bodies.
     pub fn c(&self) -> Option<f64> {
         match self.0 {
             Rung::Gaussian { c } => Some(c),
@@ -192,12 +194,12 @@ impl Body {
         !matches!(self.0, Rung::Gaussian { .. })
     }
 
-    /// Whether the model is only an approximation, so that its errors are larger than the noise of readings.
+    /// Whether the model is only an approximation whose errors are larger than the noise of readings.
     pub(crate) fn is_approximate(&self) -> bool {
         matches!(self.0, Rung::Gaussian { .. })
     }
 
-    /// Poisson's ratio and depth of a body with a model of sideways shifts: a half-space.
+    /// Poisson's ratio and depth, if the body has a model of sideways shifts. Only half-spaces have such a model.
     pub(crate) fn sideways(&self) -> Option<(f64, f64)> {
         match self.0 {
             Rung::HalfSpace { poisson, depth } => Some((poisson, depth)),
@@ -205,7 +207,7 @@ impl Body {
         }
     }
 
-    /// The contact with an object of this relative curvature at this indentation.
+    /// The contact with an object at this relative curvature and indentation.
     ///
     /// # Errors
     /// [`PressError::EdgeContact`] or [`PressError::Conforming`] if the relative curvature is not positive,
@@ -245,7 +247,7 @@ impl Body {
         self.contact(relative_curvature, indentation, radius)
     }
 
-    /// The contact of this radius with an object of relative curvature 1; its displacements are F(a, r).
+    /// The contact with this radius and a relative curvature of 1. Its displacements are F(a, r).
     pub(crate) fn unit_contact(&self, radius: f64) -> Result<Contact<'_>, PressError> {
         let [indentation, _] = self.indentation_of(radius)?;
         self.contact(1.0, indentation, radius)
@@ -273,7 +275,7 @@ impl Body {
         })
     }
 
-    /// The contact's radius from D = δ R.
+    /// The contact's radius, from D = δ R.
     fn contact_radius(&self, indentation_over_curvature: f64) -> Result<f64, PressError> {
         match &self.0 {
             Rung::HalfSpace { .. } | Rung::Gaussian { .. } => Ok(indentation_over_curvature.sqrt()),
@@ -284,7 +286,7 @@ impl Body {
         }
     }
 
-    /// D and dD/da at a contact radius.
+    /// The function D(a) and its derivative at a contact radius a.
     pub(crate) fn indentation_of(&self, a: f64) -> Result<[f64; 2], PressError> {
         match &self.0 {
             Rung::HalfSpace { .. } | Rung::Gaussian { .. } => Ok([a * a, 2.0 * a]),
@@ -297,8 +299,8 @@ impl Body {
 }
 
 impl Contact<'_> {
-    /// Displacement of the skin at arc distance `r` (length, of either sign) from the contact; 0 if `r` is NaN or beyond
-    /// 1e50.
+    /// Displacement of the skin at the distance `r` along the skin from the contact (length, positive or negative); 0
+    /// if `r` is NaN or beyond 1e50.
     ///
     /// The relative error is at most 1e-11 for a half-space; for a layer see [`Body::bonded_layer`].
     pub fn displacement(&self, r: f64) -> Displacement {
@@ -309,8 +311,8 @@ impl Contact<'_> {
         }
     }
 
-    /// Force between the bodies for a Young's modulus of the soft one, in the unit of the modulus times length². `None` for
-    /// the Gaussian, which has no stress, and if the force is not finite.
+    /// Force between the bodies, if the soft body has this Young's modulus. Its unit is the unit of the modulus times
+    /// length². `None` for the Gaussian approximation, which has no stress, and if the force is not finite.
     pub fn force(&self, young: f64) -> Option<f64> {
         let unit = self.relative_curvature * young;
         let force = match &self.body.0 {
@@ -323,8 +325,8 @@ impl Contact<'_> {
         force.filter(|force| force.is_finite())
     }
 
-    /// Pressure in the middle of the contact for a Young's modulus, in its unit. `None` for the Gaussian, and if the pressure
-    /// is not finite.
+    /// Pressure in the middle of the contact, if the soft body has this Young's modulus, in the unit of the modulus.
+    /// `None` for the Gaussian approximation, and if the pressure is not finite.
     pub fn peak_pressure(&self, young: f64) -> Option<f64> {
         let unit = self.relative_curvature * young;
         let pressure = match &self.body.0 {
@@ -337,7 +339,7 @@ impl Contact<'_> {
         pressure.filter(|pressure| pressure.is_finite())
     }
 
-    // Inlined, so that the compiler removes the parts that a caller does not use.
+    // The function is inlined, so that the compiler removes those parts that a caller does not use.
     #[inline(always)]
     pub(crate) fn field(&self, r: f64) -> Field {
         let (a, r) = (self.radius, r.abs());

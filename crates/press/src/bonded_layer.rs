@@ -1,11 +1,12 @@
 //! Contact with an incompressible elastic layer bonded to a rigid core.
 //!
-//! The object is a rigid paraboloid of the relative curvature without friction. The layer is flat; depths count from its
-//! surface. The displacement is the sum of that of a half-space under the contact's pressure, in closed form
-//! ([`pressure_field`]), and the correction for the rigid base: a sum over wavenumbers ([`reflection`]), or a table of it
-//! ([`contact_table`]).
+//! The object is a frictionless rigid paraboloid with the relative curvature. The layer is flat, and depths are
+//! measured from its surface. The displacement is the sum of two parts. The first is the displacement of a half-space
+//! under the contact's pressure, in closed form ([`pressure_field`]). The second is the correction for the rigid base,
+//! which is a sum over wavenumbers ([`reflection`]) or is interpolated in a table ([`contact_table`]).
 //!
-//! All lengths scale with the thickness: only the contact's radius, the depth and the distance in thicknesses matter.
+//! All lengths can be expressed in units of the thickness, so only the ratios of the contact's radius, the depth and
+//! the distance to the thickness matter.
 
 mod contact_table;
 mod pressure;
@@ -23,29 +24,29 @@ use reflection::Waves;
 use crate::PressError;
 use crate::body::Field;
 
-/// Largest radius of a contact that can be solved, in thicknesses.
+/// Largest radius of a contact that can be solved, relative to the thickness.
 const MAX_RADIUS: f64 = 50.0;
-/// Largest number of steps of Newton's method; about four are enough.
+/// Maximum number of steps of Newton's method; usually about four are enough.
 const STEPS: usize = 30;
 
-/// An incompressible layer on a rigid base, with displacements at one depth.
+/// An incompressible layer on a rigid base, whose displacements are computed at one depth.
 #[derive(Clone, Debug)]
 pub(crate) struct BondedLayer {
     thickness: f64,
     depth: f64,
     /// Number of nodes for contacts that are solved without a table, relative to the necessary number.
     resolution: f64,
-    /// The layers that share the tables, and the index of this layer among them.
+    /// The layers at several depths that share tables, and the index of this layer among them.
     family: Arc<Family>,
     number: usize,
 }
 
-/// Tables of one layer at several depths.
+/// One layer at several depths, with common tables.
 #[derive(Debug)]
 struct Family {
-    /// In thicknesses.
+    /// Depths, relative to the thickness.
     depths: Vec<f64>,
-    /// Tables at each depth in each range of radii, computed at first use.
+    /// For each range of radii, a table for each depth. The tables of a range are computed when they are first needed.
     tables: [OnceLock<Result<Vec<Table>, PressError>>; ENDS.len() - 1],
 }
 
@@ -60,20 +61,20 @@ impl Family {
     }
 }
 
-/// A contact with a [`BondedLayer`], per unit relative curvature.
+/// A contact with a [`BondedLayer`], for a relative curvature of 1.
 #[derive(Clone, Debug)]
 pub(crate) struct LayerContact {
     thickness: f64,
-    /// Depth in thicknesses; all following fields are in thicknesses too.
+    /// Depth, relative to the thickness. All following lengths are relative to the thickness too.
     depth: f64,
     contact: f64,
-    /// Indentation, its derivative by the radius, ∫ φ dt, −∫ φ'/t dt.
+    /// Four numbers: the indentation, its derivative with respect to the radius, ∫ φ dt, and −∫ φ'/t dt.
     numbers: [f64; 4],
     terms: Vec<Term>,
     base: Base,
 }
 
-/// The correction of the displacement for the rigid base, as a sum or as a table.
+/// The correction of the displacement for the rigid base, either as a sum over wavenumbers or interpolated in a table.
 #[derive(Clone, Debug)]
 enum Base {
     Waves(Waves),
@@ -81,14 +82,14 @@ enum Base {
 }
 
 impl BondedLayer {
-    /// A layer of this thickness with displacements at this depth below its surface.
+    /// A layer with this thickness, whose displacements are computed at this depth below its surface.
     pub(crate) fn new(thickness: f64, depth: f64) -> Result<Self, PressError> {
         let mut layers = Self::at_depths(thickness, &[depth])?;
         layers.pop().ok_or(PressError::OutOfRange)
     }
 
-    /// One layer at several depths, in the order of the depths. Their tables are computed together, in little more time than
-    /// those of one depth.
+    /// One layer at several depths, in the order of the depths. Their tables are computed together, in little more time
+    /// than the tables for one depth.
     pub(crate) fn at_depths(thickness: f64, depths: &[f64]) -> Result<Vec<Self>, PressError> {
         let good = (1e-50..=1e50).contains(&thickness);
         PressError::unless_good("thickness", thickness, good, "from 1e-50 to 1e50")?;
@@ -110,21 +111,23 @@ impl BondedLayer {
         Ok(depths.iter().enumerate().map(layer).collect())
     }
 
-    /// This layer with `resolution` times the number of nodes for contacts that are solved without a table. Below 1 the
-    /// solution is faster and coarser; above 1 it serves as a check of convergence. Tables do not change.
+    /// This layer, with the number of quadrature nodes multiplied by `resolution` for contacts that are solved without
+    /// a table. With a value below 1, the solution is faster and less accurate; values above 1 are for checks of
+    /// convergence. Tables do not change.
     pub(crate) fn at_resolution(self, resolution: f64) -> Result<Self, PressError> {
         let good = (0.0625..=16.0).contains(&resolution);
         PressError::unless_good("resolution", resolution, good, "from 1/16 to 16")?;
         Ok(Self { resolution, ..self })
     }
 
-    /// The thickness.
+    /// Thickness of the layer.
     pub(crate) const fn thickness(&self) -> f64 {
         self.thickness
     }
 
-    /// Indentation over relative curvature, D(a), of a contact of radius `a > 0`, and its derivative by a. With the thickness
-    /// t, D/a² falls from 1 (half-space, within 2a/t) to 1/4 (within 3t/a).
+    /// The function D(a), which is the indentation divided by the relative curvature, for a contact of radius `a > 0`,
+    /// and its derivative. With the thickness t, D/a² decreases from 1 (half-space, within 2a/t) to 1/4 (thin layer,
+    /// within 3t/a).
     pub(crate) fn indentation_of(&self, a: f64) -> Result<[f64; 2], PressError> {
         let [indentation, slope] = self.scaled_indentation(self.scaled(a)?)?;
         Ok([
@@ -133,7 +136,8 @@ impl BondedLayer {
         ])
     }
 
-    /// The contact's radius from the indentation over the relative curvature: the inverse of D(a), within 1e-12.
+    /// The contact's radius for an indentation divided by the relative curvature. It is the inverse of D(a), with a
+    /// relative error of at most 1e-12.
     pub(crate) fn contact_radius(
         &self,
         indentation_over_curvature: f64,
@@ -143,7 +147,8 @@ impl BondedLayer {
         })
     }
 
-    /// The same as [`Self::contact_radius`], but without a table: each of the few steps of Newton's method solves a contact.
+    /// The same as [`Self::contact_radius`], but without a table: each of the few steps of Newton's method solves a
+    /// contact.
     pub(crate) fn solved_contact_radius(
         &self,
         indentation_over_curvature: f64,
@@ -167,7 +172,8 @@ impl BondedLayer {
         if contact > 1.2 * MAX_RADIUS {
             return Err(too_thin(contact));
         }
-        // Newton's method on logarithms, because their relation is almost a straight line with a slope from 1.7 to 2.
+        // Newton's method is applied to the logarithms, because their relation is almost a straight line with a slope
+        // between 1.7 and 2.
         for _ in 0..STEPS {
             let tried = contact.min(MAX_RADIUS);
             let [reached, slope] = scaled_indentation(tried)?;
@@ -183,9 +189,10 @@ impl BondedLayer {
         Ok(contact.min(MAX_RADIUS) * self.thickness)
     }
 
-    /// A contact of radius `a` from a table, for fits. The error is at most 1e-7 of the largest displacement for depths up to
-    /// 0.8 of the thickness. It takes a few microseconds; the first contact in each of nine ranges of radii takes about ten
-    /// milliseconds, because its table is computed. Beyond 12 thicknesses it is the same as [`Self::solved`].
+    /// A contact of radius `a` from a table, for use in fits. The error is at most 1e-7 of the largest displacement for
+    /// depths up to 0.8 of the thickness. The computation takes a few microseconds. There are nine ranges of contact
+    /// radii; the first contact in each range takes about ten milliseconds, because the table of this range is
+    /// computed. For radii beyond 12 thicknesses, it is the same as [`Self::solved`].
     pub(crate) fn contact(&self, a: f64) -> Result<LayerContact, PressError> {
         let contact = self.scaled(a)?;
         let Some(place) = Table::place(contact) else {
@@ -202,7 +209,8 @@ impl BondedLayer {
         })
     }
 
-    /// A contact of radius `a`, solved without a table; the error is at most 1e-9 of the largest displacement at the surface.
+    /// A contact of radius `a`, solved without a table. The error is at most 1e-9 of the largest displacement at the
+    /// surface.
     pub(crate) fn solved(&self, a: f64) -> Result<LayerContact, PressError> {
         let contact = self.scaled(a)?;
         let depth = self.depth / self.thickness;
@@ -222,7 +230,7 @@ impl BondedLayer {
         })
     }
 
-    /// A radius in thicknesses, if it is in the range that can be solved.
+    /// The radius relative to the thickness, if it is in the range that can be solved; otherwise an error.
     fn scaled(&self, a: f64) -> Result<f64, PressError> {
         let contact = a / self.thickness;
         if contact.is_nan() || contact <= 0.0 {
@@ -248,25 +256,26 @@ impl BondedLayer {
 }
 
 impl LayerContact {
-    /// The indentation over the relative curvature, and its derivative by the contact's radius.
+    /// The indentation divided by the relative curvature, and its derivative with respect to the contact's radius.
     pub(crate) fn indentation(&self) -> [f64; 2] {
         let [indentation, slope, ..] = self.numbers;
         let thickness = self.thickness;
         [indentation * thickness * thickness, slope * thickness]
     }
 
-    /// The force over the relative curvature and E* = E/(1 − ν²) = 4E/3.
+    /// The force divided by the relative curvature and by E* = E/(1 − ν²) = 4E/3.
     pub(crate) fn force(&self) -> f64 {
         PI * self.numbers[2] * self.thickness.powi(3)
     }
 
-    /// The highest pressure, in the middle of the contact, over the relative curvature and E*.
+    /// The pressure in the middle of the contact, which is the highest pressure, divided by the relative curvature and
+    /// by E*.
     pub(crate) fn peak_pressure(&self) -> f64 {
         0.5 * self.numbers[3] * self.thickness
     }
 
-    /// Displacements at distance `r` (of either sign) from the contact, and their derivatives. They are 0 at the base, and are
-    /// set to 0 more than 30 thicknesses beyond the contact.
+    /// Displacements at the distance `r` (positive or negative) from the contact, and their derivatives. They are 0 at
+    /// the base. At more than 30 thicknesses beyond the contact's edge, they are set to 0.
     pub(crate) fn field(&self, r: f64) -> Field {
         let r = r.abs() / self.thickness;
         if r.is_nan() || r > self.contact + reflection::BEYOND || self.depth == 1.0 {
@@ -289,7 +298,8 @@ impl LayerContact {
     }
 }
 
-/// The contact's radius from √D, both in thicknesses, within a few per cent: D/a² falls from 1 to ¼.
+/// An estimate of the contact's radius from √D, both relative to the thickness, within a few per cent. It uses that
+/// D/a² decreases from 1 to ¼.
 fn guessed_contact(root: f64) -> f64 {
     let mut contact = root;
     for _ in 0..STEPS {

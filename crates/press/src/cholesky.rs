@@ -1,4 +1,4 @@
-//! Cholesky decomposition of small symmetric matrices, scaled to a unit diagonal first.
+//! Cholesky decomposition of small symmetric matrices. The matrices are first scaled such that their diagonal is 1.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -19,7 +19,7 @@ pub(crate) fn solve<const N: usize>(
         .then_some(solution)
 }
 
-/// Inverse of a matrix; `None` if the least diagonal entry of the scaled factor is `singular` or less.
+/// Inverse of a matrix; `None` if the smallest diagonal entry of the scaled Cholesky factor is at most `singular`.
 pub(crate) fn inverse<const N: usize>(
     matrix: &SMatrix<f64, N, N>,
     singular: f64,

@@ -1,21 +1,25 @@
-//! Frictionless contact of a rigid object of two principal curvatures with an elastic half-space, at any depth.
+//! Frictionless contact between a rigid object with two different principal curvatures and an elastic half-space, with
+//! displacements at any depth.
 //!
-//! With the gap A x² + B y² (A ≤ B are half the relative principal curvatures) the contact is an ellipse with semi-axes a ≥ b
-//! under the pressure p₀ √(1 − x²/a² − y²/b²) (Johnson 1985, §4.2). In Carlson's integrals
+//! The gap between the bodies is A x² + B y², where A ≤ B are half the relative principal curvatures. The contact is an
+//! ellipse with the semi-axes a ≥ b under the pressure p₀ √(1 − x²/a² − y²/b²) (Johnson 1985, §4.2). In terms of
+//! Carlson's integrals,
 //!
 //! ```text
 //! δ = P ab R_F(0, a², b²)     A = P ab R_D(0, b², a²)/3     B = P ab R_D(0, a², b²)/3     P = p₀/E*
 //! ```
 //!
-//! which are exact in the round limit. The displacements follow from Boussinesq's potentials ψ = ∫ p/ρ and χ = ∫ p ln(ρ + z):
+//! which are also exact for a round contact. The displacements follow from Boussinesq's potentials ψ = ∫ p/ρ and χ = ∫
+//! p ln(ρ + z):
 //!
 //! ```text
 //! u_z = [2(1−ν)ψ − z ψ_z]/(2π(1−ν)E*)      u_x = −[z ψ_x + (1−2ν) χ_x]/(2π(1−ν)E*)
 //! ψ = (π ab p₀/2) ∫_λ^∞ [1 − x²/(a²+s) − y²/(b²+s) − z²/s] ds/√((a²+s)(b²+s)s)
 //! ```
 //!
-//! λ is the largest root of x²/(a²+λ) + y²/(b²+λ) + z²/λ = 1. χ_x is −∫_z^∞ ψ_x dz; with the order of the integrals exchanged
-//! it is the integral of a rational function of v, where s = m + 1/v + h²v makes the square root rational.
+//! λ is the largest root of x²/(a²+λ) + y²/(b²+λ) + z²/λ = 1. χ_x is −∫_z^∞ ψ_x dz. After exchanging the order of the
+//! integrals, and with the substitution s = m + 1/v + h²v, which makes the square root rational, it is the integral of
+//! a rational function of v.
 
 use std::num::NonZeroUsize;
 use std::sync::LazyLock;
@@ -24,13 +28,15 @@ use gauss_quad::GaussLegendre;
 
 use crate::PressError;
 
-/// Largest ratio of the relative principal curvatures; beyond it the contact is a line, whose indentation depends on its length.
+/// Largest ratio of the relative principal curvatures. Beyond it, the contact is practically a line, and its
+/// indentation depends on the length of the line.
 const MAX_CURVATURE_RATIO: f64 = 1e6;
 
 /// Distance from the contact, relative to its longer semi-axis, beyond which displacements are set to 0.
 const MAX_DISTANCE: f64 = 1e50;
 
-/// Panels of the quadrature of χ_x, each half as long as the one before: the integrand may peak at the end.
+/// Number of panels in the quadrature of χ_x. Each panel is half as long as the one before, because the integrand may
+/// have a peak at the end.
 const PANELS: i32 = 12;
 
 /// Number of nodes of one panel.
@@ -42,7 +48,8 @@ static PANEL: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     rule.iter().map(|(node, weight)| [*node, *weight]).collect()
 });
 
-/// An elliptic contact. Its x axis is the longer axis of the ellipse, along which the relative curvature is smaller.
+/// An elliptic contact. Its x axis is the longer axis of the ellipse, which is the direction of the smaller relative
+/// curvature.
 ///
 /// ```
 /// use palpate_press::EllipticContact;
@@ -55,13 +62,13 @@ static PANEL: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EllipticContact {
-    /// Relative principal curvatures, the smaller first, 1/length.
+    /// Relative principal curvatures, 1/length, the smaller one first.
     pub relative_curvatures: [f64; 2],
-    /// Approach of the bodies since first touch, length.
+    /// Distance by which the bodies have approached each other since they first touched, length.
     pub indentation: f64,
-    /// Semi-axes of the contact, the longer first, length.
+    /// Semi-axes of the contact area, the longer one first, length.
     pub semi_axes: [f64; 2],
-    /// Pressure in the middle over the effective modulus E/(1 − ν²).
+    /// Pressure in the middle of the contact, divided by the effective modulus E/(1 − ν²).
     pub peak_pressure: f64,
     poisson: f64,
 }
@@ -69,18 +76,19 @@ pub struct EllipticContact {
 /// Displacement of a point under an elliptic contact, length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EllipticDisplacement {
-    /// Inward.
+    /// Displacement inward, length.
     pub normal: f64,
-    /// Along the contact's longer and shorter axis.
+    /// Displacements along the longer and the shorter axis of the contact.
     pub along: [f64; 2],
 }
 
 impl EllipticContact {
-    /// The contact at these relative principal curvatures (1/length, 1/R_s + κ, the smaller first) and this indentation.
+    /// The contact for these relative principal curvatures (1/R_s + κ, 1/length, the smaller one first) and this
+    /// indentation.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`] for a ratio `poisson` outside [0, 0.5], and for curvatures that are not in order, not between
-    /// 1e-50 and 1e50, or whose ratio exceeds 1e6; [`PressError::NoIndentation`].
+    /// [`PressError::BadSetting`] for a Poisson's ratio `poisson` outside [0, 0.5], and for curvatures that are not in
+    /// order, not between 1e-50 and 1e50, or whose ratio exceeds 1e6; [`PressError::NoIndentation`].
     pub fn new(
         poisson: f64,
         relative_curvatures: [f64; 2],
@@ -99,7 +107,7 @@ impl EllipticContact {
         }
         let ratio = axis_ratio(larger / smaller);
         let square = ratio * ratio;
-        // A/δ = R_D(0, b², a²)/(3 R_F(0, a², b²)), and both scale with a.
+        // With the longer semi-axis as unit, A/δ = R_D(0, b², a²)/(3 R_F(0, a², b²)); both sides scale with a.
         let [first, size] = [carlson_d(0.0, square, 1.0), carlson_f(0.0, 1.0, square)];
         let a = (indentation / (0.5 * smaller) * first / (3.0 * size)).sqrt();
         Ok(Self {
@@ -117,21 +125,23 @@ impl EllipticContact {
         long.sqrt() * short.sqrt()
     }
 
-    /// Force between the bodies for a Young's modulus of the soft one, 2π ab p₀/3, in the unit of the modulus times length².
+    /// Force between the bodies, 2π ab p₀/3, for this Young's modulus of the soft body, in the unit of the modulus
+    /// times length².
     pub fn force(&self, young: f64) -> f64 {
         let [long, short] = self.semi_axes;
         2.0 / 3.0 * std::f64::consts::PI * long * short * self.pressure(young)
     }
 
-    /// Pressure in the middle of the contact for a Young's modulus of the soft body, in its unit.
+    /// Pressure in the middle of the contact, for this Young's modulus of the soft body, in the unit of the modulus.
     pub fn pressure(&self, young: f64) -> f64 {
         young * self.peak_pressure / (1.0 - self.poisson * self.poisson)
     }
 
-    /// The displacement at (x, y) in the axes of the ellipse and at depth `z` ≥ 0, lengths below 1e50.
+    /// The displacement at the point (x, y) in the axes of the ellipse and at the depth `z` ≥ 0. The lengths must be
+    /// below 1e50.
     pub fn displacement(&self, x: f64, y: f64, z: f64) -> EllipticDisplacement {
         let [a, b] = self.semi_axes;
-        // In units of the longer semi-axis.
+        // From here on, lengths are in units of the longer semi-axis.
         let [x, y, z, b] = [x / a, y / a, z / a, b / a];
         let distance = x.abs() + y.abs() + z;
         if distance.is_nan() || distance > MAX_DISTANCE {
@@ -140,7 +150,7 @@ impl EllipticContact {
         let (square_x, square_y, square_z) = (x * x, y * y, z * z);
         let lambda = confocal(b * b, square_x, square_y, square_z);
         let (long, short) = (1.0 + lambda, b * b + lambda);
-        // 2/3 R_D of each axis: ψ_x = −π P ab x `by_x`.
+        // These are 2/3 R_D for each axis: ψ_x = −π P ab x `by_x`.
         let by_x = 2.0 / 3.0 * carlson_d(short, lambda, long);
         let by_y = 2.0 / 3.0 * carlson_d(long, lambda, short);
         let by_z = if lambda > 0.0 {
@@ -170,7 +180,8 @@ impl EllipticContact {
     }
 }
 
-/// b/a of the contact at this ratio ≥ 1 of the curvatures: bisection, then Newton's steps by secants, in logarithms.
+/// The ratio b/a of the semi-axes for this ratio (≥ 1) of the curvatures. It is found by bisection, followed by secant
+/// steps, in logarithms.
 fn axis_ratio(curvatures: f64) -> f64 {
     if curvatures <= 1.0 {
         return 1.0;
@@ -180,7 +191,7 @@ fn axis_ratio(curvatures: f64) -> f64 {
         let square = libm::exp(2.0 * log_ratio);
         libm::log(carlson_d(0.0, 1.0, square) / carlson_d(0.0, square, 1.0)) - target
     };
-    // The ratio of the axes lies between the powers −1 and −1/2 of the ratio of the curvatures.
+    // The ratio of the semi-axes is between the powers −1 and −1/2 of the ratio of the curvatures.
     let (mut low, mut high) = (-target, -0.5 * target);
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
@@ -196,12 +207,12 @@ fn axis_ratio(curvatures: f64) -> f64 {
     libm::exp(0.5 * (low + high))
 }
 
-/// The largest root of x²/(1 + λ) + y²/(b² + λ) + z²/λ = 1, 0 in the contact.
+/// The largest root λ of x²/(1 + λ) + y²/(b² + λ) + z²/λ = 1; 0 in the contact.
 fn confocal(square_b: f64, x: f64, y: f64, z: f64) -> f64 {
     if z == 0.0 && x + y / square_b <= 1.0 {
         return 0.0;
     }
-    // The left side is convex and falls, so that Newton's steps from below never pass the root.
+    // The left side is convex and decreases, so Newton steps from below never go beyond the root.
     let mut lambda = z
         .max(x + y + z - 1.0)
         .max(y - square_b)
@@ -221,8 +232,8 @@ fn confocal(square_b: f64, x: f64, y: f64, z: f64) -> f64 {
     lambda
 }
 
-/// ∫_λ^∞ √Q/((A+s)²(B+s)) ds with A = 1, B = b², Q = (A+s)(B+s) − x²(B+s) − y²(A+s), and the same with A and B exchanged;
-/// `edge` is √Q(λ).
+/// The integral ∫_λ^∞ √Q/((A+s)²(B+s)) ds with A = 1, B = b² and Q = (A+s)(B+s) − x²(B+s) − y²(A+s), and the same
+/// integral with A and B exchanged. `edge` is √Q(λ).
 fn rational_integrals(square_b: f64, x: f64, y: f64, lambda: f64, edge: f64) -> [f64; 2] {
     let middle = 0.5 * (x + y - 1.0 - square_b);
     let product = square_b - square_b * x - y;
@@ -254,10 +265,11 @@ fn rational_integrals(square_b: f64, x: f64, y: f64, lambda: f64, edge: f64) -> 
     sums
 }
 
-/// Deviation of the arguments from their mean below which the series of Carlson's integrals are exact to rounding.
+/// If the arguments deviate from their mean by less than this value, the series of Carlson's integrals are exact to
+/// rounding errors.
 const DUPLICATED: f64 = 2e-3;
 
-/// Carlson's R_F(x, y, z) by duplication (Carlson 1979), for arguments ≥ 0 of which at most one is 0.
+/// Carlson's R_F(x, y, z) by duplication (Carlson 1979). The arguments must be ≥ 0, and at most one of them may be 0.
 fn carlson_f(mut x: f64, mut y: f64, mut z: f64) -> f64 {
     loop {
         let mean = (x + y + z) / 3.0;
@@ -272,7 +284,7 @@ fn carlson_f(mut x: f64, mut y: f64, mut z: f64) -> f64 {
     }
 }
 
-/// Carlson's R_D(x, y, z) by duplication, for z > 0 and x, y ≥ 0 of which at most one is 0.
+/// Carlson's R_D(x, y, z) by duplication. z must be > 0, x and y ≥ 0, and at most one of x and y may be 0.
 fn carlson_d(mut x: f64, mut y: f64, mut z: f64) -> f64 {
     let (mut sum, mut factor) = (0.0, 1.0);
     loop {

@@ -1,7 +1,9 @@
-//! Principal curvatures of an object from one press: least squares of an elliptic contact of a half-space.
+//! Estimates the principal curvatures of an object from one press, by a least-squares fit of an elliptic contact with a
+//! half-space.
 //!
-//! The unknowns are the logarithm S of the tensor of relative curvature (its eigenvalues are ln(1/R_s + κ), so that every S is a
-//! contact), the place and the indentation. S is smooth where both curvatures coincide, where the axis is undefined.
+//! The fit parameters are the matrix logarithm S of the relative-curvature tensor, the place of the contact and the
+//! indentation. The eigenvalues of S are ln(1/R_s + κ), so every S is a possible contact. S is smooth even where both
+//! curvatures are equal and the axis is undefined.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use palpate_statistics::student_half_width;
@@ -11,37 +13,40 @@ use crate::{
     Place, PressError, PressEstimate, PrincipalCurvatures, Prior, Reading, Verdict,
 };
 
-/// Sxx, Sxy, Syy in the axes at the place; displacements of the contact along both axes; the indentation.
+/// Number of fitted parameters: Sxx, Sxy and Syy in the axes at the place, two displacements of the contact along these
+/// axes, and the indentation.
 const UNKNOWNS: usize = 6;
+/// Index of the indentation in the fitted parameters.
 const INDENTATION: usize = 5;
 
 type Step = SVector<f64, UNKNOWNS>;
 type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// Largest number of steps of Levenberg and Marquardt's method.
+/// Maximum number of Levenberg–Marquardt steps.
 const MAX_STEPS: usize = 60;
 
-/// The minimiser stops if a step is predicted to decrease chi-squared by less than this.
+/// The minimisation stops if the next step is predicted to decrease chi-squared by less than this value.
 const ENOUGH: f64 = 1e-6;
 
-/// Step of derivatives, relative to the unit of each unknown.
+/// Step for numerical derivatives, relative to the unit of each unknown.
 const DIFFERENCE: f64 = 1e-4;
 
-/// Limits of the logarithm of a relative curvature, relative to that of the sensor.
+/// Largest absolute value of the logarithm of a relative curvature divided by the sensor's curvature.
 const LOG_RANGE: f64 = 11.0;
 
-/// Logarithm of the largest reported relative curvature, relative to that of the sensor; a sharper end is open.
+/// Largest value of the logarithm of a relative curvature divided by the sensor's curvature that is reported as the end
+/// of an interval. A larger end is reported as unbounded.
 const MAX_LOG: f64 = 8.0;
 
 /// Number of directions in which bounds of the normal curvature are computed.
 const DIRECTIONS: usize = 360;
 
-/// Passes that estimate the noise from the residuals.
+/// Number of iterations in which the noise is estimated from the residuals.
 const NOISE_PASSES: usize = 2;
 
 impl ForwardFit {
-    /// Estimates both principal curvatures from a reading. The curvature of the estimate is their mean, its contact radius the
-    /// geometric mean of the semi-axes.
+    /// Estimates both principal curvatures from a reading. In the result, the curvature is their mean, and the contact
+    /// radius is the geometric mean of the semi-axes.
     pub(crate) fn elliptic_estimate(
         &self,
         reading: &Reading<'_>,
@@ -91,8 +96,8 @@ impl ForwardFit {
         problem.outcome(&best)
     }
 
-    /// [`ForwardFit::bounds`] of a fit of both principal curvatures, for a true contact at chart coordinates `at` whose longer
-    /// axis has the angle `axis` to the x axis there.
+    /// [`ForwardFit::bounds`] for a fit of both principal curvatures. The true contact is at the chart coordinates
+    /// `at`, and its longer axis forms the angle `axis` with the x axis there.
     pub fn elliptic_bounds(
         &self,
         markers: &Markers,
@@ -132,7 +137,8 @@ impl ForwardFit {
         let mean = 0.5 * (smaller + larger);
         let across = axis + std::f64::consts::FRAC_PI_2;
         let mean_std = stds.mean([larger, smaller], [across, axis]);
-        // Equal curvatures have no axis, and the larger and the smaller one are no smooth functions of the unknowns.
+        // If the curvatures are equal, there is no axis, and the larger and the smaller curvature are no smooth
+        // functions of the fitted parameters.
         let principal = (high > low).then(|| {
             let axis_std = stds.turn(axis) / (high - low);
             [
@@ -150,11 +156,11 @@ impl ForwardFit {
     }
 }
 
-/// Standard deviations, to first order, by the covariance of the unknowns.
+/// Standard errors to first order, computed from the covariance of the fitted parameters.
 struct Stds(Square);
 
 impl Stds {
-    /// `None` if the readings do not determine all unknowns.
+    /// The standard errors; `None` if the readings do not determine all parameters.
     fn new(hessian: &Square) -> Option<Self> {
         let inverse = hessian.try_inverse()?;
         let is_finite = inverse.iter().all(|part| part.is_finite());
@@ -162,24 +168,24 @@ impl Stds {
         (is_finite && is_positive).then_some(Self(inverse))
     }
 
-    /// Of a sum of the tensor's xx, xy and yy with these weights.
+    /// Standard error of the sum of the tensor's components xx, xy and yy, multiplied by these weights.
     fn tensor(&self, weights: &Vector3<f64>) -> f64 {
         let tensor: Matrix3<f64> = self.0.fixed_view::<3, 3>(0, 0).into();
         weights.dot(&(tensor * weights)).max(0.0).sqrt()
     }
 
-    /// Of the logarithm of the curvature in a direction.
+    /// Standard error of the logarithm of the curvature in a direction.
     fn along(&self, angle: f64) -> f64 {
         self.tensor(&along(angle))
     }
 
-    /// Of the tensor's component across a principal direction.
+    /// Standard error of the tensor's mixed component in the frame of a principal direction.
     fn turn(&self, angle: f64) -> f64 {
         let (sine, cosine) = libm::sincos(2.0 * angle);
         self.tensor(&(0.5 * Vector3::new(-sine, 2.0 * cosine, sine)))
     }
 
-    /// Of the mean of both relative curvatures in these directions, relative to it.
+    /// Relative standard error of the mean of both relative curvatures, whose directions have these angles.
     fn mean(&self, [larger, smaller]: [f64; 2], angles: [f64; 2]) -> f64 {
         let [first, second] = angles.map(along);
         self.tensor(&((first * larger + second * smaller) / (larger + smaller)))
@@ -193,13 +199,15 @@ impl Stds {
         self.0[(INDENTATION, INDENTATION)].sqrt()
     }
 
-    /// a² ∝ δ/C: the error of the indentation and that of the mean curvature, as if independent.
+    /// Standard error of the contact radius a. Because a² ∝ δ/C, it follows from the errors of the indentation δ and
+    /// the mean curvature C, which are treated as independent.
     fn contact_radius(&self, contact: &EllipticContact, mean_std: f64) -> f64 {
         0.5 * contact.radius() * libm::hypot(mean_std, self.indentation() / contact.indentation)
     }
 }
 
-/// A start: the marker that moved most, and a contact of the sensor's own size.
+/// Start values: the place of the marker that moved most, and an object with the sensor's own curvature (relative
+/// curvature 2/R_s).
 fn guess(reading: &Reading<'_>) -> Result<(f64, Place, f64), PressError> {
     let markers = reading.markers;
     let (marker, largest) = reading
@@ -228,7 +236,8 @@ struct State {
     indentation: f64,
 }
 
-/// Eigenvalues of a symmetric tensor (xx, xy, yy), the larger first, and the angle of the larger one's direction.
+/// Eigenvalues of a symmetric tensor (xx, xy, yy), the larger one first, and the angle of the direction of the larger
+/// eigenvalue.
 fn principal(tensor: &Vector3<f64>) -> ([f64; 2], f64) {
     let (mean, half) = (0.5 * (tensor[0] + tensor[2]), 0.5 * (tensor[0] - tensor[2]));
     let radius = libm::hypot(half, tensor[1]);
@@ -236,7 +245,7 @@ fn principal(tensor: &Vector3<f64>) -> ([f64; 2], f64) {
     ([mean + radius, mean - radius], angle)
 }
 
-/// Slopes of the eigenvalue in a direction by xx, xy and yy.
+/// Derivatives of the eigenvalue in a direction with respect to the components xx, xy and yy.
 fn along(angle: f64) -> Vector3<f64> {
     let (sine, cosine) = libm::sincos(angle);
     Vector3::new(cosine * cosine, 2.0 * sine * cosine, sine * sine)
@@ -244,7 +253,8 @@ fn along(angle: f64) -> Vector3<f64> {
 
 struct Fit {
     state: State,
-    /// Readings minus model, in standard deviations: normal, then tangential, then the stated indentation.
+    /// Differences between readings and model in standard deviations: normal displacements, then tangential
+    /// displacements, then the stated indentation.
     residuals: Vec<f64>,
     chi_squared: f64,
     /// Half the Hessian of chi-squared.
@@ -257,7 +267,7 @@ struct Problem<'a> {
     reading: &'a Reading<'a>,
     /// Standard deviations of normal and tangential displacements.
     stds: [f64; 2],
-    /// Whether each is estimated from the residuals.
+    /// Whether the standard deviations of normal and of tangential displacements are estimated from the residuals.
     is_estimated: [bool; 2],
 }
 
@@ -284,7 +294,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Number of readings, the stated indentation aside.
+    /// Number of readings, without the stated indentation.
     fn readings(&self) -> usize {
         self.reading.normal.len()
             * if self.reading.tangential.is_some() {
@@ -302,7 +312,7 @@ impl<'a> Problem<'a> {
         }
         let curvatures = [libm::exp(smaller), libm::exp(larger)];
         let contact = EllipticContact::new(self.half_space.0, curvatures, state.indentation)?;
-        // The longer axis of the contact is along the smaller curvature.
+        // The longer axis of the contact is in the direction of the smaller curvature.
         Ok((contact, angle + std::f64::consts::FRAC_PI_2))
     }
 
@@ -342,7 +352,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The fit at a state, with the gradient of half chi-squared.
+    /// Residuals, gradient of half of chi-squared and Hessian at a state.
     fn fit_at(&self, state: State) -> Result<(Fit, Step), PressError> {
         let residuals = self.residuals(&state)?;
         let size = self.contact(&state)?.0.semi_axes[1];
@@ -404,7 +414,7 @@ impl<'a> Problem<'a> {
         Ok(best)
     }
 
-    /// Estimates unknown noise from the residuals of a fit; `false` if none is unknown.
+    /// Estimates the noise that is not stated from the residuals of a fit; returns `false` if all noise is stated.
     fn estimate_noise(&mut self, fit: &Fit) -> bool {
         let count = self.reading.normal.len();
         let share = 1.0 - UNKNOWNS as f64 / self.readings().max(UNKNOWNS + 1) as f64;
@@ -451,15 +461,17 @@ impl<'a> Problem<'a> {
             let value = along(angle).dot(&best.state.log);
             let width = limit * stds.along(angle);
             let ends = [value - width, value + width];
-            // The larger curvature is at least, and the smaller at most, the one in any direction.
+            // In any direction, the normal curvature is at most the larger principal curvature and at least the smaller
+            // one.
             bounds[0] = [0, 1].map(|end| bounds[0][end].max(ends[end]));
             bounds[1] = [0, 1].map(|end| bounds[1][end].min(ends[end]));
         }
         let across = stds.turn(angle);
-        // Noise separates the eigenvalues of a tensor: the second-order bias of both.
+        // Noise increases the difference between the two eigenvalues of a tensor. This is their second-order bias.
         let gap = larger - smaller;
         let repulsion = (across * across / gap).min(0.5 * gap);
-        // An angle off the axis by Δ is in the 95 % interval if the tensor's component across it, gap sin(2Δ)/2, is within its limit.
+        // An angle that differs from the axis by Δ is in the 95 % interval if the mixed component of the tensor in its
+        // frame, gap sin(2Δ)/2, is within its limit.
         let unknown = std::f64::consts::PI / 12.0_f64.sqrt();
         let sine = 2.0 * limit * across / gap;
         let axis_std = if sine < 1.0 {
@@ -470,7 +482,7 @@ impl<'a> Problem<'a> {
         let finite = |log: f64| (log - own_log < MAX_LOG).then(|| libm::exp(log) - own);
         let curvature = |log: f64, bias: f64, angle: f64, [low, high]: [f64; 2]| {
             let std = stds.along(angle);
-            // The readings are nearly linear in the radius, so that the curvature has the bias of 1/x.
+            // The readings are nearly linear in the radius of curvature, so the curvature has the same bias as 1/x.
             let value = (log - bias - libm::log1p(std * std)).clamp(low, high);
             Estimated {
                 value: libm::exp(value) - own,
@@ -548,7 +560,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// An axis's angle, from −π/2 to π/2.
+/// An axis's angle, reduced to the range from −π/2 to π/2.
 fn half_turn(angle: f64) -> f64 {
     angle - std::f64::consts::PI * (angle / std::f64::consts::PI).round()
 }

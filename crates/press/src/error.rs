@@ -1,10 +1,10 @@
-//! Errors of impossible presses, and of readings that do not determine a curvature.
+//! Errors for impossible presses, and for readings that do not determine a curvature.
 
 use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Reasons why a press is impossible, or why its curvature cannot be estimated.
+/// Reasons for which a press is impossible or its curvature cannot be estimated.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum PressError {
@@ -17,29 +17,30 @@ pub enum PressError {
         /// Number of the marker, counted from 0.
         marker: usize,
     },
-    /// A marker lies beyond the pole of the skin opposite the apex.
+    /// A marker is beyond the point of the skin opposite the apex.
     #[error(
-        "marker {marker} (counting from 0) lies {distance} from the apex along the skin, whose other pole is at {limit}",
+        "marker {marker} (counting from 0) lies {distance} from the apex along the skin; the skin \
+         ends at {limit}",
         distance = Number(*distance), limit = Number(*limit)
     )]
     OffSkin {
         /// Number of the marker, counted from 0.
         marker: usize,
-        /// Distance from the apex, length.
+        /// Distance of the marker from the apex along the skin, length.
         distance: f64,
         /// Half the sensor's circumference, length.
         limit: f64,
     },
-    /// The bodies do not press into each other.
+    /// The indentation is not positive, so the bodies do not touch.
     #[error(
-        "the indentation is {indentation}; a contact needs one > 0",
+        "the indentation is {indentation}; it must be > 0 for a contact",
         indentation = Number(*indentation)
     )]
     NoIndentation {
-        /// The approach of the bodies since first touch, length.
+        /// Approach of the bodies since their first contact, length.
         indentation: f64,
     },
-    /// The object is hollow with exactly the curvature of the sensor: the surfaces touch everywhere at once.
+    /// The object is concave with exactly the curvature of the sensor, so the surfaces touch everywhere at once.
     #[error(
         "the bodies conform: the relative curvature is {relative_curvature}",
         relative_curvature = Number(*relative_curvature)
@@ -48,16 +49,18 @@ pub enum PressError {
         /// 1/R_s + 1/R_o, 1/length.
         relative_curvature: f64,
     },
-    /// The object is hollow with more curvature than the sensor: the sensor touches its edge, not its bottom.
+    /// The object is concave with a larger curvature than the sensor, so the sensor touches the object's edge instead
+    /// of its bottom.
     #[error(
-        "the relative curvature is {relative_curvature}, below 0: the contact is at the edge",
+        "the relative curvature is {relative_curvature}, below 0: the sensor touches the edge of \
+         the object",
         relative_curvature = Number(*relative_curvature)
     )]
     EdgeContact {
         /// 1/R_s + 1/R_o, 1/length.
         relative_curvature: f64,
     },
-    /// The indentation reaches beyond the elastic body.
+    /// The indentation is deeper than the elastic body.
     #[error(
         "the indentation is {indentation}; it must be less than {limit}, {what}",
         indentation = Number(*indentation), limit = Number(*limit)
@@ -65,60 +68,61 @@ pub enum PressError {
     TooDeep {
         /// The indentation, length.
         indentation: f64,
-        /// Limit that the indentation must stay below, length.
+        /// Limit below which the indentation must be, length.
         limit: f64,
-        /// Name of that limit, such as "the layer's thickness".
+        /// Name of this limit, such as "the layer's thickness".
         what: &'static str,
     },
     /// The contact would be too wide for the sensor or for the convex object.
     #[error(
-        "the contact would have a radius of {radius:.4}; it must stay below {limit:.4}, {what}",
+        "the contact radius would be {radius:.4}; it must be less than {limit:.4}, {what}",
         radius = Number(*radius), limit = Number(*limit)
     )]
     TooWide {
         /// Radius of the contact, length.
         radius: f64,
-        /// Limit that the radius must stay below, length.
+        /// Limit below which the radius must be, length.
         limit: f64,
-        /// Name of that limit, such as "the sensor's radius".
+        /// Name of this limit, such as "the sensor's radius".
         what: &'static str,
     },
-    /// The contact is so much wider than the layer is thick that the equations cannot be solved.
+    /// The ratio of the contact's radius to the layer's thickness is too large for the equations to be solved.
     #[error(
-        "the contact is {} times as wide as the layer is thick; at most {limit} can be solved",
+        "the contact radius is {} times the layer's thickness; it must be at most {limit} times \
+         the thickness",
         Number::rounded(*ratio)
     )]
     LayerTooThin {
-        /// Radius of the contact over the thickness.
+        /// Ratio of the contact's radius to the thickness.
         ratio: f64,
-        /// The largest that can be solved.
+        /// Largest ratio for which the equations can be solved.
         limit: f64,
     },
-    /// Fewer readings than unknowns.
+    /// There are fewer readings than fit parameters.
     #[error("{markers} marker(s) give {equations} equation(s); {needed} are needed")]
     TooFewMarkers {
         /// Number of markers.
         markers: usize,
-        /// Number of equations: one for each marker, three if its tangential displacement is measured too.
+        /// Number of equations: one per marker, or three per marker if tangential displacements are measured too.
         equations: usize,
-        /// Number of equations needed.
+        /// Required number of equations.
         needed: usize,
     },
-    /// All markers moved alike, or not beyond their noise. Without contact, fewer than 5 % of the presses are mistaken for a
-    /// contact (`cargo xtask intervals press`).
+    /// All markers moved equally, or they did not move more than their noise. If there is no contact, fewer than 5 % of
+    /// the readings are mistaken for a contact (`cargo xtask intervals press`).
     #[error(
         "no contact to be seen: the best fit explains the readings only {improvement:.1} better \
          than none does (chi-squared; {needed:.1} are needed)",
         improvement = Number(*improvement)
     )]
     NoContact {
-        /// Chi-squared without a contact minus that with one.
+        /// Chi-squared of the best fit without a contact, minus chi-squared of the best fit with a contact.
         improvement: f64,
-        /// Smallest improvement that counts as a contact.
+        /// Smallest improvement of chi-squared that counts as a contact.
         needed: f64,
     },
-    /// The markers moved, but not as in a press of this body: a press explains them no better than no press, or a needle of any
-    /// sharpness does.
+    /// The markers moved, but not as in a press on this body: either no press explains the readings better than no
+    /// contact, or very sharp objects of any curvature explain them equally well.
     #[error(
         "the markers moved, but not as a press moves this body: residuals have a chi-squared of {chi_squared:.1}, where noise \
          alone leaves about {freedom}; the body, its thickness or the depth of the markers is another, or noise is larger \
@@ -126,42 +130,44 @@ pub enum PressError {
         chi_squared = Number(*chi_squared)
     )]
     OtherBody {
-        /// Chi-squared of the readings against a sensor at rest, or against the fit.
+        /// Chi-squared of the readings compared with a sensor at rest, or compared with the fit.
         chi_squared: f64,
-        /// Degrees of freedom, about which chi-squared would be.
+        /// Degrees of freedom, which is the expected value of chi-squared.
         freedom: usize,
     },
-    /// The contact that explains the readings best is far from all markers.
+    /// The contact of the best fit is far from all markers.
     #[error(
-        "the contact lies {distance} from the nearest marker, off the sensor's markers",
+        "the estimated contact is {distance} from the nearest marker, outside the area of the \
+         markers",
         distance = Number::rounded(*distance)
     )]
     OffMarkers {
-        /// Distance along the skin, length.
+        /// Distance between the contact and the nearest marker along the skin, length.
         distance: f64,
     },
-    /// A marker has a reading at rest, although it is hidden from the camera of the sensor that fits the other markers.
+    /// A marker was visible at rest, although it is hidden from the camera in the sensor model that fits the other
+    /// markers.
     #[error(
-        "marker {marker} (counting from 0) was seen at rest, but no camera that the others allow sees it; the layout or the \
-         camera is another"
+        "marker {marker} (counting from 0) was found at rest where no camera that fits the other \
+         markers can see it; the layout or the camera is wrong"
     )]
     HiddenMarker {
-        /// Number of the first such marker.
+        /// Number of the first such marker, counted from 0.
         marker: usize,
     },
-    /// The readings do not determine the unknowns.
+    /// The readings do not determine the fit parameters.
     #[error("the readings do not determine the press: {what}")]
     Undetermined {
         /// Description of what is missing.
         what: &'static str,
     },
-    /// The numbers exceed the range of doubles.
-    #[error("the numbers are too large or too small to be worked with")]
+    /// The numbers are beyond the range of doubles.
+    #[error("the numbers are too large or too small for double precision")]
     OutOfRange,
 }
 
 impl PressError {
-    /// [`PressError::BadSetting`] unless the setting is valid.
+    /// Returns [`PressError::BadSetting`] if the setting is not valid.
     pub(crate) fn unless_good(
         setting: &'static str,
         value: f64,

@@ -1,22 +1,22 @@
-//! The estimate from one press: values, intervals and the verdict.
+//! The estimate from one press: values with their intervals, and the sign of the object's curvature.
 
 use strum::IntoStaticStr;
 
 use crate::{EllipticContact, GoodnessOfFit, PressError, within_object};
 
-/// A value with its uncertainty.
+/// An estimated value with its standard error and interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimated {
-    /// The estimate.
+    /// The estimated value.
     pub value: f64,
-    /// Its standard deviation, to first order.
+    /// Standard error, to first order.
     pub std: f64,
-    /// The 95 % interval.
+    /// 95 % interval.
     pub interval: Interval,
 }
 
 impl Estimated {
-    /// A normally distributed value; its interval has this half-width in standard deviations.
+    /// A normally distributed estimate. `half_width` is the half-width of its interval in standard errors.
     pub(crate) fn normal(value: f64, std: f64, half_width: f64) -> Self {
         let interval = Interval {
             low: Some(value - half_width * std),
@@ -29,24 +29,24 @@ impl Estimated {
         }
     }
 
-    /// The value of a length that cannot be negative.
+    /// This estimate for a length that cannot be negative: negative ends of the interval become 0.
     pub(crate) fn positive(mut self) -> Self {
         self.interval.low = self.interval.low.map(|low| low.max(0.0));
         self
     }
 }
 
-/// A 95 % interval. An end is `None` if the readings give no bound.
+/// A 95 % interval. An end is `None` if the readings do not determine a bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// Lower end.
+    /// Lower end of the interval.
     pub low: Option<f64>,
-    /// Upper end.
+    /// Upper end of the interval.
     pub high: Option<f64>,
 }
 
 impl Interval {
-    /// All numbers.
+    /// The interval of all numbers.
     pub(crate) const UNBOUNDED: Self = Self {
         low: None,
         high: None,
@@ -63,7 +63,7 @@ impl Interval {
         }
     }
 
-    /// The interval with both ends mapped by an increasing function.
+    /// The interval whose ends are mapped by an increasing function.
     pub(crate) fn map(self, end: impl Fn(f64) -> f64) -> Self {
         Self {
             low: self.low.map(&end),
@@ -81,9 +81,9 @@ impl Interval {
 #[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Verdict {
-    /// The interval of the object's curvature lies above 0.
+    /// The interval of the object's curvature is above 0.
     Convex,
-    /// The interval lies below 0.
+    /// The interval of the object's curvature is below 0.
     Concave,
     /// The interval contains 0 and is narrower than the sensor's own curvature.
     FlatWithinNoise,
@@ -92,7 +92,8 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// The verdict on the object from an interval of the relative curvature, for a sensor of this curvature.
+    /// The verdict on the object. `interval` is the interval of the relative curvature, and `sensor` the curvature of
+    /// the sensor.
     pub(crate) fn of(interval: Interval, sensor: f64) -> Self {
         let Interval { low, high } = interval;
         match (low, high) {
@@ -103,82 +104,87 @@ impl Verdict {
         }
     }
 
-    /// The stable name.
+    /// The stable name of the verdict.
     pub fn name(self) -> &'static str {
         self.into()
     }
 }
 
-/// Principal curvatures of an object from one press.
+/// Principal curvatures of an object, estimated from one press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrincipalCurvatures {
-    /// Curvatures of the object, the larger first, 1/length.
+    /// Principal curvatures of the object, the larger one first, 1/length.
     pub curvatures: [Estimated; 2],
-    /// Angle of the direction of the smaller curvature (the axis of a cylinder) to the x axis at the contact, from −π/2 to π/2.
+    /// Angle between the direction of the smaller curvature (the axis of a cylinder) and the x axis at the contact,
+    /// from −π/2 to π/2.
     pub axis: f64,
-    /// Standard deviation of that angle, at most π/√12, which is that of an unknown axis.
+    /// Standard error of this angle. It is at most π/√12, which is the value for a completely unknown direction.
     pub axis_std: f64,
-    /// The contact.
+    /// The contact of the estimated press.
     pub contact: EllipticContact,
 }
 
-/// An object's curvature from one press.
+/// Estimate of an object's curvature from one press.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressEstimate {
     /// Curvature of the sensor, 1/length.
     pub sensor_curvature: f64,
-    /// 1/R_s + 1/R_o, 1/length, without the bias of least squares; the interval is by profile likelihood. If one marker
-    /// contradicts the others, but not enough for an outlier, the interval also contains the interval without this marker.
+    /// Relative curvature 1/R_s + 1/R_o, 1/length, corrected for the bias of least squares. The interval is computed by
+    /// profile likelihood. If one marker contradicts the others, but not enough to be an outlier, the interval is
+    /// extended by the interval without this marker.
     pub relative_curvature: Estimated,
-    /// The relative curvature of the best fit, without correction of its bias, 1/length.
+    /// Relative curvature of the best fit, without correction of its bias, 1/length.
     pub most_likely_curvature: f64,
-    /// The principal curvatures, from a fit of an elliptic contact; the other curvatures are then their mean.
+    /// The principal curvatures, if an elliptic contact was fitted. The other curvatures are then mean curvatures.
     pub principal: Option<PrincipalCurvatures>,
-    /// The approach of the bodies, length.
+    /// Indentation: approach of the bodies since their first contact, length.
     pub indentation: Estimated,
-    /// Radius of the contact, length.
+    /// Radius of the contact area, length.
     pub contact_radius: Estimated,
-    /// Chart coordinates of the contact on the skin, length.
+    /// Position of the contact in the coordinates of the skin, length.
     pub contact: [f64; 2],
-    /// Standard deviations of the contact along the axes there, length. If the markers lie in a row, the contact is searched on
-    /// this row, and the standard deviation across it is 0.
+    /// Standard errors of the contact's position along the axes at the contact, length. If the markers are in a row,
+    /// the contact is only searched on this row, and the standard error across it is 0.
     pub contact_std: [f64; 2],
     /// Offset common to all normal displacements, length, if fitted.
     pub baseline: Option<Estimated>,
-    /// The factor on all normal displacements, if fitted.
+    /// Common factor of all normal displacements, if it was fitted.
     pub gain: Option<Estimated>,
     /// Numbers of the markers that were rejected as outliers, counted from 0.
     pub wrong_markers: Vec<usize>,
-    /// Standard deviation of the normal displacements, stated or estimated. Length.
+    /// Standard deviation of the normal displacements' noise, stated or estimated, length.
     pub normal_std: f64,
-    /// Standard deviation of the tangential displacements, stated or estimated. Length; `None` if they were not used.
+    /// Standard deviation of the tangential displacements' noise, stated or estimated, length; `None` if these
+    /// displacements were not used.
     pub tangential_std: Option<f64>,
-    /// The share of the normal displacements' variance that the fit explains.
+    /// Share of the normal displacements' variance that the fit explains.
     pub r_squared: f64,
-    /// Chi-squared of the residuals per degree of freedom; about 1 if the noise is as stated.
+    /// Chi-squared of the residuals divided by the degrees of freedom. It is about 1 if the stated noise is correct.
     pub reduced_chi_squared: f64,
-    /// Goodness of fit if the noise is stated; `None` if some noise was estimated from the residuals, and for a Gaussian. A fit
-    /// of images marginalises the unknown departures of the sensor: each has a prior, so they do not count as unknowns.
+    /// Goodness of fit if the noise is stated; `None` if some noise was estimated from the residuals, and for the
+    /// Gaussian approximation. In a fit of images, the unknown deviations of the sensor's parameters are averaged out.
+    /// Each of them has a prior, so they do not reduce the degrees of freedom.
     pub goodness: Option<GoodnessOfFit>,
-    /// Whether the readings alone show a contact. If not, but an indentation is stated, the interval of the curvature contains
-    /// all contacts on the markers that are compatible with the readings; it mostly has no upper end, and the place is unknown.
+    /// Whether the readings alone show a contact. If they do not, but an indentation is stated, the interval of the
+    /// curvature contains all contacts on the markers that are compatible with the readings. In most cases it has no
+    /// upper end, and the position of the contact is unknown.
     pub is_detected: bool,
-    /// Number of a marker, counted from 0, that moved significantly and without which the readings show no contact: it is an
-    /// outlier, or the object presses where no other marker moves.
+    /// Number (from 0) of a marker that moved significantly and without which the readings show no contact. Either this
+    /// marker is an outlier, or the object presses at a place where no other marker moves.
     pub only_marker: Option<usize>,
     /// Sign of the object's curvature.
     pub verdict: Verdict,
 }
 
 impl PressEstimate {
-    /// The estimate with another interval of the relative curvature.
+    /// This estimate with another interval of the relative curvature.
     pub(crate) fn holding(mut self, interval: Interval) -> Self {
         self.relative_curvature.interval = interval;
         self.verdict = Verdict::of(interval, self.sensor_curvature);
         self
     }
 
-    /// R = 1/C_r of the best fit, length. Unlike the curvature, the radius has almost no bias.
+    /// Effective radius R = 1/C_r of the best fit, length. Unlike the curvature, the radius has almost no bias.
     pub fn effective_radius(&self) -> Estimated {
         let Estimated {
             value,
@@ -189,7 +195,7 @@ impl PressEstimate {
         let inverse = |end: Option<f64>| end.filter(|&end| end > 0.0).map(f64::recip);
         Estimated {
             value: most_likely.recip(),
-            // Radius and curvature have the same relative standard deviation.
+            // The relative standard errors of radius and curvature are equal.
             std: std / (value * most_likely),
             interval: Interval {
                 low: Some(interval.high.map_or(0.0, f64::recip)),
@@ -198,13 +204,13 @@ impl PressEstimate {
         }
     }
 
-    /// Checks that the contact is narrow enough for at least one curvature in the object's interval.
+    /// Checks that the contact is narrow enough for at least one curvature in the interval of the object's curvature.
     ///
     /// # Errors
     /// [`PressError::TooWide`] if the contact radius exceeds 0.9 of the object's radius for every curvature in the
     /// interval.
     pub fn within_object(&self) -> Result<(), PressError> {
-        // The shorter semi-axis lies across the larger curvature.
+        // The shorter semi-axis of the contact is in the direction of the larger curvature.
         let (curvature, radius) = match self.principal {
             Some(principal) => (principal.curvatures[0], principal.contact.semi_axes[1]),
             None => (self.object_curvature(), self.contact_radius.value),
@@ -212,12 +218,13 @@ impl PressEstimate {
         within_object(curvature.interval.low.unwrap_or_default(), radius)
     }
 
-    /// 1/R_o of the best fit, 1/length; its inverse is the object's radius.
+    /// The object's curvature 1/R_o of the best fit, 1/length. Its inverse is the object's radius.
     pub fn most_likely_object_curvature(&self) -> f64 {
         self.most_likely_curvature - self.sensor_curvature
     }
 
-    /// 1/R_o, positive for a convex object, 1/length; without bias, as the relative curvature.
+    /// The object's curvature 1/R_o, 1/length, positive for a convex object. It is corrected for bias, like the
+    /// relative curvature.
     pub fn object_curvature(&self) -> Estimated {
         let shift = |end: f64| end - self.sensor_curvature;
         let Estimated {

@@ -1,4 +1,4 @@
-//! Nonlinear least squares of a press's forward model to the displacements of markers.
+//! Nonlinear least-squares fit of a press model to the displacements of markers.
 
 mod bias;
 mod contact_detection;
@@ -19,22 +19,23 @@ use search::Search;
 /// The readings of one press: displacements of the markers.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading<'a> {
-    /// Markers, with their places under the skin.
+    /// The markers, with their places under the skin.
     pub markers: &'a Markers,
-    /// Inward displacement of each, length.
+    /// Inward displacement of each marker, length.
     pub normal: &'a [f64],
-    /// Displacement of each along the skin, in the axes at the marker, if the sensor measures it. Length.
+    /// Displacement of each marker along the skin, in the axes at the marker, length; `None` if the sensor does not
+    /// measure it.
     pub tangential: Option<&'a [[f64; 2]]>,
     /// The indentation, if it is measured separately (for example from a robot's pose).
     pub indentation: Option<Measured>,
 }
 
-/// A measured value.
+/// A measured value with its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
-    /// The value.
+    /// The measured value.
     pub value: f64,
-    /// The standard deviation; 0 for an exact value.
+    /// Standard deviation of the value; 0 for an exact value.
     pub std: f64,
 }
 
@@ -54,33 +55,34 @@ impl Measured {
     }
 }
 
-/// Prior of a nuisance parameter of the readings, the baseline or the gain.
+/// Prior of an additional parameter of the readings: the baseline or the gain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Prior {
-    /// The parameter has its ideal value: 0 for a baseline, 1 for a gain.
+    /// The parameter is not fitted. It has its ideal value: 0 for a baseline, 1 for a gain.
     Exact,
-    /// The parameter is fitted, with a normal prior of this standard deviation (> 0, in its own unit) around its ideal value.
+    /// The parameter is fitted. Its prior is normal around the ideal value, with this standard deviation (> 0, in the
+    /// unit of the parameter).
     Within(f64),
     /// The parameter is fitted without a prior.
     Free,
 }
 
-/// Cramér–Rao bounds on standard deviations.
+/// Cramér–Rao bounds, which are the smallest possible standard errors of unbiased estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Bound for the relative curvature, and so for the object's curvature, 1/length.
+    /// Bound for the relative curvature, which is also the bound for the object's curvature, 1/length.
     pub relative_curvature: f64,
     /// Bound for the indentation, length.
     pub indentation: f64,
     /// Bound for the contact's radius, length.
     pub contact_radius: f64,
-    /// Bounds for the larger and the smaller principal curvature, 1/length, and for the axis, radians; `None` if only one
-    /// curvature is fitted, or both are equal.
+    /// Bounds for the larger and the smaller principal curvature, 1/length, and for the axis, radians; `None` if only
+    /// one curvature is fitted, or if both are equal.
     pub principal: Option<[f64; 3]>,
 }
 
-/// The least-squares fit of one press: over relative curvature, place of the contact, indentation, and the baseline and
-/// gain where they are not exact.
+/// A least-squares fit of one press. The fitted parameters are the relative curvature, the place of the contact, the
+/// indentation and, unless they are exact, the baseline and the gain.
 ///
 /// ```
 /// use palpate_press::{Body, ForwardFit, Markers, Reading, Skin};
@@ -99,26 +101,27 @@ pub struct Bounds {
 /// ```
 #[derive(Clone, Debug)]
 pub struct ForwardFit {
-    /// The forward law.
+    /// Model of the soft body.
     pub body: Body,
-    /// Offset common to all normal displacements, length; ideally 0.
+    /// Prior of the baseline, an offset of all normal displacements, length; ideally 0.
     pub baseline: Prior,
-    /// Factor on all normal displacements; ideally 1.
+    /// Prior of the gain, a factor on all normal displacements; ideally 1.
     pub gain: Prior,
-    /// Standard deviation of normal displacements, length; estimated from the residuals if `None` or 0. The least value is 1e-10
-    /// of the largest normal displacement.
+    /// Standard deviation of normal displacements, length. If it is `None` or 0, it is estimated from the residuals.
+    /// The smallest value is 1e-10 of the largest normal displacement.
     pub normal_std: Option<f64>,
-    /// Standard deviation of each tangential component, length; estimated from the residuals if `None` or 0. The least value is
-    /// 1e-10 of the largest normal displacement.
+    /// Standard deviation of each tangential component, length. If it is `None` or 0, it is estimated from the
+    /// residuals. The smallest value is 1e-10 of the largest normal displacement.
     pub tangential_std: Option<f64>,
-    /// Largest distance from the contact at which a marker counts, length; `None` for all markers.
+    /// Only markers within this distance from the contact are used, length; `None` for all markers.
     pub window: Option<f64>,
-    /// Whether both principal curvatures are fitted, to a half-space with exact baseline and gain; all markers count.
+    /// Whether both principal curvatures are fitted. This requires a half-space and exact baseline and gain; all
+    /// markers are used.
     pub is_elliptic: bool,
 }
 
 impl ForwardFit {
-    /// A fit of a body, with exact baseline and gain, and with noise estimated from the residuals.
+    /// A fit for this body, with exact baseline and gain, and with noise that is estimated from the residuals.
     pub const fn new(body: Body) -> Self {
         Self {
             body,
@@ -131,14 +134,14 @@ impl ForwardFit {
         }
     }
 
-    /// Estimates the press from a reading. Without noise, the error of the most likely curvature is below 1e-9 if the markers
-    /// determine it.
+    /// Estimates the press from a reading. Without noise, the error of the most likely curvature is below 1e-9 if the
+    /// markers determine it.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for invalid settings and readings;
-    /// [`PressError::NoContact`] if no marker moved beyond noise, or all moved alike; [`PressError::OtherBody`] if they did
-    /// not move as in a press of this body; [`PressError::OffMarkers`], [`PressError::Undetermined`] and errors of
-    /// [`Body::press`] if no press fits the readings.
+    /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for invalid settings and
+    /// readings; [`PressError::NoContact`] if no marker moved more than its noise, or all moved equally;
+    /// [`PressError::OtherBody`] if the markers did not move as in a press on this body; [`PressError::OffMarkers`],
+    /// [`PressError::Undetermined`] and errors of [`Body::press`] if no press fits the readings.
     pub fn estimate(&self, reading: &Reading<'_>) -> Result<PressEstimate, PressError> {
         self.validate(reading)?;
         match self.is_elliptic {
@@ -147,9 +150,9 @@ impl ForwardFit {
         }
     }
 
-    /// The least possible standard deviations of an unbiased estimate (Cramér and Rao), for a true contact at chart
-    /// coordinates `at`. `tangential` states whether the sensor measures tangential displacements; `indentation_std` is the
-    /// standard deviation of a measured indentation, length.
+    /// The smallest possible standard errors of an unbiased estimate (Cramér–Rao bounds), for a true contact at the
+    /// skin coordinates `at`. `tangential` is whether the sensor measures tangential displacements, and
+    /// `indentation_std` is the standard deviation of a measured indentation, length.
     ///
     /// `None` without a stated noise, or if the readings do not determine the press.
     pub fn bounds(
@@ -194,7 +197,7 @@ impl ForwardFit {
         })
     }
 
-    /// Rejects settings and readings that are out of range.
+    /// Returns an error if a setting or a reading is out of range.
     pub(super) fn validate(&self, reading: &Reading<'_>) -> Result<(), PressError> {
         let at_least_0 = |setting, value: f64| {
             let good = (0.0..=1e100).contains(&value);
@@ -239,11 +242,11 @@ impl ForwardFit {
     }
 }
 
-/// The c of the Gaussian approximation (R = c σ²/δ) that gives the sensor's own radius on a plane pressed by
-/// `indentation` at the apex.
+/// The constant c of the Gaussian approximation (R = c σ²/δ) for which the estimate equals the sensor's own radius if a
+/// plane is pressed against the apex by `indentation`.
 ///
 /// # Errors
-/// [`PressError`] where the press or the fit of the Gaussian fails.
+/// [`PressError`] if the press or the fit of the Gaussian fails.
 pub fn calibrated_c(
     markers: &Markers,
     body: &Body,

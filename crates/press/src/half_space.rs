@@ -1,41 +1,42 @@
 //! Hertz contact on an elastic half-space, at any depth, in closed form.
 //!
-//! The pressure p₀ √(1 − r²/a²) of a paraboloid of radius R has the Hankel transform
-//! (p₀/a) (sin ka − ka cos ka)/k³. Below the surface of a half-space
+//! The pressure p₀ √(1 − r²/a²) under a paraboloid of radius R has the Hankel transform (p₀/a) (sin ka − ka cos ka)/k³,
+//! where a is the contact's radius. Below the surface of a half-space,
 //!
 //! ```text
 //! u_z = c [2(1−ν) Q₃⁰ + z Q₂⁰]      u_r = −c [(1−2ν) Q₃¹ − z Q₂¹]      c = 2/(π(1−ν)R)
 //! Q_jᵐ = ∫ (sin ka − ka cos ka) k^{−j} e^{−kz} J_m(kr) dk
 //! ```
 //!
-//! The integrals are elementary (after Huber 1904; Hanson and Johnson 1993) in the complex distance
-//! √(r² + (z + ia)²) = X + iY: with l₂² = X² + a² and θ = asin(a/l₂),
+//! The integrals have closed forms (Huber 1904; Hanson and Johnson 1993) in terms of the complex distance √(r² + (z +
+//! ia)²) = X + iY: with l₂² = X² + a² and θ = asin(a/l₂),
 //!
 //! ```text
 //! Q₃⁰ = ¼ [(2a² − r² + 2z²) θ + (a² − 3Y²) X/a]     Q₂⁰ = Y − zθ     Q₁⁰ = θ − aX/(X² + Y²)
 //! Q₃¹ = r [a²(a² + aY + Y²)/(3 l₂² (a + Y)) + X²Y/(2 l₂²) − zθ/2]     Q₂¹ = (r/2) [θ − aX/l₂²]
 //! ```
 //!
-//! Derivatives follow from J₀' = −J₁, J₁' = J₀ − J₁/x and ∂(sin ka − ka cos ka)/∂a = k² a sin ka.
-//! If a is small relative to the distance, these forms suffer from cancellation, and the series in a/√(r² + z²) is used.
+//! Derivatives follow from J₀' = −J₁, J₁' = J₀ − J₁/x and ∂(sin ka − ka cos ka)/∂a = k² a sin ka. If a is small
+//! relative to the distance, these formulas suffer from cancellation, and a series in powers of a/√(r² + z²) is used
+//! instead.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::body::Field;
 
-/// Ratio of the contact's radius to the distance below which the series is exact to rounding.
+/// If the ratio of the contact's radius to the distance is below this value, the series is exact to rounding errors.
 const SERIES_RATIO: f64 = 1.0 / 12.0;
 
-/// Number of terms of the series in that ratio.
+/// Number of terms of this series.
 const TERMS: usize = 7;
 
-/// Number of orders of the Legendre polynomials in those terms.
+/// Number of orders of the Legendre polynomials in the series.
 const ORDERS: usize = 2 * TERMS + 2;
 
-/// Number of series: Q₃⁰, Q₂⁰, Q₁⁰, those of order 1, and S₁, S₀ of both orders.
+/// Number of series: Q₃⁰, Q₂⁰, Q₁⁰, the same three for order 1, and S₁, S₀ for both orders.
 const SERIES: usize = 10;
 
-/// Factors of z/ρ P_m and of P_{m−1} in P_{m+1}.
+/// Factors of (z/ρ) P_m and of P_{m−1} in the recurrence for P_{m+1}.
 const RECURRENCE: [[f64; 2]; ORDERS] = {
     let mut factors = [[0.0; 2]; ORDERS];
     let mut m = 0;
@@ -47,15 +48,16 @@ const RECURRENCE: [[f64; 2]; ORDERS] = {
     factors
 };
 
-/// Factors of the terms of each series, but for powers of −s²: sin x − x cos x = Σ (−1)ⁿ (2n+2) x^{2n+3}/(2n+3)! and
-/// sin x = Σ (−1)ⁿ x^{2n+1}/(2n+1)!, times the factorial of the power of k that is integrated.
+/// Factors of the terms of each series, without the powers of −s². They come from sin x − x cos x = Σ (−1)ⁿ (2n+2)
+/// x^{2n+3}/(2n+3)! and sin x = Σ (−1)ⁿ x^{2n+1}/(2n+1)!, multiplied by the factorial of the power of k that is
+/// integrated.
 const FACTORS: [[f64; SERIES]; TERMS] = {
     let mut factors = [[0.0; SERIES]; TERMS];
     let mut n = 0;
     while n < TERMS {
         let even = 2.0 * n as f64;
         let (first, second, third) = (even + 1.0, even + 2.0, even + 3.0);
-        // (m−1)! instead of m!, and no factorial for m = 0.
+        // For order 1, the factor is (m−1)! instead of m!, and 1 for m = 0.
         let lower = if n == 0 { 1.0 } else { even };
         factors[n] = [
             1.0 / (first * third),
@@ -74,13 +76,15 @@ const FACTORS: [[f64; SERIES]; TERMS] = {
     factors
 };
 
-/// Lower limit, in squared contact radii, of the squared distance from the edge at the surface, where derivatives grow without
-/// limit.
+/// Lower limit of the squared distance from the contact's edge, in squared contact radii. Without it, derivatives at
+/// the edge on the surface would be infinite.
 const EDGE: f64 = 1e-20;
 
-/// The field at distance `r >= 0` from the axis and depth `z >= 0` under a contact of radius `a > 0`.
+/// Displacements and their derivatives at the distance `r >= 0` from the axis and the depth `z >= 0` under a contact of
+/// radius `a > 0`.
 ///
-/// At the edge on the surface (z = 0, r = a), where derivatives have a jump, they are the limits from inside.
+/// At the edge on the surface (z = 0, r = a), the derivatives have a jump; the result is the limit from inside the
+/// contact.
 #[inline(always)]
 pub(crate) fn field(poisson: f64, z: f64, a: f64, r: f64) -> Field {
     let moments = if a * a < SERIES_RATIO * SERIES_RATIO * (r * r + z * z) {
@@ -91,7 +95,7 @@ pub(crate) fn field(poisson: f64, z: f64, a: f64, r: f64) -> Field {
     moments.field(poisson, z, a)
 }
 
-/// The integrals Q and S, those of order 1 divided by r.
+/// The integrals Q and S. Those of order 1 are divided by r.
 struct Moments {
     /// Q₃⁰, Q₂⁰, Q₁⁰.
     even: [f64; 3],
@@ -105,11 +109,11 @@ struct Moments {
 }
 
 impl Moments {
-    // Inlined, so that the compiler removes derivatives that a caller does not use.
+    // The function is inlined, so that the compiler removes those derivatives that a caller does not use.
     #[inline(always)]
     fn near(z: f64, a: f64, r: f64) -> Self {
         let difference = (r - a) * (r + a) + z * z;
-        // |X + iY|², the product of the distances to both ends of a diameter of the contact.
+        // `size` is |X + iY|², which is the product of the distances to both ends of a diameter of the contact.
         let near = (r - a) * (r - a) + z * z;
         let far = (r + a) * (r + a) + z * z;
         let size = (near * far).sqrt().max(EDGE * a * a);
@@ -126,7 +130,7 @@ impl Moments {
         } else {
             FRAC_PI_2 - libm::atan(x / a)
         };
-        // X²/(X + z), which is 0 at the surface within the contact.
+        // `ratio` is X²/(X + z), which is 0 at the surface within the contact.
         let ratio = if x > 0.0 { x * x / (x + z) } else { 0.0 };
         let ring_odd_1 = a * a / (l2 * (a + y));
         let cosine_odd_0 = (x * ratio - y * a * a / (a + y)) / (l2 * size);
@@ -148,12 +152,12 @@ impl Moments {
         }
     }
 
-    /// The series in s = a/ρ with ∫ kᵐ e^{−kz} J₀(kr) dk = m! P_m(z/ρ)/ρ^{m+1}, and for J₁
-    /// (m−1)! (r/ρ) P'_m(z/ρ)/ρ^{m+1}, which is r/(ρ (ρ + z)) for m = 0.
+    /// Computes the integrals by the series in s = a/ρ. It uses ∫ kᵐ e^{−kz} J₀(kr) dk = m! P_m(z/ρ)/ρ^{m+1}. For J₁,
+    /// the integral is (m−1)! (r/ρ) P'_m(z/ρ)/ρ^{m+1}, and for m = 0 it is r/(ρ (ρ + z)).
     fn far(z: f64, a: f64, r: f64) -> Self {
         let distance = (r * r + z * z).sqrt();
         let (cosine, s) = (z / distance, a / distance);
-        // P_m and P'_m by their recurrences.
+        // The Legendre polynomials P_m and their derivatives P'_m are computed by recurrences.
         let (mut legendre, mut slope) = ([0.0; ORDERS], [0.0; ORDERS]);
         legendre[0] = 1.0;
         legendre[1] = cosine;
@@ -164,7 +168,7 @@ impl Moments {
             slope[m + 1] = slope[m - 1] + (2 * m + 1) as f64 * legendre[m];
         }
         slope[0] = 1.0 / (1.0 + cosine);
-        // Horner's scheme in −s².
+        // The series are evaluated by Horner's scheme in powers of −s².
         let mut sums = [0.0; SERIES];
         for (n, factors) in FACTORS.iter().enumerate().rev() {
             let ([p_0, p_1, p_2], [q_0, q_1, q_2]) = (
@@ -208,25 +212,25 @@ impl Moments {
     }
 }
 
-/// Oblate spheroidal coordinates of a point under a contact of radius a, with depth z = aξη and distance
-/// r = a √((1 + ξ²)(1 − η²)) from the axis. ξ ≥ 0 is 0 on the contact and grows away from it; η goes from 0 on the surface
-/// around the contact to 1 on the axis.
+/// Oblate spheroidal coordinates of a point under a contact of radius a, with depth z = aξη and distance r = a √((1 +
+/// ξ²)(1 − η²)) from the axis. ξ ≥ 0 is 0 on the contact and increases away from it. η is 0 on the surface around the
+/// contact and 1 on the axis.
 ///
 /// The complex distance √(r² + (z + ia)²) is a(ξ + iη).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spheroidal {
     pub(crate) xi: f64,
     pub(crate) eta: f64,
-    /// 1 − η², stored because of cancellation for η near 1.
+    /// 1 − η², stored separately because its computation from η near 1 would suffer from cancellation.
     pub(crate) off_axis: f64,
-    /// r/a.
+    /// Distance r from the axis, divided by the contact radius a.
     pub(crate) r: f64,
     /// ξ² + η², which is 0 at the edge of the contact.
     pub(crate) edge: f64,
 }
 
 impl Spheroidal {
-    /// The coordinates, for lengths whose squared ratios are finite.
+    /// The coordinates of a point. The squares of the ratios of these lengths must be finite.
     pub(crate) fn new(a: f64, z: f64, r: f64) -> Self {
         let (z, r) = (z / a, r / a);
         let difference = (r - 1.0) * (r + 1.0) + z * z;
@@ -254,7 +258,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// The parts of a field that have dimension length², then those of length.
+    /// Those parts of a field that have the unit length², followed by those that have the unit length.
     fn parts(field: &Field) -> [f64; 6] {
         [
             field.normal,

@@ -1,10 +1,11 @@
-//! Nonlinear least squares of a press's forward model to the image of the markers.
+//! Nonlinear least-squares fit of a press model to the camera image of the markers.
 //!
-//! Each marker consists of two discs. A press displaces them ([`Body`] at each depth), a camera takes an image ([`View`]), and
-//! the tracker reads centroid, hue and size of each marker ([`Seen`]). The frame at rest determines the misalignment of the
-//! discs of each marker, and partly the departures of the sensor from its nominal parameters ([`Rest`]). The pressed frame
-//! determines the contact. Departures that remain uncertain are common to all markers. They are parameters of the fit with a
-//! covariance, so that the interval includes their uncertainty.
+//! Each marker consists of two discs. A press displaces the discs ([`Body`] at each depth), a camera takes an image
+//! ([`View`]), and the tracker measures the centroid, hue and size of each marker ([`Seen`]). The frame at rest
+//! determines the misalignment between the discs of each marker, and partly the deviations of the sensor from its
+//! nominal parameters, called sensor deviations ([`Rest`]). The pressed frame determines the contact. Sensor deviations
+//! that remain uncertain are common to all markers. They are parameters of the fit with a given covariance, so that the
+//! interval includes their uncertainty.
 
 mod curvature_posterior;
 mod departure_prior;
@@ -26,21 +27,22 @@ pub use view::{PictureSlopes, Seen, SensorState, Steps, View};
 use crate::{Body, Markers, Measured, PressError};
 use departure_prior::FreePrior;
 
-/// A least-squares fit of the images of one press: over relative curvature, place of the contact, indentation and, if
-/// possible, the sideways shift of the object.
+/// A least-squares fit of the images of one press. The fitted parameters are the relative curvature, the place of the
+/// contact, the indentation and, if possible, the sideways shift of the object.
 #[derive(Clone, Debug)]
 pub struct ImageFit<V> {
     /// The camera model.
     pub view: V,
-    /// Markers, with their places under the skin.
+    /// The markers, with their places under the skin.
     pub markers: Markers,
-    /// The body at the depths of the magenta and of the yellow discs.
+    /// The body, with displacements computed at the depth of the magenta discs and at the depth of the yellow discs.
     pub bodies: [Body; 2],
-    /// The body at depths larger by this length; needed if the depths of the discs are not exact.
+    /// A depth difference, and the body at depths that are larger by this difference. Required if the depths of the
+    /// discs are uncertain.
     pub deeper: Option<(f64, [Body; 2])>,
-    /// Standard deviations of the departures of [`SensorState::common`]; 0 for exact ones.
+    /// Standard deviations of the sensor deviations [`SensorState::common`]; 0 for exact ones.
     pub common_stds: Vec<f64>,
-    /// Prior of some of these departures with a joint covariance.
+    /// A prior with a joint covariance for some of these sensor deviations.
     pub departure_prior: Option<DeparturePrior>,
     /// Standard deviation of each component of a marker's misalignment, rad; 0 for aligned discs.
     pub misalignment_std: f64,
@@ -50,7 +52,7 @@ pub struct ImageFit<V> {
 }
 
 impl<V: View> ImageFit<V> {
-    /// Rejects settings that are out of range.
+    /// Returns an error if a setting is out of range.
     fn validate(&self) -> Result<(), PressError> {
         for std in &self.common_stds {
             squarable("common_stds", *std)?;
@@ -65,7 +67,7 @@ impl<V: View> ImageFit<V> {
         Ok(())
     }
 
-    /// Rejects settings and readings that are out of range.
+    /// Returns an error if a setting or a reading is out of range.
     fn check(
         &self,
         rest: &Rest,
@@ -90,7 +92,7 @@ impl<V: View> ImageFit<V> {
         indentation.map_or(Ok(()), Measured::check)
     }
 
-    /// The prior of free departures, if there is one.
+    /// The prior of the uncertain sensor deviations, if there is one.
     fn known(&self) -> Result<Option<FreePrior>, PressError> {
         let prior = self.departure_prior.as_ref();
         prior
@@ -98,13 +100,13 @@ impl<V: View> ImageFit<V> {
             .transpose()
     }
 
-    /// Numbers of the common departures that are not exact, with their standard deviations.
+    /// Indices of the common sensor deviations that are not exact, with their standard deviations.
     fn free_stds(&self) -> Vec<(usize, f64)> {
         let stds = self.common_stds.iter().copied().enumerate();
         stds.filter(|(_, std)| *std > 0.0).collect()
     }
 
-    /// Numbers of the common departures that are not exact.
+    /// Indices of the common sensor deviations that are not exact.
     fn free(&self) -> Vec<usize> {
         let free = self.free_stds().into_iter();
         free.map(|(number, _)| number).collect()

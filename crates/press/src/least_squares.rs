@@ -1,31 +1,33 @@
-//! Nonlinear least squares by Levenberg and Marquardt's method: of displacements and of images, whose residuals differ.
+//! Nonlinear least squares by the Levenberg–Marquardt method, for two kinds of fits with different residuals: of
+//! displacements and of images.
 
 use crate::cholesky::inverse;
 use crate::state::State;
 use crate::unknowns::{Fitted, Square, Sums, UNKNOWNS, Unknowns};
 use crate::{Body, Contact, PressError, Skin};
 
-/// A least-squares problem over the unknowns of a press.
+/// A least-squares problem for the parameters of a press.
 pub(crate) trait LeastSquares {
-    /// A state with chi-squared and its derivatives.
+    /// A state, with chi-squared and its derivatives.
     type Fit: Clone;
-    /// Least diagonal entry of the scaled Cholesky factor of an information matrix that can be inverted.
+    /// An information matrix can be inverted if the smallest diagonal entry of its scaled Cholesky factor exceeds this
+    /// value.
     const SINGULAR: f64;
-    /// Description of what is missing if no such matrix can be inverted.
+    /// Description, for an error, of what the readings lack if the matrix cannot be inverted.
     const FREE: &'static str;
-    /// Least predicted decrease of chi-squared for a further step of a fit with a held curvature.
+    /// A fit with a held curvature stops if the next step is predicted to decrease chi-squared by less than this value.
     const ENOUGH_OF_PROFILE: f64;
 
     fn state_of(fit: &Self::Fit) -> &State;
 
     fn sums_of(fit: &Self::Fit) -> &Sums;
 
-    /// The skin, and the body that determines the contact.
+    /// The skin, and the body from which the contact is computed.
     fn press(&self) -> (&Skin, &Body);
 
     fn fitted(&self) -> &Fitted;
 
-    /// Number of the used markers, and number of equations of each.
+    /// Number of used markers, and number of equations per marker.
     fn used(&self) -> [usize; 2];
 
     /// Whether a standard deviation of the noise is estimated from the residuals.
@@ -44,13 +46,14 @@ pub(crate) trait LeastSquares {
         markers * each
     }
 
-    /// Degrees of freedom: the number of equations and priors minus that of the fitted unknowns.
+    /// Degrees of freedom: the number of equations and priors, minus the number of fitted parameters.
     fn freedom(&self) -> usize {
         let fitted = self.fitted();
         (self.equations() + fitted.priors().count()).saturating_sub(fitted.count())
     }
 
-    /// Rejects markers that do not determine the unknowns, and the noise if it is estimated.
+    /// Returns an error if there are too few markers to determine the fit parameters and, if it is estimated, the
+    /// noise.
     ///
     /// # Errors
     /// [`PressError::TooFewMarkers`].
@@ -67,7 +70,7 @@ pub(crate) trait LeastSquares {
         })
     }
 
-    /// Covariance of the unknowns.
+    /// Covariance of the fit parameters.
     ///
     /// # Errors
     /// [`PressError::Undetermined`] if the readings do not determine all of them.
@@ -98,17 +101,18 @@ pub(crate) trait LeastSquares {
         promise: f64,
     ) -> Result<Option<Self::Fit>, PressError>;
 
-    /// The same fit with new slopes, if it has those of another state.
+    /// The same fit with new derivatives, if its derivatives are those of another state; otherwise `None`.
     fn refreshed(&self, _fit: &Self::Fit) -> Result<Option<Self::Fit>, PressError> {
         Ok(None)
     }
 
-    /// The fit after the last step, with predicted sums; `None` if the problem omits this step.
+    /// The fit after the last step, with predicted sums. The default is `None`: the last step is not made.
     fn last_step(&self, _from: &Self::Fit, _step: &Unknowns) -> Option<Self::Fit> {
         None
     }
 
-    /// The fit at a state whose logarithm of the curvature differs by `step` from that of another fit.
+    /// The fit at a state, for a search that starts from another fit. The logarithms of their curvatures differ by
+    /// `step`.
     fn fit_near(
         &self,
         _fit: &Self::Fit,
@@ -118,19 +122,21 @@ pub(crate) trait LeastSquares {
         self.fit_at(state)
     }
 
-    /// Whether a fit has a clearly smaller chi-squared than the supposed best one.
+    /// Whether a fit has a clearly smaller chi-squared than `best`, which was assumed to be the best fit.
     fn is_better(&self, fit: &Self::Fit, best: &Self::Fit) -> bool;
 }
 
-/// An exact fit stops if the next step is predicted to decrease chi-squared by less than this.
+/// An exact fit stops if the next step is predicted to decrease chi-squared by less than this value.
 pub(crate) const EXACTLY: f64 = 1e-8;
+/// Maximum number of steps.
 const MAX_STEPS: usize = 200;
-/// Smallest relevant step, relative to the unknowns.
+/// Smallest relevant step, relative to the values of the fit parameters.
 const MIN_STEP: f64 = 1e-13;
+/// Damping above which the search ends.
 const MAX_DAMPING: f64 = 1e12;
 
-/// Finds the least chi-squared near a start. It stops if the predicted decrease of the next step is less than `enough`. One
-/// unknown may be held constant.
+/// Finds the minimum of chi-squared near a start. The search stops if the next step is predicted to decrease
+/// chi-squared by less than `enough`. One unknown may be held constant.
 ///
 /// # Errors
 /// [`PressError`] if the numbers are out of range.

@@ -1,9 +1,10 @@
-//! Elastic contact of a soft spherical fingertip: displacements of its skin in a press, and the curvature of the object
-//! from these displacements.
+//! Models the elastic contact of a soft spherical fingertip. Computes the displacements of its skin in a press, and
+//! estimates the curvature of the object from these displacements.
 //!
-//! [`Body`] (Hertz contact at the surface, half-space at depth, layer bonded to a rigid core), [`Skin`] and [`Markers`]
-//! compute the displacements of the markers from the relative curvature and the indentation. [`ForwardFit`] estimates the
-//! curvature from displacements, [`ImageFit`] from the images of the markers.
+//! [`Body`], [`Skin`] and [`Markers`] compute the displacements of the markers from the relative curvature and the
+//! indentation. The body is a Hertz contact at the surface, a half-space with markers at some depth, or a layer bonded
+//! to a rigid core. [`ForwardFit`] estimates the curvature from displacements, [`ImageFit`] from the images of the
+//! markers.
 
 mod body;
 mod bonded_layer;

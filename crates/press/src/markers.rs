@@ -1,6 +1,7 @@
-//! Markers under the skin, their displacements in a press, and the derivatives of these displacements.
+//! Markers under the skin, with their displacements in a press and the derivatives of these displacements.
 //!
-//! u = C F(a, r) with C D(a) = δ, so ∂u/∂δ = F_a/D' and ∂u/∂ln C = C F − δ F_a/D'.
+//! The displacement is u = C F(a, r), where the contact's radius a follows from C D(a) = δ; C is the relative curvature
+//! and δ the indentation. Therefore ∂u/∂δ = F_a/D' and ∂u/∂ln C = C F − δ F_a/D'.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -23,27 +24,29 @@ pub struct Markers {
 /// The displacement of a marker.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MarkerDisplacement {
-    /// Inward, length.
+    /// Inward displacement along the normal, length.
     pub normal: f64,
-    /// Along the x and y axes of the apex, transported along the meridian to the marker, length.
+    /// Displacement along the skin, length. The components are along the x and y axes of the apex, transported along
+    /// the meridian to the marker.
     pub tangential: [f64; 2],
 }
 
 /// Position of a marker relative to the contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sight {
-    /// Distance along the skin.
+    /// Distance from the contact to the marker along the skin.
     pub(crate) distance: f64,
-    /// Length of an arc around the contact per radian of bearing at this distance, R_s sin(distance/R_s).
+    /// Length of an arc around the contact per radian of its angle, at this distance: R_s sin(distance/R_s).
     pub(crate) reach: f64,
-    /// Unit vector from the contact toward the marker, in the axes of the contact.
+    /// Unit vector from the contact towards the marker, in the axes at the contact.
     pub(crate) bearing: Vector2<f64>,
-    /// Unit vector away from the contact, in the axes of the marker.
+    /// Unit vector away from the contact, in the axes at the marker.
     pub(crate) outward: Vector2<f64>,
 }
 
 impl Sight {
-    /// Displacement along the skin, in the axes at the marker, by a shift whose direction has this angle to the bearing.
+    /// Displacement along the skin by a sideways shift, in the axes at the marker. `sine` and `cosine` are those of the
+    /// angle between the shift and the direction of the marker.
     pub(crate) fn along_skin(&self, moved: &StuckShift, sine: f64, cosine: f64) -> Vector2<f64> {
         let outward = moved.along * cosine + moved.across * sine;
         let around = moved.across * cosine - moved.along * sine;
@@ -53,11 +56,11 @@ impl Sight {
 }
 
 impl Markers {
-    /// Markers at chart coordinates of the skin.
+    /// Markers at these coordinates of the skin.
     ///
     /// # Errors
-    /// [`PressError::NotFinite`] for the first marker whose coordinates are not finite; [`PressError::OffSkin`] for the first
-    /// marker beyond the pole opposite the apex.
+    /// [`PressError::NotFinite`] for the first marker whose coordinates are not finite; [`PressError::OffSkin`] for the
+    /// first marker beyond the point opposite the apex.
     pub fn new(skin: Skin, positions: &[[f64; 2]]) -> Result<Self, PressError> {
         let sound = |[x, y]: &[f64; 2]| x.abs() <= 1e50 && y.abs() <= 1e50;
         if let Some(marker) = positions.iter().position(|position| !sound(position)) {
@@ -91,7 +94,7 @@ impl Markers {
         }
     }
 
-    /// The skin above them.
+    /// The skin of the sensor.
     pub const fn skin(&self) -> &Skin {
         &self.skin
     }
@@ -114,7 +117,7 @@ impl Markers {
         }
     }
 
-    /// Arc distances of the markers from a point of the skin at chart coordinates.
+    /// Distances along the skin from a point, whose coordinates are `from`, to all markers.
     pub fn distances(&self, from: [f64; 2]) -> Vec<f64> {
         let contact = self.skin.place(from);
         self.places
@@ -123,7 +126,7 @@ impl Markers {
             .collect()
     }
 
-    /// Displacement of each marker by a contact at chart coordinates `at`.
+    /// Displacement of each marker by a contact at the skin coordinates `at`.
     pub fn displacements(&self, contact: &Contact<'_>, at: [f64; 2]) -> Vec<MarkerDisplacement> {
         let middle = self.skin.place(at);
         self.places
@@ -140,8 +143,8 @@ impl Markers {
             .collect()
     }
 
-    /// Displacement of each marker, at `depth` under the skin, by an elliptic contact at chart coordinates `at`, whose longer
-    /// axis has the angle `axis` to the x axis there.
+    /// Displacement of each marker, at `depth` under the skin, by an elliptic contact at the skin coordinates `at`.
+    /// `axis` is the angle between the longer axis of the contact and the x axis at the contact.
     pub fn elliptic_displacements(
         &self,
         contact: &EllipticContact,
@@ -167,7 +170,8 @@ impl Markers {
             let moved = contact.displacement(at.dot(&long), at.dot(&short), depth);
             let along = long * moved.along[0] + short * moved.along[1];
             let turned = |vector: &Vector2<f64>| Vector2::new(-vector.y, vector.x);
-            // The components away from the contact and around it keep their size along the skin.
+            // The components away from the contact and around it keep their magnitudes when they are transported along
+            // the skin.
             let tangential = sight.outward * along.dot(&sight.bearing)
                 + turned(&sight.outward) * along.dot(&turned(&sight.bearing));
             MarkerDisplacement {
@@ -178,13 +182,13 @@ impl Markers {
         self.places.iter().map(moved).collect()
     }
 
-    /// Displacement of each marker, at `depth` under the skin of a half-space, by a sideways shift of the object. The contact
-    /// with radius `contact_radius` at chart coordinates `at` sticks to the skin and moves by `shift` along the x axis there.
-    /// All arguments but the ratio `poisson` are lengths.
+    /// Displacement of each marker, at `depth` under the skin of a half-space, by a sideways shift of the object. The
+    /// contact has the radius `contact_radius` and is at the skin coordinates `at`. It sticks to the skin and moves by
+    /// `shift` along the x axis at this place. All arguments except Poisson's ratio `poisson` are lengths.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5], a `depth` that is not from 0 to 1e50, a `contact_radius` that is
-    /// not from 1e-50 to 1e50, and a `shift` beyond 1e50.
+    /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5], a `depth` that is not from 0 to 1e50, a
+    /// `contact_radius` that is not from 1e-50 to 1e50, and a `shift` beyond 1e50.
     pub fn shifted(
         &self,
         poisson: f64,
@@ -210,8 +214,8 @@ impl Markers {
         self.places.iter().map(moved).collect()
     }
 
-    /// Rejects a contact of this radius that has no marker within twice its radius and is not surrounded by markers of its
-    /// hemisphere.
+    /// Returns an error if a contact of this radius has no marker within twice its radius and is not surrounded by
+    /// markers within its hemisphere.
     ///
     /// # Errors
     /// [`PressError::OffMarkers`].
@@ -223,12 +227,12 @@ impl Markers {
 
     pub(crate) fn sight(&self, contact: &Place, marker: &Place) -> Sight {
         let (from, to) = (contact.direction.as_ref(), marker.direction.as_ref());
-        // For small angles the chord is accurate where 1 − cos is not: 1 − cos = chord²/2.
+        // For small angles, 1 − cos is inaccurate, so it is computed from the chord: 1 − cos = chord²/2.
         let chord = to - from;
         let half_square = 0.5 * chord.norm_squared();
         let half_chord = (0.5 * half_square).sqrt().min(1.0);
         let sine = 2.0 * half_chord * (1.0 - 0.5 * half_square).max(0.0).sqrt();
-        // For a marker on the contact, the direction is +x.
+        // If the marker is exactly at the contact, the direction is +x.
         let unit = |along: Vector3<f64>, axes: &Place| {
             if sine > 0.0 {
                 Vector2::new(along.dot(&axes.x_axis), along.dot(&axes.y_axis)) / sine
@@ -246,8 +250,8 @@ impl Markers {
     }
 }
 
-/// Rejects a contact of this radius that has no marker within twice its radius and is not surrounded by markers closer than
-/// `around`.
+/// Returns an error if a contact of this radius has no marker within twice its radius and is not surrounded by markers
+/// at distances below `around`.
 pub(crate) fn see(sights: &[Sight], contact_radius: f64, around: f64) -> Result<(), PressError> {
     let distances = sights.iter().map(|sight| sight.distance);
     let nearest = distances.fold(f64::INFINITY, f64::min);
@@ -259,7 +263,7 @@ pub(crate) fn see(sights: &[Sight], contact_radius: f64, around: f64) -> Result<
     }
 }
 
-/// Whether the bearings have no gap of more than half a turn.
+/// Whether the directions of the markers have no gap of more than half a turn.
 fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
     let mut bearings: Vec<f64> = sights
         .map(|sight| libm::atan2(sight.bearing.y, sight.bearing.x))
@@ -273,20 +277,20 @@ fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
     !bearings.windows(2).any(is_gap)
 }
 
-/// Slopes, in this order, by: the logarithm of the relative curvature; displacements of the contact along both axes at its
-/// place; the indentation.
+/// Derivatives with respect to four fit parameters, in this order: the logarithm of the relative curvature, the
+/// displacements of the contact along the two axes at its place, and the indentation.
 pub(crate) type Slopes = [f64; 4];
 
-/// A contact of this indentation, with the slope of its radius.
+/// Values of a contact from which the derivatives of displacements are computed.
 pub(crate) struct PressSlopes {
     pub(crate) curvature: f64,
     pub(crate) indentation: f64,
-    /// Derivative of the radius by D.
+    /// Derivative of the contact's radius with respect to D.
     pub(crate) per_d: f64,
 }
 
 impl PressSlopes {
-    /// A contact with this derivative of D by the radius.
+    /// The values for a contact. `slope` is the derivative of D with respect to the contact's radius.
     pub(crate) fn new(contact: &Contact<'_>, slope: f64) -> Self {
         Self {
             curvature: contact.relative_curvature,
@@ -299,10 +303,10 @@ impl PressSlopes {
         self.curvature * value - self.indentation * per_a * self.per_d
     }
 
-    /// Slopes of the inward displacement, times a gain.
+    /// Derivatives of the inward displacement, multiplied by a gain.
     #[inline(always)]
     pub(crate) fn normal(&self, field: &Field, sight: &Sight, gain: f64) -> Slopes {
-        // A displacement of the contact toward the marker reduces the distance.
+        // If the contact moves towards the marker, their distance decreases, hence the sign.
         let nearer = -self.curvature * field.normal_per_r;
         [
             gain * self.by_log(field.normal, field.normal_per_a),
@@ -312,11 +316,12 @@ impl PressSlopes {
         ]
     }
 
-    /// Slopes of the displacements along the skin.
+    /// Derivatives of the displacements along the skin.
     #[inline(always)]
     pub(crate) fn tangential(&self, field: &Field, sight: &Sight) -> [Slopes; 2] {
         let nearer = -self.curvature * field.radial_per_r;
-        // A displacement perpendicular to the bearing changes the direction at the marker.
+        // If the contact moves perpendicular to the direction of the marker, the direction of the displacement at the
+        // marker rotates.
         let turn = if sight.reach > 1e-6 * sight.distance && sight.distance > 0.0 {
             -self.curvature * field.radial / sight.reach
         } else {

@@ -1,7 +1,8 @@
-//! Tests of fits: for another body and for an object that is not round, by patterns in the residuals, and for a stated
-//! indentation.
+//! Tests for misfits of a fitted press. Patterns in the residuals show that the soft body differs from the model or
+//! that the object is not round. A further test compares a stated indentation with its estimate.
 //!
-//! A pattern is tested by Rao's score test: the decrease of chi-squared, to first order, by one more unknown in the model.
+//! A pattern is a change of the markers' displacements. It is tested by Rao's score test, which computes to first order
+//! the decrease of chi-squared if the amplitude of the pattern is added to the fit parameters.
 
 use std::ops::Range;
 
@@ -12,23 +13,25 @@ use crate::markers::Sight;
 use crate::unknowns::{Square, Sums, UNKNOWNS};
 use crate::{Contact, Estimated, GoodnessOfFit, Measured, PressError};
 
-/// Number of patterns: first five that depend on the distance from the contact alone, then two that depend on the direction.
+/// Number of patterns.
 pub(crate) const PATTERNS: usize = 7;
+/// Patterns that depend only on the distance from the contact.
 const BY_DISTANCE: Range<usize> = 0..5;
+/// Patterns that depend also on the direction.
 const BY_DIRECTION: Range<usize> = 5..7;
 
-/// A pattern is tested only if the fitted unknowns do not explain at least this share of it. A smaller rest is mostly an effect
-/// of the curved model with uncertain unknowns.
+/// A pattern is tested only if at least this share of it is not explained by the fitted parameters. A smaller remainder
+/// is mostly an effect of the model's nonlinearity.
 const MIN_REMAINING_SHARE: f64 = 0.1;
 
-/// Patterns of a marker's displacement, of any scale: inward, and along both axes at the marker.
+/// Patterns of a marker's displacement (inward, and along both axes at the marker). Their scale is arbitrary.
 pub(crate) type Patterns = SMatrix<f64, 3, PATTERNS>;
 
 /// Patterns of a marker's displacement by a contact.
 ///
-/// Another body changes the displacements u_z and u_r, their steepness, or adds an offset. The second derivatives of a round
-/// bump across two directions differ about as r ∂u_z/∂r cos 2θ; the displacements along the skin are the gradient of such a
-/// potential, r u_r cos 2θ. An elongated contact adds these, with the angle of its axis.
+/// If the body differs from the model, the size or the steepness of the displacements u_z and u_r changes, or an offset
+/// is added. If the contact is elongated, the inward displacement changes approximately by r ∂u_z/∂r cos 2θ, where θ is
+/// the angle from its axis. The displacements along the skin change by the gradient of the potential r u_r cos 2θ.
 pub(crate) fn patterns(contact: &Contact<'_>, sight: &Sight) -> Patterns {
     let field = contact.field(sight.distance);
     let steep = sight.distance * field.normal_per_r;
@@ -63,18 +66,18 @@ pub(crate) fn patterns(contact: &Contact<'_>, sight: &Sight) -> Patterns {
     })
 }
 
-/// Noise to which residuals are compared.
+/// The noise with which residuals are compared.
 #[derive(Clone, Copy)]
 pub(crate) enum Noise {
-    /// Noise whose size is stated.
+    /// The stated noise.
     Stated,
-    /// Noise estimated from the residuals, with their chi-squared and degrees of freedom.
+    /// Noise that is estimated from the residuals, which have this chi-squared and these degrees of freedom.
     Found { chi_squared: f64, freedom: usize },
 }
 
 impl Noise {
-    /// The stated noise, or the noise of the residuals if they are significantly larger: with too small a stated noise every
-    /// pattern would be significant.
+    /// The stated noise; if the residuals are significantly larger, the noise of the residuals. If the stated noise
+    /// were too small, every pattern would be significant.
     pub(crate) fn stated_or_found(goodness: GoodnessOfFit) -> Self {
         match goodness.is_poor() {
             true => Self::Found {
@@ -85,7 +88,7 @@ impl Noise {
         }
     }
 
-    /// P-value of the decrease of chi-squared that patterns explain.
+    /// P-value of the decrease of chi-squared by patterns.
     pub(crate) fn chance(&self, explained: Explained) -> f64 {
         match *self {
             Self::Stated => explained.p_value(),
@@ -97,8 +100,8 @@ impl Noise {
     }
 }
 
-/// Weighted sums over readings of the products of their patterns with the slopes by the unknowns, with each other and with
-/// the residuals.
+/// Weighted sums over the readings of products of the patterns: with the derivatives with respect to the fit
+/// parameters, with each other, and with the residuals.
 pub(crate) struct PatternSums {
     pub(crate) by_slopes: SMatrix<f64, UNKNOWNS, PATTERNS>,
     pub(crate) by_patterns: SMatrix<f64, PATTERNS, PATTERNS>,
@@ -106,7 +109,7 @@ pub(crate) struct PatternSums {
 }
 
 impl PatternSums {
-    /// The significant patterns in the residuals of a fit with these sums and this covariance of the unknowns.
+    /// The significant patterns in the residuals of a fit. `sums` and `covariance` belong to the parameters of the fit.
     pub(crate) fn misfits(
         &self,
         sums: &Sums,
@@ -124,8 +127,9 @@ impl PatternSums {
         misfits.filter(|misfit| misfit.p_value() < SIGNIFICANCE_LEVEL)
     }
 
-    /// What patterns explain of the residuals. The gradient of a fit is 0 unless the best fit is at a limit of an unknown; its
-    /// part of the residuals is removed (Neyman's C(α)).
+    /// The decrease of chi-squared by some patterns. At the best fit, the gradient of chi-squared is 0, unless a fit
+    /// parameter is at the limit of its range. In this case, the part of the residuals that the gradient describes is
+    /// removed (Neyman's C(α)).
     fn explained(&self, range: Range<usize>, sums: &Sums, covariance: &Square) -> Explained {
         let Self {
             by_slopes,
@@ -145,10 +149,10 @@ impl PatternSums {
     }
 }
 
-/// Reports a stated indentation that differs significantly from its estimate from the other readings.
+/// Reports a misfit if the stated indentation differs significantly from its estimate from the other readings.
 ///
 /// # Errors
-/// [`PressError::Undetermined`] if these readings do not bound it.
+/// [`PressError::Undetermined`] if the other readings do not determine a bound of the indentation.
 pub(crate) fn stated_indentation(
     stated: Measured,
     alone: &Estimated,
@@ -172,7 +176,7 @@ pub(crate) fn stated_indentation(
 mod tests {
     use super::*;
 
-    /// Irregular numbers of both signs.
+    /// Irregular numbers with both signs.
     fn scattered(number: usize) -> f64 {
         libm::sin(1.7 * (number * number) as f64 + 0.3)
     }
@@ -185,7 +189,8 @@ mod tests {
         let patterns = SMatrix::<f64, READINGS, PATTERNS>::from_fn(|row, column| {
             scattered(190 + 7 * row + column)
         });
-        // At a limit the residuals have a part that the unknowns would explain.
+        // If a fit parameter is at the limit of its range, the residuals contain a part that a change of the fit
+        // parameters would explain.
         let residuals = slopes * SVector::from([40.0, -70.0, 0.0, 0.0, 0.0, 0.0]);
         let products = PatternSums {
             by_slopes: slopes.tr_mul(&patterns),

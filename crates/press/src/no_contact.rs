@@ -1,15 +1,16 @@
-//! Error for readings without a detected contact.
+//! The error for readings that show no contact.
 
 use palpate_statistics::chi_squared_tail;
 
 use crate::PressError;
 
-/// Significance level below which markers have moved.
+/// The markers have moved significantly if the p-value is below this level.
 const SIGNIFICANCE_LEVEL: f64 = 1e-6;
 
-/// The error if a contact improves chi-squared by `improvement`, and `needed` is the least improvement of a detected contact.
-/// `squares` are the chi-squared of the markers against rest, with `each` readings per marker. The error is
-/// [`PressError::OtherBody`] if the markers have moved. The marker that moved most does not count, because it may be an outlier.
+/// The error if a contact improves chi-squared by `improvement`, which is less than `needed`. `squares` contains
+/// chi-squared of each marker compared with rest, with `each` readings per marker. The error is
+/// [`PressError::OtherBody`] if the markers have moved significantly. The marker that moved most is ignored in this
+/// test, because it may be an outlier.
 pub(crate) fn no_contact(
     (improvement, needed): (f64, f64),
     squares: impl Iterator<Item = f64>,
@@ -20,7 +21,7 @@ pub(crate) fn no_contact(
     let others = squares.get(1..).unwrap_or_default();
     let (chi_squared, freedom) = (others.iter().sum(), each * others.len());
     let second = others.first().copied().unwrap_or(0.0);
-    // Significance of the marker that moved second most, among all markers.
+    // `two` is the p-value of the marker that moved second most, corrected for the number of markers.
     let two = squares.len().max(1) as f64 * chi_squared_tail(second, each);
     match chi_squared_tail(chi_squared, freedom).min(two * two) < SIGNIFICANCE_LEVEL {
         true => PressError::OtherBody {

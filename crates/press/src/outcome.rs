@@ -1,4 +1,4 @@
-//! The reported estimate of a press, from its best fit.
+//! Computes the reported estimate of a press from its best fit.
 
 use nalgebra::Vector3;
 
@@ -7,13 +7,14 @@ use crate::state::State;
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, Square, Sums};
 use crate::{Estimated, GoodnessOfFit, PressError, PressEstimate, Verdict};
 
-/// Largest number of fits whose profile finds a better fit.
+/// Maximum number of times that a better fit may be found while the interval is computed.
 const MAX_FITS: usize = 4;
 
-/// Calls `conclude` with a fit until it returns an estimate. It returns a better fit instead if it finds one.
+/// Calls `conclude` with a fit. If `conclude` returns a better fit instead of an estimate, it is called again with this
+/// fit.
 ///
 /// # Errors
-/// Errors of `conclude`, and [`PressError::Undetermined`] if it finds better fits without end.
+/// Errors of `conclude`, and [`PressError::Undetermined`] if it finds better fits again and again.
 pub(crate) fn until_best<F>(
     mut fit: F,
     mut conclude: impl FnMut(F) -> Result<Result<PressEstimate, F>, PressError>,
@@ -29,7 +30,7 @@ pub(crate) fn until_best<F>(
     })
 }
 
-/// The part of an estimate that depends on the kind of readings.
+/// Those parts of an estimate that depend on the kind of readings.
 pub(crate) struct OfReadings {
     pub(crate) relative_curvature: Estimated,
     pub(crate) baseline: Option<Estimated>,
@@ -41,7 +42,7 @@ pub(crate) struct OfReadings {
     pub(crate) goodness: Option<GoodnessOfFit>,
 }
 
-/// The estimate at the least chi-squared; `half_width` is that of a 95 % interval in standard deviations.
+/// The estimate at the minimum of chi-squared. `half_width` is the half-width of a 95 % interval in standard errors.
 pub(crate) fn outcome<P: LeastSquares>(
     problem: &P,
     (state, sums): (&State, &Sums),
@@ -86,7 +87,7 @@ pub(crate) fn outcome<P: LeastSquares>(
     })
 }
 
-/// Standard deviations of the reported values.
+/// Standard errors of the reported values.
 pub(crate) struct Stds {
     pub(crate) log_curvature: f64,
     pub(crate) indentation: f64,
@@ -95,7 +96,7 @@ pub(crate) struct Stds {
 }
 
 impl Stds {
-    /// The standard deviations by the covariance of the unknowns. Unknowns that are not fitted are exact.
+    /// The standard errors from the covariance of the fit parameters. Parameters that are not fitted are exact.
     pub(crate) fn new<P: LeastSquares>(
         problem: &P,
         state: &State,
@@ -109,13 +110,15 @@ impl Stds {
         let (skin, body) = problem.press();
         let contact = problem.contact(state)?;
         let [_, slope] = body.indentation_of(contact.radius)?;
-        // Variance of C D' a, with the contact's radius a and the indentation δ = C D(a): C D' da = dδ − δ d ln C.
+        // `of_radius` is the variance of C D' a, with the contact's radius a and the indentation δ = C D(a). It follows
+        // from C D' da = dδ − δ d ln C.
         let indentation = state.indentation;
         let of_radius = variance(INDENTATION, INDENTATION)
             - 2.0 * indentation * variance(INDENTATION, CURVATURE)
             + indentation * indentation * variance(CURVATURE, CURVATURE);
         let share = 1.0 / (contact.relative_curvature * slope);
-        // If the markers lie on a circle, the axes of the state's place are along and across the circle.
+        // If the markers are on a circle, the axes of the state's place are along and across the circle. They are
+        // converted to the axes of the skin.
         let axes = skin.place_at(state.place.direction.as_ref());
         let along = |axis: &Vector3<f64>| {
             let (x, y) = (axis.dot(&state.place.x_axis), axis.dot(&state.place.y_axis));

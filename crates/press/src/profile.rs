@@ -1,19 +1,21 @@
-//! Intervals of the relative curvature by profile likelihood.
+//! Computes intervals of the relative curvature by profile likelihood.
 
 use crate::Interval;
 use crate::least_squares::{LeastSquares, minimise};
 use crate::state::State;
 use crate::unknowns::{CURVATURE, INDENTATION};
 
-/// Relative tolerance of the square root of chi-squared's increase at the end of an interval; the end is then interpolated.
+/// Relative tolerance of the square root of the increase of chi-squared at the end of an interval. Within this
+/// tolerance, the end is interpolated.
 const TOLERANCE: f64 = 0.03;
+/// Maximum number of attempts to find an end of an interval.
 const MAX_TRIES: usize = 40;
-/// Largest ratio of a curvature to its estimate, or of the estimate to a curvature, in the search.
+/// Largest factor between a curvature and its estimate, in both directions, up to which the search goes.
 const MAX_RATIO: f64 = 1e6;
 
-/// The interval of curvatures in which chi-squared, minimised over all other unknowns, is less than `limit` above its
-/// minimum. If the search finds a state with a clearly smaller chi-squared than `best`, it returns that state as the
-/// error.
+/// The interval of curvatures for which chi-squared, minimised with respect to all other fit parameters, exceeds its
+/// minimum by less than `limit`. If the search finds a state with a clearly smaller chi-squared than `best`, it returns
+/// this state as the error.
 pub(crate) fn profile<P: LeastSquares>(
     problem: &P,
     best: &P::Fit,
@@ -26,8 +28,8 @@ pub(crate) fn profile<P: LeastSquares>(
     })
 }
 
-/// A step of the logarithm of the curvature, the square root of chi-squared's increase there, and the derivative of the step by
-/// the root.
+/// A step of the logarithm of the curvature, the square root of the increase of chi-squared at this step, and the
+/// derivative of the step with respect to this root.
 #[derive(Clone, Copy)]
 struct Found {
     step: f64,
@@ -36,7 +38,7 @@ struct Found {
 }
 
 impl Found {
-    /// The step at another root, by the cubic polynomial through two points with their derivatives.
+    /// The step for another root, interpolated by the cubic polynomial through two points with their derivatives.
     fn through(self, other: Self, root: f64) -> f64 {
         let width = other.root - self.root;
         let share = (root - self.root) / width;
@@ -48,7 +50,7 @@ impl Found {
     }
 }
 
-/// The logarithm of the curvature at the end of the interval; `None` if there is no end.
+/// Searches the logarithm of the curvature at one end of the interval; `None` if the interval has no end on this side.
 fn walk<P: LeastSquares>(
     problem: &P,
     best: &P::Fit,
@@ -56,14 +58,15 @@ fn walk<P: LeastSquares>(
     sign: f64,
 ) -> Result<Option<f64>, State> {
     let (start, sums) = (P::state_of(best), P::sums_of(best));
-    // The fit at the last step, the derivative of the unknowns there, and the step.
+    // The fit at the last step, the derivative of the fit parameters with respect to the logarithm of the curvature at
+    // this fit, and the last step.
     let mut from = (best.clone(), sums.ridge(), 0.0);
     let std = (sums.hessian.row(CURVATURE) * from.1)[0].sqrt().recip();
     let mut at = |step: f64| -> Option<Result<Found, State>> {
         let way = from.1 * (sign * (step - from.2));
         let last = P::state_of(&from.0);
         let mut state = problem.stepped(last, &way);
-        // The indentation is extrapolated as a power of the curvature.
+        // The indentation is extrapolated as a power of the curvature, so that it stays positive.
         state.indentation = last.indentation * libm::exp(way[INDENTATION] / last.indentation);
         let near = problem.fit_near(&from.0, state, way[CURVATURE]).ok()?;
         let fit = minimise(problem, near, P::ENOUGH_OF_PROFILE, Some(CURVATURE)).ok()?;
@@ -88,14 +91,15 @@ fn walk<P: LeastSquares>(
         root: 0.0,
         per_root: std,
     };
-    // The smallest step beyond the end, with the result there; `None` if no press is possible.
+    // The smallest step that is beyond the end, with its result, which is `None` if no press is possible there.
     let mut outside: Option<(f64, Option<Found>)> = None;
     for _ in 0..MAX_TRIES {
         let mut last = inside;
         match at(step) {
             Some(Err(state)) => return Err(state),
             Some(Ok(found)) if (found.root - limit).abs() <= TOLERANCE * limit => {
-                // The slopes are useless if the profile is almost flat.
+                // If the profile is almost flat, the interpolated step is wrong, so it is only used if it is near the
+                // tried step.
                 let guess = inside.through(found, limit);
                 let is_near = (guess - step).abs() <= 0.1 * step;
                 let end = if is_near { guess } else { step };
@@ -103,7 +107,7 @@ fn walk<P: LeastSquares>(
             }
             Some(Ok(found)) if found.root < limit => inside = found,
             Some(Ok(found)) => outside = Some((step, Some(found))),
-            // No press is possible there.
+            // No press is possible at this step.
             None => outside = Some((step, None)),
         }
         if let Some((_, Some(found))) = outside {

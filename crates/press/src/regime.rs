@@ -1,10 +1,10 @@
-//! Regimes of contact between a spherical sensor and an object, and limits of the theory.
+//! Regimes of contact between a spherical sensor and an object, and the limits of the contact theory.
 
 use strum::IntoStaticStr;
 
 use crate::PressError;
 
-/// How a sphere touches an object of some curvature (2020 paper, Fig. 2).
+/// The way in which a spherical sensor touches an object, which depends on the object's curvature (2020 paper, Fig. 2).
 ///
 /// ```
 /// use palpate_press::ContactRegime;
@@ -18,23 +18,24 @@ use crate::PressError;
 #[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum ContactRegime {
-    /// The object bulges towards the sensor.
+    /// The object is convex.
     Convex,
     /// The object is flat.
     Flat,
-    /// The object is hollow with less curvature than the sensor: the first contact is one point.
+    /// The object is concave with a smaller curvature than the sensor. The first contact is one point.
     Concave,
-    /// The object is hollow with the curvature of the sensor: the surfaces fit, and no point is touched first.
+    /// The object is concave with the curvature of the sensor. The surfaces fit, so there is no first contact point.
     Conforming,
-    /// The object is hollow with more curvature than the sensor: the sensor touches its edge.
+    /// The object is concave with a larger curvature than the sensor. The sensor touches the object's edge.
     Edge,
 }
 
-/// Relative curvatures below this, relative to the sensor's own curvature, count as 0.
+/// If the relative curvature divided by the sensor's curvature is below this value, it counts as 0.
 const RELATIVE_TOLERANCE: f64 = 1e-12;
 
 impl ContactRegime {
-    /// The regime of a sensor of curvature `sensor > 0` on an object of curvature `object`, positive where convex.
+    /// The regime of a sensor with the curvature `sensor > 0` on an object with the curvature `object`, which is
+    /// positive where the object is convex.
     pub fn of(sensor: f64, object: f64) -> Self {
         let relative = sensor + object;
         if relative.abs() <= RELATIVE_TOLERANCE * sensor {
@@ -50,22 +51,23 @@ impl ContactRegime {
         }
     }
 
-    /// The stable name.
+    /// The stable name of the regime.
     pub fn name(self) -> &'static str {
         self.into()
     }
 }
 
-/// Limit of small-strain theory: its errors are noticeable if the ratio of the contact's radius to the radius of the sensor or
-/// of the object is larger.
+/// Limit of small-strain theory: if the ratio of the contact's radius to the radius of the sensor or of the object is
+/// larger than this value, the errors of the theory are noticeable.
 pub const LARGE_CONTACT: f64 = 0.3;
 
 /// Largest allowed ratio of the contact's radius to the radius of a convex object.
 const MAX_CONTACT: f64 = 0.9;
 
-/// Sneddon's relation for a rigid sphere of radius R and any contact radius a < R: δ = (a/2) ln((R + a)/(R − a)).
+/// Indentation δ by a rigid sphere of radius R at any contact radius a < R, by Sneddon's relation δ = (a/2) ln((R +
+/// a)/(R − a)).
 ///
-/// Its limit for a ≪ R is δ = a²/R of Hertz theory.
+/// For a ≪ R, it tends to δ = a²/R, which is Hertz's relation.
 ///
 /// ```
 /// use palpate_press::sneddon_indentation;
@@ -84,7 +86,7 @@ pub fn sneddon_indentation(radius: f64, a: f64) -> Result<f64, PressError> {
     PressError::unless_good("radius", radius, good, "finite and > 0")?;
     let good = (0.0..radius).contains(&a);
     PressError::unless_good("contact_radius", a, good, "at least 0 and below the radius")?;
-    // The area tangent of a/R, from R − a, which has all its digits.
+    // This is artanh(a/R), computed from R − a so that no digits are lost.
     Ok(0.5 * a * libm::log1p(2.0 * a / (radius - a)))
 }
 

@@ -1,9 +1,11 @@
-//! Tangential motion of the skin under an object that sticks to it and moves sideways.
+//! Computes the motion of the skin under an object that sticks to the skin and moves sideways.
 //!
-//! A small shift without slip moves the contact, a disc of radius a, as one. On an elastic half-space the traction is
-//! then q₀/√(1 − r²/a²) (Mindlin 1949), whose Hankel transform is q₀ a sin(ka)/k. Waves of traction move the depth z,
-//! as multiples of q̄ e^{−kz}/(2Gk), by 2(1−ν) − kz along their direction, by 2 across it, and by (1−2ν) + kz inward, a
-//! quarter of a wave behind. Per unit shift, which is π(2−ν) q₀ a/(4G), with φ the azimuth from the shift:
+//! In a small shift without slip, all points of the contact (a disc of radius a) move equally. On an elastic
+//! half-space, the traction is then q₀/√(1 − r²/a²) (Mindlin 1949), whose Hankel transform is q₀ a sin(ka)/k. A wave of
+//! traction with the amplitude q̄ and the wavenumber k displaces the material at the depth z. In units of q̄
+//! e^{−kz}/(2Gk), with the shear modulus G, the displacement is 2(1−ν) − kz along the direction of the wave, 2 for the
+//! component across it, and (1−2ν) + kz inward, shifted by a quarter of a wavelength. The shift of the contact is
+//! π(2−ν) q₀ a/(4G). For a unit shift, with the azimuth φ relative to the shift:
 //!
 //! ```text
 //! along  = s [2(2−ν) A₀ − z B₀ + cos 2φ (2ν A₂ + z B₂)]     across = s sin 2φ (2ν A₂ + z B₂)
@@ -19,20 +21,21 @@ use std::f64::consts::PI;
 use crate::PressError;
 use crate::half_space::Spheroidal;
 
-/// Displacement of a point per unit shift of a contact that sticks.
+/// Displacement of a point if a contact that sticks to the skin moves by 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct StuckShift {
-    /// Along the shift.
+    /// Component along the shift.
     pub(crate) along: f64,
-    /// Along the skin, perpendicular to the shift, in the direction of growing azimuth.
+    /// Component along the skin perpendicular to the shift, in the direction of increasing azimuth.
     pub(crate) across: f64,
-    /// Inward.
+    /// Component inward, along the normal of the skin.
     pub(crate) normal: f64,
 }
 
-/// Displacement of the skin at depth `depth >= 0`, distance `r >= 0` from the middle of the contact and `azimuth` (radians,
-/// from the direction of the shift) if a contact of this radius moves by 1 without slip. At the surface all points of the
-/// contact move by 1; far away the displacement is that of a point force (Cerruti).
+/// Displacement of the skin if a contact of this radius moves by 1 without slip. The point is at the depth `depth >=
+/// 0`, at the distance `r >= 0` from the middle of the contact, and at `azimuth` (radians, relative to the direction of
+/// the shift). At the surface, all points of the contact move by 1. Far away, the displacement equals that of a point
+/// force (Cerruti).
 ///
 /// # Errors
 /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5], a `depth` or `distance` that is not from 0 to 1e50, a
@@ -68,7 +71,7 @@ pub(crate) fn stuck_shift(
     })
 }
 
-/// A_m and B_m for m = 0, 1, 2, lengths in units of the contact's radius.
+/// The integrals A_m and B_m for m = 0, 1, 2, with lengths in units of the contact's radius.
 struct Waves {
     a: [f64; 3],
     b: [f64; 3],
@@ -77,7 +80,7 @@ struct Waves {
 impl Waves {
     fn new(z: f64, place: Spheroidal) -> Self {
         let Spheroidal { xi, eta, r, .. } = place;
-        // ρ = ξ − iη and ζ = z − i.
+        // In these coordinates, ρ = ξ − iη and ζ = z − i.
         let (real, imaginary) = (xi + z, eta + 1.0);
         let share = r / (real * real + imaginary * imaginary);
         let t = [share * real, share * imaginary];

@@ -1,16 +1,17 @@
-//! Points on the skin of a spherical sensor.
+//! The skin of a spherical sensor, and places on it.
 
 use nalgebra::{UnitVector3, Vector2, Vector3};
 
 use crate::{Body, Contact, ContactRegime, EllipticContact, PressError, within_object};
 
-/// Lengths whose products of a few factors stay in the range of doubles.
+/// Allowed lengths: products of a few such lengths are within the range of doubles.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
-/// The skin: a sphere, with coordinates from its apex.
+/// The skin of a sensor: a sphere, with coordinates relative to its apex.
 ///
-/// A place has chart coordinates (x, y), its logarithm map from the apex: it lies √(x² + y²) along the skin in the
-/// direction (x, y). Tangential displacements are counted along the axes of the apex, carried along the meridian.
+/// The coordinates (x, y) of a place are its logarithm map from the apex: the place is in the direction (x, y) from the
+/// apex, at the distance √(x² + y²) along the skin. The components of tangential displacements are along the axes of
+/// the apex, transported along the meridian to the place.
 ///
 /// ```
 /// use palpate_press::{Body, Skin};
@@ -31,11 +32,11 @@ pub struct Skin {
 /// A place on the skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// Direction from the sensor's centre.
+    /// Direction of the place from the sensor's centre.
     pub direction: UnitVector3<f64>,
-    /// The apex's x axis, carried here.
+    /// The x axis of the apex, transported to this place.
     pub x_axis: Vector3<f64>,
-    /// The apex's y axis, carried here.
+    /// The y axis of the apex, transported to this place.
     pub y_axis: Vector3<f64>,
 }
 
@@ -50,18 +51,18 @@ impl Skin {
             .map(|radius| Self { radius })
     }
 
-    /// The radius.
+    /// Radius of the skin.
     pub const fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// The curvature, 1/R_s.
+    /// Curvature of the skin, 1/R_s.
     pub fn curvature(&self) -> f64 {
         self.radius.recip()
     }
 
-    /// The place at chart coordinates (x, y); places more than half a turn away wrap around, and coordinates whose
-    /// angle is not finite count as the apex.
+    /// The place with the coordinates (x, y). Coordinates of more than half a turn are reduced by whole turns. If the
+    /// angle of the coordinates is not finite, the result is the apex.
     pub fn place(&self, [x, y]: [f64; 2]) -> Place {
         let [x, y] = [x / self.radius, y / self.radius];
         let angle = libm::hypot(x, y);
@@ -84,7 +85,8 @@ impl Skin {
         }
     }
 
-    /// The chart coordinates of a vector from the centre, of any length; those of the apex if the vector is 0 or not finite.
+    /// Coordinates of a place on the skin, from a vector from the sensor's centre of any length. If the vector is 0 or
+    /// not finite, the result is the apex.
     pub(crate) fn chart(&self, direction: &Vector3<f64>) -> [f64; 2] {
         let largest = direction.amax();
         let is_one = largest > 0.0 && direction.iter().all(|part| part.is_finite());
@@ -108,12 +110,13 @@ impl Skin {
         ]
     }
 
-    /// The contact with an object of this curvature (positive if convex, 0 if flat) at this indentation of `body`.
+    /// The contact between `body` and an object with this curvature (positive if convex, 0 if flat), at this
+    /// indentation.
     ///
     /// # Errors
-    /// [`PressError::Conforming`] and [`PressError::EdgeContact`] where the relative curvature is not positive;
-    /// [`PressError::NoIndentation`]; [`PressError::TooDeep`] where the indentation reaches the sensor's centre or the
-    /// layer's base; [`PressError::TooWide`] where the contact would be wider than the sensor;
+    /// [`PressError::Conforming`] and [`PressError::EdgeContact`] if the relative curvature is not positive;
+    /// [`PressError::NoIndentation`]; [`PressError::TooDeep`] if the indentation reaches the sensor's centre or the
+    /// layer's base; [`PressError::TooWide`] if the contact would be wider than the sensor;
     /// [`PressError::LayerTooThin`].
     pub fn contact<'b>(
         &self,
@@ -125,10 +128,11 @@ impl Skin {
         self.press(body, relative_curvature, indentation)
     }
 
-    /// The contact of a half-space with an object of these principal curvatures, the smaller first.
+    /// Contact of a half-space with an object that has these principal curvatures, the smaller one first.
     ///
     /// # Errors
-    /// Those of [`Skin::contact`], and [`PressError::TooWide`] where the contact is too wide for the larger curvature.
+    /// The errors of [`Skin::contact`], and [`PressError::TooWide`] if the contact is too wide for the larger
+    /// curvature.
     pub fn elliptic_contact(
         &self,
         poisson: f64,
@@ -160,7 +164,7 @@ impl Skin {
         Ok(contact)
     }
 
-    /// The sum of the skin's curvature and an object's, where there is a contact at one point.
+    /// Sum of the curvatures of the skin and the object; an error if they do not touch at a single point.
     fn relative_curvature(&self, object_curvature: f64) -> Result<f64, PressError> {
         let relative_curvature = self.curvature() + object_curvature;
         match ContactRegime::of(self.curvature(), object_curvature) {
@@ -172,7 +176,7 @@ impl Skin {
         }
     }
 
-    /// Rejects an indentation that reaches the sensor's centre.
+    /// An error if the indentation reaches the centre of the sensor.
     fn holds_indentation(&self, indentation: f64) -> Result<(), PressError> {
         if indentation >= self.radius {
             return Err(PressError::TooDeep {
@@ -184,7 +188,7 @@ impl Skin {
         Ok(())
     }
 
-    /// Rejects a contact that is wider than the sensor.
+    /// An error if the contact is wider than the sensor.
     pub(crate) fn holds_contact(&self, radius: f64) -> Result<(), PressError> {
         if radius >= self.radius {
             return Err(PressError::TooWide {
@@ -196,15 +200,15 @@ impl Skin {
         Ok(())
     }
 
-    /// The direction from the centre that lies this far along the skin from a place; the lengths, not both zero, go
-    /// along the place's axes.
+    /// Direction from the sensor's centre to the point that is reached from a place by moving along the skin by the
+    /// lengths `along` and `across` in the axes at the place. The lengths must not both be zero.
     pub(crate) fn beyond(&self, place: &Place, along: f64, across: f64) -> Vector3<f64> {
         let tangent = place.x_axis * along + place.y_axis * across;
         let angle = tangent.norm() / self.radius;
         place.direction.as_ref() * libm::cos(angle) + tangent.normalize() * libm::sin(angle)
     }
 
-    /// The place at a direction from the centre.
+    /// The place in this direction from the sensor's centre.
     pub(crate) fn place_at(&self, direction: &Vector3<f64>) -> Place {
         self.place(self.chart(direction))
     }

@@ -1,23 +1,23 @@
-//! State of a fit: values of its unknowns.
+//! A state of a fit, that is, values of its fit parameters.
 
 use nalgebra::Vector3;
 
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, OTHERS, Unknowns};
 use crate::{Body, Contact, Place, PressError, Skin};
 
-/// Values of the unknowns.
+/// Values of the fit parameters.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State {
     pub(crate) log_curvature: f64,
     pub(crate) place: Place,
     pub(crate) indentation: f64,
-    /// The two unknowns in which the fits differ: an offset and a gain of normal displacements, or both components of a
-    /// sideways shift of the object.
+    /// The two fit parameters that depend on the kind of fit: the offset and the gain of normal displacements, or the
+    /// two components of a sideways shift of the object.
     pub(crate) others: [f64; 2],
 }
 
 impl State {
-    /// A press of this relative curvature.
+    /// A state with this relative curvature, place and indentation.
     pub(crate) fn new(
         relative_curvature: f64,
         place: Place,
@@ -32,7 +32,7 @@ impl State {
         }
     }
 
-    /// The contact with a body.
+    /// The contact of this state with a body.
     pub(crate) fn contact<'b>(
         &self,
         skin: &Skin,
@@ -41,7 +41,7 @@ impl State {
         skin.press(body, libm::exp(self.log_curvature), self.indentation)
     }
 
-    /// The state after a step. `place_at` is the place in a direction.
+    /// The state after a step. `place_at` returns the place in a direction.
     pub(crate) fn stepped(
         &self,
         skin: &Skin,

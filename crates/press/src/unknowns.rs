@@ -1,4 +1,4 @@
-//! Unknowns of a press, and chi-squared with its derivatives by them.
+//! The fit parameters of a press, and chi-squared with its derivatives with respect to them.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -6,33 +6,38 @@ use crate::Measured;
 use crate::cholesky::solve;
 use crate::state::State;
 
-/// Number of unknowns. In this order: the logarithm of the relative curvature; displacements of the contact along both
-/// axes at its place; the indentation; two that differ between a fit of displacements and a fit of images.
+/// Number of fit parameters.
 pub(crate) const UNKNOWNS: usize = 6;
+/// Index of the logarithm of the relative curvature.
 pub(crate) const CURVATURE: usize = 0;
+/// Index of the contact's displacement along the first axis at its place.
 pub(crate) const ALONG: usize = 1;
+/// Index of the contact's displacement along the second axis at its place.
 pub(crate) const ACROSS: usize = 2;
+/// Index of the indentation.
 pub(crate) const INDENTATION: usize = 3;
-/// The first of the two unknowns that differ.
+/// Index of the first of the two fit parameters that depend on the kind of fit.
 pub(crate) const OTHERS: usize = 4;
 
 pub(crate) type Unknowns = SVector<f64, UNKNOWNS>;
 pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// A prior narrower than this, relative to the value's size, counts as exact, because of rounding.
+/// If the standard deviation of a prior is smaller than this value, relative to the size of the unknown, the unknown
+/// counts as exact, because of rounding errors.
 pub(crate) const EXACT: f64 = 1e-10;
 
-/// The fitted unknowns and their normal priors.
+/// The parameters that are fitted, and their normal priors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fitted {
     /// Whether each unknown is fitted.
     pub(crate) sought: [bool; UNKNOWNS],
-    /// Prior of each unknown, if it has one.
+    /// Prior of each unknown; `None` if it has no prior.
     priors: [Option<Measured>; UNKNOWNS],
 }
 
 impl Fitted {
-    /// All unknowns, but the indentation only if it is not exact. The last two unknowns have these priors.
+    /// All fit parameters are fitted, except an exact indentation. `others` are the priors of the last two fit
+    /// parameters.
     pub(crate) fn new(indentation: Option<Measured>, others: [Option<Measured>; 2]) -> Self {
         let (mut sought, mut priors) = ([true; UNKNOWNS], [None; UNKNOWNS]);
         sought[INDENTATION] = indentation.is_none_or(|known| known.std > EXACT * known.value);
@@ -41,12 +46,12 @@ impl Fitted {
         Self { sought, priors }
     }
 
-    /// Number of the fitted unknowns.
+    /// Number of the fitted parameters.
     pub(crate) fn count(&self) -> usize {
         self.sought.iter().filter(|&&sought| sought).count()
     }
 
-    /// Priors of the fitted unknowns.
+    /// Priors of the fitted parameters.
     pub(crate) fn priors(&self) -> impl Iterator<Item = (usize, Measured)> + '_ {
         let fitted = (0..UNKNOWNS).filter(|&unknown| self.sought[unknown]);
         fitted.filter_map(|unknown| Some((unknown, self.priors[unknown]?)))
@@ -71,14 +76,14 @@ impl Fitted {
 pub(crate) struct Sums {
     /// Chi-squared, including the deviations from the priors.
     pub(crate) chi_squared: f64,
-    /// Half its gradient.
+    /// Half the gradient of chi-squared.
     pub(crate) gradient: Unknowns,
-    /// Half its Hessian, without second derivatives of the model.
+    /// Half the Hessian of chi-squared, without second derivatives of the model.
     pub(crate) hessian: Square,
 }
 
 impl Sums {
-    /// The sums after a small step, by their quadratic model.
+    /// The sums after a small step, predicted by their quadratic model.
     pub(crate) fn after(&self, step: &Unknowns) -> Self {
         let along = self.hessian * step;
         Self {
@@ -88,7 +93,7 @@ impl Sums {
         }
     }
 
-    /// The sums with one unknown held constant.
+    /// The sums for a fit in which one unknown is held constant.
     pub(crate) fn holding(mut self, held: usize) -> Self {
         self.gradient[held] = 0.0;
         self.hessian.row_mut(held).fill(0.0);
@@ -97,7 +102,7 @@ impl Sums {
         self
     }
 
-    /// The step of Levenberg and Marquardt's method; `None` if the damped Hessian is not positive definite.
+    /// A Levenberg–Marquardt step; `None` if the damped Hessian is not positive definite.
     pub(crate) fn damped_step(&self, damping: f64) -> Option<Unknowns> {
         let mut damped = self.hessian;
         for index in 0..UNKNOWNS {
@@ -106,7 +111,8 @@ impl Sums {
         solve(&damped, &-self.gradient)
     }
 
-    /// Derivative of all unknowns by the logarithm of the curvature, at the least chi-squared for each curvature.
+    /// Derivative of all fit parameters with respect to the logarithm of the curvature, if the other fit parameters
+    /// always minimise chi-squared.
     pub(crate) fn ridge(&self) -> Unknowns {
         let across = -self.hessian.column(CURVATURE);
         let mut along = solve(&self.holding(CURVATURE).hessian, &across).unwrap_or_default();
@@ -114,14 +120,14 @@ impl Sums {
         along
     }
 
-    /// Adds the deviation of an unknown from its prior with this standard deviation.
+    /// Adds the deviation of an unknown from its prior, which has this standard deviation.
     fn add_prior(&mut self, unknown: usize, off: f64, std: f64) {
         self.chi_squared += (off / std) * (off / std);
         self.gradient[unknown] += off / (std * std);
         self.hessian[(unknown, unknown)] += 1.0 / (std * std);
     }
 
-    /// Adds an observation with this residual (in standard deviations) and slopes of the prediction.
+    /// Adds an observation with this residual (in standard deviations) and these derivatives of its prediction.
     #[inline]
     pub(crate) fn add(&mut self, residual: f64, weight: f64, slopes: &Unknowns) {
         for row in 0..UNKNOWNS {
@@ -133,7 +139,7 @@ impl Sums {
         }
     }
 
-    /// Completes the Hessian, and removes unknowns that are not fitted.
+    /// Completes the Hessian, and removes the parameters that are not fitted.
     pub(crate) fn only(&mut self, sought: &[bool; UNKNOWNS]) {
         for row in 0..UNKNOWNS {
             for column in 0..row {

@@ -1,4 +1,5 @@
-//! Answers to questions about sensors and their use, by Monte Carlo; scores of claims; words.
+//! Answers to questions about sensors and their use, found by Monte Carlo simulation. Also the scores of the papers'
+//! claims, and the meanings of words.
 
 mod answer_display;
 pub(crate) mod design;

@@ -1,4 +1,4 @@
-//! Arrays of a call, as rows of numbers.
+//! Converts the arrays of a call to rows of numbers.
 
 use numpy::{
     PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
@@ -9,7 +9,8 @@ use pyo3::types::{PyFloat, PyList};
 
 use crate::error;
 
-/// Array of an argument, its last axis fastest: the caller's own memory if it has this layout, otherwise a copy.
+/// Array of an argument, stored so that the last axis varies fastest. If the caller's array has this layout, its memory
+/// is used, otherwise a copy.
 pub(crate) struct Numbers<'py> {
     name: &'static str,
     data: Data<'py>,
@@ -22,7 +23,7 @@ enum Data<'py> {
 }
 
 impl<'py> Numbers<'py> {
-    /// Array of an argument: an array of NumPy, or anything that NumPy converts to one.
+    /// Reads the array of an argument. It may be a NumPy array, or any object that NumPy converts to an array.
     pub(crate) fn of(name: &'static str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
         let array = match value.cast::<PyArrayDyn<f64>>() {
             Ok(array) if array.is_c_contiguous() => array.clone(),
@@ -35,7 +36,7 @@ impl<'py> Numbers<'py> {
             },
         };
         let busy = |_| {
-            let message = format!("{name}: is being written by another thread");
+            let message = format!("{name}: another thread writes into this array");
             error::argument(name, &[], None, message)
         };
         let data = Data::Array(array.try_readonly().map_err(busy)?);
@@ -60,13 +61,13 @@ impl<'py> Numbers<'py> {
         }
     }
 
-    /// Rows of `D` numbers along the last axis; all axes before it run through them.
+    /// Rows of `D` numbers along the last axis. All other axes are joined to one, in their order.
     pub(crate) fn rows<const D: usize>(&self) -> &[[f64; D]] {
         self.flat().as_chunks::<D>().0
     }
 
-    /// Number of sets of readings, if the array has an axis for them before rows and columns; and the number of columns,
-    /// one of `columns`.
+    /// Number of sets of readings, if the array has an additional first axis for sets. Also the number of columns,
+    /// which must be one of `columns`.
     pub(crate) fn sets(&self, columns: &[usize], wanted: &str) -> PyResult<(Option<usize>, usize)> {
         match *self.shape() {
             [_, last] if columns.contains(&last) => Ok((None, last)),
@@ -75,7 +76,7 @@ impl<'py> Numbers<'py> {
         }
     }
 
-    /// Rows of a set of readings; all rows of an array without an axis for sets.
+    /// Rows of one set of readings. If the array has no axis for sets, these are all rows.
     pub(crate) fn set<const D: usize>(&self, set: usize) -> &[[f64; D]] {
         match *self.shape() {
             [_, rows, _] => &self.rows()[set * rows..][..rows],
@@ -84,8 +85,8 @@ impl<'py> Numbers<'py> {
     }
 }
 
-/// Numbers and shape of a list of lists of floats with the same length; `None` for anything else. NumPy takes longer for
-/// short lists.
+/// Numbers and shape of a list of lists of floats, all of the same length; `None` for any other object. For short
+/// lists, this is faster than NumPy.
 fn rows_of_lists(value: &Bound<'_, PyAny>) -> Option<(Vec<f64>, [usize; 2])> {
     let rows = value.cast_exact::<PyList>().ok()?;
     let mut numbers = Vec::new();
@@ -106,7 +107,7 @@ fn rows_of_lists(value: &Bound<'_, PyAny>) -> Option<(Vec<f64>, [usize; 2])> {
     (columns > 0).then_some((numbers, [rows.len(), columns]))
 }
 
-/// Array of doubles that NumPy converts a value to.
+/// The array of doubles that NumPy makes from a value.
 fn converted<'py>(
     name: &'static str,
     value: &Bound<'py, PyAny>,
@@ -114,7 +115,7 @@ fn converted<'py>(
     let py = value.py();
     let numpy = get_array_module(py)?;
     let no_array = |reason: String| {
-        let message = format!("{name}: is no array of numbers: {reason}");
+        let message = format!("{name}: is not an array of numbers: {reason}");
         error::argument(name, &[], None, message)
     };
     let refused = |error: PyErr| no_array(error.value(py).to_string());
@@ -128,7 +129,7 @@ fn converted<'py>(
     Ok(array.map_err(refused)?.cast_into()?)
 }
 
-/// Whole numbers from 0, of an array.
+/// Converts an array to whole numbers that are not negative.
 pub(crate) fn whole(numbers: &Numbers<'_>) -> PyResult<Vec<u64>> {
     let whole = |(place, &number): (usize, &f64)| {
         let is_whole = number >= 0.0 && number.fract() == 0.0 && number < 1e15;
@@ -141,7 +142,7 @@ pub(crate) fn whole(numbers: &Numbers<'_>) -> PyResult<Vec<u64>> {
     numbers.flat().iter().enumerate().map(whole).collect()
 }
 
-/// NumPy's array of these numbers, in this shape.
+/// A NumPy array with these numbers and this shape.
 pub(crate) fn array<'py>(
     py: Python<'py>,
     numbers: Vec<f64>,

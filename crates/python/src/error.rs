@@ -1,4 +1,4 @@
-//! Exceptions, and errors of the library as exceptions.
+//! Exceptions of the package, and conversion of the library's errors to them.
 
 use std::fmt::Display;
 
@@ -14,34 +14,37 @@ create_exception!(
     palpate,
     PalpateError,
     PyValueError,
-    "Error of palpate, a ValueError.\n\n`argument` is the name of the argument at fault, or None; `index` is the place in it, counted from 0;\n`value` is the number there, or None."
+    "Error of palpate, a ValueError.\n\n`argument` is the name of the wrong argument, or None;\n\
+     `index` is the position of the wrong value in it, counted from 0;\n\
+     `value` is the wrong value if it is a number, or None."
 );
 create_exception!(
     palpate,
     ArgumentError,
     PalpateError,
-    "Invalid argument: a wrong shape, a number that is not finite, a setting out of its range or without effect beside\nthe others."
+    "Invalid argument: a wrong shape, a number that is not finite, or a setting that is out of its range or has no\n\
+     effect together with the other settings."
 );
 create_exception!(
     palpate,
     ReadingsError,
     PalpateError,
-    "Readings that do not determine a curvature, with the reason."
+    "The readings do not determine a curvature; the message states the reason."
 );
 create_exception!(
     palpate,
     ConfigError,
     PalpateError,
-    "Invalid config of a study. `path` is the field at fault, as keys joined by dots."
+    "Invalid config of a study. `path` is the path of the wrong field: keys joined by dots."
 );
 create_exception!(
     palpate,
     RunError,
     PalpateError,
-    "Failed work on a study, with the reason."
+    "The work on a study failed; the message states the reason."
 );
 
-/// Adds the exceptions with their attributes to the module.
+/// Adds the exceptions to the module, with their attributes.
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     let base = py.get_type::<PalpateError>();
@@ -57,7 +60,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("RunError", py.get_type::<RunError>())
 }
 
-/// Error of an argument, with the place in it and the number there.
+/// Error in an argument, with the index of the wrong number in the array and the number itself.
 pub(crate) fn argument(
     name: &str,
     index: &[usize],
@@ -65,7 +68,7 @@ pub(crate) fn argument(
     message: impl Into<String>,
 ) -> PyErr {
     let error = ArgumentError::new_err(message.into());
-    // Its attributes cannot fail to be set: it has a dictionary of its own.
+    // Setting the attributes cannot fail, because the exception has its own dictionary.
     let _ = Python::attach(|py| {
         let own = error.value(py);
         own.setattr("argument", name)?;
@@ -75,7 +78,7 @@ pub(crate) fn argument(
     error
 }
 
-/// Error of a shape: `points: must have shape (n, 3), has (30, 2)`.
+/// Error in the shape of an argument, for example `points: must have shape (n, 3), has (30, 2)`.
 pub(crate) fn shape(name: &str, wanted: &str, found: &[usize]) -> PyErr {
     let found: Vec<String> = found.iter().map(usize::to_string).collect();
     let found = match found.as_slice() {
@@ -86,14 +89,14 @@ pub(crate) fn shape(name: &str, wanted: &str, found: &[usize]) -> PyErr {
     argument(name, &[], None, message)
 }
 
-/// Settings whose arguments have other names: pairs of key and argument.
+/// Settings whose argument has another name: pairs of a setting's key and the name of the argument.
 const RENAMED: [(&str, &str); 3] = [
     ("kind", "method"),
     ("from", "source"),
     ("normals", "tangent_normals"),
 ];
 
-/// Key of the setting that an argument states.
+/// Key of the setting that this argument states.
 pub(crate) fn key(argument: &str) -> &str {
     let renamed = RENAMED.iter().find(|(_, name)| *name == argument);
     renamed.map_or(argument, |(key, _)| key)
@@ -105,12 +108,12 @@ pub(crate) fn name(key: &str) -> &str {
     renamed.map_or(key, |(_, name)| name)
 }
 
-/// Message of an error of the library, with its settings named as arguments.
+/// Message of an error of the library. Names of settings are replaced by names of arguments.
 pub(crate) fn text(error: &impl Display) -> String {
     rename_settings(&error.to_string(), |key| name(key).to_owned())
 }
 
-/// Error of readings.
+/// Error in readings.
 pub(crate) fn recorded(error: RecordedError) -> PyErr {
     let message = text(&error);
     match error {
@@ -124,17 +127,17 @@ pub(crate) fn recorded(error: RecordedError) -> PyErr {
     }
 }
 
-/// Error of work on a study.
+/// Error that occurs while a study runs.
 pub(crate) fn run(error: impl Display) -> PyErr {
     RunError::new_err(error.to_string())
 }
 
-/// Error of settings.
+/// Error in settings.
 pub(crate) fn setting(error: SettingError) -> PyErr {
     argument(name(&error.key), &[], error.value, text(&error))
 }
 
-/// Error of a config.
+/// Error in a config.
 pub(crate) fn config(error: BadConfig) -> PyErr {
     let path = error.path().to_owned();
     let error = ConfigError::new_err(error.to_string());

@@ -1,4 +1,4 @@
-//! Estimates from arrays.
+//! Estimates from arrays of readings.
 
 mod batch;
 mod glide;

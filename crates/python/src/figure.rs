@@ -2,16 +2,16 @@
 
 use pyo3::prelude::*;
 
-/// Figure as SVG, which a notebook shows.
+/// Figure in SVG format. A notebook displays it.
 #[pyclass(frozen, module = "palpate")]
 pub(crate) struct Figure {
-    /// Name of its files, without an ending.
+    /// Name of the figure's files, without an extension.
     #[pyo3(get)]
     name: String,
-    /// Title, which also stands in the picture.
+    /// Title of the figure, which is also drawn in the picture.
     #[pyo3(get)]
     title: String,
-    /// The picture.
+    /// The picture as SVG text.
     #[pyo3(get)]
     svg: String,
 }

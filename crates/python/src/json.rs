@@ -1,4 +1,4 @@
-//! JSON as Python's own values, and back.
+//! Converts JSON to Python's built-in types, and back.
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -8,27 +8,27 @@ use serde_json::Value as Json;
 
 use crate::error;
 
-/// JSON as TOML; `path` is its field.
+/// Converts JSON to TOML. `path` is the path of the field, which messages name.
 pub(crate) fn to_toml(path: &str, json: &Json) -> PyResult<toml::Value> {
     toml::Value::try_from(json).map_err(|error| {
-        let message = format!("{path}: {json} cannot stand in a config: {error}");
+        let message = format!("{path}: {json} is not possible in a config: {error}");
         PyTypeError::new_err(message)
     })
 }
 
-/// Value that serialises, as dictionaries, lists, numbers and texts.
+/// Converts a serialisable value to dictionaries, lists, numbers and texts.
 pub(crate) fn to_python<'py>(
     py: Python<'py>,
     value: &impl Serialize,
 ) -> PyResult<Bound<'py, PyAny>> {
-    // As text, which keeps the order of the fields.
+    // Convert the value to text first, because the text keeps the order of the fields.
     let text = serde_json::to_string(value);
     let text = text.map_err(error::run)?;
     py.import("json")?.call_method1("loads", (text,))
 }
 
-/// Python's value as JSON: texts, numbers, lists, dictionaries, and objects with `tolist`, such as NumPy's arrays and
-/// numbers.
+/// Converts a Python value to JSON: texts, numbers, lists, dictionaries, and objects with `tolist`, such as NumPy
+/// arrays and numbers.
 pub(crate) fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Json> {
     let py = value.py();
     let settings = PyDict::new(py);

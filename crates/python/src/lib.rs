@@ -1,4 +1,5 @@
-//! The native module of the Python package palpate: arrays and arguments in, the library's answers out.
+//! The native module of the Python package palpate: converts arrays and arguments, calls the library, and converts its
+//! results.
 
 mod answers;
 mod arrays;
@@ -23,7 +24,7 @@ fn schema(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
     json::to_python(py, &palpate::config::schema())
 }
 
-/// Native part of palpate; its names are those of the package.
+/// Native part of the package palpate. The package exports the same names.
 #[pymodule]
 mod _native {
     use super::*;

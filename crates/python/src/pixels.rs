@@ -1,4 +1,4 @@
-//! Pictures as arrays of pixels.
+//! Images as arrays of pixels.
 
 use image::RgbImage;
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyUntypedArrayMethods, get_array_module};
@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use crate::error;
 
-/// Frame of an argument.
+/// Frame of a camera, from the array of an argument.
 pub(crate) fn frame(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Frame> {
     let numpy = get_array_module(value.py())?;
     let array = numpy.call_method1("ascontiguousarray", (value,))?;
@@ -30,7 +30,7 @@ pub(crate) fn frame(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Frame> {
     frame.ok_or_else(|| error::shape(name, "(h, w, 3)", array.shape()))
 }
 
-/// Pixels as an array (h, w, 3) of uint8.
+/// Pixels of an image as an array (h, w, 3) of uint8.
 pub(crate) fn pixels(py: Python<'_>, picture: RgbImage) -> PyResult<Bound<'_, PyAny>> {
     let (width, height) = picture.dimensions();
     let bytes = PyArray1::from_vec(py, picture.into_raw());

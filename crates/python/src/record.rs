@@ -12,22 +12,22 @@ use serde::Serialize;
 
 use crate::json::to_python;
 
-/// Value of the library behind a result, whose fields are made when they are asked for.
+/// Value of the library that a result contains. The fields of the result are computed only when Python reads them.
 pub(crate) trait Made: Send + Sync {
-    /// Fields as plain values: what the command line prints as JSON.
+    /// Fields of the result as plain values, which the command line prints as JSON.
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>>;
 
-    /// A field that takes much less time alone than with all others.
+    /// A field that can be computed alone, in much less time than all fields together.
     fn alone(&self, _: &str) -> Option<Alone> {
         None
     }
 
-    /// Names of the fields that JSON does not have: arrays, tables, figures.
+    /// Names of the fields that the JSON does not contain: arrays, tables and figures.
     fn others(&self) -> &'static [&'static str] {
         &[]
     }
 
-    /// The field of `others` with this name.
+    /// The field with this name, which is one of [`Self::others`].
     fn other<'py>(&self, _: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         Err(PyAttributeError::new_err(name.to_owned()))
     }
@@ -48,7 +48,7 @@ impl Made for Value {
     }
 }
 
-/// Field that is made without the others.
+/// A field that was computed without the other fields.
 pub(crate) enum Alone {
     Number(Option<f64>),
     Value(Value),
@@ -56,8 +56,8 @@ pub(crate) enum Alone {
 
 /// Result with named fields.
 ///
-/// A field that is a table is a `Record` itself. A list of numbers is an array of float64, with NaN for a missing number.
-/// `float(record)` is its `value`; `record["name"]` is the field of any name.
+/// A field that is a table is a `Record` too. A list of numbers becomes an array of float64, with NaN for a missing
+/// number. `float(record)` is the field `value`. `record["name"]` returns the field with any name.
 #[pyclass(subclass, frozen, module = "palpate")]
 pub(crate) struct Record {
     made: Option<Arc<dyn Made>>,
@@ -94,7 +94,7 @@ impl Record {
         }
     }
 
-    /// Record of a value that serialises.
+    /// Record from a serialisable value.
     pub(crate) fn of<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
         field(to_python(py, value)?)
     }
@@ -122,13 +122,13 @@ impl Record {
         value.map(field).transpose()
     }
 
-    /// Fields that JSON does not have, if they were made.
+    /// Those fields that the JSON does not contain and that were computed already.
     fn made_arrays<'py>(&self, py: Python<'py>) -> &Bound<'py, PyDict> {
         let arrays = self.arrays.get_or_init(py, || PyDict::new(py).unbind());
         arrays.bind(py)
     }
 
-    /// A field that JSON does not have.
+    /// One field that the JSON does not contain.
     fn array<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         if let Some(arrays) = self.arrays.get(py)
             && let Some(value) = arrays.bind(py).get_item(name)?
@@ -145,7 +145,7 @@ impl Record {
         }
     }
 
-    /// All fields that JSON does not have.
+    /// All fields that the JSON does not contain.
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
         for name in self.made.iter().flat_map(|made| made.others()) {
             self.array(py, name)?;
@@ -164,7 +164,7 @@ impl Record {
 
     fn __getattr__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let (py, own) = (slf.py(), slf.get());
-        // `class_` stands for `class`, a keyword of Python.
+        // `class` is a keyword of Python, so the attribute is `class_`.
         let key = name.strip_suffix('_').unwrap_or(name);
         match own.field(py, key)? {
             Some(value) => Ok(value),
@@ -172,7 +172,7 @@ impl Record {
         }
     }
 
-    /// Field by its name, which may be the path of a config's field.
+    /// The field with this name. The name may be the path of a field in a config.
     fn __getitem__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         match slf.get().field(slf.py(), name)? {
             Some(value) => Ok(value),
@@ -194,9 +194,9 @@ impl Record {
         slf.getattr("value")?.extract()
     }
 
-    /// Fields as dictionaries, lists, numbers and texts: what `palpate estimate` prints as JSON.
+    /// The fields as dictionaries, lists, numbers and texts: the values that `palpate estimate` prints as JSON.
     ///
-    /// With `arrays=True` also the arrays, tables and figures.
+    /// With `arrays=True`, the arrays, tables and figures are included.
     #[pyo3(signature = (*, arrays=false))]
     fn to_dict<'py>(slf: &Bound<'py, Self>, arrays: bool) -> PyResult<Bound<'py, PyAny>> {
         let (py, own) = (slf.py(), slf.get());
@@ -221,7 +221,7 @@ impl Record {
             return Ok(false);
         };
         let [one, two] = [slf.get(), other.get()];
-        // A map has arrays only, and these cannot be compared as a whole.
+        // A map has only arrays, which cannot be compared as a whole, so it equals only itself.
         if !is_same_kind || one.fields(py)?.is_empty() {
             return Ok(slf.is(other));
         }
@@ -268,7 +268,7 @@ pub(crate) fn records(py: Python<'_>, warnings: &[Warning]) -> PyResult<Py<PyAny
     Ok(field(to_python(py, &warnings)?)?.unbind())
 }
 
-/// A number; NaN for None; `None` for anything else.
+/// Converts a number to a float, and None to NaN. Any other object gives `None`.
 pub(crate) fn number(item: &Bound<'_, PyAny>) -> Option<f64> {
     let is_number = item.is_instance_of::<PyFloat>() || item.is_instance_of::<PyInt>();
     match is_number && !item.is_instance_of::<PyBool>() {
@@ -277,7 +277,8 @@ pub(crate) fn number(item: &Bound<'_, PyAny>) -> Option<f64> {
     }
 }
 
-/// Field as Python gets it.
+/// Converts a field for Python: a dict becomes a record, and a list of numbers becomes a NumPy array. Other lists are
+/// converted item by item; other values stay as they are.
 fn field(value: Bound<'_, PyAny>) -> PyResult<Bound<'_, PyAny>> {
     let py = value.py();
     if let Ok(table) = value.cast_exact::<PyDict>() {
@@ -302,7 +303,7 @@ macro_rules! record {
         pub(crate) struct $name;
 
         impl $name {
-            /// Result with the fields of a record.
+            /// Makes a result from the fields of a record.
             pub(crate) fn of(
                 py: pyo3::Python<'_>,
                 record: $crate::record::Record,

@@ -1,4 +1,4 @@
-//! Studies: configs, their plans and their runs.
+//! Studies: their configs, plans and runs.
 
 mod results;
 mod runs;
@@ -22,7 +22,7 @@ pub(crate) use results::Results;
 pub(crate) use runs::runner;
 pub(crate) use trace::Trace;
 
-/// Simulated study: a scene, the axes along which it varies, and the plots of its results.
+/// Simulated study: a scene, axes that sweep fields of the scene, and plots of the results.
 ///
 /// Parameters
 /// ----------
@@ -56,7 +56,7 @@ pub(crate) struct Study {
 }
 
 impl Study {
-    /// Study of a text.
+    /// Study from the text of a config.
     pub(crate) fn of(file: String, text: String) -> PyResult<Self> {
         let study = config::parse(&file, &text).map_err(error::config)?;
         let study = Arc::new(study);
@@ -67,7 +67,7 @@ impl Study {
         &self.study
     }
 
-    /// The study with another number of trials, and another seed.
+    /// The study with another number of trials and another seed.
     pub(crate) fn with(&self, trials: Option<u64>, seed: Option<u64>) -> PyResult<palpate::Study> {
         let mut study = palpate::Study::clone(&self.study);
         if let Some(trials) = trials {
@@ -79,7 +79,7 @@ impl Study {
         Ok(study)
     }
 
-    /// Numbers of cells, ascending and each once.
+    /// Numbers of cells, sorted in ascending order and without duplicates.
     fn cells(&self, numbers: Vec<usize>) -> PyResult<Vec<usize>> {
         let count = self.study.cell_count();
         if let Some(place) = numbers.iter().position(|&number| number >= count) {
@@ -141,7 +141,7 @@ impl Study {
         &self.study.config.name
     }
 
-    /// Question that it answers; may be empty.
+    /// Question that the study answers; may be empty.
     #[getter]
     fn title(&self) -> &str {
         &self.study.config.title
@@ -153,47 +153,47 @@ impl Study {
         self.study.config.length_unit.as_str()
     }
 
-    /// Number of cells: of combinations of the swept values.
+    /// Number of cells, which are the combinations of the swept values.
     #[getter]
     fn cell_count(&self) -> usize {
         self.study.cell_count()
     }
 
-    /// Number of trials of all cells together. Cells in which nothing is random run fewer.
+    /// Number of trials of all cells together. A cell without random numbers runs fewer trials.
     #[getter]
     fn trials(&self) -> u64 {
         self.study.trials()
     }
 
-    /// Seed of all random draws.
+    /// Seed of all random numbers.
     #[getter]
     fn seed(&self) -> u64 {
         self.study.config.seed
     }
 
-    /// Config as TOML, without defaults.
+    /// Config as TOML, as it was given, without the defaults.
     #[getter]
     fn toml(&self) -> &str {
         &self.text
     }
 
-    /// Config with every default written out, as TOML: the `run.toml` of the command line.
+    /// Config with all defaults as TOML, as `palpate run` writes it to `run.toml`.
     #[getter]
     fn resolved(&self) -> String {
         palpate::resolved(&self.study)
     }
 
-    /// Config as a dictionary, every default filled in.
+    /// Config with all defaults as a dictionary.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         crate::json::to_python(py, &self.study.config)
     }
 
-    /// Swept values of a cell by their paths.
+    /// Swept values of a cell, by the paths of the fields.
     fn cell<'py>(&self, py: Python<'py>, number: usize) -> PyResult<Bound<'py, PyDict>> {
         let cell = self.study.cell(number).map_err(error::config)?;
         let values = PyDict::new(py);
         for (path, text) in self.study.paths.iter().zip(&cell.coordinates) {
-            // The config has the value as text.
+            // The config contains the value as text, so parse it.
             let value = serde_json::from_str(text);
             let value = value.unwrap_or_else(|_| serde_json::Value::String(text.clone()));
             values.set_item(path, to_python(py, &value)?)?;
@@ -201,7 +201,8 @@ impl Study {
         Ok(values)
     }
 
-    /// Study with some fields set, each by its path: `study.with_(**{"scene.sensor.pitch": 0.2}, trials=100)`.
+    /// The study with some fields changed, each given by its path: `study.with_(**{"scene.sensor.pitch": 0.2},
+    /// trials=100)`.
     ///
     /// None removes a field. Raises ConfigError.
     #[pyo3(signature = (fields=None, /, **more))]
@@ -215,8 +216,8 @@ impl Study {
         Self::of(self.file.clone(), text.map_err(error::config)?)
     }
 
-    /// Study with one more axis for each path, with the values of a list:
-    /// `study.sweep(**{"scene.sensor.pitch": [0.1, 0.2, 0.5]})`. Several axes multiply. Raises ConfigError.
+    /// The study with one more axis for each path, with the values of a list: `study.sweep(**{"scene.sensor.pitch":
+    /// [0.1, 0.2, 0.5]})`. The cells are all combinations of the values of all axes. Raises ConfigError.
     #[pyo3(signature = (axes=None, /, **more))]
     fn sweep(
         &self,
@@ -228,14 +229,14 @@ impl Study {
         Self::of(self.file.clone(), text.map_err(error::config)?)
     }
 
-    /// Plan of a run: cells, trials, models with reasons, and the approximate time.
+    /// Forecast of a run: cells, trials, models with reasons, and the approximate run time.
     ///
-    /// Returns a Record with `cells`, `checked`, `set_up`, `single`, `trials`, `seconds`, `threads` and `groups`. Each group
-    /// has the number of its `cells`, its `needs` with reasons, and the `rungs` of its model with errors and costs (s).
-    /// `intervals` lists, with numbers of `cells`, the measured coverage of 95 % intervals on similar random scenes
-    /// (`family`, numbers `beyond` its ranges, `scenes`, `coverage95`, `lowest` of one scene, `holds`), or the reason why it
-    /// is `not_tested`. The time is for `threads` threads; `progress` is called with numbers of cells.
-    /// Raises ConfigError.
+    /// Returns a Record with `cells`, `checked`, `set_up`, `single`, `trials`, `seconds`, `threads` and `groups`. Each
+    /// group has the number of its `cells`, its `needs` (models with reasons), and the `rungs` (models that can compute
+    /// the true values) with errors and costs (s). `intervals` lists the measured coverage of 95 % intervals on similar
+    /// random scenes, each with the number of `cells` to which it applies: `family`, `beyond` (numbers outside its
+    /// ranges), `scenes`, `coverage95`, `lowest` (of one scene) and `holds`, or the reason why it is `not_tested`. The
+    /// run time is for `threads` threads; `progress` is called with numbers of cells. Raises ConfigError.
     #[pyo3(signature = (*, threads=None, progress=None))]
     fn check<'py>(
         &self,
@@ -247,8 +248,8 @@ impl Study {
         Record::of(py, &check)
     }
 
-    /// Study with the number of trials and the rung of its model for a budget of time (s) or a target error, the relative
-    /// standard error of every rms error. Raises ConfigError, RunError.
+    /// The study with the number of trials and the model that fit a budget of time (s) or a target error, which is the
+    /// relative standard error of every rms error. Raises ConfigError, RunError.
     #[pyo3(signature = (*, budget=None, target_error=None, threads=None))]
     fn plan(
         &self,
@@ -266,13 +267,13 @@ impl Study {
     /// Parameters
     /// ----------
     /// trials, seed : int, optional
-    ///     They replace those of the study.
+    ///     Number of trials and seed. They replace the numbers in the study.
     /// threads : int, optional
     ///     Number of threads; by default one per processor. No result depends on it.
     /// cells : sequence of int, optional
     ///     Numbers of the cells to run; by default all. The rows of the tables keep these numbers.
     /// trials_out : bool
-    ///     Whether the results have a table of all trials: that of `palpate run --trials-out`.
+    ///     Whether the results contain a table of all trials, as `palpate run --trials-out` writes it.
     /// progress : callable, optional
     ///     Function that is called from time to time with the number of trials done since its last call, for example
     ///     `tqdm(total=…).update`.
@@ -280,7 +281,7 @@ impl Study {
     /// Returns
     /// -------
     /// Results
-    ///     The tables have the same bytes as those of `palpate run`. Ctrl-C stops the run within 0.1 s.
+    ///     The tables have the same bytes as the tables that `palpate run` writes. Ctrl-C stops the run within 0.1 s.
     ///
     /// Raises
     /// ------
@@ -307,9 +308,10 @@ impl Study {
         Results::of(py, &study, found)
     }
 
-    /// Records one pass of a cell: without noise, or as in trial number `trial`. Returns a Trace.
+    /// Traces one trial of a cell: trial number `trial` with its noise, by default a trial without noise. Returns a
+    /// Trace.
     ///
-    /// Raises ConfigError for a cell that the study does not have, RunError for a pass that ends early.
+    /// Raises ConfigError for a cell that the study does not have, and RunError if the trial ends early.
     #[pyo3(signature = (cell=0, trial=None))]
     fn trace<'py>(
         &self,
@@ -320,7 +322,7 @@ impl Study {
         trace::follow(py, self.shared(), cell, trial)
     }
 
-    /// Flat pattern that the sensor's skin is cut from: a Pattern. Raises ConfigError if there is none.
+    /// Flat pattern for cutting the sensor's skin: a Pattern. Raises ConfigError if there is none.
     fn pattern<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         sensor::pattern_of(py, &self.study)
     }

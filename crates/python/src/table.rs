@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 
 use crate::error;
 
-/// Table of a CSV text whose lengths are in this unit: a `palpate.Table`.
+/// A `palpate.Table`, made from CSV text whose lengths are in this unit.
 pub(crate) fn table<'py>(
     py: Python<'py>,
     csv: &str,
@@ -37,7 +37,7 @@ pub(crate) fn table<'py>(
     class.call1((arrays, units, csv))
 }
 
-/// Table of rows whose lengths are in this unit.
+/// A `palpate.Table`, made from rows whose lengths are in this unit.
 pub(crate) fn table_of<'py>(
     py: Python<'py>,
     rows: &Table,

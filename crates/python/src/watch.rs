@@ -1,4 +1,4 @@
-//! Work without the lock of the interpreter. Ctrl-C stops it.
+//! Runs work without the interpreter's lock, so that Ctrl-C can stop it.
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::error;
 /// Time between two checks for signals, and between two calls of `progress`.
 const CHECK_INTERVAL: Duration = Duration::from_millis(40);
 
-/// State of running work: whether it must end, and how much of it is done.
+/// State of the work that runs: whether it must stop, and how much of it is done.
 #[derive(Default)]
 pub(crate) struct Watch {
     pub(crate) cancelled: AtomicBool,
@@ -23,7 +23,7 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Adds to the work that is done.
+    /// Adds an amount of finished work.
     pub(crate) fn add(&self, done: u64) {
         self.done.fetch_add(done, Ordering::Relaxed);
     }
@@ -32,7 +32,8 @@ impl Watch {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Sets how much of the work is done. Unwinds cancelled work, because nothing else ends it.
+    /// Sets the amount of finished work. If the work is cancelled, this function unwinds, because nothing else would
+    /// end the work.
     pub(crate) fn reach(&self, done: u64) {
         let before = self.reached.swap(done, Ordering::Relaxed);
         self.add(done.saturating_sub(before));
@@ -41,7 +42,7 @@ impl Watch {
         }
     }
 
-    /// Calls `progress` with the amount of work since its last call.
+    /// Calls `progress` with the amount of work that was done since its last call.
     fn call(&self, py: Python<'_>, progress: Option<&Py<PyAny>>) -> PyResult<()> {
         let done = self.done.swap(0, Ordering::Relaxed);
         match progress {
@@ -51,14 +52,14 @@ impl Watch {
     }
 }
 
-/// Time that the call waits for cancelled work to end.
+/// Longest time for which the call waits until cancelled work ends.
 const PATIENCE: Duration = Duration::from_millis(60);
 
-/// Does work on another thread, without the lock of the interpreter, while this one checks for signals and calls `progress`.
-/// After a signal the work may continue for a while, until it checks whether it is cancelled.
+/// Runs work on another thread, without the interpreter's lock. Meanwhile, this thread checks for signals and calls
+/// `progress`. After a signal, the work may continue for a while, until it checks whether it is cancelled.
 ///
 /// # Errors
-/// Exception that a signal or `progress` raises.
+/// The exception that a signal or `progress` raises.
 pub(crate) fn watched<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -92,16 +93,16 @@ pub(crate) fn watched<T: Send + 'static>(
     })?;
     match (done, worker.join()) {
         (Some(done), _) => watch.call(py, progress.as_ref()).map(|()| done),
-        // Work that panics sends nothing.
+        // This case occurs if the work panics, because it then sends no result.
         (None, Err(panic)) => std::panic::resume_unwind(panic),
         (None, Ok(_)) => Err(error::RunError::new_err("the work has no result")),
     }
 }
 
-/// Largest number of threads. More would only take time to start.
+/// Largest number of threads. Starting more threads would only take time.
 const MAX_THREADS: usize = 256;
 
-/// Number of threads of an argument.
+/// Number of threads from an argument.
 pub(crate) fn threads(threads: Option<usize>) -> PyResult<Option<NonZeroUsize>> {
     let number = threads.map(|threads| NonZeroUsize::new(threads.min(MAX_THREADS)));
     if number == Some(None) {
@@ -111,7 +112,7 @@ pub(crate) fn threads(threads: Option<usize>) -> PyResult<Option<NonZeroUsize>> 
     Ok(number.flatten())
 }
 
-/// Threads for one call. They end with it, so that a program may fork later.
+/// Starts the threads for one call. They end with the call, so that a program may fork later.
 pub(crate) fn pool(threads: Option<usize>) -> PyResult<ThreadPool> {
     let threads = self::threads(threads)?.map_or(0, NonZeroUsize::get);
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();

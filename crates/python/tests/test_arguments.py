@@ -212,14 +212,14 @@ def test_invalid_settings_of_glides_are_refused(glides, settings, says):
     [
         ({"sensor_radius": -1}, "sensor_radius is -1; it must be finite and > 0"),
         ({"depth": 20}, "depth is 20; it must be less than sensor_radius, 20"),
-        ({"method": "bonded-layer"}, "thickness is needed by method bonded-layer"),
+        ({"method": "bonded-layer"}, "thickness is missing, but method bonded-layer requires it"),
         ({"thickness": 5.0}, "thickness is of use only to method bonded-layer or image"),
         ({"indentation_std": 0.1}, "indentation_std is of use only to a given indentation"),
         ({"indentation": 25}, "indentation is 25; it must be less than sensor_radius, 20"),
         ({"noise": "found", "normal_std": 0.1}, "normal_std is of use only without noise found"),
         ({"baseline": "free"}, "it must be known or fitted"),
         ({"poisson": 0.6}, "poisson is 0.6; it must be from 0 to 0.5"),
-        ({"method": "gaussian"}, "c is needed by method gaussian, or indentation"),
+        ({"method": "gaussian"}, "c is missing, but method gaussian requires it, or indentation"),
         ({"method": "gaussian", "c": 1.0, "young": 1.0}, "a Gaussian has no stress"),
     ],
 )

@@ -1,4 +1,4 @@
-//! Calibration of a camera sensor from tables or frames of known displacements.
+//! Calibration of a camera sensor, from tables or frames with stated displacements.
 
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{CALIBRATIONS, Column};
@@ -16,20 +16,20 @@ use super::reading_table::{ReadingTable, header};
 use super::source;
 use super::text_table::TextTable;
 
-/// A point of a calibration.
+/// A calibration point, with its place in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Located<P> {
     point: P,
-    /// Series in the file; `None` if the file names no series.
+    /// Number of the series in the file; `None` if the file has no column `series`.
     series: Option<u64>,
-    /// The line of the file.
+    /// Line of the file.
     line: Option<usize>,
 }
 
-/// Known displacements, and the measured changes of the markers' pictures.
+/// Stated displacements of markers, and the measured changes of the markers' images.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CalibrationPoints {
-    /// The file, for messages.
+    /// Name of the file, for messages.
     file: String,
     unit: Option<LengthUnit>,
     normal: Vec<Located<NormalPoint>>,
@@ -38,16 +38,16 @@ pub struct CalibrationPoints {
     has_growth: bool,
 }
 
-/// How to calibrate.
+/// Options of a calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CalibrateOptions {
-    /// Feature of a marker's picture from which normal displacements are computed.
+    /// Feature of a marker's image (hue, size or both) from which normal displacements are computed.
     pub from: NormalFrom,
-    /// Whether to use a marker's own slope if it has one.
+    /// Whether a marker for which a slope of its own was calibrated uses this slope.
     pub per_marker: bool,
-    /// Number of markers in the frame at rest, if it is available.
+    /// Number of markers in the frame at rest; `None` if it is not available.
     pub markers: Option<usize>,
-    /// Unit of lengths if the headers do not state it.
+    /// Unit of lengths, used if the headers do not state it.
     pub length_unit: Option<LengthUnit>,
 }
 
@@ -59,12 +59,12 @@ const SHIFT: Column = CALIBRATIONS[4];
 const SERIES: Column = CALIBRATIONS[5];
 const MARKER: Column = CALIBRATIONS[6];
 
-/// Largest change of hue, turns. Whole turns cannot be distinguished.
+/// Largest change of hue, turns. Larger changes are ambiguous, because hues that differ by a whole turn are equal.
 const MAX_TURN: f64 = 0.5;
 
-/// Reads a table of known displacements: `normal_displacement` with `hue_turns`, `growth` (change of the logarithm of
-/// the marker's diameter) or both, `tangential_displacement` with `centroid_shift_px`, or all of these. The columns
-/// `series` and `marker` are optional.
+/// Reads a table of stated displacements and measured changes: `normal_displacement` with `hue_turns`, `growth` (change
+/// of the logarithm of the marker's diameter) or both, `tangential_displacement` with `centroid_shift_px`, or all of
+/// these. The columns `series` and `marker` are optional.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
@@ -90,7 +90,8 @@ pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints
         };
         if let Some(hue) = of(HUE).filter(|hue| hue.abs() > MAX_TURN) {
             let message = format!(
-                "column `{}`: a change of hue must be between -{MAX_TURN} and {MAX_TURN} turns, is {hue}: is it in degrees?",
+                "column `{}`: a change of hue must be between -{MAX_TURN} and {MAX_TURN} turns, \
+                 is {hue}: is it in degrees?",
                 HUE.name
             );
             return Err(sheet.fail(line, message));
@@ -127,7 +128,7 @@ pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints
     Ok(points)
 }
 
-/// The columns to read, chosen by the names in the header.
+/// Columns to read, chosen by the names in the header.
 fn columns(header: &Header<'_>) -> Vec<Column> {
     let has = |column: Column| header.has(&column);
     let mut columns = Vec::new();
@@ -139,7 +140,7 @@ fn columns(header: &Header<'_>) -> Vec<Column> {
         columns.push(NORMAL);
     }
     columns.extend([HUE, GROWTH].into_iter().filter(|&column| has(column)));
-    // If the header names no feature, require the hue, which is the most common.
+    // If the header has neither column, the hue is required, because it is the most common feature.
     if !is_lateral && !has(HUE) && !has(GROWTH) {
         columns.push(HUE);
     }
@@ -147,25 +148,25 @@ fn columns(header: &Header<'_>) -> Vec<Column> {
     columns
 }
 
-/// Known displacements of the marker under the contact, one for each pressed frame.
+/// Stated displacements of the marker under the contact, one for each pressed frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct KnownDisplacements {
-    /// Inward displacements, length.
+    /// Inward displacements, length; `None` if they are not stated.
     pub normal: Option<Vec<f64>>,
-    /// Displacements along the skin, length, in any direction.
+    /// Displacements along the skin, length, whatever their direction; `None` if they are not stated.
     pub tangential: Option<Vec<f64>>,
-    /// Feature from which normal displacements are estimated. With them, the marker under the contact is the one
-    /// whose feature changes most.
+    /// Feature from which normal displacements are computed. If normal displacements are stated, the marker with the
+    /// largest change of this feature is taken as the marker under the contact.
     pub from: NormalFrom,
-    /// Pixels per radian of the camera; `None` does not correct shifts in px for the lens.
+    /// Pixels per radian of the camera; with `None`, shifts in px are not corrected for the lens.
     pub px_per_rad: Option<f64>,
 }
 
-/// Calibration points from frames, and the number of markers in the frame at rest.
+/// Calibration points measured in frames, and the number of markers in the frame at rest.
 ///
 /// # Errors
-/// [`RecordedError::Readings`] for a frame without markers, of another size or of another sensor, for fewer
-/// displacements than pressed frames, and for an invalid scale of the camera.
+/// [`RecordedError::Readings`] if a frame has no markers, has another size or comes from another sensor, if there are
+/// fewer displacements than pressed frames, and if the scale of the camera is invalid.
 pub fn frame_calibration_points(
     rest: &Frame,
     pressed: &[Frame],
@@ -194,9 +195,9 @@ pub fn frame_calibration_points(
             None => track.change(),
         };
         let strength = |track: &Track| change(track).map(|change| strength(&change, known));
-        let (marker, _) = frames
-            .strongest(strength)
-            .ok_or_else(|| refused("no marker of the frame at rest was found again".to_owned()))?;
+        let (marker, _) = frames.strongest(strength).ok_or_else(|| {
+            refused("no marker of the frame at rest was found in the pressed frame".to_owned())
+        })?;
         let change = change(&frames.tracks[marker]).unwrap_or_default();
         let of_frame = |numbers: &Option<Vec<f64>>| match numbers {
             None => Ok(None),
@@ -231,7 +232,7 @@ pub fn frame_calibration_points(
     Ok((points, markers))
 }
 
-/// A point that was measured in a frame.
+/// A calibration point that was measured in a frame, so that it has no line in a file.
 const fn located<P>(point: P) -> Located<P> {
     Located {
         point,
@@ -240,7 +241,7 @@ const fn located<P>(point: P) -> Located<P> {
     }
 }
 
-/// Size of a marker's change, which is largest under the contact.
+/// Size of a marker's change. The marker under the contact changes most.
 fn strength(change: &Change, known: &KnownDisplacements) -> f64 {
     match (&known.normal, known.from) {
         (None, _) => libm::hypot(change.shift_px[0], change.shift_px[1]),
@@ -249,10 +250,10 @@ fn strength(change: &Change, known: &KnownDisplacements) -> f64 {
     }
 }
 
-/// Calibrates a sensor to all points together.
+/// Calibrates a sensor by a fit to the points of all files together.
 ///
 /// # Errors
-/// [`RecordedError::Line`] if one point is at fault; otherwise [`RecordedError::Readings`] if the files contradict each
+/// [`RecordedError::Line`] if one point is wrong; otherwise [`RecordedError::Readings`] if the files contradict each
 /// other or the options, or if the points determine no slope.
 pub fn calibrate(
     points: &[CalibrationPoints],
@@ -286,7 +287,8 @@ pub fn calibrate(
     })
 }
 
-/// Number of points that repeat an earlier one, for the kind with more of them; 0 if under half of each kind repeat.
+/// Number of points that repeat an earlier point, for the normal or the tangential points, whichever are more. A kind
+/// of which less than half of the points are repeated counts as 0.
 fn copies(normal: &Pooled<'_, NormalPoint>, lateral: &Pooled<'_, LateralPoint>) -> usize {
     let of_normal = normal.copies(|point| {
         let marker = point.marker.map_or(0.0, |marker| marker as f64);
@@ -299,7 +301,7 @@ fn copies(normal: &Pooled<'_, NormalPoint>, lateral: &Pooled<'_, LateralPoint>) 
     of_normal.max(of_lateral)
 }
 
-/// The unit that headers or the setting `length_unit` state.
+/// The unit of lengths that headers or the setting `length_unit` state. An error if they state different units.
 fn agreed_unit(
     points: &[CalibrationPoints],
     options: &CalibrateOptions,
@@ -318,7 +320,7 @@ fn agreed_unit(
     Ok(stated.map(|(unit, _)| unit).unwrap_or_default())
 }
 
-/// Rejects files without the columns that `from` needs.
+/// Rejects files that lack a column of the feature `from`.
 fn check_features(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), RecordedError> {
     for one in points.iter().filter(|one| !one.normal.is_empty()) {
         let missing = match from {
@@ -333,7 +335,7 @@ fn check_features(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), 
     Ok(())
 }
 
-/// The points of all files.
+/// Points of one kind (normal or tangential) from all files.
 struct Pooled<'a, P> {
     points: Vec<P>,
     /// File, series and line of each point.
@@ -353,8 +355,9 @@ impl<'a, P: Copy + 'a> Pooled<'a, P> {
         Self { points, sources }
     }
 
-    /// Number of points, except those at rest, whose `numbers` repeat an earlier point of the same series; 0 if these are
-    /// under half of all points. The last of the numbers may be anything at rest.
+    /// Number of points, without the points at rest, whose `numbers` repeat an earlier point of the same series; 0 if
+    /// less than half of all points are repeated. A point is at rest if its first four numbers are 0; the fifth number
+    /// does not matter for this.
     fn copies(&self, numbers: impl Fn(&P) -> [f64; 5]) -> usize {
         let all = self.points.iter().zip(&self.sources);
         let moved = all.filter_map(|(point, (_, series, _))| {
@@ -371,7 +374,8 @@ impl<'a, P: Copy + 'a> Pooled<'a, P> {
         }
     }
 
-    /// Result of `fit` for each series, if there are several, in the order in which they appear.
+    /// Result of `fit` for each series, in the order in which the series first appear; empty if there is only one
+    /// series.
     fn series(
         &self,
         fit: impl Fn(&[P]) -> Result<Fitted, CalibrationError>,
@@ -400,7 +404,7 @@ impl<'a, P: Copy + 'a> Pooled<'a, P> {
         series.iter().map(fitted).collect()
     }
 
-    /// The error with the file and the line that is at fault.
+    /// The error of a fit, with the file and the line of the wrong point.
     fn refused(&self, all: &[CalibrationPoints], error: &CalibrationError) -> RecordedError {
         if let CalibrationError::NotFinite { point } = error
             && let Some((file, _, Some(line))) = self.sources.get(*point)

@@ -39,7 +39,7 @@ struct NormalPart {
     from: NormalFrom,
     hue_weight: f64,
     nearness_weight: f64,
-    /// Smallest and largest displacement in the fit.
+    /// Smallest and largest displacement among the points of the fit.
     range: [f64; 2],
     per_marker: bool,
     line: Line,
@@ -48,7 +48,7 @@ struct NormalPart {
     marker: Vec<MarkerGain>,
 }
 
-/// A calibration as TOML. [`parse_calibration`] restores it exactly.
+/// The calibration as the text of a TOML file. [`parse_calibration`] reads exactly the same calibration from it.
 pub fn calibration_toml(calibration: &Calibration, length_unit: LengthUnit) -> String {
     let file = CalibrationFile {
         length_unit,
@@ -61,10 +61,10 @@ pub fn calibration_toml(calibration: &Calibration, length_unit: LengthUnit) -> S
     format!("{HEADER}{}", body.replace("= -0.0\n", "= 0.0\n"))
 }
 
-/// Reads a calibration, and the unit of its lengths.
+/// Reads a calibration and its unit of length.
 ///
 /// # Errors
-/// [`RecordedError::File`] with the problem and its place.
+/// [`RecordedError::File`] that states what is wrong and where.
 pub fn parse_calibration(file: &RecordedFile) -> Result<(Calibration, LengthUnit), RecordedError> {
     let text = file.text("a calibration is needed, as `palpate sensor calibrate` writes it")?;
     if is_camera(text) {
@@ -121,7 +121,7 @@ mod tests {
         parse_calibration(&RecordedFile::new("calibration.toml", text.into()))
     }
 
-    /// Calibration with all optional parts.
+    /// A calibration that has all optional parts.
     fn full() -> Calibration {
         let steps = || (0..8).map(|step| 0.1 * f64::from(step));
         let normal = |marker: usize| {

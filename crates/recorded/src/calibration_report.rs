@@ -1,4 +1,4 @@
-//! Report of a calibration in words: its lines and its warnings.
+//! Report of a calibration as text: a summary and warnings.
 
 use palpate_tracking::{
     Calibration, CalibrationError, LateralCalibration, Line, NormalCalibration, NormalFrom,
@@ -8,27 +8,27 @@ use super::source::COPIES;
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
-/// A calibration, and the lines fitted to each series alone.
+/// A calibration, and the straight lines fitted to each series alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationReport {
-    /// The calibration of all points.
+    /// The calibration fitted to all points together.
     pub calibration: Calibration,
-    /// Unit of the calibration's lengths.
+    /// Unit of all lengths of the calibration.
     pub length_unit: LengthUnit,
-    /// Lines of the normal displacement for each series; empty if there is only one.
+    /// Name of each series and the lines of its normal displacement; empty if there is only one series.
     pub(super) normal: Vec<(String, Result<Fitted, CalibrationError>)>,
-    /// The same for the tangential displacement.
+    /// Name of each series and the lines of its tangential displacement; empty if there is only one series.
     pub(super) lateral: Vec<(String, Result<Fitted, CalibrationError>)>,
-    /// Number of points that repeat an earlier one to the last digit; 0 if under half of the points do.
+    /// Number of points that repeat an earlier point exactly; 0 if less than half of the points are repeated.
     pub(super) copies: usize,
 }
 
-/// The two lines of a set of points.
+/// The two straight lines fitted to one set of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fitted {
-    /// Line through rest; displacements are computed from it.
+    /// Line through the state at rest, without an intercept. Displacements are computed from this line.
     through_rest: Line,
-    /// Line with an intercept, as the 2020 paper draws it; `None` if it is not available.
+    /// Line with an intercept, as in the 2020 paper; `None` if it could not be fitted.
     with_intercept: Option<Line>,
 }
 
@@ -48,13 +48,13 @@ impl Fitted {
     }
 }
 
-/// A residual above this share of the largest displacement gives a warning.
+/// Largest residual, as a share of the largest displacement, without a warning.
 const MAX_RESIDUAL: f64 = 0.1;
 
-/// A warning is given if an intercept increases R² by more than this.
+/// Largest increase of R² by an intercept without a warning.
 const MAX_GAIN_OF_INTERCEPT: f64 = 0.3;
 
-/// Slopes of series that differ by more than this share give a warning.
+/// Largest relative difference between the slopes of the series without a warning.
 const MAX_SPREAD: f64 = 0.2;
 
 impl CalibrationReport {
@@ -146,7 +146,9 @@ impl CalibrationReport {
             if let Some(free) = free.filter(|free| free - line.r_squared > MAX_GAIN_OF_INTERCEPT) {
                 let line = line.r_squared;
                 let text = format!(
-                    "a line with an intercept explains the {what} points far better (R^2 {}) than one through rest (R^2 {}): are they changes from rest, and in the order of the displacements?",
+                    "a line with an intercept fits the {what} points much better (R^2 {}) than a \
+                     line through zero (R^2 {}): are they changes from rest, and in the order of \
+                     the displacements?",
                     figures(free, 3),
                     figures(line, 3)
                 );
@@ -182,7 +184,8 @@ impl CalibrationReport {
             if spread > MAX_SPREAD {
                 let percent = 100.0 * spread;
                 let text = format!(
-                    "the {what} slopes of the series differ by up to {percent:.0} %: displacements from one series have an error of scale"
+                    "the {what} slopes of the series differ by up to {percent:.0} %, so \
+                     displacements that are computed from one series have a scale error"
                 );
                 warn("different-slopes", text, &[("relative_difference", spread)]);
             }
@@ -199,7 +202,7 @@ const fn feature(from: NormalFrom) -> &'static str {
     }
 }
 
-/// How the report prints fitted lines.
+/// Words with which the report describes fitted lines.
 struct Words {
     title: String,
     /// Unit of the signal with a slash, such as `turns/`; empty if the signal is a length.
@@ -261,7 +264,7 @@ fn ends(numbers: &[f64]) -> [f64; 2] {
     [low, high]
 }
 
-/// A number with `count` significant figures.
+/// The number as text, with `count` significant figures.
 fn figures(number: f64, count: usize) -> String {
     let exponent = format!("{number:.*e}", count - 1);
     let rounded = exponent.parse().unwrap_or(number);

@@ -1,4 +1,4 @@
-//! Estimates pose and scale of a camera from one frame at rest and the layout of its markers.
+//! Estimates the pose and the scale of a camera from one frame at rest and the layout of its markers.
 
 use palpate_press::Seen;
 use palpate_study::config::{CameraConfig, LengthUnit, StudyConfig};
@@ -12,20 +12,22 @@ use super::layout_matching::Matched;
 use super::nominal_sensor::{NominalSensor, TERM_STDS};
 use super::study_options::press_of;
 
-/// Lowest usable green level of the ground, of 255, and largest share of central pixels at full scale in green.
+/// Smallest usable green level of the background, of 255.
 const MIN_GROUND: u8 = 40;
+/// Largest usable share of the central pixels whose green level is 255.
 const MAX_SATURATED: f64 = 0.5;
-/// A frame determines an odd term if its standard deviation is at most this share of the prior one.
+/// Largest standard error of an odd term of the lens that counts as determined by the frame, as a share of the prior
+/// standard deviation.
 const MAX_TERM_SHARE: f64 = 0.5;
 
-/// Fits a camera to the markers of a frame at rest. The study (or grid point of a study) must be a press with a camera,
-/// which states layout, discs, frame size, lens and nominal camera pose. The odd terms of the lens, k3 before
-/// k5, are fitted only if the frame determines them to half of their prior standard deviation or better. Otherwise
-/// they keep the study's values.
+/// Fits a camera to the markers of a frame at rest. The study (or grid point of a study) must be a press with a camera;
+/// it states the layout, the discs, the frame size, the lens and the nominal camera pose. The odd terms of the lens, k3
+/// and then k5, are fitted only if their standard errors are at most half of their prior standard deviations; otherwise
+/// the values of the study are used.
 ///
 /// # Errors
-/// [`RecordedError::Readings`] if the study has no camera, or if the frame has another size, lacks the layout's
-/// markers, has other colours, is saturated or under-exposed, or contradicts the layout; each with its numbers.
+/// [`RecordedError::Readings`] if the study has no camera, or if the frame has another size or other colours, lacks
+/// markers of the layout, is saturated or under-exposed, or contradicts the layout. The message states the numbers.
 pub fn calibrate_camera(
     rest: &Frame,
     study: &StudyConfig,
@@ -40,22 +42,22 @@ pub fn calibrate_camera(
     at_rest.map(|at_rest| at_rest.camera).map_err(fail)
 }
 
-/// Whether the frame determines the odd terms that were fitted to it.
+/// Whether the frame determines all odd terms of the lens that were fitted to it.
 fn is_determined(camera: &CameraEstimate) -> bool {
     let stds = [camera.k3_std, camera.k5_std].into_iter().zip(TERM_STDS);
     let mut fitted = stds.filter_map(|(std, before)| Some((std?, before)));
     fitted.all(|(std, before)| std <= MAX_TERM_SHARE * before)
 }
 
-/// Markers of a layout, matched in a frame at rest.
+/// Markers of a layout, matched with the markers that were found in a frame at rest.
 pub(super) struct MarkersAtRest {
-    /// The camera that was fitted to them.
+    /// The camera that was fitted to the markers.
     pub(super) camera: CameraEstimate,
     /// Warning if markers are missing.
     pub(super) missing: Option<Warning>,
-    /// Picture of each marker of the layout; `None` if it is not in the frame as a whole.
+    /// Image of each marker of the layout; `None` if the frame does not contain the whole marker.
     pub(super) pictures: Vec<Option<Seen>>,
-    /// Index of each marker of the layout in the list of found markers.
+    /// Index of each marker of the layout in the list of markers found in the frame; `None` if it was not found.
     pub(super) found: Vec<Option<usize>>,
 }
 
@@ -78,7 +80,7 @@ impl MarkersAtRest {
                 found: matched.found,
             })
         };
-        // Fit as many odd terms of the lens as the frame determines.
+        // Try to fit both odd terms of the lens, then only k3, until the frame determines all fitted terms.
         for free in (1..=TERM_STDS.len()).rev() {
             if let Ok(at_rest) = with_terms(free)
                 && is_determined(&at_rest.camera)
@@ -90,7 +92,8 @@ impl MarkersAtRest {
     }
 }
 
-/// Rejects frames of another size than the camera's, and frames too dark or too bright to distinguish colours.
+/// Rejects frames that have another size than the camera, and frames that are too dark or too bright to distinguish
+/// colours.
 pub(super) fn usable(frame: &Frame, camera: &CameraConfig) -> Result<(), String> {
     let (width, height) = frame.image.dimensions();
     if width != camera.size_px || height != camera.size_px {
@@ -104,7 +107,8 @@ pub(super) fn usable(frame: &Frame, camera: &CameraConfig) -> Result<(), String>
     let ground = levels[levels.len() * 3 / 4];
     if ground < MIN_GROUND {
         return Err(format!(
-            "is under-exposed: a quarter of its pixels are brighter than {ground} of 255 in green; the ground must reach {MIN_GROUND}"
+            "is under-exposed: a quarter of its pixels are brighter than {ground} of 255 in \
+             green; the background must reach {MIN_GROUND}"
         ));
     }
     let middle = |at: u32, size: u32| (size / 4..size - size / 4).contains(&at);
@@ -117,7 +121,8 @@ pub(super) fn usable(frame: &Frame, camera: &CameraConfig) -> Result<(), String>
     }
     if full > MAX_SATURATED * count {
         return Err(format!(
-            "is saturated: {:.0} % of the pixels about its middle are at full scale in green; at most {:.0} % may be",
+            "is saturated: {:.0} % of the pixels near its middle have the largest green value; at \
+             most {:.0} % may have it",
             100.0 * full / count,
             100.0 * MAX_SATURATED
         ));

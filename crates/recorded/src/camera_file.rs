@@ -10,65 +10,66 @@ use super::error::RecordedError;
 use super::file::RecordedFile;
 use super::layout_matching::CAMERA;
 
-/// A camera, estimated from its markers at rest.
+/// A camera estimated from the markers in a frame at rest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraEstimate {
-    /// Unit of lengths.
+    /// Unit of all lengths.
     pub length_unit: LengthUnit,
-    /// Position relative to the sensor's centre: along the axes at the apex, and toward the apex.
+    /// Position of the camera relative to the sensor's centre, length: two coordinates parallel to the chart axes at
+    /// the apex, and one toward the apex.
     pub place: [f64; 3],
-    /// Its standard deviations.
+    /// Standard errors of `place`.
     pub place_std: [f64; 3],
-    /// Turn about these axes, degrees.
+    /// Turn of the camera about the same three axes, degrees.
     pub turn_deg: [f64; 3],
-    /// Its standard deviations.
+    /// Standard errors of `turn_deg`.
     pub turn_std_deg: [f64; 3],
-    /// Focal length f of the fisheye, px per radian: a ray at the angle θ to its axis meets the image
-    /// f (θ + k3 θ³ + k5 θ⁵) px from the centre.
+    /// Focal length f of the fisheye lens, px per radian: a ray at the angle θ to the camera's axis meets the image at
+    /// f (θ + k3 θ³ + k5 θ⁵) px from the image centre.
     pub px_per_rad: f64,
-    /// Its standard deviation.
+    /// Standard error of `px_per_rad`.
     pub px_per_rad_std: f64,
-    /// Odd term of the third power; the study's value if the frame does not determine it.
+    /// Coefficient k3 of the lens; the study's value if the frame does not determine it.
     #[serde(default)]
     pub k3: f64,
-    /// Its standard deviation; absent if the frame does not determine it.
+    /// Standard error of `k3`; `None` if the frame does not determine k3.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub k3_std: Option<f64>,
-    /// Odd term of the fifth power, likewise.
+    /// Coefficient k5 of the lens; the study's value if the frame does not determine it.
     #[serde(default)]
     pub k5: f64,
-    /// Its standard deviation.
+    /// Standard error of `k5`; `None` if the frame does not determine k5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub k5_std: Option<f64>,
-    /// Middle of the image, px.
+    /// Image centre, px: the point where the camera's axis meets the image.
     pub centre_px: [f64; 2],
-    /// Covariance of, in this order: both coordinates of the image centre, px; px per radian, relative; place,
-    /// length; turn, rad; odd terms that the frame determines.
+    /// Covariance of the parameters, in this order: both coordinates of the image centre, px; px per radian, relative;
+    /// `place`, length; turn, rad; odd terms of the lens that the frame determines.
     pub covariance: Vec<Vec<f64>>,
     /// Root mean square distance of the markers' centroids from their expected positions, px.
     pub residual_px: f64,
-    /// Distance for each marker of the layout in the frame.
+    /// Residual of each marker of the layout that was found in the frame.
     pub residuals_px: Vec<Residual>,
-    /// Chi-squared of the frame per degree of freedom: about 1 if the model is right.
+    /// χ² of the fit per degree of freedom: about 1 if the model is right.
     pub reduced_chi_squared: f64,
-    /// Warnings about the camera.
+    /// Warnings about the estimated camera.
     pub warnings: Vec<Warning>,
 }
 
 impl CameraEstimate {
-    /// Covariance of the camera's numbers.
+    /// Covariance of the camera's parameters as a matrix.
     pub(super) fn covariance(&self) -> DMatrix<f64> {
         let size = self.covariance.len();
         DMatrix::from_fn(size, size, |row, column| self.covariance[row][column])
     }
 
-    /// The camera as TOML.
+    /// The camera as the text of a TOML file.
     pub fn to_toml(&self) -> String {
         toml::to_string(self).expect("numbers, words and tables of them have a TOML form")
     }
 
-    /// The camera in words.
+    /// The camera as a text for users.
     pub fn summary(&self) -> String {
         let number = |value: f64| Number::rounded(value).to_string();
         let term = |name: &str, value: f64, std: Option<f64>| match std {
@@ -80,7 +81,8 @@ impl CameraEstimate {
         };
         let three = |values: [f64; 3]| values.map(number).join(", ");
         format!(
-            "camera at ({}) +- ({}) {} from the centre, turned by ({}) +- ({}) deg, {} +- {} px per rad, {}, {}; {} markers, {} px from their expected positions",
+            "camera at ({}) +- ({}) {} from the centre, rotated by ({}) +- ({}) deg, {} +- {} px \
+             per rad, {}, {}; {} markers, on average {} px from their expected positions",
             three(self.place),
             three(self.place_std),
             self.length_unit.as_str(),
@@ -100,18 +102,18 @@ impl CameraEstimate {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Residual {
-    /// The marker, by its number in the layout, from 0.
+    /// Index of the marker in the layout, from 0.
     pub marker: usize,
     /// The distance, px.
     pub px: f64,
 }
 
-/// A camera as [`CameraEstimate::to_toml`] writes it.
+/// Reads a camera from a file that [`CameraEstimate::to_toml`] wrote.
 ///
 /// # Errors
-/// [`RecordedError::File`] for a calibration of displacements, a field that is missing or unknown, a number that is
-/// not finite, a scale or a standard deviation that is not positive, and a matrix that is no covariance or
-/// contradicts the standard deviations.
+/// [`RecordedError::File`] if the file is a calibration of displacements, if a field is missing or does not exist in
+/// this format, if a number is not finite, if the scale or a standard error is not positive, or if the matrix is no
+/// covariance or contradicts the standard errors.
 pub fn parse_camera(file: &RecordedFile) -> Result<CameraEstimate, RecordedError> {
     let text =
         file.text("a camera is needed, as `sensor calibrate` writes it from a frame at rest")?;
@@ -130,15 +132,15 @@ pub fn parse_camera(file: &RecordedFile) -> Result<CameraEstimate, RecordedError
     Ok(camera)
 }
 
-/// Whether a text describes a camera.
+/// Whether the text of a file describes a camera.
 pub(super) fn is_camera(text: &str) -> bool {
     let table: toml::Table = text.parse().unwrap_or_default();
     let mut keys = ["place", "turn_deg", "px_per_rad", "centre_px"].iter();
     keys.all(|key| table.contains_key(*key))
 }
 
-/// Largest relative difference between a standard deviation and the covariance. It is not zero, because the
-/// covariance divides px per rad by a slightly different scale.
+/// Largest relative difference between a stated standard error and the one that follows from the covariance. Small
+/// differences occur, because the covariance divides `px_per_rad` by a slightly different scale.
 const ROUNDING: f64 = 0.1;
 
 fn check(camera: &CameraEstimate) -> Result<(), String> {

@@ -1,4 +1,4 @@
-//! Camera parameters and their uncertainty before a fit of frames.
+//! Camera parameters and their uncertainty before frames are fitted.
 
 use nalgebra::{DMatrix, DVector};
 use palpate_chromatouch::{Departure, OddTerms};
@@ -13,17 +13,18 @@ use super::nominal_sensor::{CameraGeometry, NominalSensor};
 use super::press_options::PictureOptions;
 use palpate_estimators::departure_stds;
 
-/// Largest difference of a camera parameter from its estimate by the frame at rest, in standard deviations.
+/// Largest difference between a camera parameter and its estimate from the frame at rest, in standard deviations.
 const MAX_PULL: f64 = 6.0;
-/// χ² of all parameters together above which the camera contradicts the frame.
+/// Joint χ² of all parameters above which the camera contradicts the frame.
 const MAX_CHI_SQUARED: f64 = 200.0;
-/// χ² of 9, 10 and 11 parameters together above which a warning is given: by chance, 1 in 10,000 exceeds it.
+/// Joint χ² of 9, 10 and 11 parameters above which a warning is given. By chance, 1 frame in 10,000 exceeds it.
 const WARNING_CHI_SQUARED: [f64; 3] = [33.7, 35.6, 37.4];
-/// Number of camera parameters without the odd terms of the lens, which a frame may not determine.
+/// Number of camera parameters without the two odd terms of the lens, which a frame may not determine.
 const WITHOUT_TERMS: usize = 9;
-/// Largest standard deviation of a calibrated parameter, relative to the one before calibration.
+/// Largest accepted standard error of a calibrated parameter, relative to its standard deviation before the
+/// calibration.
 const MAX_STD_RATIO: f64 = 10.0;
-/// Names of the camera parameters and their units; `None` is the length unit.
+/// Names of the camera parameters, and their units; `None` is the unit of length.
 const NAMES: [(&str, Option<&str>); CAMERA.len()] = [
     ("centre_px[0]", Some("px")),
     ("centre_px[1]", Some("px")),
@@ -41,11 +42,12 @@ const NAMES: [(&str, Option<&str>); CAMERA.len()] = [
 /// A camera with the uncertainty of its parameters.
 pub(super) struct CameraPrior<'a> {
     pub(super) geometry: CameraGeometry,
-    /// Standard deviation of each `Departure` of the sensor.
+    /// Prior standard deviation of each sensor parameter in a `Departure`.
     pub(super) stds: [f64; Departure::NUMBERS],
-    /// Departures of the camera, with their joint covariance from a calibration.
+    /// Differences of the camera's parameters from their nominal values, with their joint covariance from a
+    /// calibration; `None` without a calibration.
     pub(super) departure_prior: Option<DeparturePrior>,
-    /// File of the calibration; `None` for the study's camera.
+    /// Name of the calibration file; `None` if the camera is the study's.
     file: Option<&'a str>,
     unit: &'static str,
 }
@@ -111,10 +113,11 @@ impl<'a> CameraPrior<'a> {
         })
     }
 
-    /// Warning if the frame at rest shows a different camera.
+    /// Warning if the camera estimated from the frame at rest differs from this one.
     ///
     /// # Errors
-    /// [`RecordedError::Readings`] if it contradicts the frame, with the worst parameter and its two values.
+    /// [`RecordedError::Readings`] if the difference is too large. The message states the parameter with the largest
+    /// difference, and its two values.
     pub(super) fn other_camera(
         &self,
         at_rest: &CameraEstimate,
@@ -136,7 +139,7 @@ impl<'a> CameraPrior<'a> {
         let is_alone = pull(worst) > MAX_PULL;
         let (name, unit) = NAMES[worst];
         let unit = unit.unwrap_or(self.unit);
-        // Both values are printed to a tenth of their difference; otherwise rounding could make them look equal.
+        // Both values are rounded to a tenth of their difference; with coarser rounding they could look equal.
         let digit = 0.1 * (own[worst] - found[worst]);
         let with_std = |value: f64, std: f64| {
             let value = Number::known_to(value, digit);
@@ -159,15 +162,16 @@ impl<'a> CameraPrior<'a> {
         let apart = DVector::from_fn(count, |entry, _| {
             (own[entry] - found[entry]) / scales[entry]
         });
-        // Correlated parameters can each agree with the frame and still contradict it as a whole, so all are tested
-        // jointly.
+        // Each of several correlated parameters may agree with the frame although together they contradict it;
+        // therefore all parameters are also tested jointly.
         let square = both
             .cholesky()
             .map(|factor| apart.dot(&factor.solve(&apart)));
         let square = square.unwrap_or_default();
         if !is_alone {
             difference = format!(
-                "its {count} numbers together differ from those of the frame (chi-squared {}), most of all: {difference}",
+                "its {count} numbers together differ from the frame (chi-squared {}), most of \
+                 all: {difference}",
                 Number::rounded(square)
             );
         }
@@ -182,14 +186,14 @@ impl<'a> CameraPrior<'a> {
         Ok(
             (square > WARNING_CHI_SQUARED[count - WITHOUT_TERMS]).then(|| {
                 format!(
-                    "the camera is not that of {}: {difference}; {remedy}",
+                    "the camera differs from {}: {difference}; {remedy}",
                     rest.file
                 )
             }),
         )
     }
 
-    /// Covariance of departures of the camera.
+    /// Covariance of the differences of the camera's parameters from their nominal values.
     fn covariance(&self) -> DMatrix<f64> {
         match &self.departure_prior {
             Some(prior) => prior.covariance.clone(),
@@ -214,14 +218,15 @@ fn geometry_of(camera: &CameraEstimate) -> CameraGeometry {
     }
 }
 
-/// Parameters of a camera in the order of [`NAMES`].
+/// Parameters of a camera, in the order of [`NAMES`].
 fn numbers(geometry: &CameraGeometry) -> [f64; CAMERA.len()] {
     let OddTerms { k3, k5 } = geometry.odd_terms;
     let ([x, y], [a, b, c], [d, e, f]) = (geometry.centre_px, geometry.place, geometry.turn_deg);
     [x, y, geometry.px_per_rad, a, b, c, d, e, f, k3, k5]
 }
 
-/// Factor from each departure to its parameter: departures are a share of px per rad, and angles in rad.
+/// Factors that convert the entries of a `Departure` to camera parameters: an entry of the scale is relative to
+/// `px_per_rad`, and entries of angles are in rad.
 fn scales(camera: &CameraEstimate) -> [f64; CAMERA.len()] {
     let mut scales = [1.0; CAMERA.len()];
     scales[2] = camera.px_per_rad;

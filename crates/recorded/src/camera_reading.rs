@@ -1,4 +1,4 @@
-//! Readings of a camera sensor from two frames, and the press that is estimated from them by either method.
+//! Readings of a camera sensor from two frames, and the press estimated from them by either of two methods.
 
 use std::collections::BTreeMap;
 
@@ -24,43 +24,46 @@ use super::value::Value;
 /// Method that estimates a press from two frames, with its settings.
 #[derive(Clone, Debug)]
 pub enum FrameReader {
-    /// Converts the markers' changes to displacements by a calibration and fits the press to these.
+    /// Converts the markers' changes to displacements by a calibration, and fits the press to the displacements.
     Displacements {
-        /// The calibration.
+        /// The calibration of the sensor.
         calibration: Box<Calibration>,
-        /// Unit of its lengths and of all others.
+        /// Unit of all lengths, also of the lengths in the calibration.
         unit: LengthUnit,
-        /// The camera's scale; `None` for the calibration's px per length times the markers' distance from the centre.
+        /// Pixels per radian of the camera; with `None`, the calibration's px per length times the markers' distance
+        /// from the centre of the sensor.
         px_per_rad: Option<f64>,
         /// Options of the estimate.
         options: Box<PressOptions>,
     },
-    /// Fits the press to the frames themselves.
+    /// Fits the press directly to the images of the markers.
     Pictures(Box<PictureOptions>),
 }
 
-/// Displacements of the markers, and the press that they show.
+/// Displacements of the markers, and the press estimated from them.
 #[derive(Debug)]
 pub struct FrameReading {
-    /// Table with one row per tracked marker.
+    /// Table of displacements, one row per tracked marker.
     pub readings: Table,
-    /// Displacements on a regular grid.
+    /// Table of the displacements interpolated on a regular grid.
     pub field: Table,
-    /// The estimate.
+    /// Estimate of the press, or the error if there is none.
     pub estimate: Result<TrackedPress, RecordedError>,
     /// Unit of all lengths.
     pub unit: LengthUnit,
 }
 
 impl FrameReader {
-    /// Reads tracked markers of a frame at rest and a pressed one. The field has `grid` points along each side and is
-    /// filtered by a Gaussian of standard deviation `filter_std`. `file` names the readings in messages; `None` if they
-    /// are not in a file.
+    /// Computes displacements and a press from the markers tracked between a frame at rest and a pressed frame. The
+    /// displacement field has `grid` points along each side and is filtered by a Gaussian with the standard deviation
+    /// `filter_std`, length along the skin. `file` is the name of the readings in messages; `None` if the readings are
+    /// not in a file.
     ///
     /// # Errors
-    /// [`RecordedError::Readings`] if the calibration is of another sensor or lacks normal displacements, if the camera's
-    /// scale is unknown, if no marker was tracked, and for a negative or infinite `filter_std`. For a fit to the frames
-    /// also if they are of another size, layout, colour or camera, under-exposed or saturated, or determine no press.
+    /// [`RecordedError::Readings`] if the calibration is for another sensor or lacks normal displacements, if the
+    /// camera's scale is not given, if no marker was tracked, and if `filter_std` is negative or infinite. A fit to the
+    /// frames also fails if the frames have another size, layout, colour or camera, are under-exposed or saturated, or
+    /// do not determine the press.
     pub fn read(
         &self,
         frames: [&Frame; 2],
@@ -95,20 +98,20 @@ impl FrameReader {
     }
 }
 
-/// Relative standard error of the calibrated slope above which a warning is given.
+/// Largest relative standard error of the calibrated slope without a warning.
 const MAX_SLOPE_SHARE: f64 = 0.05;
 
-/// Relative standard error of a calibration's slope of normal displacements; 0 if it is unknown.
+/// Relative standard error of a calibration's slope of normal displacements; 0 if the calibration does not state it.
 fn slope_share(calibration: &Calibration) -> f64 {
     let line = calibration.normal_part().map(|part| part.line);
     line.and_then(|line| Some((line.slope_std? / line.slope).abs()))
         .unwrap_or(0.0)
 }
 
-/// Factor between the stated and the calibrated scale of a camera above which a warning is given.
+/// Largest ratio of the stated to the calibrated scale of a camera, or of its inverse, without a warning.
 const MAX_SCALE_RATIO: f64 = 1.25;
 
-/// The displacements of the markers that were tracked.
+/// Displacements of the tracked markers.
 #[derive(Clone, Debug)]
 pub(super) struct CameraReading {
     source: ReadingSource,
@@ -119,7 +122,7 @@ pub(super) struct CameraReading {
     field: Field,
     /// Warnings about the frames and the camera's scale.
     warnings: Vec<Warning>,
-    /// Relative standard error of the slope of normal displacements.
+    /// Relative standard error of the calibrated slope of normal displacements.
     slope_share: f64,
 }
 
@@ -127,8 +130,8 @@ pub(super) struct CameraReading {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrackedPress {
     frames: TrackCounts,
-    /// Mean tangential displacement away from the marker of the largest normal displacement, over the contact; `null`
-    /// if tangential displacements are not calibrated or no other marker was displaced inward.
+    /// Mean tangential displacement, within the contact, away from the marker with the largest normal displacement.
+    /// `null` if tangential displacements are not calibrated, or if no other marker was displaced inward.
     outward_displacement: Option<Value>,
     #[serde(flatten)]
     object: PressReport,
@@ -136,8 +139,8 @@ pub struct TrackedPress {
 
 impl CameraReading {
     /// Converts the changes of tracked markers to displacements by a calibration. `px_per_rad` is the camera's scale;
-    /// `None` for the calibration's px per length times the markers' distance from the centre. `file` is the name of the
-    /// readings, for messages; `None` if they are not in a file.
+    /// with `None`, it is the calibration's px per length times the markers' distance from the centre of the sensor.
+    /// `file` is the name of the readings in messages; `None` if the readings are not in a file.
     fn read(
         frames: &FramePair,
         (calibration, unit): (&Calibration, LengthUnit),
@@ -149,14 +152,15 @@ impl CameraReading {
         let refused = |error: CalibrationError| fail(error.to_string());
         calibration.fits(frames.at_rest()).map_err(refused)?;
         if calibration.normal_part().is_none() {
-            let message = "the calibration has no normal displacements, which are needed";
+            let message = "the calibration has no normal displacements, but the estimate needs \
+                 them";
             return Err(source.fail(message));
         }
         let lateral = calibration.lateral_part();
         let distance = options.radius() - options.depth();
         let calibrated = lateral.map(|lateral| lateral.px_per_length * distance);
         let px_per_rad = px_per_rad.or(calibrated).ok_or_else(|| {
-            source.fail("the calibration has no px per length: give setting `px_per_rad`")
+            source.fail("the calibration has no px per length: state setting `px_per_rad`")
         })?;
         let lens = Equidistant::new(frames.centre_px, px_per_rad).map_err(refused)?;
         let mut displaced = Vec::new();
@@ -176,7 +180,7 @@ impl CameraReading {
         }
         let field = Field::new(&displaced).map_err(|error| match error {
             FieldError::OutOfRange { .. } => fail(format!(
-                "{error}: is the camera's scale, {px_per_rad} px per rad, right?"
+                "{error}: is the stated scale of the camera, {px_per_rad} px per rad, correct?"
             )),
             _ => no_field(&source, error),
         })?;
@@ -187,7 +191,8 @@ impl CameraReading {
             let numbers = [("stated", px_per_rad), ("calibrated", calibrated)];
             let [stated, calibrated] = [px_per_rad, calibrated].map(Number::rounded);
             let text = format!(
-                "the camera's scale is stated as {stated} px per rad, but it is {calibrated} by the calibration, the sensor's radius and the depth of its markers"
+                "the stated scale of the camera is {stated} px per rad, but the calibration, the \
+                 sensor's radius and the depth of its markers give {calibrated}"
             );
             Warning::new("camera-scale", text, numbers)
         });
@@ -203,8 +208,8 @@ impl CameraReading {
         })
     }
 
-    /// Readings from displacements that another method computed, in the order of the tracks; with the radius of the
-    /// skin and the unit of lengths.
+    /// Readings with displacements that another method computed, in the order of the tracks. `radius` is the radius of
+    /// the skin.
     pub(super) fn of(
         frames: &FramePair,
         displaced: &[Displaced],
@@ -225,7 +230,7 @@ impl CameraReading {
         })
     }
 
-    /// Row of a marker that was tracked, counted from 0.
+    /// The table row of a tracked marker, counted from 0.
     pub(super) fn row(&self, marker: usize) -> Row {
         Row {
             row: marker + 1,
@@ -234,13 +239,13 @@ impl CameraReading {
         }
     }
 
-    /// Warning of a misfit of a press; an outlier is the number of its row.
+    /// Warning about a misfit of the press. If the misfit is an outlier, the warning states its row.
     pub(super) fn warning(&self, misfit: &Misfit) -> Warning {
         misfit_warning(misfit, &self.source, self.unit)
     }
 
-    /// Report of the object, with the tracking statuses, the outward displacement of the markers, and the warnings
-    /// about the frames.
+    /// Adds the tracking counts, the markers' outward displacement and the warnings about the frames to the report of
+    /// the object.
     pub(super) fn tracked_press(&self, mut object: PressReport) -> TrackedPress {
         object.warnings.extend(self.warnings.iter().cloned());
         let outward = self.field.outward().filter(|_| self.has_tangential);
@@ -252,15 +257,15 @@ impl CameraReading {
         }
     }
 
-    /// Displacements on a grid over the rectangle of the markers, without the places outside their convex hull;
-    /// filtered by a Gaussian of standard deviation `filter_std`, length along the skin.
+    /// Displacements on a grid over the bounding rectangle of the markers, without the points outside of the markers'
+    /// convex hull. They are filtered by a Gaussian with the standard deviation `filter_std`, length along the skin.
     fn grid(&self, grid: usize, filter_std: f64) -> Result<Table, RecordedError> {
         let smooth = self.field.smoothed(filter_std / self.radius);
         let smooth = smooth.map_err(|error| self.source.fail(error.to_string()))?;
         Ok(self.table(&smooth.grid(grid)))
     }
 
-    /// Table with one row per displacement, as `estimate press` accepts it.
+    /// Table with one row per displacement, in the format that `estimate press` reads.
     fn table(&self, displaced: &[Displaced]) -> Table {
         let columns = [
             "x",
@@ -285,7 +290,7 @@ impl CameraReading {
         displaced.place.map(|angle| self.radius * angle)
     }
 
-    /// Warning if the calibrated slope is less certain than the estimator's `gain_std` allows.
+    /// Warning if the standard error of the calibrated slope exceeds the estimator's setting `gain_std`.
     fn gain(&self, options: &PressOptions) -> Option<Warning> {
         let stated = options.estimator.priors().gain_std?;
         (self.slope_share > MAX_SLOPE_SHARE.max(stated)).then(|| {
@@ -298,7 +303,7 @@ impl CameraReading {
         })
     }
 
-    /// The curvature of the object.
+    /// Estimates the curvature of the object.
     fn estimate(&self, options: &PressOptions) -> Result<TrackedPress, RecordedError> {
         let markers = self.field.markers();
         let tangential = markers.iter().map(|marker| marker.tangential).collect();
@@ -316,10 +321,10 @@ impl CameraReading {
     }
 }
 
-/// Source of the readings of two frames.
+/// Source of the readings computed from two frames.
 fn source(frames: &FramePair, file: Option<String>) -> ReadingSource {
     file.map_or_else(ReadingSource::arrays, |name| {
-        // Line 1 is the header.
+        // Line 1 of the file is the header.
         let lines = (2..frames.tracks.len() + 2).collect();
         ReadingSource::new(&name, lines)
     })
@@ -327,7 +332,9 @@ fn source(frames: &FramePair, file: Option<String>) -> ReadingSource {
 
 fn no_field(source: &ReadingSource, error: FieldError) -> RecordedError {
     source.fail(match error {
-        FieldError::NoMarkers => "no marker was found again".to_owned(),
+        FieldError::NoMarkers => {
+            "no marker of the frame at rest was found in the pressed frame".to_owned()
+        }
         _ => error.to_string(),
     })
 }

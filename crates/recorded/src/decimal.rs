@@ -1,8 +1,8 @@
-//! Numbers of a table, with a decimal point or a comma.
+//! Numbers in a table, with a decimal point or a decimal comma.
 
 use super::table_format::Decimal;
 
-/// A field as a finite number.
+/// The finite number that a field contains.
 pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
     let parsed = match decimal {
         Decimal::Point => text.parse::<f64>(),
@@ -22,17 +22,17 @@ pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
     }
 }
 
-/// Detects the decimal sign of a table's numbers.
+/// Detects the decimal sign of the numbers in a table.
 #[derive(Debug, Default)]
 pub(super) struct DecimalSign {
-    /// First number whose comma must be a decimal comma.
+    /// First number whose comma can only be a decimal comma.
     comma: Option<String>,
-    /// First number with a point.
+    /// First number with a decimal point.
     point: Option<String>,
 }
 
 impl DecimalSign {
-    /// Adds a field.
+    /// Examines the number in a field.
     pub(super) fn add(&mut self, text: &str) {
         let first = match () {
             () if text.contains('.') => &mut self.point,
@@ -42,7 +42,7 @@ impl DecimalSign {
         first.get_or_insert_with(|| text.to_owned());
     }
 
-    /// The decimal sign, or an error if it is ambiguous; `odd` is a number with a comma.
+    /// The decimal sign of the table; an error if it is ambiguous. `odd` is a number with a comma, for the message.
     pub(super) fn decimal(&self, odd: &str) -> Result<Decimal, String> {
         match (&self.comma, &self.point) {
             (Some(_), None) => Ok(Decimal::Comma),
@@ -64,7 +64,7 @@ impl DecimalSign {
     }
 }
 
-/// Whether the commas of a number may be separators of thousands, as in `1,234`.
+/// Whether the commas of a number may separate thousands, as in `1,234`.
 fn may_be_grouped(text: &str) -> bool {
     let digits = text.trim_start_matches(['+', '-']);
     let mut groups = digits.split(',');

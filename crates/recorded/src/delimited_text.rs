@@ -8,7 +8,7 @@ use super::header::bracketed;
 use super::table_format::Delimiter;
 use super::text_table::{Record, RowResult, Text};
 
-/// Number of rows that decide the delimiter if the header does not.
+/// Number of rows from which the delimiter is recognised if the header is not enough.
 const DECIDING_ROWS: usize = 100;
 
 /// A table of separated fields.
@@ -86,8 +86,8 @@ impl<'a> DelimitedText<'a> {
         Ok(())
     }
 
-    /// Calls `take` with every row that is not blank. No row spans lines, because open quotation marks are rejected
-    /// before.
+    /// Calls `take` for every row that is not blank. Each row is one line, because quotation marks that are still open
+    /// at the end of a line were rejected before.
     pub(super) fn rows(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         let text = self.text;
         if self.delimiter == Delimiter::Space {
@@ -99,7 +99,7 @@ impl<'a> DelimitedText<'a> {
         let (mut heading, mut is_after_gap) = (self.heading, false);
         let mut fields = StringRecord::new();
         let mut reader = reader(text, text.all, self.delimiter);
-        // The text is UTF-8 and rows may have any length, so that no row is an error.
+        // Reading cannot fail: the text is valid UTF-8, and rows may have any number of fields.
         while let Ok(true) = reader.read_record(&mut fields) {
             let start = fields
                 .position()
@@ -166,7 +166,7 @@ fn split(text: Text<'_>, line: &str, delimiter: Delimiter) -> StringRecord {
     records.next().and_then(Result::ok).unwrap_or_default()
 }
 
-/// Fields of a text, separated by commas. A field that contains a comma is in quotation marks.
+/// Splits a text into fields at its commas. A field that contains a comma must be in quotation marks.
 pub(super) fn fields(text: &str) -> Result<Vec<String>, csv::Error> {
     let mut fields = Vec::new();
     for record in reader(Text::of(text), text, Delimiter::Comma).records() {
@@ -175,7 +175,7 @@ pub(super) fn fields(text: &str) -> Result<Vec<String>, csv::Error> {
     Ok(fields)
 }
 
-/// A field without spaces and quotation marks around it.
+/// The field without surrounding spaces and quotation marks.
 pub(super) fn tidy(field: &str) -> &str {
     let field = field.trim();
     let unquoted = field
@@ -184,7 +184,7 @@ pub(super) fn tidy(field: &str) -> &str {
     unquoted.unwrap_or(field)
 }
 
-/// Delimiter, recognised from header and rows. A table without a delimiter has one column.
+/// The delimiter, recognised from the header and the rows. A table without a delimiter has one column.
 fn recognised(text: Text<'_>, header: &str, header_line: usize) -> Result<Delimiter, String> {
     let fields = |line: &str, delimiter| split(text, line, delimiter).len();
     let rows = || text.rows_after(header_line).map(|(row, _)| row);
@@ -223,7 +223,7 @@ fn has_spaces(names: usize, row: &str) -> bool {
     is_spaced && numbers.all(|one| one.parse::<f64>().is_ok())
 }
 
-/// Units from the row after the header, without brackets, if that row has only units.
+/// Units from the row after the header, without brackets; `None` if that row contains anything but units.
 fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
     const MEASURES: [Measure; 6] = [
         Measure::Length,
@@ -242,7 +242,7 @@ fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
     };
     let mut units: Vec<String> = row.iter().map(bare).collect();
     let is_unit = |text: &String| MEASURES.iter().any(|one| one.unit(text).is_some());
-    // Columns that are not used may have any unit, such as N.
+    // Columns that palpate does not use may have units of other quantities, such as N.
     let is_word = |text: &String| text.len() <= 6 && text.parse::<f64>().is_err();
     let is_row = units.len() == columns && units.iter().any(is_unit) && units.iter().all(is_word);
     for unit in units.iter_mut().filter(|unit| *unit == "-") {
@@ -251,7 +251,7 @@ fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
     is_row.then_some(units)
 }
 
-/// First line, from 1, with a quotation mark that is not one of a pair around a field.
+/// First line, from 1, with a quotation mark that does not belong to a pair around a field.
 fn unclosed_quote(text: Text<'_>, delimiter: Delimiter) -> Option<usize> {
     #[derive(PartialEq)]
     enum At {

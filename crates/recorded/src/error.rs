@@ -2,51 +2,52 @@
 
 use thiserror::Error;
 
-/// Why recorded readings cannot be used.
+/// Reason for which recorded readings cannot be used.
 #[derive(Debug, Error)]
 pub enum RecordedError {
     /// The file cannot be opened or is not text.
     #[error("{file}: {message}")]
     File {
-        /// The file.
+        /// Name of the file.
         file: String,
-        /// Problem in words.
+        /// The problem as text.
         message: String,
     },
-    /// A line is wrong: the header lacks a column, a row lacks a field, or a field is not a number.
+    /// A line of a file is wrong: the header lacks a column, a row lacks a field, or a field is not a number.
     #[error("{file}:{line}: {message}")]
     Line {
-        /// The file.
+        /// Name of the file.
         file: String,
         /// The line, from 1.
         line: usize,
-        /// Problem in words, with the column and the value.
+        /// The problem as text, with the column and the value.
         message: String,
     },
-    /// An array of readings is wrong: a number in it, or its length.
+    /// An array of readings is wrong: its length, or a number in it.
     #[error("{array}{}: {message}", brackets(index))]
     Array {
-        /// Name of the argument that holds the array.
+        /// Name of the argument with the array.
         array: &'static str,
-        /// Row, and column if there are several, counted from 0; empty if the error is in the array as a whole.
+        /// Row of the wrong number, and its column if there are several columns, counted from 0; empty if the array as
+        /// a whole is wrong.
         index: Vec<usize>,
-        /// The number that is at fault.
+        /// The wrong number; `None` if the array as a whole is wrong.
         value: Option<f64>,
-        /// Problem in words, with the value.
+        /// The problem as text, with the value.
         message: String,
     },
-    /// The numbers are readable but determine no estimate.
+    /// The numbers are readable, but they do not determine an estimate.
     #[error("{file}: {message}")]
     Readings {
-        /// The file.
+        /// Name of the file.
         file: String,
-        /// Problem in words.
+        /// The problem as text.
         message: String,
     },
 }
 
 impl RecordedError {
-    /// An error that concerns a file's readings as a whole.
+    /// An error that concerns all readings of a file together.
     pub(super) fn readings(file: impl Into<String>, message: impl Into<String>) -> Self {
         let (file, message) = (file.into(), message.into());
         Self::Readings { file, message }
@@ -63,7 +64,8 @@ impl RecordedError {
     }
 }
 
-/// Adds a reference to `palpate explain` to a message, except for bad settings, which need no explanation.
+/// Adds a reference to `palpate explain` to a message, except to messages about invalid settings, which need no
+/// explanation.
 pub(super) fn explained(message: String, kind: &str) -> String {
     match kind {
         "bad-setting" => message,
@@ -71,7 +73,7 @@ pub(super) fn explained(message: String, kind: &str) -> String {
     }
 }
 
-/// An index in brackets; nothing if it is empty.
+/// The index in brackets; an empty text if the index is empty.
 fn brackets(index: &[usize]) -> String {
     let index: Vec<String> = index.iter().map(usize::to_string).collect();
     match index.is_empty() {

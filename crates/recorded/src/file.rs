@@ -1,4 +1,4 @@
-//! Recorded files as bytes, with their names for messages.
+//! Recorded files, as bytes with a name for messages.
 
 use std::io::Read;
 use std::path::Path;
@@ -11,7 +11,7 @@ use super::table_format::Form;
 /// Largest size of a recorded file, MiB.
 const MAX_MIB: u64 = 256;
 
-/// A recorded file: its name, for messages, its bytes, and the form in which its table is written.
+/// A recorded file: its name for messages, its bytes, and the form of its table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecordedFile {
     pub(super) name: String,
@@ -20,7 +20,7 @@ pub struct RecordedFile {
 }
 
 impl RecordedFile {
-    /// A file whose bytes are already in memory.
+    /// A file with bytes that are already in memory.
     pub fn new(name: impl Into<String>, bytes: Vec<u8>) -> Self {
         Self {
             name: name.into(),
@@ -43,10 +43,10 @@ impl RecordedFile {
         Ok(Self { bytes, ..file })
     }
 
-    /// Reads a stream, such as standard input, to its end. Messages call it `name`.
+    /// Reads a stream, such as standard input, to its end. `name` is its name in messages.
     ///
     /// # Errors
-    /// [`RecordedError::File`] if it cannot be read, or is larger than the limit for files.
+    /// [`RecordedError::File`] if the stream cannot be read, or if it is larger than the limit for files.
     pub fn read_stream(name: &str, stream: impl Read) -> Result<Self, RecordedError> {
         let bytes = read_all(stream, MAX_MIB).map_err(|error| {
             Self::new(name, Vec::new()).error(format!("cannot be read: {error}"))
@@ -54,7 +54,7 @@ impl RecordedFile {
         Ok(Self::new(name, bytes))
     }
 
-    /// The same file, whose table has this form.
+    /// The same file with `form` as the form of its table.
     #[must_use]
     pub fn written(self, form: Form) -> Self {
         Self { form, ..self }
@@ -67,12 +67,12 @@ impl RecordedFile {
         }
     }
 
-    /// An error in a line.
+    /// An error for a line of the file.
     pub(super) fn fail(&self, line: usize, message: impl Into<String>) -> RecordedError {
         RecordedError::line(&self.name, line, message)
     }
 
-    /// The file's UTF-8 text without the byte order mark. If the file is empty, the error states what is `needed`.
+    /// The file's UTF-8 text without the byte order mark. For an empty file, the error states what is `needed`.
     pub(super) fn text(&self, needed: &str) -> Result<&str, RecordedError> {
         let bytes = self.bytes.as_slice();
         let text = self.utf8(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes))?;

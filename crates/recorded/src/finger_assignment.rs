@@ -1,17 +1,17 @@
-//! Assigns contacts to fingers if the file does not name the fingers.
+//! Assigns contacts to fingers if the file does not contain finger numbers.
 
 use nalgebra::Point3;
 use palpate_statistics::Number;
 
-/// A step longer than this many median steps leads to another finger.
+/// Shortest step between contacts that may lead to another finger, in median steps.
 const MIN_JUMP: f64 = 3.0;
-/// Smallest ratio of the shortest jump to the longest step within a finger.
+/// Smallest ratio of the shortest step between fingers to the longest step within a finger.
 const MIN_JUMP_RATIO: f64 = 1.5;
-/// Advice if the assignment may be wrong.
+/// Advice for the case that the assignment is wrong.
 const REMEDY: &str = "separate the fingers by blank lines or add a column `finger`";
 
-/// Finger of each contact, and a note on how it was found. Blank lines, before the rows `after_gaps`, separate the
-/// fingers. Without blank lines, steps that are much longer than all others separate them.
+/// Finger of each contact, and a note on how it was found. If the file has blank lines (before the rows `after_gaps`),
+/// they separate the fingers. Otherwise, steps that are much longer than all others separate the fingers.
 pub(super) fn assign_fingers(
     places: &[Point3<f64>],
     after_gaps: &[usize],
@@ -34,7 +34,10 @@ pub(super) fn assign_fingers(
     let longest = others.fold(0.0, |most: f64, &step| most.max(step));
     let shortest = sorted.iter().find(|step| is_jump(step)).copied();
     let one = |why: String| {
-        let note = format!("no column `finger`: all contacts count as one finger{why}; {REMEDY}");
+        let note = format!(
+            "no column `finger`: all contacts are treated as one finger{why}; \
+             {REMEDY}"
+        );
         (vec![0; places.len()], note)
     };
     match shortest {
@@ -43,7 +46,8 @@ pub(super) fn assign_fingers(
         Some(shortest) if shortest < MIN_JUMP_RATIO * longest => {
             let [shortest, longest] = [shortest, longest].map(Number::rounded);
             one(format!(
-                ", because no step is much longer than all others ({shortest} {unit} after {longest} {unit})"
+                ", because no step is much longer than all others (the shortest candidate is \
+                 {shortest} {unit}, the longest other step {longest} {unit})"
             ))
         }
         Some(shortest) => {
@@ -60,7 +64,8 @@ pub(super) fn assign_fingers(
     }
 }
 
-/// Index of the part that each of `rows` rows belongs to, and the number of parts. Parts begin at the rows `starts`.
+/// For each of `rows` rows, the index of the part to which the row belongs; and the number of parts. Parts begin at the
+/// rows `starts`.
 pub(super) fn parted(rows: usize, starts: &[usize]) -> (Vec<usize>, usize) {
     let mut part = 0;
     let mut starts = starts.iter().filter(|&&start| start > 0).peekable();
@@ -86,7 +91,7 @@ mod tests {
 
     #[test]
     fn contacts_without_jumps_are_of_one_finger() {
-        // The steps grow gradually: no gap separates long steps from short ones.
+        // The steps grow gradually, so that no clear limit separates long steps from short ones.
         let (found, note) = fingers(&[0.0, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0]);
         assert_eq!(found, [0; 7]);
         assert!(note.contains("one finger"), "{note}");

@@ -14,12 +14,12 @@ use super::file::RecordedFile;
 use palpate_estimators::tracks_table;
 use palpate_study::{Table, Warning};
 
-/// A camera's frame.
+/// A camera frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// Its file, for messages.
+    /// Name of the frame's file, for messages.
     pub file: String,
-    /// Its pixels.
+    /// Pixels of the frame.
     pub image: RgbImage,
 }
 
@@ -99,7 +99,7 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
     let (width, height) = decoder.dimensions();
     if width > LARGEST_SIDE || height > LARGEST_SIDE {
         return Err(file.error(format!(
-            "has {width} x {height} px; at most {LARGEST_SIDE} x {LARGEST_SIDE} are read"
+            "has {width} x {height} px; at most {LARGEST_SIDE} x {LARGEST_SIDE} are accepted"
         )));
     }
     let image = DynamicImage::from_decoder(decoder).map_err(broken)?;
@@ -119,56 +119,57 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
     })
 }
 
-/// Tracks of the markers from a rest frame to a pressed one.
+/// Tracks of the markers from a frame at rest to a pressed frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FramePair {
-    /// Tracks of the rest frame's markers, from its middle outward; then of new markers.
+    /// Tracks of the markers at rest, from the middle of the frame outward, followed by tracks of new markers.
     pub tracks: Vec<Track>,
-    /// Markers of the rest frame that are cut off by its rim, which are not tracked.
+    /// Markers at rest that the rim of the frame cuts off; they are not tracked.
     pub cut: Vec<Marker>,
-    /// Place at which the rest frame shows the apex if the camera looks straight at it, px: the middle of its image
-    /// circle.
+    /// Centre of the image circle, px. It is the apex's position in the frame at rest if the camera looks straight at
+    /// the apex.
     pub centre_px: [f64; 2],
-    /// Markers of both frames, with their errors.
+    /// Markers of both frames, with their measurement errors.
     pub(super) found: [Found; 2],
     files: [String; 2],
 }
 
-/// Number of markers by status.
+/// Number of markers with each tracking status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct TrackCounts {
-    /// Markers of the rest frame.
+    /// Markers in the frame at rest.
     pub at_rest: usize,
-    /// Found again.
+    /// Markers that were found in both frames.
     pub tracked: usize,
-    /// Not found again.
+    /// Markers that were not found in the pressed frame.
     pub lost: usize,
-    /// Merged with another marker in the pressed frame.
+    /// Markers that merged with another marker in the pressed frame.
     pub merged: usize,
-    /// Found in pieces.
+    /// Markers that were found in several pieces in the pressed frame.
     pub split: usize,
-    /// Found without a counterpart at rest.
+    /// Markers in the pressed frame without a counterpart at rest.
     pub new: usize,
-    /// Markers of the rest frame that its rim cuts, which are left out.
+    /// Markers at rest that the rim of the frame cuts off; they are left out.
     pub cut_at_rest: usize,
 }
 
-/// Share of lost markers above which a warning is given.
+/// Largest share of markers that were not found again without a warning.
 const MAX_LOST: f64 = 0.1;
 
 impl TrackCounts {
-    /// Whether enough markers were found again for both frames to be of one sensor.
+    /// Whether enough markers were found again for both frames to come from one sensor.
     const fn are_of_one_sensor(&self) -> bool {
         2 * self.tracked >= self.at_rest
     }
 
-    /// The warning if many markers were not found again.
+    /// Warning if many markers were not found again.
     fn warning(&self) -> Option<Warning> {
         let missed = self.at_rest - self.tracked;
         let are_many = missed as f64 > MAX_LOST * self.at_rest as f64;
         (are_many && self.are_of_one_sensor()).then(|| {
             let text = format!(
-                "{missed} of {} markers were not found again in the pressed frame ({} lost, {} merged, {} split): is it as bright and as sharp as the frame at rest?",
+                "{missed} of {} markers were not found in the pressed frame ({} lost, {} merged, \
+                 {} split): is it as bright and as sharp as the frame at rest?",
                 self.at_rest, self.lost, self.merged, self.split
             );
             let numbers = [("missed", missed as f64), ("markers", self.at_rest as f64)];
@@ -177,13 +178,14 @@ impl TrackCounts {
     }
 }
 
-/// Least median shift, px, and its least ratio to the scatter about it, for a warning that all markers moved alike.
+/// Smallest median shift, px, for the warning that all markers moved in the same way.
 const MIN_COMMON_PX: f64 = 0.5;
+/// Smallest ratio of the median shift to the scatter about it, for the same warning.
 const MIN_COMMON_RATIO: f64 = 2.5;
-/// Fewest markers that determine a common motion.
+/// Smallest number of markers from which a common motion is computed.
 const MIN_MARKERS: usize = 8;
 
-/// Difference of green levels, of 255, that is drawn in full colour in a difference image.
+/// Difference of green levels, of 255, that has the full colour in a difference image.
 const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
 
 /// The markers of a frame.
@@ -195,7 +197,7 @@ pub(super) fn find(frame: &Frame) -> Result<Found, RecordedError> {
 /// Finds the markers of both frames and matches them.
 ///
 /// # Errors
-/// [`RecordedError::Readings`] for frames of different sizes, and for one in which no markers can be found.
+/// [`RecordedError::Readings`] if the frames have different sizes, or if no markers can be found in one of them.
 pub fn track_frames(rest: &Frame, pressed: &Frame) -> Result<FramePair, RecordedError> {
     let [of_rest, of_pressed] = [rest, pressed].map(|frame| frame.image.dimensions());
     if of_rest != of_pressed {
@@ -216,17 +218,17 @@ pub fn track_frames(rest: &Frame, pressed: &Frame) -> Result<FramePair, Recorded
     })
 }
 
-/// The signed difference of two frames of one size.
+/// Image of the signed difference between two frames of equal size.
 ///
 /// # Errors
-/// [`RecordedError::Readings`] for frames of different sizes.
+/// [`RecordedError::Readings`] if the frames have different sizes.
 pub fn difference_image(rest: &Frame, pressed: &Frame) -> Result<RgbImage, RecordedError> {
     let image = difference(&rest.image, &pressed.image, FULL_LEVELS);
     image.map_err(|error| RecordedError::readings(&pressed.file, error.to_string()))
 }
 
 impl FramePair {
-    /// Number of markers by status.
+    /// Number of markers with each tracking status.
     pub fn counts(&self) -> TrackCounts {
         let of_status = |status| {
             self.tracks
@@ -245,13 +247,13 @@ impl FramePair {
         }
     }
 
-    /// Number of whole markers in the rest frame.
+    /// Number of markers that are completely inside of the frame at rest.
     pub(super) fn at_rest(&self) -> usize {
         let at_rest = self.tracks.iter().filter(|track| track.rest.is_some());
         at_rest.count()
     }
 
-    /// The marker whose picture changed most, by the absolute value of `strength`.
+    /// Index of the marker whose image changed most, and its change, by the absolute value of `strength`.
     pub(super) fn strongest(
         &self,
         strength: impl Fn(&Track) -> Option<f64>,
@@ -263,15 +265,16 @@ impl FramePair {
             .max_by(|one, other| one.1.abs().total_cmp(&other.1.abs()))
     }
 
-    /// One row per marker: place and hue at rest (for a new marker: pressed), and their changes if it was tracked.
+    /// Table with one row per marker: position and hue at rest (of a new marker: when pressed), and their changes if
+    /// the marker was tracked.
     pub fn table(&self) -> Table {
         tracks_table(self.tracks.iter().map(Some))
     }
 
-    /// Rejects frames of different sensors.
+    /// Checks that both frames come from one sensor.
     ///
     /// # Errors
-    /// [`RecordedError::Readings`] if fewer than half of the markers are found again.
+    /// [`RecordedError::Readings`] if fewer than half of the markers were found again.
     pub fn of_one_sensor(&self) -> Result<(), RecordedError> {
         let counts = self.counts();
         let [rest, pressed] = &self.files;
@@ -300,7 +303,8 @@ impl FramePair {
         let swapped = self.swapped().map(|growth| {
             let percent = -100.0 * growth;
             let text = format!(
-                "the marker that changed most shrank by {percent:.1} %, but a press makes it larger: are {rest} and {pressed} swapped?"
+                "the marker that changed most became {percent:.1} % smaller, but a press makes it \
+                 larger: are {rest} and {pressed} swapped?"
             );
             Warning::new("swapped-frames", text, [("growth", growth)])
         });
@@ -320,7 +324,7 @@ impl FramePair {
         self.tracks.iter().filter_map(Track::change)
     }
 
-    /// The median shift and the distance between neighbours, if the shift exceeds a quarter of the distance.
+    /// The median shift, and the distance between neighbouring markers, if the shift exceeds a quarter of the distance.
     fn moved_together(&self) -> Option<(f64, f64)> {
         let shifts = self.changes().map(|change| {
             let [x, y] = change.shift_px;
@@ -343,7 +347,8 @@ impl FramePair {
         (shift > 0.25 * spacing).then_some((shift, spacing))
     }
 
-    /// Common motion of all markers, as if the camera moved: a shift, or a turn about the middle.
+    /// Motion that all markers have in common, as if the camera had moved: a shift, or a rotation about the centre of
+    /// the image circle. Returns the motion as text and as numbers.
     fn moved_alike(&self) -> Option<(String, Vec<(&'static str, f64)>)> {
         let shifts: Vec<([f64; 2], [f64; 2])> = self
             .tracks
@@ -379,7 +384,8 @@ impl FramePair {
         })
     }
 
-    /// Growth of the marker whose size changed the most, if it shrank by more than the scatter of the others.
+    /// Growth (change of the logarithm of the diameter) of the marker whose size changed most, if it shrank by more
+    /// than the scatter of the others. The two frames may then be swapped.
     fn swapped(&self) -> Option<f64> {
         let (_, growth) = self.strongest(|track| Some(track.change()?.growth))?;
         let scatter = median(self.changes().map(|change| change.growth.abs()))?;

@@ -1,4 +1,4 @@
-//! The curvature of a patch from recorded glides.
+//! Estimates the curvature of a patch from recorded glides.
 
 use std::borrow::Cow;
 
@@ -30,7 +30,7 @@ use palpate_study::{Unit, Warning};
 /// Estimates the curvature of a patch from recorded contacts.
 ///
 /// # Errors
-/// [`RecordedError::Line`] if one contact is at fault; otherwise [`RecordedError::Readings`] if the options contradict the
+/// [`RecordedError::Line`] if one contact is wrong; otherwise [`RecordedError::Readings`] if the options contradict the
 /// file, or if the contacts do not determine the patch.
 pub fn estimate_glide(
     recorded: &GlideRecording,
@@ -39,37 +39,38 @@ pub fn estimate_glide(
     GlideFitResult::new(Cow::Borrowed(recorded), options)?.estimate()
 }
 
-/// Surface fitted to recorded contacts. Its methods compute curvatures, map and estimate only when called.
+/// Surface fitted to recorded contacts. Curvatures, the map and the estimate are computed only when their methods are
+/// called.
 #[derive(Clone, Debug)]
 pub struct GlideFitResult<'r> {
     recorded: Cow<'r, GlideRecording>,
     given: GlideOptions,
-    /// `given`, with position noise converted to a length.
+    /// The options `given`, with the position noise converted to a length.
     options: GlideOptions,
     unit: LengthUnit,
     used: UsedContacts,
     surface: Surface,
-    /// Curvature along the only stroke.
+    /// Curvature along the stroke, if there is only one stroke; otherwise `None`.
     stroke: Option<StrokeCurvature>,
     centre: MapPoint,
     limits: ShapeThresholds,
     limits_from: &'static str,
 }
 
-/// Contacts without outliers; those of round tips are computed from their stated points.
+/// Contacts without outliers. For round fingertips, they are computed from the stated points of the tips.
 #[derive(Clone, Debug)]
 struct UsedContacts {
     contacts: Vec<Contact>,
-    /// Row of each contact in the recording.
+    /// Index of each contact's row in the recording.
     rows: Vec<usize>,
     outliers: Vec<Outlier>,
     readings: EffectiveReadings,
 }
 
-/// Number of contacts from which a spline's bias on simple shapes may exceed its noise.
+/// Number of contacts from which the bias of a spline on simple shapes may be larger than its noise.
 const MANY_CONTACTS: usize = 60;
 
-/// A graph over a patch, or a shape.
+/// The fitted surface: a graph over a patch, or a simple shape.
 #[derive(Clone, Debug)]
 enum Surface {
     Graph(Box<(GlideFit, IndependentFit)>),
@@ -77,10 +78,10 @@ enum Surface {
 }
 
 impl<'r> GlideFitResult<'r> {
-    /// Fits the surface to these contacts.
+    /// Fits the surface to the recorded contacts.
     ///
     /// # Errors
-    /// Errors of [`estimate_glide`], except those for maps that exceed the range of doubles.
+    /// The errors of [`estimate_glide`], except the error of a map that exceeds the range of doubles.
     pub fn new(
         recorded: Cow<'r, GlideRecording>,
         given: &GlideOptions,
@@ -140,7 +141,7 @@ impl<'r> GlideFitResult<'r> {
                 let rows: Vec<usize> = rows.collect();
                 let contacts: Vec<Contact> = rows.iter().map(|&row| all[row]).collect();
                 let stroke = stroke_curvature(&contacts, &outward);
-                // Normals determine a stated shape also from one stroke.
+                // With normals, even a single stroke determines a stated shape.
                 let is_determined = settings.shape.is_some() && recorded.has_normals();
                 let is_plane = settings.shape == Some(Shape::Plane);
                 let stroke = stroke.filter(|_| !is_determined && !is_plane);
@@ -182,7 +183,7 @@ impl<'r> GlideFitResult<'r> {
         refused(&self.recorded, error)
     }
 
-    /// The surface at the contacts that are used, or on the grid.
+    /// Points of the surface at the contacts that are used, or on the grid.
     fn points(&self, at_contacts: bool) -> Result<Vec<MapPoint>, RecordedError> {
         let (contacts, side) = (&self.used.contacts, self.options.grid);
         let places = contacts.iter().map(|contact| contact.position);
@@ -199,7 +200,7 @@ impl<'r> GlideFitResult<'r> {
         Ok(points)
     }
 
-    /// Whether the contacts do not determine the curvature across them.
+    /// Whether the contacts do not determine the curvature in at least one direction.
     fn is_open(&self) -> bool {
         let is_unresolved = match &self.surface {
             Surface::Graph(_) => false,
@@ -208,7 +209,7 @@ impl<'r> GlideFitResult<'r> {
         self.stroke.is_some() || is_unresolved
     }
 
-    /// Curvature at every place of the map, in the order of [`GlideMap::points`].
+    /// Curvature at every point of the map, in the order of [`GlideMap::points`].
     ///
     /// # Errors
     /// [`RecordedError::Readings`] if a curvature exceeds the range of doubles.
@@ -225,12 +226,12 @@ impl<'r> GlideFitResult<'r> {
         }
     }
 
-    /// Limits below which curvatures count as zero.
+    /// Thresholds below which curvatures count as zero.
     pub fn thresholds(&self) -> &ShapeThresholds {
         &self.limits
     }
 
-    /// The estimate, and its map.
+    /// The estimate, and the map of curvatures.
     ///
     /// # Errors
     /// [`RecordedError::Readings`] if a point of the map exceeds the range of doubles.
@@ -257,7 +258,7 @@ impl<'r> GlideFitResult<'r> {
         Ok((estimate, map))
     }
 
-    /// Goodness of fit and misfits of a graph, by rows of the recording; and why there are none.
+    /// Goodness of fit and misfits of a graph, by rows of the recording; and, if there are none, the reason.
     fn misfit(&self) -> (MisfitTest, Option<String>) {
         let Surface::Graph(graph) = &self.surface else {
             return Default::default();
@@ -280,7 +281,7 @@ impl<'r> GlideFitResult<'r> {
         }
     }
 
-    /// Warnings about the contacts, with these misfits.
+    /// Warnings about the contacts, including warnings about `misfits`.
     fn warnings(&self, misfits: &[Misfit], unknown_fit: Option<String>) -> Vec<Warning> {
         let (recorded, used, unit) = (&self.recorded, &self.used, self.unit);
         let (source, contacts) = (&recorded.source, &used.contacts);
@@ -290,7 +291,7 @@ impl<'r> GlideFitResult<'r> {
             Surface::Graph(graph) => (Some(&graph.1), Vec::new()),
             Surface::Shape(fit) => (None, shape_warnings(fit, unit)),
         };
-        // Two-pass, which alone has a status, states no uncertainty.
+        // Only the method two-pass has a status, and this method states no uncertainty.
         let is_unknown = self.centre.curvature.uncertainty.is_none()
             && of_graph.is_some_and(|graph| graph.fit.status.is_none());
         let unknown_noise = is_unknown.then(|| {
@@ -338,7 +339,7 @@ impl<'r> GlideFitResult<'r> {
             .collect()
     }
 
-    /// The estimate with these regions.
+    /// The estimate, with `regions` of equal class.
     fn report(&self, regions: &Regions) -> GlideEstimate {
         let (recorded, options, centre) = (&self.recorded, &self.options, &self.centre);
         let (limits, unit, is_open) = (&self.limits, self.unit, self.is_open());
@@ -430,7 +431,8 @@ impl<'r> GlideFitResult<'r> {
     }
 }
 
-/// Options with position noise as a length. A fraction refers to the stated or, without one, the measured finger distance.
+/// The options with the position noise as a length. A noise stated as a fraction is multiplied by the stated distance
+/// between fingers or, without one, by the measured distance.
 fn with_length_noise(
     recorded: &GlideRecording,
     contacts: &[Contact],
@@ -454,10 +456,11 @@ fn with_length_noise(
     Ok(options)
 }
 
-/// Reason why there is no distance between fingers.
-const ONE_FINGER: &str = "all contacts are of one finger, so there is no distance between fingers";
+/// Reason for which the distance between fingers cannot be computed.
+const ONE_FINGER: &str = "all contacts belong to one finger, so there is no distance between \
+     fingers";
 
-/// The error, with the line of the contact at fault if there is one.
+/// The error of a fit, with the line of the contact that caused it, if there is one.
 fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedError {
     let contact = match error {
         Ep2Error::NotFinite { contact }
@@ -480,7 +483,7 @@ fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedError {
     }
 }
 
-/// The error with the row of the recording that is at fault.
+/// The error, with the index of the row in the recording instead of the index of the contact.
 fn of_row(error: Ep2Error, rows: &[usize]) -> Ep2Error {
     match error {
         Ep2Error::Folded { contact, angle_deg } => Ep2Error::Folded {
@@ -491,7 +494,7 @@ fn of_row(error: Ep2Error, rows: &[usize]) -> Ep2Error {
     }
 }
 
-/// The error, with the curvature along the contacts if they are of one stroke.
+/// The error of a fit, with the curvature along the contacts if they form a single stroke.
 fn stroke_refused(
     recorded: &GlideRecording,
     error: &Ep2Error,
@@ -508,7 +511,7 @@ fn stroke_refused(
     }
 }
 
-/// The error with the rows of the readings.
+/// The error of a shape fit, with the rows of the readings.
 fn shape_refused(recorded: &GlideRecording, error: &ShapeError) -> RecordedError {
     match error {
         ShapeError::Contacts(error) => refused(recorded, error),
@@ -520,7 +523,7 @@ fn shape_refused(recorded: &GlideRecording, error: &ShapeError) -> RecordedError
     }
 }
 
-/// Message of the error, with the setting that helps if there is one.
+/// Message of the error, with the setting that can solve the problem, if there is one.
 fn remedied(error: &Ep2Error, fingers: usize) -> String {
     match error {
         Ep2Error::BadSetting(bad) if bad.setting == "unit_length" && bad.value == 0.0 => {
@@ -534,7 +537,7 @@ fn remedied(error: &Ep2Error, fingers: usize) -> String {
         }
         Ep2Error::NoSide { .. } => {
             let curve = match fingers {
-                1 => "; contacts along one curve do not determine the surface beside it",
+                1 => "; contacts along one curve do not determine the surface beside the curve",
                 _ => "",
             };
             format!("{error}; give another with setting `outward`{curve}")
@@ -543,15 +546,15 @@ fn remedied(error: &Ep2Error, fingers: usize) -> String {
     }
 }
 
-/// The thresholds of the 1996 paper, 0.005 and 0.03 on a patch of 3 × 3, scaled to this patch by the mean of its sides.
-/// `None` if they exceed the range of doubles.
+/// The thresholds of the 1996 paper, 0.005 and 0.03 on a patch of 3 × 3, scaled to this patch by the mean length of its
+/// sides. `None` if they exceed the range of doubles.
 fn of_size([u, v]: [f64; 2]) -> Option<ShapeThresholds> {
     let paper_units = 3.0 / (0.5 * u + 0.5 * v);
     ShapeThresholds::new(0.005 * paper_units * paper_units, 0.03 * paper_units).ok()
 }
 
-/// Standard deviations of the principal curvatures H ∓ √(H² − K), to first order; `None` if the two cannot be distinguished
-/// or if the method states no uncertainty.
+/// Standard errors of the principal curvatures H ∓ √(H² − K), to first order; `None` if the two curvatures cannot be
+/// distinguished, or if the method states no uncertainty.
 fn principal_stds(curvature: &Curvature) -> [Option<f64>; 2] {
     let Some(uncertainty) = curvature.uncertainty else {
         return [None; 2];

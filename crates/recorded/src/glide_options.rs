@@ -10,51 +10,54 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 
-/// Point of a round fingertip that readings state instead of the contact.
+/// Point of a round fingertip whose position the readings state instead of the contact's position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TipReports {
-    /// The point farthest against setting `outward`.
+    /// The point of the tip that lies farthest in the direction opposite to setting `outward`.
     #[default]
     LowestPoint,
     /// The centre of the spherical tip.
     Centre,
 }
 
-/// Settings of an estimate that the readings do not state; lengths in the readings' unit.
+/// Settings of an estimate that the readings do not state. Lengths are in the unit of the readings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct GlideOptions {
-    /// The estimator.
+    /// The estimator and its settings.
     #[serde(skip)]
     pub estimator: GlideEstimatorConfig,
-    /// Unit of lengths if the header does not state it.
+    /// Unit of lengths, used if the header does not state it.
     #[serde(skip)]
     pub length_unit: Option<LengthUnit>,
-    /// Points along each side of the grid for the regions and the map.
+    /// Number of grid points along each side, for the regions and the map.
     #[schemars(extend("minimum" = 1, "maximum" = 1000))]
     pub grid: usize,
-    /// Whether the map has one point per contact that is not left out, in their order, instead of the grid.
+    /// Whether the map has one point per contact that is used, in the order of the contacts, instead of the grid
+    /// points.
     #[serde(skip)]
     pub map_at_contacts: bool,
-    /// Radius of round fingertips, in the readings' length unit. Give it if positions are not those of the contacts but of
-    /// the point that setting `reports` names. Contacts then follow from the normals, or from a first fit.
+    /// Radius of round fingertips, in the readings' length unit. State it if the positions are not contacts but the
+    /// point of the tip that setting `reports` names. The contacts are then computed from the normals or, without
+    /// normals, from a first fit.
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub tip_radius: Option<f64>,
-    /// Point of round fingertips whose positions the readings state; by default lowest-point.
+    /// Point of round fingertips whose positions the readings state; lowest-point by default.
     pub reports: Option<TipReports>,
-    /// Direction out of the object. It is used for readings without normals, where only its side of the patch matters, and
-    /// for lowest points.
+    /// Direction that points out of the object. It is used for readings without normals, for which only its side of the
+    /// patch matters, and for lowest points.
     pub outward: [f64; 3],
     /// Magnitude of the Gaussian curvature below which it counts as zero, 1/length²; at least the square of the mean
-    /// threshold. By default computed from the patch's size.
+    /// threshold. By default, it is computed from the size of the patch.
     #[schemars(extend("minimum" = 0))]
     pub gaussian_threshold: Option<f64>,
-    /// Magnitude of the mean curvature below which it counts as zero, 1/length. By default computed from the patch's size.
+    /// Magnitude of the mean curvature below which it counts as zero, 1/length. By default, it is computed from the
+    /// size of the patch.
     #[schemars(extend("minimum" = 0))]
     pub mean_threshold: Option<f64>,
-    /// Distance between fingers, in the readings' length unit. Settings of two-pass, and position noise that is stated as a
-    /// fraction, are relative to it. By default the mean distance between neighbouring fingers.
+    /// Distance between fingers, in the readings' length unit. Settings of two-pass, and position noise stated as a
+    /// fraction, are relative to this distance. By default, it is the mean distance between neighbouring fingers.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub inter_finger_distance: Option<f64>,
 }
@@ -77,8 +80,8 @@ impl Default for GlideOptions {
 }
 
 impl GlideOptions {
-    /// Options from the given settings, by their keys: fields of this struct and settings of the estimator. `base` states
-    /// all others. Readings may have normals or not.
+    /// Options with the given settings. Their keys are fields of this struct and settings of the estimator. Settings
+    /// that are not given have their values from `base`.
     ///
     /// ```
     /// use palpate_recorded::GlideOptions;
@@ -145,7 +148,7 @@ impl GlideOptions {
         Ok(options)
     }
 
-    /// The stated thresholds below which curvatures count as zero.
+    /// The thresholds that the options state, below which curvatures count as zero; `None` if none are stated.
     pub(super) fn thresholds(&self) -> Result<Option<ShapeThresholds>, SettingError> {
         let both = self.gaussian_threshold.zip(self.mean_threshold);
         let thresholds = both.map(|(gaussian, mean)| ShapeThresholds::new(gaussian, mean));
@@ -154,7 +157,7 @@ impl GlideOptions {
         })
     }
 
-    /// The round tip, if the readings state another point of the tip than the contact.
+    /// The round fingertip, if the readings state another point of it than the contact.
     pub(super) fn tip(&self) -> Option<RoundTip> {
         Some(RoundTip {
             radius: self.tip_radius?,
@@ -166,7 +169,7 @@ impl GlideOptions {
     }
 }
 
-/// Scales a direction so that its largest component is ±1.
+/// The direction with these components, scaled so that its largest component is ±1.
 fn direction(components: [f64; 3]) -> Result<[f64; 3], SettingError> {
     let largest = components
         .iter()

@@ -1,4 +1,4 @@
-//! Recorded glides.
+//! Reads recorded glides.
 
 use std::collections::HashMap;
 
@@ -14,7 +14,7 @@ use super::text_table::TextTable;
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{Column, GLIDES};
 
-/// Recorded readings of a glide.
+/// Recorded readings of glides.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GlideRecording {
     pub(super) source: ReadingSource,
@@ -22,18 +22,18 @@ pub struct GlideRecording {
     pub(super) contacts: Vec<Contact>,
     /// Number of fingers.
     pub(super) fingers: usize,
-    /// The unit of lengths that the header states.
+    /// Unit of lengths that the header states; `None` if the header states none.
     pub unit: Option<LengthUnit>,
-    /// Other fields of the file, contact by contact.
+    /// Columns of the file that palpate does not use, one row per contact.
     pub(super) extras: ExtraColumns,
-    /// How contacts were assigned to fingers, if the file does not name the fingers.
+    /// Note on how contacts were assigned to fingers; `None` if the file contains finger numbers.
     pub(super) note: Option<String>,
 }
 
 impl GlideRecording {
-    /// Contacts at `points` with these outward `normals` of any length. `fingers` states the finger's number for each
-    /// contact; without it, all contacts are of one finger. The contacts of a finger must be in the order of its
-    /// path. Lengths are in `unit`.
+    /// Contacts at `points` with the outward `normals`, which may have any length. `fingers` states the number of the
+    /// finger of each contact; without it, all contacts belong to one finger. The contacts of a finger must be in the
+    /// order of the finger's path. Lengths are in `unit`.
     ///
     /// ```
     /// use palpate_recorded::GlideRecording;
@@ -44,7 +44,7 @@ impl GlideRecording {
     /// ```
     ///
     /// # Errors
-    /// [`RecordedError::Array`] for a number that is not finite, and for a different number of points and normals or
+    /// [`RecordedError::Array`] if a number is not finite, or if there are more or fewer points than normals or
     /// fingers.
     pub fn new(
         points: &[[f64; 3]],
@@ -84,7 +84,7 @@ impl GlideRecording {
     }
 }
 
-/// Index of each finger by its number in the readings; indices follow the order of first appearance.
+/// Index of each finger by its number in the readings. Indices follow the order in which the numbers first appear.
 #[derive(Default)]
 struct Fingers(HashMap<u64, usize>);
 
@@ -95,8 +95,8 @@ impl Fingers {
     }
 }
 
-/// Reads recorded contacts: one row per contact, with or without normals. The contacts of a finger must be in the
-/// order of its path. Without a column `finger`, blank lines or long steps separate the fingers.
+/// Reads recorded contacts: one row per contact, with or without normals. The contacts of a finger must be in the order
+/// of the finger's path. If the file has no column `finger`, blank lines or long steps separate the fingers.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
@@ -114,7 +114,8 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> 
     let (columns, others): (Vec<Column>, Vec<Column>) = GLIDES.into_iter().partition(is_read);
     let sheet = ReadingTable::read(&table, &columns, &others)?;
     let mut positions = Vec::new();
-    // Fingers may have any numbers in the file; here they are numbered in order of appearance.
+    // Finger numbers in the file may be arbitrary; here the fingers are numbered in the order in which they first
+    // appear.
     let mut indices = Fingers::default();
     let (mut fingers, mut normals) = (Vec::new(), Vec::new());
     for (line, numbers) in sheet.rows() {

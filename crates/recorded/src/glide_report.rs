@@ -1,4 +1,4 @@
-//! Report of a patch: the estimate, as JSON, and the map.
+//! Report of a patch: the estimate as JSON, and the map as CSV.
 
 use std::collections::BTreeMap;
 
@@ -20,20 +20,20 @@ use palpate_study::{Column, Unit, Warning};
 pub(super) struct Thresholds {
     pub(super) gaussian: Value,
     pub(super) mean: Value,
-    /// Source of the thresholds, in words.
+    /// Text that states the source of the thresholds.
     pub(super) from: &'static str,
 }
 
-/// Noise of the contacts, estimated or stated.
+/// Noise of the contacts, either estimated or stated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct PatchNoise {
-    /// Standard deviation of positions along the surface's normal.
+    /// Standard deviation of the positions along the normal of the surface.
     pub(super) position_std: Value,
-    /// Standard deviation of a normal's tilt about each tangent; `null` without normals.
+    /// Standard deviation of a normal's tilt about each tangent, degrees; `null` if the contacts have no normals.
     pub(super) normal_std_deg: Option<f64>,
 }
 
-/// A connected part of the map that has one class.
+/// A connected part of the map in which all points have the same class.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct PatchRegion {
     pub(super) class: &'static str,
@@ -42,22 +42,23 @@ pub(super) struct PatchRegion {
     pub(super) area: Value,
     pub(super) gaussian_curvature: Value,
     pub(super) mean_curvature: Value,
-    /// Common direction of largest curvature of the region's points, of either sign; `null` if there is none.
+    /// Mean direction of the largest curvature of the region's points; the opposite direction is equivalent. `null` if
+    /// there is none.
     pub(super) direction_of_max: Option<[f64; 3]>,
-    /// Agreement of the points on this direction, from 0 to 1.
+    /// Degree to which the points agree on `direction_of_max`, from 0 to 1.
     pub(super) coherence: f64,
 }
 
-/// Radius of a glide's object.
+/// Radius of an object that was touched in glides.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub(super) enum GlideRadius {
     OfMean(Radius),
-    /// `null` for a plane.
+    /// Radius of a fitted shape; `null` for a plane.
     OfShape(Option<Value>),
 }
 
-/// Output of `estimate glide`. Curvature, class and directions are those of the patch's middle.
+/// Output of `estimate glide`. Curvature, class and directions are those in the middle of the patch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GlideEstimate {
     pub(super) format_version: u32,
@@ -66,86 +67,88 @@ pub struct GlideEstimate {
     pub(super) fingers: usize,
     pub(super) with_normals: bool,
     pub(super) length_unit: &'static str,
-    /// The middle of the patch, on the fitted surface.
+    /// Position of the middle of the patch, on the fitted surface.
     pub(super) position: [f64; 3],
     /// Unit normal in the middle of the patch, out of the object.
     pub(super) normal: [f64; 3],
     pub(super) gaussian_curvature: Value,
     pub(super) mean_curvature: Value,
-    /// Radius of the shape, or the inverse of the mean curvature.
+    /// Radius of the shape or, without a shape, the inverse of the mean curvature.
     pub(super) radius: GlideRadius,
     pub(super) k_min: Value,
     pub(super) k_max: Value,
-    /// Unit tangents, of either sign.
+    /// Unit tangent in the direction of the smallest curvature; the opposite tangent is equivalent.
     pub(super) direction_of_min: [f64; 3],
+    /// Unit tangent in the direction of the largest curvature; the opposite tangent is equivalent.
     pub(super) direction_of_max: [f64; 3],
-    /// Shape index from −1, a cup, to 1, a cap; `null` if the surface is flat.
+    /// Shape index, from −1 (a cup) to 1 (a cap); `null` if the surface is flat.
     pub(super) shape_index: Option<f64>,
-    /// `null` for a single stroke, like `sign_class` and the values of curvatures.
+    /// Class of the surface. For a single stroke, it is `null`, like `sign_class` and the values of curvatures.
     pub(super) class: Option<&'static str>,
     /// Probability of each class; `null` if the method states no uncertainty.
     pub(super) class_probabilities: Option<BTreeMap<&'static str, f64>>,
-    /// Class by the signs of the curvatures alone.
+    /// Class by the signs of the estimated curvatures, without their uncertainty.
     pub(super) sign_class: Option<&'static str>,
     pub(super) thresholds: Thresholds,
-    /// `null` if the method does not estimate noise.
+    /// Noise of the contacts; `null` if the method does not estimate noise.
     pub(super) noise: Option<PatchNoise>,
-    /// Whether two-pass reached its smoothing sums; `null` for other methods. If it did not (`knots-exhausted`,
-    /// `unsettled`), do not use the curvatures.
+    /// Whether two-pass reached the sums of squares to which it smooths; `null` for other methods. If it did not
+    /// (`knots-exhausted`, `unsettled`), do not use the curvatures.
     pub(super) status: Option<&'static str>,
-    /// Effective number of unknowns that the fit determined.
+    /// Effective degrees of freedom of the fit.
     pub(super) effective_unknowns: f64,
-    /// Map points along each side.
+    /// Number of map points along each side.
     pub(super) grid: usize,
-    /// Connected parts of the map that have one class, the largest first.
+    /// Connected parts of the map in which all points have the same class, the largest first.
     pub(super) regions: Vec<PatchRegion>,
-    /// Goodness-of-fit p-value: probability that noise of the stated size gives a worse fit if the model holds;
-    /// `null` if the noise is estimated, and for two-pass.
+    /// p-value of the goodness of fit: the probability that noise of the stated size gives a worse fit if the model is
+    /// right. `null` if the noise is estimated, and for two-pass.
     pub(super) p_value: Option<f64>,
-    /// Number of independent contacts, after copies, rests and correlated noise.
+    /// Number of independent contacts, which is reduced by copies, rests and correlated noise.
     pub(super) effective_contacts: f64,
-    /// Number of contacts after copies and rests are merged.
+    /// Number of contacts after copies and rests were merged.
     pub(super) distinct_contacts: usize,
     /// Number of consecutive positions that count as one because their noise is correlated.
     pub(super) correlated_contacts: f64,
-    /// Contacts that the fit does not use.
+    /// Contacts that are not used in the fit.
     pub(super) left_out: Vec<LeftOut>,
-    /// Curvature along the stroke, if there is only one.
+    /// Curvature along the stroke, if there is only one stroke.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) stroke: Option<StrokeReport>,
-    /// Size and place of the shape, for the methods that fit one.
+    /// Size and position of the shape, for methods that fit a shape.
     #[serde(flatten)]
     pub(super) shape: Option<ShapeReport>,
-    /// Contradictions between the contacts and the model, each with its p-value, and other warnings.
+    /// Warnings: contradictions between the contacts and the model, each with its p-value, and likely mistakes.
     pub(super) warnings: Vec<Warning>,
     #[serde(skip)]
     pub(super) covariance: Option<[[f64; 2]; 2]>,
 }
 
 impl GlideEstimate {
-    /// Covariance of Gaussian and mean curvature in the middle of the patch, 1/length⁴, 1/length³ and 1/length²; `None`
-    /// if the method states no uncertainty.
+    /// Covariance of the Gaussian and the mean curvature in the middle of the patch. Its entries have the units
+    /// 1/length⁴, 1/length³ and 1/length². `None` if the method states no uncertainty.
     pub fn covariance(&self) -> Option<[[f64; 2]; 2]> {
         self.covariance
     }
 }
 
-/// The estimated curvature on a grid over the patch, or at the contacts.
+/// Map of the estimated curvature, on a grid over the patch or at the contacts.
 #[derive(Clone, Debug)]
 pub struct GlideMap {
-    /// The contacts, or a grid whose slowest index runs along the fingers' path.
+    /// The map's points: the contacts, or a grid whose slowest index runs along the fingers' path.
     pub points: Vec<MapPoint>,
     /// Index of the region of each point; `None` for a map at the contacts.
     pub regions: Option<Vec<usize>>,
     pub(super) thresholds: ShapeThresholds,
     pub(super) unit: LengthUnit,
-    /// Other fields of the readings, contact by contact, for a map at the contacts.
+    /// Columns of the readings that palpate does not use, one row per contact, for a map at the contacts.
     pub(super) extras: ExtraColumns,
 }
 
 impl GlideMap {
-    /// The map as CSV, one row per point. A map at the contacts has no regions, and ends with the columns of the readings
-    /// that palpate does not use. If the map already has a column of that name, the prefix `readings_` is added.
+    /// The map as CSV, one row per point. A map at the contacts has no column of regions, and its last columns are
+    /// those of the readings that palpate does not use. Such a column gets the prefix `readings_` if the map already
+    /// has a column with its name.
     pub fn to_csv(&self) -> String {
         let mut map = map_table(self.unit, false);
         for (place, point) in self.points.iter().enumerate() {
@@ -187,7 +190,7 @@ impl PatchRegion {
     }
 }
 
-/// Replaces −0 by 0.
+/// The vector's components, with 0 instead of −0.
 pub(super) fn tidy(vector: &Vector3<f64>) -> [f64; 3] {
     [vector.x, vector.y, vector.z].map(|number| number + 0.0)
 }

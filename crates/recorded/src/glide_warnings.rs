@@ -11,16 +11,16 @@ use super::glide_options::GlideOptions;
 use super::misfit_warning::ReadingWords;
 use super::source::ReadingSource;
 
-/// Factor between the stated and the measured finger distance above which one of them is wrong.
+/// Largest ratio of the stated to the measured distance between fingers, or of its inverse, without a warning.
 const MAX_SPACING_RATIO: f64 = 3.0;
 
-/// A contact may be an outlier if its distance to its nearest neighbour exceeds that of every other contact by this
-/// factor.
+/// Smallest factor by which a contact's distance from its nearest neighbour must exceed this distance for every other
+/// contact, for a warning about an outlier.
 const MAX_DISTANCE_RATIO: f64 = 3.0;
 /// Largest number of contacts for which distances are compared.
 const MAX_COMPARED: usize = 3000;
 
-/// The warning if the distance between fingers in the readings is not the stated one.
+/// Warning if the stated distance between fingers differs from the distance measured in the readings.
 pub(super) fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Option<String> {
     let stated = options.inter_finger_distance?;
     let found = patch.finger_distance? * patch.frame.scale();
@@ -34,7 +34,8 @@ pub(super) fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -
     })
 }
 
-/// The warning about a contact far from all others: the fitted surface passes through it even if it is wrong.
+/// Warning about a contact that is far from all others. The fitted surface passes through such a contact even if it is
+/// wrong.
 pub(super) fn distant(
     contacts: &[Contact],
     unit: LengthUnit,
@@ -56,17 +57,19 @@ pub(super) fn distant(
     (far > MAX_DISTANCE_RATIO * next && next > 0.0).then(|| {
         let ([far, next], unit) = ([far, next].map(Number::rounded), unit.as_str());
         format!(
-            "the contact of {} lies {far} {unit} from the nearest other contact, but all others lie within {next} {unit} of theirs: is it a contact?",
+            "the contact of {} is {far} {unit} from the nearest other contact, but all other \
+             contacts are within {next} {unit} of their neighbours: is it a contact?",
             row(contact)
         )
     })
 }
 
-/// Ratio of the estimated noise to the stated one, or its inverse, above which the intervals are wrong.
+/// Largest ratio of the estimated to the stated noise, or of its inverse, without a warning. Beyond it, the intervals
+/// are wrong.
 const MAX_NOISE_RATIO: f64 = 1.5;
 
-/// Warnings if the stated noise of contacts differs from the noise that the same method estimates. `ratios` are those of the
-/// standard deviations of the patch's positions and normals to those of one contact.
+/// Warnings if the stated noise of the contacts differs from the noise that the same method estimates. `ratios` are the
+/// standard deviations of the patch's positions and normals, divided by those of one contact.
 pub(super) fn stated_noise(
     patch: &Patch,
     estimator: &GlideEstimatorConfig,
@@ -89,7 +92,7 @@ pub(super) fn stated_noise(
         Some(found.position_std / ratios[0]),
         found.normal_std_rad.map(|std| std.to_degrees() / ratios[1]),
     ];
-    // Share of the readings that remain as degrees of freedom.
+    // Share of the readings that remains as degrees of freedom.
     let left = 1.0 - unknowns / patch.equations() as f64;
     let kinds = [("positions", unit.as_str(), 1), ("normals", "degrees", 2)];
     let all = stated.into_iter().zip(found).zip(kinds);
@@ -117,7 +120,7 @@ pub(super) fn stated_noise(
     .collect()
 }
 
-/// Warnings of misfits, without outliers if the normals are wrong, because these cause outliers.
+/// Warnings about misfits. If the normals are wrong, outliers are not reported, because wrong normals cause them.
 pub(super) fn misfit_warnings(
     misfits: &[Misfit],
     are_normals_wrong: bool,
@@ -134,10 +137,10 @@ pub(super) fn misfit_warnings(
     })
 }
 
-/// Largest deviation of a normal's length from 1 by rounding or by noise in its components.
+/// Largest deviation of a normal's length from 1 that rounding or noise of its components can explain.
 const MAX_LENGTH_ERROR: f64 = 0.1;
 
-/// Likely mistakes in the normals of contacts.
+/// Warnings about likely mistakes in the normals of contacts.
 pub(super) fn normals(contacts: &[Contact]) -> impl Iterator<Item = Warning> {
     let all = || contacts.iter().filter_map(|contact| contact.normal);
     let mut lengths: Vec<f64> = all().map(|normal| normal.norm()).collect();
@@ -159,17 +162,17 @@ pub(super) fn normals(contacts: &[Contact]) -> impl Iterator<Item = Warning> {
     length.into_iter().chain(Warning::of("signs", inward))
 }
 
-/// Fewest contacts for which signs and columns of the normals are checked.
+/// Smallest number of contacts for which signs and columns of the normals are checked.
 const MIN_CONTACTS: usize = 8;
 
-/// Least ratio by which changed components must reduce the errors of contacts and normals.
+/// Smallest factor by which a change of components must reduce the error of the fit for a warning.
 const MIN_RATIO: f64 = 2.0;
 
-/// Largest error of a fit that explains the contacts and their normals.
+/// Largest error of a fit that is consistent with the contacts and their normals.
 const MAX_ERROR: f64 = 0.1;
 
-/// Likely mistake of signs or columns in the normals: a quadric through the contacts fits them much better with other
-/// components.
+/// Likely mistake of signs or columns in the normals, as text: a quadric through the contacts fits the normals much
+/// better after their components are changed.
 pub(super) fn directions(contacts: &[Contact]) -> Option<String> {
     let has_normals = contacts.iter().all(|contact| contact.normal.is_some());
     if !has_normals || contacts.len() < MIN_CONTACTS {
@@ -191,8 +194,8 @@ pub(super) fn directions(contacts: &[Contact]) -> Option<String> {
     })
 }
 
-/// Geometric mean of the errors of a contact's height and both slopes about a quadric, with changed normals; infinite without a
-/// quadric.
+/// Geometric mean of the errors of the height and of both slopes about a quadric fitted to the contacts, after the
+/// normals are multiplied by `change`; infinite if there is no quadric.
 fn fit_error(contacts: &[Contact], change: &Matrix3<f64>) -> f64 {
     let changed = contacts.iter().map(|contact| Contact {
         normal: contact.normal.map(|normal| change * normal),
@@ -210,7 +213,8 @@ fn fit_error(contacts: &[Contact], change: &Matrix3<f64>) -> f64 {
     error.unwrap_or(f64::INFINITY)
 }
 
-/// Mistakes that swap two components or reverse the sign of one, up to a common sign.
+/// Possible mistakes in the normals: two components swapped, or the sign of one component reversed. A common sign of
+/// all components does not matter.
 fn changes() -> [(Matrix3<f64>, &'static str); 6] {
     let signs = |x, y, z| Matrix3::from_diagonal(&Vector3::new(x, y, z));
     let swap = |one: usize, other: usize| {
@@ -235,7 +239,8 @@ mod tests {
 
     use super::*;
 
-    /// Contacts with normals on a ball of radius 30 mm, on lines `apart` mm apart; noise 0.02 mm and 1 degree.
+    /// Contacts with normals on a ball with a radius of 30 mm, on lines `apart` mm apart; the noise is 0.02 mm and 1
+    /// degree.
     fn on_a_ball(apart: f64) -> Vec<Contact> {
         let mut stream = Stream::new(1996, 0, Channel::Position);
         let mut noise = |std: f64| Vector3::from_fn(|_, _| std * stream.standard_normal());
@@ -266,7 +271,7 @@ mod tests {
                 "{warning}"
             );
         }
-        // A single arc, or two lines, do not determine the surface across them.
+        // Contacts on a single arc or on two lines do not determine the surface across them.
         assert_eq!(directions(&on_a_ball(0.0)), None);
         for line in 0..3 {
             let mut two = on_a_ball(4.0);

@@ -1,4 +1,4 @@
-//! Finds the columns that palpate reads in a table by their names.
+//! Finds the columns that palpate reads by their names in the header of a table.
 
 use palpate_study::readings::{
     Column, ColumnNames, ColumnUnit, Measure, QUATERNION, quaternion_part, spelt,
@@ -6,14 +6,15 @@ use palpate_study::readings::{
 
 use super::table_format::pair;
 
-/// A name in the file's header.
+/// A column name in the header of the file.
 pub(super) struct Heading<'a> {
     name: &'a str,
-    /// The name without a unit in brackets, normalised by [`spelt`].
+    /// The name without the unit in brackets, normalised by [`spelt`].
     base: String,
-    /// Unit in brackets.
+    /// The unit in brackets; `None` if the name has none.
     bracket: Option<&'a str>,
-    /// Quaternion component of this column, if its name shows it (`quat_x`) or the file has all four (`rx` to `rw`).
+    /// Component of a quaternion that this column contains, if its name shows this (`quat_x`) or if the file has all
+    /// four columns (`rx` to `rw`).
     part: Option<Column>,
 }
 
@@ -30,7 +31,7 @@ impl<'a> Heading<'a> {
         }
     }
 
-    /// Splits a name like `rotation.x` into the name of a quaternion and its component.
+    /// Splits a name such as `rotation.x` into the name of a quaternion and its component.
     fn in_group(&self) -> Option<(&str, Column)> {
         QUATERNION.into_iter().find_map(|column| {
             let group = self.base.strip_suffix(&column.name[1..])?;
@@ -39,7 +40,7 @@ impl<'a> Heading<'a> {
     }
 }
 
-/// Name of a column without the unit in brackets at its end, and that unit.
+/// Splits a column name into the name itself and the unit in brackets at its end.
 pub(super) fn bracketed(name: &str) -> (&str, Option<&str>) {
     let parts = [('[', ']'), ('(', ')')]
         .into_iter()
@@ -53,7 +54,7 @@ pub(super) fn bracketed(name: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// Index of a column in a row, and the unit in its name.
+/// Index of a column in each row, and the unit in the column's name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     pub(super) index: usize,
@@ -84,17 +85,18 @@ impl<'a> Header<'a> {
         Self { headings, names }
     }
 
-    /// Name of a column as the file has it.
+    /// Name of a column as it is written in the file.
     pub(super) fn name(&self, index: usize) -> &'a str {
         self.headings[index].name
     }
 
-    /// Whether the file has the column, under palpate's name or an assigned one, even with an unknown unit.
+    /// Whether the file has the column, under palpate's name or a name that the user assigned, even if its unit does
+    /// not exist.
     pub(super) fn has(&self, column: &Column) -> bool {
         !matches!(self.place(column), Ok(None))
     }
 
-    /// Name of the first column of times, if the file has any.
+    /// Name of the first column of times; `None` if the file has none.
     pub(super) fn time(&self) -> Option<&'a str> {
         let is_time = |heading: &&Heading<'_>| {
             let mut words = heading.base.split('_').enumerate();
@@ -118,14 +120,15 @@ impl<'a> Header<'a> {
         pairs.collect::<Vec<_>>().join(",")
     }
 
-    /// Whether the user assigned a name in the file to one of these columns.
+    /// Whether the user assigned a name in the file to one of `columns`.
     pub(super) fn is_assigned(&self, columns: &[Column]) -> bool {
         columns.iter().any(|column| self.assigned(column).is_some())
     }
 
-    /// Places of the columns.
+    /// Places of the columns in the file.
     ///
-    /// The error lists the missing columns, the file's columns, and the option to write.
+    /// If columns are missing, the error lists them, the columns of the file, and the option with which they can be
+    /// assigned.
     pub(super) fn places(&self, columns: &[Column], may: &[Column]) -> Result<Vec<Place>, String> {
         let found: Result<Vec<Option<Place>>, String> =
             columns.iter().map(|column| self.place(column)).collect();
@@ -141,7 +144,8 @@ impl<'a> Header<'a> {
         }
     }
 
-    /// Key of the user's assignment for a column, the assigned name in the file, and the unit in the key.
+    /// For a column with an assigned name: the key of the user's assignment, the assigned name, and the unit in the
+    /// key.
     fn assigned(&self, column: &Column) -> Option<(&'a str, &'a str, Option<ColumnUnit>)> {
         self.names.iter().find_map(|(key, name)| {
             let unit = column.is_named(&spelt(key))?;
@@ -156,7 +160,7 @@ impl<'a> Header<'a> {
         }
     }
 
-    /// Place of a column that has palpate's name in the file.
+    /// Place of a column that has palpate's name in the file; `None` if there is none.
     fn own_place(&self, column: &Column) -> Result<Option<Place>, String> {
         let is_assigned = |heading: &Heading<'_>| {
             let mut names = self.names.values();
@@ -227,7 +231,7 @@ impl<'a> Header<'a> {
         let &[index] = found.as_slice() else {
             return Err(match found.len() {
                 0 => format!("{says}, which is no column; {}", self.listed()),
-                many => format!("{says}, as {many} columns are called"),
+                many => format!("{says}, but {many} columns have this name"),
             });
         };
         let heading = &self.headings[index];
@@ -251,7 +255,7 @@ impl<'a> Header<'a> {
         };
         let unit = match (of_key, in_file) {
             (Some(of_key), Some(in_file)) if of_key != in_file => {
-                return Err(format!("{says}, whose header states another unit"));
+                return Err(format!("{says}, but its header states another unit"));
             }
             (of_key, in_file) => of_key.or(in_file),
         };
@@ -351,7 +355,8 @@ impl<'a> Header<'a> {
         pairs.collect()
     }
 
-    /// Pairs of names for the missing columns; `…` if no free name is similar.
+    /// Proposed assignments for the missing columns; `…` stands for a column to which no unused name in the file is
+    /// similar.
     fn proposed(&self, missing: &[Column], free: &mut Vec<usize>) -> Vec<String> {
         let mut pair_of = |column: &Column| {
             let similar = |&index: &usize| is_similar(column, &self.headings[index]);
@@ -368,7 +373,8 @@ impl<'a> Header<'a> {
     }
 }
 
-/// Whether a column may lack a unit: lengths get the unit of other columns or of an option; times are only compared.
+/// Whether the column's unit may be missing. Lengths then have the unit of other columns or of an option; times are
+/// only compared with each other.
 const fn has_no_need(measure: Measure) -> bool {
     matches!(measure, Measure::Length | Measure::Time | Measure::Plain)
 }
@@ -389,7 +395,7 @@ fn unknown_unit(name: &str, unit: &str, measure: Measure) -> String {
     )
 }
 
-/// Unit at the end of a name that is not one of palpate's, as in `pos_x_mm`.
+/// Unit at the end of a name that is not one of palpate's, such as `pos_x_mm`.
 fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, String> {
     let Some((_, last)) = heading.base.rsplit_once('_') else {
         return Ok(None);
@@ -410,14 +416,14 @@ fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, 
     }
 }
 
-/// Whether a column's name looks like a component of a quaternion, also one with a number: `q0`.
+/// Whether a column's name looks like a component of a quaternion, including numbered components such as `q0`.
 fn is_quaternion(heading: &Heading<'_>) -> bool {
     let number = heading.base.strip_prefix('q').map(str::parse::<u8>);
     heading.part.is_some() || heading.base.contains("quat") || matches!(number, Some(Ok(0..=4)))
 }
 
-/// Whether a name in the file may denote the column: it has a unit of the column or none, and all words of the column's
-/// name or its quantity and axis.
+/// Whether a name in the file may denote the column. It must have a unit of the column's quantity or no unit, and it
+/// must contain all words of the column's name, or its quantity and axis.
 pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
     // A component of a quaternion is not an angle.
     let is_angle =
@@ -450,8 +456,8 @@ pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
         || is_of_axis(column, &words)
 }
 
-/// Whether a name in the file denotes the same quantity and axis, by its letters or its list index: `px` and
-/// `position.0` are an x, `rx` is a rotation about x, `du` and `u` are a shift.
+/// Whether a name in the file denotes the same quantity and axis as the column, by its letters or by its index. For
+/// example, `px` and `position.0` are an x coordinate, `rx` is a rotation about x, and `du` and `u` are shifts.
 fn is_of_axis(column: &Column, words: &[&str]) -> bool {
     let (quantity, axis) = match column.stem().rsplit_once('_') {
         Some((quantity, axis)) => (quantity, axis),
@@ -480,7 +486,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         "v" if says(quantity) => "y",
         axis => axis,
     };
-    // The words before the letter or the index name the quantity.
+    // The words before the letter or the index denote the quantity.
     let letter = match last.strip_suffix(axis).or(last.strip_suffix(other)) {
         Some(letter) if letter.len() <= 1 => letter,
         _ if *last == index && !rest.is_empty() => "",
@@ -488,7 +494,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
     };
     let letters: &[&str] = match quantity {
         "" => {
-            // A single letter other than p names another quantity.
+            // A single letter other than p denotes another quantity than a position.
             let is_place = |word: &&str| word.len() > 1 || *word == "p";
             return !OTHERS.into_iter().any(says)
                 && rest.iter().all(is_place)
@@ -504,7 +510,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
     says(quantity) || (rest.is_empty() && letters.contains(&letter))
 }
 
-/// Quantities with axes that are not places.
+/// Words for quantities that have axes but are not positions.
 const OTHERS: [&str; 11] = [
     "normal",
     "rotation",

@@ -1,4 +1,4 @@
-//! Estimates the curvature of an object from two frames of a camera sensor, by a fit to the markers' pictures.
+//! Estimates the curvature of an object from two frames of a camera sensor, by a fit to the images of the markers.
 
 use palpate_estimators::{ImageEstimator, ImageFitSetup, ImageModel, MarkerImages, pressed_images};
 use palpate_press::{
@@ -20,20 +20,22 @@ use super::press_options::PictureOptions;
 use super::press_report::{PressReport, Row};
 use super::press_warnings::{indentation_check, large_contact, left_out, stated_indentation};
 
-/// Text of the warning that light and blur of the pictures may cause other warnings.
-const BLEMISHED: &str = "the effects of `light_at_rim` and `blur_px` are corrected as for markers at rest; they change as markers move, which may cause other warnings";
+/// Warning text: uneven light and blur of the images may cause other warnings.
+const BLEMISHED: &str = "the effects of `light_at_rim` and `blur_px` are corrected for markers at \
+     rest; they change when markers move, which may cause other warnings";
 
 /// Estimates the curvature of an object from a frame at rest and a pressed frame; also returns the displacements of the
-/// markers. The markers at rest are matched with the layout. A press is fitted to the centroid, hue and size of each
-/// tracked marker, with the errors that the tracker states. `tracked` is the tracking result of these frames. `file` names
-/// the readings in messages; `None` if they are no file.
+/// markers. The markers at rest are matched with the layout, and a press is fitted to the centroid, hue and size of
+/// each tracked marker. The errors of these features are those that the tracker states. `tracked` is the tracking
+/// result of the two frames. `file` is the name of the readings in messages; `None` if the readings are not in a file.
 ///
-/// If markers scatter more than these errors explain, uncertainties are widened by the same factor, with a warning.
-/// Misfits, p-value and reduced χ² of a press use the errors that explain the scatter at rest.
+/// If the markers scatter more than these errors explain, the uncertainties are multiplied by the same factor, and a
+/// warning is given. Misfits, p-value and reduced χ² of a press are computed with the errors that explain the scatter
+/// at rest.
 ///
 /// # Errors
-/// [`RecordedError::Readings`] for frames of another size, under-exposed or saturated, of another layout or in other
-/// colours, for a camera that the frame at rest contradicts, and for frames that determine no press.
+/// [`RecordedError::Readings`] if the frames have another size, layout or other colours, are under-exposed or
+/// saturated, or do not determine the press, and if the frame at rest contradicts the camera.
 pub(super) fn estimate_images(
     [rest, press]: [&Frame; 2],
     tracked: &FramePair,
@@ -61,7 +63,7 @@ pub(super) fn estimate_images(
         layers: &Body::bonded_layers,
     };
     let fit = setup.fit().map_err(of_study)?;
-    let fit = fit.ok_or_else(|| at_rest("the estimator takes no pictures".to_owned()))?;
+    let fit = fit.ok_or_else(|| at_rest("the estimator does not use images".to_owned()))?;
     let scene = Scene {
         frames: [rest, press],
         options,
@@ -104,15 +106,15 @@ pub(super) fn estimate_images(
 
 /// Markers of a layout, matched with the tracked markers.
 struct Matched {
-    /// Index of the track of each marker of the layout.
+    /// For each marker of the layout, the index of its track; `None` if it has none.
     tracks: Vec<Option<usize>>,
-    /// Markers of the layout that were found again in the pressed frame, in the order of their tracks.
+    /// Markers of the layout that were found in both frames, in the order of their tracks.
     rows: Vec<usize>,
 }
 
 impl Matched {
-    /// The tracks begin with those of the markers at rest, in their order, so that the indices of markers are those of
-    /// tracks.
+    /// The first tracks belong to the markers at rest, in the order of these markers, so that indices of markers are
+    /// also indices of tracks.
     fn of(tracks: Vec<Option<usize>>, tracked: &FramePair) -> Self {
         let is_tracked = |marker: &usize| {
             let track = tracks[*marker].and_then(|track| tracked.tracks.get(track));
@@ -124,7 +126,7 @@ impl Matched {
     }
 }
 
-/// The two frames of a press, with the stated sensor and the matched markers.
+/// The two frames of a press, with the nominal sensor and the matched markers.
 struct Scene<'a> {
     frames: [&'a Frame; 2],
     options: &'a PictureOptions,
@@ -151,7 +153,7 @@ impl Scene<'_> {
         }
     }
 
-    /// The error of a fit, with the scatter of the markers at rest as its possible cause.
+    /// The error of a fit. If the markers scatter at rest, the message names this as a possible cause.
     fn refused(&self, error: &PressError, scatter: f64) -> RecordedError {
         let [rest, pressed] = self.frames;
         let message = match error {
@@ -167,8 +169,8 @@ impl Scene<'_> {
         RecordedError::readings(&pressed.file, explained(message, error.name()))
     }
 
-    /// Marker displacements midway between the discs: those of the fitted press, plus the residual displacement by each
-    /// marker's own picture.
+    /// Displacements of the markers, midway between their two discs: the displacement of the fitted press, plus the
+    /// residual displacement computed from each marker's own image.
     fn displacements(
         &self,
         scaled: &ScaledFit,
@@ -192,7 +194,7 @@ impl Scene<'_> {
         Ok(of_press.iter().zip(residuals).map(sum).collect())
     }
 
-    /// Displacements of the markers that were found again.
+    /// Displacements of the markers that were found in both frames.
     fn reading(
         &self,
         moved: &[Option<MarkerDisplacement>],
@@ -211,7 +213,7 @@ impl Scene<'_> {
         CameraReading::of(self.tracked, &displaced, (radius, self.options.unit), file)
     }
 
-    /// The report, with the warnings about the press.
+    /// The report of the press, with the warnings about it.
     fn report(
         &self,
         scaled: &ScaledFit,
@@ -239,7 +241,7 @@ impl Scene<'_> {
         let is_layer = options.thickness().is_some();
         let large = large_contact(estimate, self.nominal.sphere.radius, is_layer);
         let in_row = |misfit: &Misfit| match *misfit {
-            // The scatter of the markers has its own warning.
+            // There is a separate warning about the scatter of the markers.
             Misfit::PoorFit { .. } => None,
             Misfit::Outlier { reading, p_value } => Some(Misfit::Outlier {
                 reading: row(&reading)?,
@@ -263,7 +265,7 @@ impl Scene<'_> {
         })
     }
 
-    /// The sensor's soft body, with displacements at the depth of the markers.
+    /// The sensor's soft body, with displacements computed at the depth of the markers.
     fn body(&self) -> Result<Body, PressError> {
         let depth = self.nominal.sphere.marker_depth;
         match self.options.thickness() {
@@ -273,23 +275,25 @@ impl Scene<'_> {
     }
 }
 
-/// A fit of pictures with errors widened to the scatter of the markers.
+/// A fit of a press to images of the markers. If the residuals are larger than the stated errors of the markers
+/// explain, these errors are multiplied by the ratio, which is called the scatter.
 struct ScaledFit {
     method: ImageEstimator,
     pictures: MarkerImages,
-    /// The estimate; its goodness of fit uses errors widened by the scatter at rest only.
+    /// The estimate. Its goodness of fit uses errors multiplied by the scatter at rest only.
     estimate: PressEstimate,
-    /// Contradictions between the pictures and the model, with the same errors.
+    /// Contradictions between the images and the model, computed with the same errors.
     misfits: Vec<Misfit>,
-    /// Scatter of the markers at rest and pressed, relative to the stated errors; 1 if these explain it.
+    /// Scatter of the markers at rest and pressed, relative to the stated errors; 1 if the stated errors explain the
+    /// scatter.
     scatter: [f64; 2],
 }
 
 impl ScaledFit {
-    /// The estimate from markers at rest and pressed.
+    /// Fits the press to the markers at rest and pressed.
     ///
     /// # Errors
-    /// Errors of the fit, with the scatter at rest.
+    /// The error of the fit, with the scatter at rest.
     fn of(
         fit: ImageFit<ImageModel>,
         rest: &[Option<Seen>],
@@ -336,7 +340,7 @@ impl ScaledFit {
         })
     }
 
-    /// Compares a stated indentation with the one that the same pictures alone give.
+    /// Compares a stated indentation with the indentation that is estimated from the same images alone.
     fn check_indentation(
         &self,
         indentation: Option<Measured>,
@@ -344,7 +348,7 @@ impl ScaledFit {
         self.method.check_indentation(&self.pictures, indentation)
     }
 
-    /// Warnings if the stated errors were widened.
+    /// Warnings if the stated errors were multiplied by the scatter.
     fn warnings(&self, [rest, press]: [&Frame; 2]) -> impl Iterator<Item = Warning> {
         let [at_rest, pressed] = self.scatter;
         let warning = |code, scatter: f64, frame: &Frame, cause: &str| {
@@ -353,13 +357,15 @@ impl ScaledFit {
                 false => "",
             };
             let scattered = scattered(frame, scatter);
-            let text =
-                format!("{scattered}; uncertainties are as much wider{reliability}: {cause}");
+            let text = format!(
+                "{scattered}; all uncertainties are multiplied by this \
+                     factor{reliability}: {cause}"
+            );
             Warning::new(code, text, [("ratio", scatter)])
         };
         let of_rest = (at_rest > 1.0).then(|| warning("scatter-at-rest", at_rest, rest, OF_REST));
         let of_press = (pressed > at_rest).then(|| {
-            let cause = "are the body and the indentation those of the sensor?";
+            let cause = "do the body and the indentation match the sensor?";
             let mut warning = warning("poor-fit", pressed, press, cause);
             if let Some(goodness) = self.estimate.goodness {
                 warning.numbers.insert("p_value".into(), goodness.p_value);
@@ -370,8 +376,8 @@ impl ScaledFit {
     }
 }
 
-/// Question about markers that scatter at rest.
-const OF_REST: &str = "are the camera and the discs those of the sensor?";
+/// Question in the warning that markers scatter at rest.
+const OF_REST: &str = "do the camera and the discs match the sensor?";
 
 fn scattered(frame: &Frame, scatter: f64) -> String {
     format!(

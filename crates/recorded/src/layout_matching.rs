@@ -1,4 +1,4 @@
-//! Matches the markers of a frame at rest with a layout, and fits the camera to them.
+//! Matches the markers found in a frame at rest with the layout, and fits the camera to them.
 
 use nalgebra::DMatrix;
 use palpate_chromatouch::{Departure, Optics};
@@ -12,9 +12,9 @@ use super::camera_file::{CameraEstimate, Residual};
 use super::nominal_sensor::{NominalSensor, TERMS};
 use palpate_estimators::{ImageModel, marker_image};
 
-/// Largest departure of the discs from their nominal values, in prior standard deviations.
+/// Largest accepted deviation of a disc parameter from its nominal value, in prior standard deviations.
 const MAX_DEPARTURE: f64 = 6.0;
-/// Indices of the discs' numbers in a [`Departure`], and their names for messages.
+/// Indices of the disc parameters in a [`Departure`], and their names in messages.
 const DISCS: [(usize, &str); 10] = [
     (0, "depth of the magenta discs"),
     (1, "depth of the yellow discs"),
@@ -27,38 +27,41 @@ const DISCS: [(usize, &str); 10] = [
     (17, "transmission of green light by the yellow discs"),
     (18, "transmission of blue light by the yellow discs"),
 ];
-/// Indices of the camera's numbers in a [`Departure`].
+/// Indices of the camera parameters in a [`Departure`].
 pub(super) const CAMERA: [usize; 11] = [4, 5, 6, 7, 8, 9, 10, 11, 12, TERMS[0], TERMS[1]];
-/// Number of rough matching rounds before the final one.
+/// Number of rough matching rounds before the final round.
 const ROUNDS: usize = 4;
-/// Standard deviations that allow for misaligned discs in the rough rounds: both centroid coordinates, px; hue,
-/// turns; logarithm of the size.
+/// Standard deviations in the rough rounds, which allow for misaligned discs: of both centroid coordinates, px; of the
+/// hue, turns; of the logarithm of the size.
 const ROUGH_STDS: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
 /// Smallest share of the layout's markers that must be found, and largest share of other markers: in the final round, and
 /// in the rough rounds.
 const SHARES: [f64; 2] = [0.66, 0.2];
 const ROUGH_SHARES: [f64; 2] = [0.5, 0.5];
-/// Largest median difference between measured and nominal hues, turns.
+/// Largest accepted median difference between measured and nominal hues, turns.
 const MAX_HUE_DIFFERENCE: f64 = 0.06;
-/// Reduced χ² above which the frame contradicts the layout, and above which uncertainties are widened.
+/// Reduced χ² above which the frame contradicts the layout.
 pub(super) const CONTRADICTION: f64 = 25.0;
+/// Reduced χ² above which uncertainties are multiplied by its square root.
 const MAX_REDUCED_CHI_SQUARED: f64 = 1.5;
-/// Further start heights of the camera for the fit, relative to the nominal one, in prior standard deviations.
+/// Further start values of the camera's height for the fit, as differences from the nominal height, in prior standard
+/// deviations.
 const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// Index of the camera's height in a [`Departure`].
 const HEIGHT: usize = 9;
-/// Possible causes if the layout is not found in a frame.
+/// Text with possible causes if the layout is not found in a frame.
 const CAUSES: &str = "is it from another layout or camera, are its pixels encoded by sRGB (setting `srgb`), does the camera differ from `place`, `turn_deg` and `field_deg` of the study's `scene.sensor`, or are its discs misaligned by more than `scene.probe.discs.misalignment`?";
-/// Largest number of repeated fits, each around the optics of the last, and the decrease of χ² below which they stop.
+/// Largest number of repetitions of the fit, each of which starts at the result of the last.
 const MAX_FITS: usize = 12;
+/// Decrease of χ² below which the fit is not repeated.
 const MIN_DECREASE: f64 = 1e-3;
 
-/// For each marker of the layout: its index in the list of found markers, and its picture.
+/// For each marker of the layout: its index in the list of found markers, and its image.
 type Matches = (Vec<Option<usize>>, Vec<Option<Seen>>);
 
-/// Markers of a frame, in the order of the layout.
+/// Markers found in a frame, in the order of the layout.
 pub(super) struct Matched {
-    /// Index of each marker of the layout in the list of found markers.
+    /// Index of each marker of the layout in the list of found markers; `None` if it was not found.
     pub(super) found: Vec<Option<usize>>,
     pub(super) images: Vec<Option<Seen>>,
     rest: Rest,
@@ -67,8 +70,9 @@ pub(super) struct Matched {
 }
 
 impl Matched {
-    /// Matches the markers, starting from the nominal optics and from higher and lower cameras, and returns the best
-    /// match with its optics. From a wrong height, a fit may end in a local minimum: scale and lens compensate it.
+    /// Matches the markers, starting from the nominal optics and from higher and lower camera positions. Returns the
+    /// best match with its optics. From a wrong height, a fit may end in a local minimum, because scale and lens can
+    /// compensate a wrong height.
     pub(super) fn of(
         nominal: &NominalSensor<'_>,
         optics: &Optics,
@@ -93,7 +97,7 @@ impl Matched {
             })
     }
 
-    /// Matches the markers, starting from `optics`: first roughly, then finally.
+    /// Matches the markers, starting from `optics`, in several rough rounds and a final round.
     fn about(
         nominal: &NominalSensor<'_>,
         optics: Optics,
@@ -144,7 +148,7 @@ impl Matched {
         missing_markers(&expected, &images, found, shares).map(|_| (markers, images))
     }
 
-    /// Quantity (places, hues or sizes) in which the markers differ most from the fitted model.
+    /// Quantity (positions, hues or sizes) in which the markers differ most from the fitted model.
     fn most_off(&self) -> &'static str {
         let mut squares = [0.0; 3];
         for (image, law) in self.images.iter().zip(&self.law) {
@@ -161,7 +165,7 @@ impl Matched {
         ["places", "hues", "sizes"][most.unwrap_or(0)]
     }
 
-    /// The camera that was fitted.
+    /// The fitted camera.
     pub(super) fn camera(
         &self,
         nominal: &NominalSensor<'_>,
@@ -184,7 +188,9 @@ impl Matched {
             let worst = all.max_by(|one, other| one.px.total_cmp(&other.px));
             let worst = worst.map_or(0, |one| one.marker);
             return Err(format!(
-                "contradicts the layout, most of all by the {} of the markers: chi-squared is {} per degree of freedom (at most {CONTRADICTION}), and the markers lie {} px from their expected positions, number {worst} the farthest: {CAUSES}",
+                "contradicts the layout, most of all in the {} of the markers: chi-squared is {} \
+                 per degree of freedom (at most {CONTRADICTION}), and the markers are {} px from \
+                 their expected positions, number {worst} the farthest: {CAUSES}",
                 self.most_off(),
                 Number::rounded(reduced),
                 Number::rounded(residual_px)
@@ -227,7 +233,7 @@ impl Matched {
         let camera = optics.camera();
         let turn = pose.turn_rad();
         let terms = camera.lens().odd_terms().unwrap_or_default();
-        // Rows of odd terms follow the rows of the other camera parameters.
+        // The rows of the odd terms follow the rows of the other camera parameters.
         let std_of_term = |at: usize| (nominal.stds[TERMS[at]] > 0.0).then(|| std(9 + at));
         Ok(CameraEstimate {
             length_unit,
@@ -253,12 +259,12 @@ impl Matched {
         })
     }
 
-    /// Chi-squared per degree of freedom.
+    /// χ² per degree of freedom.
     fn reduced(&self) -> f64 {
         self.rest.chi_squared / self.rest.freedom.max(1) as f64
     }
 
-    /// The warning if markers are missing.
+    /// Warning if markers are missing.
     pub(super) fn warning(&self) -> Option<Warning> {
         let (all, missing) = (self.images.len(), self.missing);
         (missing > 0).then(|| {
@@ -268,13 +274,13 @@ impl Matched {
         })
     }
 
-    /// Covariance of the camera's numbers; standard deviations are multiplied by `widened`.
+    /// Covariance of the camera parameters; standard errors are multiplied by `widened`.
     fn covariance(
         &self,
         nominal: &NominalSensor<'_>,
         widened: f64,
     ) -> Result<DMatrix<f64>, String> {
-        let singular = || "leaves the camera undetermined".to_owned();
+        let singular = || "does not determine the camera".to_owned();
         let shares = self.rest.covariance().ok_or_else(singular)?;
         let free: Vec<usize> = (0..nominal.stds.len())
             .filter(|&number| nominal.stds[number] > 0.0)
@@ -289,7 +295,7 @@ impl Matched {
     }
 }
 
-/// Scatter relative to the noise: the root of a reduced χ² above `MAX_REDUCED_CHI_SQUARED`, otherwise 1.
+/// Scatter relative to the noise: the square root of a reduced χ² above `MAX_REDUCED_CHI_SQUARED`, otherwise 1.
 pub(super) fn scatter(reduced: f64) -> f64 {
     match reduced > MAX_REDUCED_CHI_SQUARED {
         true => reduced.sqrt(),
@@ -297,8 +303,8 @@ pub(super) fn scatter(reduced: f64) -> f64 {
     }
 }
 
-/// Repeats the fit around the optics that it found. Odd terms, scale and camera height almost compensate each other,
-/// so a single fit that starts far away stops before the smallest χ².
+/// Repeats the fit, each time around the optics that the last fit found. Because odd terms, scale and camera height
+/// almost compensate each other, a single fit from distant start values stops before it reaches the smallest χ².
 fn settled(
     nominal: &NominalSensor<'_>,
     (mut rest, mut optics): (Rest, Optics),
@@ -323,7 +329,8 @@ fn other_layout(error: impl std::fmt::Display) -> String {
     format!("does not show the layout: {error}; {CAUSES}")
 }
 
-/// Modelled pictures of the markers at rest: for the nominal sensor, or for the sensor that `rest` estimates.
+/// Images of the markers at rest that the model predicts, for the nominal sensor or for the sensor estimated as `rest`;
+/// `None` for a marker that the frame does not contain.
 fn law(fit: &ImageFit<ImageModel>, rest: Option<&Rest>) -> Result<Vec<Option<[f64; 4]>>, String> {
     let markers = fit.markers.places().len();
     let still = vec![[MarkerDisplacement::default(); 2]; markers];
@@ -339,10 +346,15 @@ fn law(fit: &ImageFit<ImageModel>, rest: Option<&Rest>) -> Result<Vec<Option<[f6
         },
     };
     let pictures = fit.view.pictures(&sensor, &still);
-    pictures.ok_or_else(|| other_layout("no camera of these parameters has the markers in view"))
+    pictures.ok_or_else(|| {
+        other_layout(
+            "with these parameters no camera has the markers in its \
+         field of view",
+        )
+    })
 }
 
-/// The camera's part of the departure estimated from a frame.
+/// The estimated deviations of the camera parameters from their nominal values; all other entries are 0.
 fn of_camera(rest: &Rest) -> Result<Departure, String> {
     let mut numbers = [0.0; Departure::NUMBERS];
     for number in CAMERA {
@@ -351,7 +363,7 @@ fn of_camera(rest: &Rest) -> Result<Departure, String> {
     Ok(Departure::of(numbers))
 }
 
-/// A marker's picture with larger errors, which allow for misaligned discs.
+/// A marker's image with larger errors, which allow for misaligned discs.
 fn roughly(image: Seen) -> Seen {
     let mut covariance = image.covariance;
     for (number, std) in ROUGH_STDS.into_iter().enumerate() {
@@ -368,7 +380,8 @@ fn centroids(pictures: &[Option<[f64; 4]>]) -> Vec<Option<[f64; 2]>> {
     pictures.iter().map(centroid).collect()
 }
 
-/// Number of missing markers. Rejects frames with too many missing or additional markers, or with other colours.
+/// Number of missing markers. An error if too many markers are missing, if there are too many additional markers, or if
+/// the colours differ.
 fn missing_markers(
     expected: &[Option<[f64; 4]>],
     images: &[Option<Seen>],
@@ -381,7 +394,8 @@ fn missing_markers(
     let few = (there as f64) < least * wanted as f64;
     if few || beside as f64 > most * wanted as f64 {
         return Err(format!(
-            "shows {there} of the {wanted} markers of the layout that are in view of the camera, and {beside} others: {CAUSES}"
+            "shows {there} of the {wanted} markers of the layout that the camera should see, and \
+             {beside} other shapes: {CAUSES}"
         ));
     }
     let turns = expected.iter().zip(images).filter_map(|(expected, image)| {
@@ -397,14 +411,15 @@ fn missing_markers(
             Number::rounded(median)
         ));
     }
-    // Markers that the rim cuts do not count as missing.
+    // Markers that the rim of the frame cuts off do not count as missing.
     let centroids = centroids(expected);
     let cut = found.cut.iter().filter_map(|cut| closest(&centroids, cut));
     let cut = cut.filter(|(at, _)| images[*at].is_none()).count();
     Ok((wanted - there).saturating_sub(cut))
 }
 
-/// For each expected position: index of the nearest marker, among the markers that have no nearer expected position.
+/// For each expected position, the index of the marker for which this is the nearest expected position; if there are
+/// several such markers, the nearest of them.
 pub(super) fn nearest(expected: &[Option<[f64; 2]>], found: &Found) -> Vec<Option<usize>> {
     let mut nearest = vec![None; expected.len()];
     let mut distances = vec![f64::INFINITY; expected.len()];

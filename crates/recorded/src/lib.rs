@@ -1,4 +1,4 @@
-//! Recorded readings: tables and frames in, estimates out.
+//! Reads recorded readings from tables and camera frames, and computes estimates from them.
 //!
 //! | step | files |
 //! |---|---|
@@ -9,7 +9,7 @@
 //! | readings to an estimate | `roll_estimate`, `roll_sets`, `glide_estimate`, `press_estimate`, `load_curve` |
 //! | warnings | `roll_warnings`, `glide_warnings`, `log_warnings`, `press_warnings`, with the words of `misfit_warning` |
 //! | frames to tracked markers | `frame_pair`, `overlay` |
-//! | tracked markers to an estimate | `camera_reading` by a calibration, `image_estimate` by the pictures |
+//! | tracked markers to an estimate | `camera_reading` by a calibration, `image_estimate` by the markers' images |
 //! | a frame at rest to a camera | `camera_calibration`, `layout_matching`, `nominal_sensor`, `camera_file`, `camera_prior` |
 
 mod calibration;

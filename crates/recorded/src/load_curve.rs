@@ -1,6 +1,7 @@
-//! The effective radius of a contact from a load curve: its force against its indentation.
+//! Estimates the effective radius of a contact from a load curve, which is the force as a function of the indentation.
 //!
-//! By Hertz F = 4/3 E* √R δ^(3/2), linear in E*√R. Without the modulus E* = E/(1 − ν²), a curve determines no more than that.
+//! By Hertz, F = 4/3 E* √R δ^(3/2), which is linear in E*√R. If the modulus E* = E/(1 − ν²) is not given, a load curve
+//! determines only this product.
 
 use std::collections::HashSet;
 
@@ -18,17 +19,17 @@ use super::source::ReadingSource;
 use super::text_table::TextTable;
 use super::value::{FORMAT_VERSION, Value, finite};
 
-/// Least standard deviation of forces, relative to the largest force: rounding leaves more.
+/// Smallest standard deviation of the forces, relative to the largest force. Rounding errors are larger.
 const LEAST_NOISE: f64 = 1e-10;
 
-/// Probability with which readings of a Hertzian contact have no warning of another exponent.
+/// Probability with which readings of a Hertzian contact cause no warning about another exponent.
 const LEVEL: f64 = 0.995;
 
 /// A recorded load curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadCurve {
     source: ReadingSource,
-    /// Indentation in the unit of lengths, and force in N, of each reading.
+    /// Indentation, in the unit of lengths, and force, N, of each reading.
     readings: Vec<[f64; 2]>,
     unit: Option<LengthUnit>,
 }
@@ -36,25 +37,25 @@ pub struct LoadCurve {
 /// Settings of an estimate from a load curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadOptions {
-    /// Young's modulus of the soft body, kPa.
+    /// Young's modulus of the soft body, kPa; without it, only E*√R is estimated.
     pub modulus_kpa: Option<f64>,
-    /// Its standard deviation, kPa.
+    /// Standard deviation of Young's modulus, kPa.
     pub modulus_std_kpa: Option<f64>,
     /// Poisson's ratio of the soft body.
     pub poisson: f64,
     /// Radius of the sensor, in the unit of lengths.
     pub sensor_radius: Option<f64>,
-    /// Standard deviation of each force, N; by default estimated from the residuals.
+    /// Standard deviation of the noise of each force, N; by default, it is estimated from the residuals.
     pub force_std_n: Option<f64>,
-    /// Unit of lengths if the header does not state it.
+    /// Unit of lengths, used if the header does not state it.
     pub length_unit: Option<LengthUnit>,
 }
 
 impl LoadOptions {
-    /// Rejects settings that are out of range or without effect.
+    /// Checks that all settings are in their ranges and have an effect.
     ///
     /// # Errors
-    /// [`SettingError`] with the setting.
+    /// [`SettingError`] that names the setting.
     pub fn check(&self) -> Result<(), SettingError> {
         let settings = [
             ("modulus_kpa", self.modulus_kpa),
@@ -79,28 +80,28 @@ impl LoadOptions {
     }
 }
 
-/// The estimate from a load curve.
+/// Estimate from a load curve.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LoadEstimate {
     format_version: u32,
     readings: usize,
     length_unit: &'static str,
-    /// E*√R.
+    /// The product E*√R.
     stiffness: Value,
-    /// R; `None` without the modulus.
+    /// Effective radius R; `None` without Young's modulus.
     effective_radius: Option<Value>,
-    /// 1/R minus the sensor's curvature; `None` without the modulus and the sensor's radius.
+    /// Curvature 1/R minus the curvature of the sensor; `None` without Young's modulus or the radius of the sensor.
     object_curvature: Option<Value>,
-    /// Exponent of the indentation that fits the readings best, to first order; by Hertz 3/2.
+    /// Exponent of the indentation that fits the readings best, to first order. By Hertz, it is 3/2.
     exponent: Value,
-    /// Standard deviation of a force, stated or estimated, N.
+    /// Standard deviation of each force, N, stated or estimated.
     force_std_n: f64,
-    /// Goodness of fit if the noise is stated.
+    /// p-value of the goodness of fit; `None` if the noise is not stated.
     p_value: Option<f64>,
     warnings: Vec<Warning>,
 }
 
-/// Reads a load curve, one row per reading: indentation and force.
+/// Reads a load curve. Each row is one reading, with the indentation and the force.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
@@ -116,11 +117,12 @@ pub fn parse_load_curve(file: RecordedFile) -> Result<LoadCurve, RecordedError> 
     })
 }
 
-/// Estimates the effective radius from a load curve. Indentations are exact; the forces have equal errors.
+/// Estimates the effective radius from a load curve. It is assumed that indentations are exact and that all forces have
+/// errors of equal size.
 ///
 /// # Errors
-/// [`RecordedError::Readings`] if a setting is out of its range, the unit of lengths is not stated, or the readings do not
-/// determine a radius.
+/// [`RecordedError::Readings`] if a setting is out of its range, if the unit of lengths is not stated, or if the
+/// readings do not determine a radius.
 pub fn estimate_force(
     curve: &LoadCurve,
     options: &LoadOptions,
@@ -148,7 +150,8 @@ pub fn estimate_force(
             pressed.len()
         ));
     }
-    // In units of the largest indentation and force: F = q u with u = δ^(3/2), 0 before the first touch.
+    // In units of the largest indentation and the largest force, F = q u with u = δ^(3/2); before the first touch, u =
+    // 0.
     let scaled = curve.readings.iter().map(|[indentation, force]| {
         let depth = (indentation / deepest).max(0.0);
         [depth * depth.sqrt(), depth, force / strongest]
@@ -173,7 +176,8 @@ pub fn estimate_force(
     };
     let slope_std = std / information.sqrt();
 
-    // The exponent: the derivative of q δ^n by n, without its part along δ^(3/2).
+    // The exponent follows from the derivative of q δ^n with respect to n, without the part of this derivative that is
+    // proportional to δ^(3/2).
     let log = |[load, depth, _]: &[f64; 3]| match *depth > 0.0 {
         true => load * libm::log(*depth),
         false => 0.0,
@@ -187,7 +191,7 @@ pub fn estimate_force(
     let exponent_std = stated.unwrap_or(rest) / of_exponent.sqrt() / slope;
     let exponent = 1.5 + change / slope;
 
-    // F/(4/3 δ^(3/2)) in N per length^(3/2) to kPa √length.
+    // Factor that converts F/(4/3 δ^(3/2)) from N per length^(3/2) to kPa √length.
     let per_kpa = 4.0 / 3.0 * 1e3 * metres * metres;
     let scale = strongest / per_kpa / deepest / deepest.sqrt();
     let [value, value_std] = [slope, slope_std].map(|one| one * scale);
@@ -273,8 +277,9 @@ pub fn estimate_force(
     })
 }
 
-/// Ends of the 95 % interval of a quotient, relative to it, by Fieller's theorem. `above` and `below` are the relative half-widths
-/// of the intervals of the numerator and the denominator. The upper end is `None` if the denominator may be 0.
+/// Ends of the 95 % interval of a quotient, relative to the quotient, by Fieller's theorem. `above` and `below` are the
+/// relative half-widths of the intervals of the numerator and the denominator. The upper end is `None` if the
+/// denominator may be 0.
 fn quotient(above: f64, below: f64) -> (f64, Option<f64>) {
     let [numerator, denominator] = [above, below].map(|share| 1.0 - share * share);
     let root = (1.0 - numerator * denominator).max(0.0).sqrt();

@@ -1,4 +1,5 @@
-//! Warnings about logs: contacts that are left out or not independent, and sizes that the contacts do not determine.
+//! Warnings about logs: contacts that were left out or are not independent, and sizes that the contacts do not
+//! determine.
 
 use nalgebra::Vector3;
 use palpate_ep2::{
@@ -10,16 +11,16 @@ use palpate_study::config::LengthUnit;
 
 use super::glide_recording::GlideRecording;
 
-/// Number of rows that a message lists.
+/// Largest number of rows that a message lists.
 const LISTED_ROWS: usize = 10;
-/// Number of consecutive contacts that count as one from which a warning is given.
+/// Smallest number of consecutive contacts that count as one for which a warning is given.
 const MIN_CORRELATION: f64 = 1.5;
-/// Probability of the chosen shape below which another one is mentioned.
+/// Probability of the chosen shape below which a warning mentions another shape.
 const MIN_PROBABILITY: f64 = 0.9;
-/// Iterations that divide contacts into two groups.
+/// Number of iterations that divide contacts into two groups.
 const GROUP_ITERATIONS: usize = 5;
 
-/// The first of these rows, in words.
+/// A text with the first of these rows.
 pub(super) fn listed(rows: impl ExactSizeIterator<Item = String>) -> String {
     let more = rows.len().saturating_sub(LISTED_ROWS);
     let mut listed: Vec<String> = rows.take(LISTED_ROWS).collect();
@@ -27,7 +28,7 @@ pub(super) fn listed(rows: impl ExactSizeIterator<Item = String>) -> String {
     listed.join("; ")
 }
 
-/// The warning about contacts that are left out.
+/// Warning about contacts that were left out.
 pub(super) fn left_out(outliers: &[Outlier], recorded: &GlideRecording) -> Option<Warning> {
     let (count, contacts) = (outliers.len(), recorded.contacts.len());
     let row = |outlier: &Outlier| {
@@ -48,7 +49,7 @@ pub(super) fn left_out(outliers: &[Outlier], recorded: &GlideRecording) -> Optio
     })
 }
 
-/// The warning about noise that is correlated along the strokes.
+/// Warning about noise that is correlated along the strokes.
 pub(super) fn correlated(readings: &EffectiveReadings) -> Option<Warning> {
     let [position, normal] = [readings.position_correlation, readings.normal_correlation];
     (position.max(normal) > MIN_CORRELATION).then(|| {
@@ -61,7 +62,7 @@ pub(super) fn correlated(readings: &EffectiveReadings) -> Option<Warning> {
     })
 }
 
-/// The warning about a single stroke.
+/// Warning that the contacts form a single stroke, which does not determine the curvature across it.
 pub(super) fn across(stroke: &StrokeCurvature, unit: LengthUnit) -> Warning {
     let half = stroke.half_width * stroke.std;
     let [value, half] = [stroke.value, half].map(Number::rounded);
@@ -72,7 +73,7 @@ pub(super) fn across(stroke: &StrokeCurvature, unit: LengthUnit) -> Warning {
     Warning::new("not-resolved-across", text, [])
 }
 
-/// The warning about contacts in two groups that are farther apart than each is wide.
+/// Warning if the contacts form two groups whose distance is larger than the width of each group.
 pub(super) fn two_groups(contacts: &[Contact], unit: LengthUnit) -> Option<Warning> {
     let place = |contact: &Contact| contact.position.coords;
     let farthest = |from: Vector3<f64>| {
@@ -110,7 +111,7 @@ pub(super) fn two_groups(contacts: &[Contact], unit: LengthUnit) -> Option<Warni
     })
 }
 
-/// Warnings about a shape.
+/// Warnings about a fitted shape.
 pub(super) fn shape_warnings(fit: &ShapeFit, unit: LengthUnit) -> Vec<Warning> {
     let (unit, name) = (unit.as_str(), fit.shape.name());
     let is_open = fit.shape != Shape::Plane && !fit.is_resolved();

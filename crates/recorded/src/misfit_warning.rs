@@ -1,21 +1,21 @@
-//! Words of warnings about contradictions between the readings and the model.
+//! Texts of warnings about contradictions between the readings and the model.
 
 use palpate_statistics::{Misfit, Number, StatedQuantity};
 
 use palpate_study::Warning;
 
-/// Words about one kind of readings.
+/// Words that the warnings use for one kind of readings.
 pub(super) struct ReadingWords<'w> {
-    /// Name of the reading with this number, counted from 0.
+    /// Name of a reading, by its index from 0.
     pub(super) reading: &'w dyn Fn(usize) -> String,
-    /// Readings that have the stated noise, for example shifts.
+    /// Plural name of the readings with the stated noise, for example shifts.
     pub(super) noise_of: &'w str,
     /// Unit of the stated quantities.
     pub(super) unit: &'w str,
 }
 
 impl ReadingWords<'_> {
-    /// The warning of a misfit.
+    /// Warning about a misfit.
     pub(super) fn warning(&self, misfit: &Misfit) -> Warning {
         let p_value = misfit.p_value();
         let shown = Number::rounded(p_value);
@@ -55,7 +55,9 @@ impl ReadingWords<'_> {
                 )
             }
             Misfit::OtherBody { .. } => format!(
-                "the displacements depend on the distance from the contact otherwise than in the fitted body (p-value {shown}): its kind, its thickness, the depth of the markers or the scale of the displacements is wrong"
+                "the displacements depend on the distance from the contact in another way than in \
+                 the fitted body (p-value {shown}): the kind of the body, its thickness, the \
+                 depth of the markers or the scale of the displacements is wrong"
             ),
             Misfit::NotRound { .. } => format!(
                 "the displacements depend on the direction from the contact (p-value {shown}): the object is not a ball, but an edge, a cylinder or a saddle"

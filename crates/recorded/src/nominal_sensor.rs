@@ -1,4 +1,4 @@
-//! The nominal sensor, as a study states it, to compare a frame at rest with.
+//! The nominal sensor, as a study states it, with which a frame at rest is compared.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, Departure, Lens, MarkerMotion, OddTerms, Optics, Pose,
@@ -12,18 +12,19 @@ use super::layout_matching::nearest;
 use palpate_estimators::{ImageModel, MarkerSphere, departure_stds, marker_image, optics_error};
 use palpate_study::FieldError;
 
-/// Prior standard deviations of a camera: image centre, px; pixels per radian, relative; place, a share of the
-/// sensor's radius; turn, degrees.
+/// Prior standard deviations of camera parameters: image centre (px), pixels per radian (relative), position (as a
+/// share of the sensor's radius) and rotation (degrees).
 const CAMERA_STDS: [f64; 4] = [0.5, 0.1, 0.1, 5.0];
-/// Prior standard deviations of a lens's odd terms, k3 and k5. All usual fisheye projections, from orthographic to
-/// stereographic, lie within two of them.
+/// Prior standard deviations of the odd terms of a lens, k3 and k5. The terms of all usual fisheye projections, from
+/// orthographic to stereographic, are within two of these standard deviations.
 pub(super) const TERM_STDS: [f64; 2] = [0.1, 0.05];
-/// Indices of the odd terms in a [`Departure`].
+/// Indices of the odd terms of the lens in a [`Departure`].
 pub(super) const TERMS: [usize; 2] = [19, 20];
-/// Prior standard deviations of discs if the study states none: depth, a share of the sensor's radius; diameter and
-/// colours, relative.
+/// Prior standard deviations of disc parameters, used if the study states none: depth (as a share of the sensor's
+/// radius), diameter (relative) and colours (relative).
 const DISC_STDS: [f64; 3] = [0.002, 0.02, 0.03];
-/// Number of frames over which the effect of blemishes on pictures is averaged, because pixel noise changes it too.
+/// Number of frames over which the effect of uneven light and blur on markers' images is averaged. The average reduces
+/// the influence of pixel noise.
 const BLEMISHED_FRAMES: u64 = 4;
 
 /// The nominal sensor, as the study states it.
@@ -35,32 +36,32 @@ pub(super) struct NominalSensor<'a> {
     pub(super) markers: Markers,
     pub(super) stds: [f64; Departure::NUMBERS],
     misalignment_std: f64,
-    /// Standard deviation of a pixel's noise, levels of 255.
+    /// Standard deviation of the noise of a pixel, levels of 255.
     pixel_std: f64,
-    /// Change of each marker's picture at rest by uneven light and blur; empty without them.
+    /// Change of each marker's image at rest by uneven light and blur; empty if the sensor has neither.
     blemished: Vec<[f64; 4]>,
 }
 
-/// Pose of a camera, with centre and scale of its image and odd terms of its lens.
+/// Pose of a camera, centre and scale of its image, and odd terms of its lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CameraGeometry {
-    /// Middle of the image, px.
+    /// Image centre, px: the point where the camera's axis meets the image.
     pub(super) centre_px: [f64; 2],
     /// Focal length, px per radian.
     pub(super) px_per_rad: f64,
     /// Position relative to the sensor's centre, length.
     pub(super) place: [f64; 3],
-    /// Turn, degrees.
+    /// Turn of the camera, degrees.
     pub(super) turn_deg: [f64; 3],
     /// Odd terms of the lens.
     pub(super) odd_terms: OddTerms,
 }
 
 impl<'a> NominalSensor<'a> {
-    /// The sensor of a press, without the effect of uneven light and blur.
+    /// The sensor of a press, without the effect of uneven light and blur on the images.
     ///
     /// # Errors
-    /// [`FieldError`] for a sensor without a camera or discs.
+    /// [`FieldError`] if the sensor has no camera or no discs.
     pub(super) fn of(press: &'a PressConfig) -> Result<Self, FieldError> {
         let none = || FieldError::at("scene.sensor", "must have a camera");
         let (camera, _) = press.sensor.camera().ok_or_else(none)?;
@@ -100,7 +101,7 @@ impl<'a> NominalSensor<'a> {
         })
     }
 
-    /// This sensor with the effect of uneven light and blur on its pictures at rest.
+    /// This sensor with the effect of uneven light and blur on the images of its markers at rest.
     ///
     /// # Errors
     /// [`FieldError`] if light or blur hide the markers.
@@ -133,7 +134,7 @@ impl<'a> NominalSensor<'a> {
                 };
                 let mut off: [f64; 4] =
                     std::array::from_fn(|number| blemished[number] - clear[number]);
-                // Hues are turns.
+                // Hues are in turns; their difference is reduced to at most half a turn.
                 off[2] -= (off[2] + 0.5).floor();
                 for (change, off) in change.iter_mut().zip(off) {
                     *change += off / BLEMISHED_FRAMES as f64;
@@ -146,8 +147,8 @@ impl<'a> NominalSensor<'a> {
         })
     }
 
-    /// Pictures of the markers at rest in several simulated frames with these blemishes. Each frame's pixel noise is the
-    /// same for all blemishes.
+    /// Images of the markers at rest in several simulated frames with these `blemishes`. The noise of each frame's
+    /// pixels does not depend on the blemishes, so that two results can be compared.
     fn pictures(&self, blemishes: Blemishes) -> Result<Vec<Vec<Option<[f64; 4]>>>, FieldError> {
         let optics = self.optics_with(&self.geometry()?, blemishes)?;
         let still = vec![Some(MarkerMotion::default()); self.places.len()];
@@ -176,12 +177,12 @@ impl<'a> NominalSensor<'a> {
         (0..BLEMISHED_FRAMES).map(&mut pictures).collect()
     }
 
-    /// Whether light or blur changes pictures.
+    /// Whether uneven light or blur changes the markers' images.
     pub(super) fn is_blemished(&self) -> bool {
         !self.blemished.is_empty()
     }
 
-    /// A marker's picture, corrected for the effect of light and blur at rest.
+    /// A marker's image, corrected for the effect that light and blur have at rest.
     pub(super) fn clear(&self, marker: usize, image: Seen) -> Seen {
         let change = self.blemished.get(marker).copied().unwrap_or_default();
         Seen {
@@ -190,7 +191,7 @@ impl<'a> NominalSensor<'a> {
         }
     }
 
-    /// This sensor with the first `free` odd terms of its lens to be estimated.
+    /// This sensor, with the first `free` odd terms of its lens as parameters to estimate.
     pub(super) fn with_terms(&self, free: usize) -> Self {
         let mut other = self.clone();
         for (number, std) in TERMS.into_iter().zip(TERM_STDS).take(free) {
@@ -199,12 +200,12 @@ impl<'a> NominalSensor<'a> {
         other
     }
 
-    /// Whether no odd term of the lens is to be estimated.
+    /// Whether no odd term of the lens is a parameter to estimate.
     pub(super) fn has_exact_lens(&self) -> bool {
         TERMS.iter().all(|&number| self.stds[number] == 0.0)
     }
 
-    /// Nominal optics, but with the image centre of the frame.
+    /// Optics with nominal parameters, except for the image centre, which is measured in the frame.
     pub(super) fn optics(&self, found: &Found) -> Result<Optics, FieldError> {
         self.optics_of(&CameraGeometry {
             centre_px: found.mask.centre_px,
@@ -212,7 +213,7 @@ impl<'a> NominalSensor<'a> {
         })
     }
 
-    /// Camera of the nominal size and field, with a lens of these odd terms.
+    /// Camera with the nominal frame size and field of view, and a lens with these odd terms.
     fn lens(&self, odd_terms: OddTerms) -> Result<Camera, FieldError> {
         let CameraConfig {
             size_px, field_deg, ..
@@ -264,7 +265,7 @@ impl<'a> NominalSensor<'a> {
                 optics: optics.clone(),
             },
             markers: self.markers.clone(),
-            // Without a press, the bodies have no effect.
+            // At rest, the bodies do not affect the images.
             bodies: [body()?, body()?],
             deeper: None,
             departure_prior: None,

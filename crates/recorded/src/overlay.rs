@@ -1,17 +1,17 @@
-//! Picture of a pressed frame with the tracking status of each marker drawn on it.
+//! Image of a pressed frame on which the tracking status of each marker is drawn.
 
 use image::{Rgb, RgbImage};
 use palpate_tracking::{Marker, Status};
 
 use super::frame_pair::FramePair;
 
-/// Side to which smaller frames are enlarged, px, so that numbers are legible.
+/// Smallest side length of the drawing, px. Smaller frames are enlarged, so that numbers are legible.
 const SIDE: u32 = 1000;
 
-/// Factor by which arrows are longer than the shifts they show.
+/// Ratio of an arrow's length to the length of the shift that it shows.
 const ARROW_SCALE: f64 = 5.0;
 
-/// Smallest diameter of a marker that gets a number, in pixels of the canvas.
+/// Smallest diameter of a marker with a number, in pixels of the drawing.
 const LEGIBLE: f64 = 12.0;
 
 const CUT: Colour = [120, 120, 120];
@@ -28,8 +28,8 @@ const fn colour(status: Status) -> Colour {
 }
 
 /// The pressed frame with a circle and a number at each marker, and an arrow along its shift from rest, drawn 5 times
-/// as long. The circle's colour is the marker's status: blue tracked, red lost, orange merged, violet split, cyan
-/// new, grey cut by the rim at rest. Small frames are enlarged by a whole factor.
+/// as long as the shift. The colour of a circle shows the status of the marker: blue tracked, red lost, orange merged,
+/// violet split, cyan new, grey cut off by the rim at rest. Small frames are enlarged by an integer factor.
 pub fn overlay(pressed: &RgbImage, frames: &FramePair) -> RgbImage {
     let mut canvas = Canvas::new(pressed, SIDE);
     for marker in &frames.cut {
@@ -54,22 +54,22 @@ pub fn overlay(pressed: &RgbImage, frames: &FramePair) -> RgbImage {
     canvas.into_picture()
 }
 
-/// Radius of a circle a little larger than a round marker, px.
+/// Radius of a circle that is slightly larger than a round marker, px.
 fn radius(marker: &Marker) -> f64 {
     let area = f64::from(marker.pixels).max(4.0);
     1.2 * (area / std::f64::consts::PI).sqrt()
 }
 
-/// A colour.
+/// A colour as red, green and blue levels.
 type Colour = [u8; 3];
 
-/// A picture to draw on. Each pixel of the frame is `scale` pixels wide.
+/// An image to draw on. Each pixel of the frame is `scale` pixels wide in it.
 struct Canvas {
     picture: RgbImage,
     scale: u32,
 }
 
-/// Rows of the digits 0 to 9, three bits each.
+/// Bitmaps of the digits 0 to 9: five rows of three bits each.
 const DIGITS: [[u8; 5]; 10] = [
     [7, 5, 5, 5, 7],
     [2, 6, 2, 2, 7],
@@ -84,7 +84,7 @@ const DIGITS: [[u8; 5]; 10] = [
 ];
 
 impl Canvas {
-    /// Canvas with a frame on it, enlarged by a whole factor until its longer side has at least `side` pixels.
+    /// A canvas with the frame on it, enlarged by an integer factor until its longer side has at least `side` pixels.
     fn new(frame: &RgbImage, side: u32) -> Self {
         let (width, height) = frame.dimensions();
         let scale = side.div_ceil(width.max(height).max(1)).max(1);
@@ -97,7 +97,7 @@ impl Canvas {
         self.picture
     }
 
-    /// Position on the canvas of a point of the frame. The middle of the frame's first pixel is (0, 0).
+    /// Position on the canvas of a point in the frame. The centre of the frame's first pixel is (0, 0).
     fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let scale = f64::from(self.scale);
         [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5]
@@ -111,7 +111,7 @@ impl Canvas {
         }
     }
 
-    /// A straight line between points of the canvas.
+    /// Draws a straight line between two points of the canvas.
     fn stroke(&mut self, from: [f64; 2], to: [f64; 2], colour: Colour) {
         let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
         let steps = dx.abs().max(dy.abs()).ceil().clamp(1.0, 1e5);
@@ -121,7 +121,7 @@ impl Canvas {
         }
     }
 
-    /// Draws a circle around a point of the frame; its radius is in pixels of the frame.
+    /// Draws a circle around a point of the frame. Its radius is in pixels of the frame.
     fn circle(&mut self, centre: [f64; 2], radius: f64, colour: Colour) {
         let [x, y] = self.at(centre);
         let radius = radius * f64::from(self.scale);
@@ -156,8 +156,8 @@ impl Canvas {
         }
     }
 
-    /// Draws a number centred at a point of the frame. Its digits are `height` canvas pixels high, rounded down to a
-    /// multiple of 5.
+    /// Draws a number centred at a point of the frame. The height of its digits is `height` pixels of the canvas,
+    /// rounded down to a multiple of 5.
     fn number(&mut self, number: usize, middle: [f64; 2], height: u32, colour: Colour) {
         let size = f64::from((height / 5).max(1));
         let text = number.to_string();

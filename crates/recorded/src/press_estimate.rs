@@ -1,4 +1,4 @@
-//! The curvature of an object from a recorded press.
+//! Estimates the curvature of an object from a recorded press.
 
 use palpate_estimators::{PressFitSetup, sensor_body};
 use palpate_press::{
@@ -21,8 +21,8 @@ use super::value::Value;
 /// Estimates the curvature of an object from a recorded press.
 ///
 /// # Errors
-/// [`RecordedError::Line`] if one marker is at fault, else [`RecordedError::Readings`] if the options contradict the
-/// file or the readings do not determine a press.
+/// [`RecordedError::Line`] if one marker is wrong; otherwise [`RecordedError::Readings`] if the options contradict the
+/// file or the readings do not determine the press.
 pub fn estimate_press(
     recorded: &PressRecording,
     options: &PressOptions,
@@ -57,7 +57,7 @@ pub fn estimate_press(
     })?;
     let misfits = fit.misfits(&reading, &estimate).map_err(refused)?;
     let misfits: Vec<Misfit> = contradiction.into_iter().chain(misfits).collect();
-    // A contact that is too wide is an error, unless a warning already names the cause.
+    // If there is already a warning that names the cause, a contact that is too wide is not an error.
     if misfits.is_empty() && estimate.only_marker.is_none() {
         estimate.within_object().map_err(refused)?;
     }
@@ -92,8 +92,8 @@ pub fn estimate_press(
     })
 }
 
-/// The requested fit, and the fit that estimates the indentation from the readings alone. The latter replaces a Gaussian
-/// by the sensor's elastic body.
+/// The requested fit, and a fit that estimates the indentation from the readings alone. If the requested fit is a
+/// Gaussian, the second fit uses the sensor's elastic body instead.
 fn fits(options: &PressOptions, markers: &Markers) -> Result<[ForwardFit; 2], PressError> {
     let model = options.model.reference();
     let body = sensor_body(&model, options.depth(), Body::bonded_layer)?;
@@ -121,7 +121,7 @@ fn fits(options: &PressOptions, markers: &Markers) -> Result<[ForwardFit; 2], Pr
     Ok([fit, alone])
 }
 
-/// Force and peak pressure of the estimated press, if Young's modulus is given.
+/// Force and peak pressure of the estimated press; `None` without Young's modulus.
 pub(super) fn force_and_pressure(
     body: &Body,
     estimate: &PressEstimate,
@@ -151,10 +151,10 @@ pub(super) fn force_and_pressure(
 
 /// Advice if the readings do not determine a press.
 pub(super) const GIVE_INDENTATION: &str =
-    "give the indentation with setting `indentation` if it is known";
+    "state setting `indentation` if the indentation is measured";
 
-/// The error, with the line of the marker if one is at fault, and with its possible cause: a stated indentation that
-/// the readings contradict, or a likely mistake of sign or unit.
+/// The error of a fit, with the line of the marker that caused it, if there is one, and with a possible cause: a stated
+/// indentation that the readings contradict, or a likely mistake of sign or unit.
 fn refused(
     recorded: &PressRecording,
     options: &PressOptions,
@@ -164,7 +164,7 @@ fn refused(
     let mut sizes: Vec<f64> = recorded.normal.iter().map(|one| one.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     let largest = sizes.last().copied().unwrap_or(0.0);
-    // Whether at least three displacements exceed five times the median.
+    // Whether at least three displacements are larger than five times the median.
     let third = sizes.iter().rev().nth(2);
     let are_distinct = third.is_some_and(|third| *third > 5.0 * sizes[sizes.len() / 2]);
     let mut message = match error {
@@ -188,11 +188,13 @@ fn refused(
             let unit = recorded.unit.or(options.length_unit).unwrap_or_default();
             let unit = unit.as_str();
             format!(
-                "{error}; the noise is stated as {noise} {unit} (setting `normal_std`), and no marker moved by more than {moved} {unit}"
+                "{error}; the stated noise is {noise} {unit} (setting `normal_std`), and no \
+                 marker moved by more than {moved} {unit}"
             )
         }
         PressError::NoContact { .. } if are_distinct => format!(
-            "{error}; but some markers moved much more than the others: are the method, the thickness, the depth of the markers and the indentation those of the sensor?"
+            "{error}; but some markers moved much more than the others: do the method, the \
+             thickness, the depth of the markers and the indentation match the sensor?"
         ),
         _ => error.to_string(),
     };

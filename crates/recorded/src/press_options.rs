@@ -1,4 +1,4 @@
-//! Settings of an estimate from presses: from displacements of markers, or from camera frames.
+//! Settings of an estimate from a press: from displacements of markers, or from camera frames.
 
 use palpate_statistics::Number;
 use palpate_study::config::{
@@ -13,43 +13,47 @@ use super::camera_file::CameraEstimate;
 use super::nominal_sensor::NominalSensor;
 use super::study_options::{StudyMismatch, factor, press_of};
 
-/// Settings of an estimate that the readings do not state; lengths in the readings' unit.
+/// Settings of an estimate that the readings do not state. Lengths are in the unit of the readings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PressOptions {
-    /// Radius of the sensor's skin, in the readings' length unit; needed without setting `like`.
+    /// Radius of the sensor's skin, in the readings' length unit. It must be given if setting `like` is not given.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub sensor_radius: Option<f64>,
-    /// Depth of the markers under the skin. Readings of a calibrated camera need it without setting `like`; for other
-    /// readings it is 0 by default, the surface, with a warning.
+    /// Depth of the markers under the skin. For readings of a calibrated camera, it must be given if setting `like` is
+    /// not given. For other readings, it is 0 by default (markers at the surface), with a warning.
     #[serde(rename = "depth")]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub marker_depth: Option<f64>,
-    /// Model of the sensor's soft body. It completes the estimator's settings, and a Gaussian is calibrated on it.
+    /// Model of the sensor's soft body. It is part of the estimator's settings; the setting `c` of a Gaussian is
+    /// calibrated on it.
     #[serde(skip)]
     pub model: PressModelConfig,
-    /// The estimator. [`Self::indentation`] replaces its setting `indentation`, which is about the study's presses.
+    /// The estimator. [`Self::indentation`] replaces its setting `indentation`, which concerns the presses of the
+    /// study.
     #[serde(skip)]
     pub estimator: PressEstimatorConfig,
-    /// Indentation, if it is measured otherwise, for example by a robot's pose; by default fitted. Its standard deviation is
-    /// setting `indentation_std`; if that is 0 or not given, it is 2 % of the indentation, with a warning. (In a study, 0 is
-    /// exact.) A warning reports a large difference from the estimate by the readings alone.
+    /// Indentation, if it was measured otherwise, for example by the pose of a robot; by default, it is fitted. Setting
+    /// `indentation_std` is its standard deviation. If that is 0 or not given, 2 % of the indentation is assumed, with
+    /// a warning. (In a study, 0 means an exact indentation.) A warning is given if the indentation differs clearly
+    /// from the estimate by the readings alone.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub indentation: Option<f64>,
-    /// Standard deviation of each normal displacement; by default estimated from the residuals.
+    /// Standard deviation of the noise of each normal displacement; by default, it is estimated from the residuals.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub normal_std: Option<f64>,
-    /// Standard deviation of each component of the tangential displacements; by default estimated from the residuals.
+    /// Standard deviation of the noise of each component of the tangential displacements; by default, it is estimated
+    /// from the residuals.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub tangential_std: Option<f64>,
-    /// Factor on the positions of the markers.
+    /// Factor by which the positions of the markers are multiplied.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub radial_scale: f64,
-    /// Young's modulus of the soft body, force per squared length unit. With it the output has the force and the highest
-    /// pressure, which are proportional to it.
+    /// Young's modulus of the soft body, force per squared length unit. If it is given, the output contains the force
+    /// and the peak pressure, which are proportional to it.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub young: Option<f64>,
-    /// Unit of lengths if the header does not state it.
+    /// Unit of lengths, used if the header does not state it.
     #[serde(skip)]
     pub length_unit: Option<LengthUnit>,
 }
@@ -72,7 +76,7 @@ impl Default for PressOptions {
 }
 
 impl PressOptions {
-    /// Options with only the sensor's radius stated: a half-space with its markers at the surface.
+    /// Options that state only the sensor's radius. The soft body is a half-space with the markers at its surface.
     pub fn new(sensor_radius: f64) -> Self {
         Self {
             sensor_radius: Some(sensor_radius),
@@ -80,7 +84,7 @@ impl PressOptions {
         }
     }
 
-    /// Radius of the skin, length; 0, which no estimate accepts, if it is not stated.
+    /// Radius of the skin, length; 0, which every estimate rejects, if it is not stated.
     pub(super) fn radius(&self) -> f64 {
         self.sensor_radius.unwrap_or_default()
     }
@@ -90,9 +94,9 @@ impl PressOptions {
         self.marker_depth.unwrap_or_default()
     }
 
-    /// Options from the given settings, by their keys: fields of this struct and settings of the estimator. `base` states
-    /// all others. For a Gaussian, `thickness` and `poisson` are those of the elastic model on which it is calibrated.
-    /// Readings may have tangential displacements or not.
+    /// Options with the given settings. Their keys are fields of this struct and settings of the estimator. Settings
+    /// that are not given have their values from `base`. For a Gaussian, `thickness` and `poisson` describe the elastic
+    /// model on which it is calibrated.
     ///
     /// ```
     /// use palpate_recorded::PressOptions;
@@ -106,8 +110,8 @@ impl PressOptions {
     /// ```
     ///
     /// # Errors
-    /// [`SettingError`] for a setting that is missing, out of its range or without effect, and for lengths that do not
-    /// fit into the sensor.
+    /// [`SettingError`] if a setting is missing, out of its range or without effect, and if lengths do not fit into the
+    /// sensor.
     pub fn with_settings(
         base: Option<Self>,
         given: &Map<String, Json>,
@@ -142,30 +146,31 @@ impl PressOptions {
     }
 }
 
-/// The camera sensor that took the frames, and the stated data of the press.
+/// Options of a fit to camera frames: the camera sensor, and the stated data of the press.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureOptions {
     /// The press of the study, with its lengths converted to `unit`.
     pub(super) press: PressConfig,
     /// Unit of all lengths.
     pub unit: LengthUnit,
-    /// The indentation, if it is measured otherwise, length: see [`PressOptions::indentation`].
+    /// Indentation, length, if it was measured otherwise: see [`PressOptions::indentation`].
     pub indentation: Option<f64>,
-    /// Young's modulus of the soft body, force per length². Forces require it.
+    /// Young's modulus of the soft body, force per length². Without it, no force is computed.
     pub young: Option<f64>,
-    /// The camera calibrated from a frame at rest, with its file's name for messages; `None` uses the study's camera.
-    /// With a calibration, discs have the uncertainty that [`calibrate_camera`](super::calibrate_camera) assumes, and the
-    /// frame at rest does not refine the camera, because it may be the frame of the calibration.
+    /// The camera calibrated from a frame at rest, with the name of its file for messages; with `None`, the camera of
+    /// the study. With a calibration, the uncertainty of the discs is the one that
+    /// [`calibrate_camera`](super::calibrate_camera) assumes. The frame at rest then does not refine the camera,
+    /// because the camera may have been calibrated from the same frame.
     pub camera: Option<(String, CameraEstimate)>,
 }
 
 impl PictureOptions {
-    /// Options with layout, discs, body, camera and noise of a study, lengths converted to `unit`. The study's
+    /// Options with layout, discs, body, camera and noise of a study. Lengths are converted to `unit`. The study's
     /// indentation is not used.
     ///
     /// # Errors
-    /// [`StudyMismatch`] if the scene is not a press with a camera, the unit cannot be converted, or the markers are not
-    /// discs.
+    /// [`StudyMismatch`] if the scene is not a press with a camera, the unit cannot be converted, or the markers are
+    /// not discs.
     pub fn from_study(study: &StudyConfig, unit: LengthUnit) -> Result<Self, StudyMismatch> {
         let press = in_unit(press_of(study)?, factor(study, unit)?);
         NominalSensor::of(&press)?;
@@ -178,24 +183,25 @@ impl PictureOptions {
         })
     }
 
-    /// Thickness of the layer, if the body has one.
+    /// Thickness of the soft layer; `None` if the body is a half-space.
     pub(super) fn thickness(&self) -> Option<f64> {
         self.press.estimator.layer(self.press.model.thickness())
     }
 
-    /// Warning if a half-space is fitted although the study's model is a layer.
+    /// Warning if a half-space is fitted although the model in the study is a layer.
     pub(super) fn other_body(&self) -> Option<String> {
         let layer = self.press.model.thickness()?;
         self.thickness().is_none().then(|| {
             format!(
-                "a half-space is fitted, because Poisson's ratio is given without a thickness, but the study's model is a layer of {} {}",
+                "a half-space is fitted, because Poisson's ratio is stated without a thickness, \
+                 although the study's model is a layer of {} {}",
                 Number(layer),
                 self.unit.as_str()
             )
         })
     }
 
-    /// Poisson's ratio of a body without a layer.
+    /// Poisson's ratio of a body that is no layer.
     pub(super) fn poisson(&self) -> f64 {
         match self.press.estimator {
             PressEstimatorConfig::Image {
@@ -206,30 +212,34 @@ impl PictureOptions {
         }
     }
 
-    /// Whether the method is `image`, by the given settings or else by the study's estimator.
+    /// Whether the method is `image`, according to the given settings or, if they state no method, the study's
+    /// estimator.
     pub fn are_asked_for(given: &Map<String, Json>, study: Option<&StudyConfig>) -> bool {
         let of_study = || Some(press_of(study?).ok()?.estimator.name());
         let kind = given.get("kind").and_then(Json::as_str).or_else(of_study);
         kind == Some("image")
     }
 
-    /// Options of a fit of frames from the given settings, by their keys. The study's `base` states all others.
+    /// Options of a fit to frames, with the given settings. Settings that are not given have their values from `base`,
+    /// the options of a study.
     ///
     /// # Errors
-    /// [`SettingError`] without a study, for a setting that a fit of frames does not use or that is out of its range,
-    /// and for lengths that do not fit into the sensor.
+    /// [`SettingError`] if there is no study, if a setting is out of its range or not used by a fit to frames, and if
+    /// lengths do not fit into the sensor.
     pub fn with_settings(
         base: Option<Self>,
         given: &Map<String, Json>,
     ) -> Result<Self, SettingError> {
         let Some(base) = base else {
-            let reason = "is needed by setting `kind` image: a study of a press with a camera, which states layout, discs, body, camera and noise";
+            let reason = "is missing, but setting `kind` image requires it: a study of a press with a camera, \
+                 which states layout, discs, body, camera and noise";
             return Err(SettingError::new("like", reason));
         };
         let [own, mut of_estimator] = split_settings::<PressOptions>(given);
         let is_used = |key: &&String| ["indentation", "young"].contains(&key.as_str());
         if let Some(key) = own.keys().find(|key| !is_used(key)) {
-            let reason = "is of no use to setting `kind` image: the study of setting `like` states the sensor, and the tracker estimates the noise";
+            let reason = "has no effect with setting `kind` image: the study of setting `like` \
+                 states the sensor, and the tracker estimates the noise";
             return Err(SettingError::new(key, reason));
         }
         of_estimator.insert("kind".to_owned(), Json::from("image"));
@@ -251,8 +261,8 @@ impl PictureOptions {
     }
 }
 
-/// The estimator and its elastic model. A Gaussian has neither thickness nor Poisson's ratio, but the model that calibrates
-/// it has one of them.
+/// The estimator and its elastic model. A Gaussian has neither a thickness nor a Poisson's ratio, but the model on
+/// which it is calibrated has one of the two.
 fn estimator(
     given: &Map<String, Json>,
     base: &PressOptions,
@@ -301,7 +311,7 @@ fn estimator(
     Ok((estimator, model))
 }
 
-/// Rejects settings that the estimator does not use, and missing settings that it needs.
+/// Rejects given settings that the estimator does not use, and missing settings that it needs.
 fn check_effect(given: &Map<String, Json>, options: &PressOptions) -> Result<(), SettingError> {
     check_indentation_std(given, options.indentation)?;
     if given.get("noise").is_some_and(|word| word == "found") {
@@ -318,7 +328,7 @@ fn check_effect(given: &Map<String, Json>, options: &PressOptions) -> Result<(),
         ),
         PressEstimatorConfig::Gaussian { c: None, .. } if options.indentation.is_none() => (
             "c",
-            "is needed by setting `kind` gaussian, or setting `indentation` for its calibration",
+            "is missing, but setting `kind` gaussian requires it, or setting `indentation` to calibrate it",
         ),
         PressEstimatorConfig::Image { .. } => (
             "kind",
@@ -326,9 +336,10 @@ fn check_effect(given: &Map<String, Json>, options: &PressOptions) -> Result<(),
         ),
         PressEstimatorConfig::BondedLayer {
             thickness: None, ..
-        } if options.model.thickness().is_none() => {
-            ("thickness", "is needed by setting `kind` bonded-layer")
-        }
+        } if options.model.thickness().is_none() => (
+            "thickness",
+            "is missing, but setting `kind` bonded-layer requires it",
+        ),
         _ => return Ok(()),
     };
     Err(SettingError::new(key, reason))

@@ -1,4 +1,4 @@
-//! Recorded presses.
+//! Reads recorded presses.
 
 use super::RecordedFile;
 use super::error::RecordedError;
@@ -12,21 +12,21 @@ use palpate_study::readings::{Column, PRESS_ROW, PRESSES, columns_of};
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressRecording {
     pub(super) source: ReadingSource,
-    /// Chart coordinates of each marker on the skin.
+    /// Position of each marker on the skin, in chart coordinates.
     pub(super) places: Vec<[f64; 2]>,
     /// Inward displacement of each marker.
     pub(super) normal: Vec<f64>,
-    /// Displacement of each marker along the skin, if sensed.
+    /// Displacement of each marker along the skin; `None` if it was not sensed.
     pub(super) tangential: Option<Vec<[f64; 2]>>,
-    /// The unit of lengths that the header states.
+    /// Unit of lengths that the header states; `None` if the header states none.
     pub unit: Option<LengthUnit>,
-    /// Other fields of the file, marker by marker.
+    /// Columns of the file that palpate does not use, one row per marker.
     pub(super) extras: ExtraColumns,
 }
 
 impl PressRecording {
-    /// Markers at these `positions` on the skin, displaced inward by `normal` and along the skin by `tangential`, if that is
-    /// sensed. Lengths are in `unit`.
+    /// Markers at `positions` on the skin, displaced inward by `normal` and along the skin by `tangential`, which is
+    /// `None` if it was not sensed. Lengths are in `unit`.
     ///
     /// ```
     /// use palpate_recorded::PressRecording;
@@ -37,7 +37,7 @@ impl PressRecording {
     /// ```
     ///
     /// # Errors
-    /// [`RecordedError::Array`] for a number that is not finite, and for a different number of displacements and positions.
+    /// [`RecordedError::Array`] if a number is not finite, or if there are more or fewer displacements than positions.
     pub fn new(
         positions: &[[f64; 2]],
         normal: &[f64],
@@ -62,7 +62,8 @@ impl PressRecording {
         })
     }
 
-    /// The press without markers that repeat all numbers of an earlier one, and a warning about them; `None` if none does.
+    /// The press without markers that repeat all numbers of an earlier marker, and a warning about them; `None` if
+    /// there are no such markers.
     pub(super) fn without_copies(&self) -> Option<(Self, String)> {
         let along = self.tangential.as_deref();
         let marker = |marker: usize| {
@@ -95,8 +96,9 @@ impl PressRecording {
     }
 }
 
-/// Reads a recorded press, one row per marker: place on the skin, normal displacement and, if sensed, displacement
-/// along the skin; or signed position along a row of markers through the apex, and normal displacement.
+/// Reads a recorded press, one row per marker. A row contains the position on the skin, the normal displacement and, if
+/// sensed, the displacement along the skin; or the signed position along a line of markers through the apex, and the
+/// normal displacement.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.

@@ -9,16 +9,16 @@ use serde::Serialize;
 
 use super::value::{FORMAT_VERSION, Value, finite};
 
-/// The radius of an object that may be flat: the larger, the flatter.
+/// The radius of an object. The flatter the object, the larger the radius; it is `null` if the object is flat.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Radius {
-    /// Negative if concave; `null` if flat.
+    /// The radius, negative if the object is concave; `null` if it is flat.
     value: Option<f64>,
     std: Option<f64>,
-    /// 95 % interval of the radius if the object is convex, unsigned; an end of `null` is flat. `null` if it cannot
-    /// be convex.
+    /// 95 % interval of the magnitude of the radius, if the object is convex. An end is `null` if the object may be
+    /// flat. The interval is `null` if the object cannot be convex.
     convex95: Option<[Option<f64>; 2]>,
-    /// The same if the object is concave.
+    /// 95 % interval of the magnitude of the radius, if the object is concave, in the same form.
     concave95: Option<[Option<f64>; 2]>,
     unit: &'static str,
 }
@@ -28,22 +28,23 @@ pub(super) struct Radius {
 pub(super) struct Principal {
     curvature_max: Value,
     curvature_min: Value,
-    /// Angle of the direction of the smaller curvature, the axis of a cylinder, to the x axis, from −90 to 90.
+    /// Angle from the x axis to the direction of the smaller curvature (for a cylinder, its axis), degrees, from −90 to
+    /// 90.
     axis_deg: f64,
-    /// At most 52, that of an unknown axis.
+    /// Standard error of `axis_deg`, degrees; at most 52, the value for an axis of which nothing is determined.
     axis_std_deg: f64,
-    /// Semi-axes of the contact, the longer first.
+    /// Semi-axes of the contact, length, the longer one first.
     semi_axes: [f64; 2],
 }
 
 /// A row of the readings.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(super) struct Row {
-    /// Number of the row from 1, without the header.
+    /// Number of the row, from 1, without the header.
     pub(super) row: usize,
-    /// Its line in the file.
+    /// Line of the row in the file; `null` for arrays.
     pub(super) line: Option<usize>,
-    /// Other fields of the row, by column name.
+    /// Fields of the row in columns that palpate does not use, by column name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub(super) columns: BTreeMap<String, String>,
 }
@@ -52,12 +53,12 @@ pub(super) struct Row {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct PressNoise {
     normal_std: Value,
-    /// Standard deviation of tangential displacements; `null` if none are used.
+    /// Standard deviation of the tangential displacements; `null` if no tangential displacements are used.
     tangential_std: Option<Value>,
-    /// Reduced χ² of the fit: about 1 if residuals are as large as the noise.
+    /// Reduced χ² of the fit: about 1 if the residuals are as large as the noise.
     reduced_chi_squared: f64,
-    /// Goodness-of-fit p-value by the stated noise; `null` if the noise is estimated from the residuals, and for a
-    /// Gaussian.
+    /// p-value of the goodness of fit by the stated noise; `null` for a Gaussian, and if the noise is estimated from
+    /// the residuals.
     p_value: Option<f64>,
 }
 
@@ -66,20 +67,20 @@ pub(super) struct PressNoise {
 pub struct PressReport {
     pub(super) format_version: u32,
     pub(super) method: &'static str,
-    /// The c of a Gaussian, given or calibrated; `null` for other methods.
+    /// Width parameter c of a Gaussian, given or calibrated; `null` for other methods.
     pub(super) c: Option<f64>,
     pub(super) markers: usize,
     pub(super) with_tangential: bool,
     pub(super) length_unit: &'static str,
-    /// 1/R_s + 1/R_o.
+    /// Relative curvature 1/R_s + 1/R_o.
     pub(super) relative_curvature: Value,
-    /// Its inverse.
+    /// Inverse of the relative curvature.
     pub(super) effective_radius: Value,
-    /// 1/R_o, positive if convex.
+    /// Curvature 1/R_o of the object, positive if the object is convex.
     pub(super) object_curvature: Value,
-    /// R_o.
+    /// Radius R_o of the object.
     pub(super) object_radius: Radius,
-    /// The principal curvatures, by method `elliptic`; the other curvatures are then their mean.
+    /// Principal curvatures of the object, only by method `elliptic`; `object_curvature` is then their mean.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) principal: Option<Principal>,
     /// Contact regime of the estimate.
@@ -89,36 +90,37 @@ pub struct PressReport {
     pub(super) verdict: &'static str,
     pub(super) indentation: Value,
     pub(super) contact_radius: Value,
-    /// Force between the bodies; `null` without a Young's modulus, and for a Gaussian, which has no stress.
+    /// Force between the bodies; `null` without Young's modulus, and for a Gaussian, which has no model of stress.
     pub(super) force: Option<Value>,
     /// Pressure in the middle of the contact; `null` if the force is `null`.
     pub(super) peak_pressure: Option<Value>,
-    /// Place of the contact on the skin, in the coordinates of the markers.
+    /// Position of the contact on the skin, in the coordinates of the markers.
     pub(super) contact: [f64; 2],
     pub(super) contact_std: [Option<f64>; 2],
-    /// `null` if it is not fitted.
+    /// Fitted offset of all normal displacements; `null` if it is not fitted.
     pub(super) baseline: Option<Value>,
-    /// Factor on normal displacements (for a Gaussian: amplitude over indentation); `null` if it is not fitted.
+    /// Factor on normal displacements (for a Gaussian, the ratio of its amplitude to the indentation); `null` if it is
+    /// not fitted.
     pub(super) gain: Option<Value>,
-    /// Readings that contradict the others and were left out.
+    /// Readings that contradict the others and were left out of the fit.
     pub(super) wrong_markers: Vec<Row>,
     pub(super) noise: PressNoise,
-    /// The share of the normal displacements' variance that the fit explains.
+    /// Share of the variance of the normal displacements that the fit explains.
     pub(super) r_squared: f64,
-    /// Whether the displacements alone show a contact. If not, the interval covers all contacts of the stated
-    /// indentation, on the markers, that the displacements do not exclude.
+    /// Whether the displacements alone show a contact. If they do not, the interval covers all contacts with the stated
+    /// indentation, within the area of the markers, that the displacements do not exclude.
     pub(super) contact_seen: bool,
-    /// Contradictions between the readings and the model, each with its p-value, and other warnings.
+    /// Warnings: contradictions between the readings and the model, each with its p-value, and likely mistakes.
     pub(super) warnings: Vec<Warning>,
 }
 
 impl PressReport {
-    /// Report of an estimate by a method, without the fields that the estimate does not contain.
+    /// Report of an estimate. Fields that are not part of the estimate are empty.
     pub(super) fn of(estimate: &PressEstimate, method: &'static str, unit: LengthUnit) -> Self {
         let value = |estimated, power| Value::of(&estimated, power, unit);
         let std = |std: f64| Value::bare(std, unit.as_str());
         let curvature = estimate.object_curvature();
-        // The radius is that of the best fit: the curvature is bias-corrected.
+        // The radius is computed from the curvature of the best fit, because `object_curvature` is corrected for bias.
         let most_likely = Estimated {
             value: estimate.most_likely_object_curvature(),
             ..curvature
@@ -166,7 +168,7 @@ impl PressReport {
 }
 
 impl Radius {
-    /// The inverse of a mean curvature with its interval, if the noise is known.
+    /// The radius that is the inverse of a mean curvature. It has an interval if the noise is known.
     pub(super) fn of_mean(curvature: &Value, length: LengthUnit) -> Self {
         let [low, high] = curvature.interval95.unwrap_or_default();
         let radius = Self::of(
@@ -187,11 +189,11 @@ impl Radius {
         }
     }
 
-    /// The inverse of a curvature.
+    /// The radius for a curvature, with the intervals for a convex and for a concave object.
     fn of(curvature: &Estimated, length: LengthUnit) -> Self {
         let value = finite(curvature.value.recip());
         let [low, high] = [curvature.interval.low, curvature.interval.high];
-        // Without a bound on the curvature, the radius may be arbitrarily small.
+        // If the interval of the curvature has no bound, the radius may be arbitrarily small.
         let sharpest = |end: Option<f64>| end.map_or(Some(0.0), |end| finite(end.recip().abs()));
         let flattest = |end: Option<f64>, is_beyond: bool| {
             end.filter(|_| is_beyond)

@@ -12,10 +12,10 @@ use super::press_recording::PressRecording;
 use super::press_report::Row;
 use super::source::ReadingSource;
 
-/// Standard deviation that is assumed for a stated indentation, as a share of it.
+/// Standard deviation that is assumed for a stated indentation, as a share of the indentation.
 const INDENTATION_SHARE: f64 = 0.02;
 
-/// The stated indentation with its standard deviation, and a warning if the latter is assumed.
+/// The stated indentation with its standard deviation, and a warning if the standard deviation is an assumption.
 pub(super) fn stated_indentation(value: f64, std: f64, unit: &str) -> (Measured, Option<Warning>) {
     if std > 0.0 {
         return (Measured { value, std }, None);
@@ -23,21 +23,23 @@ pub(super) fn stated_indentation(value: f64, std: f64, unit: &str) -> (Measured,
     let std = INDENTATION_SHARE * value;
     let percent = 100.0 * INDENTATION_SHARE;
     let text = format!(
-        "the indentation is stated without a standard deviation: {percent} % of it, {} {unit}, is assumed (setting `indentation_std`)",
+        "the indentation is stated without a standard deviation, so {percent} % of it, {} {unit}, \
+         is assumed (setting `indentation_std`)",
         Number::rounded(std)
     );
     let warning = Warning::new("assumed-indentation-std", text, [("std", std)]);
     (Measured { value, std }, Some(warning))
 }
 
-/// Splits the result of the check of a stated indentation into a misfit and a warning that the check is impossible.
+/// Splits the result of the check of a stated indentation into a misfit and a warning that the check was impossible.
 pub(super) fn indentation_check(
     checked: Result<Option<Misfit>, PressError>,
 ) -> (Option<Misfit>, Option<Warning>) {
     checked.map_or_else(
         |reason| {
             let text = format!(
-                "the stated indentation cannot be checked, because the readings alone give none: {reason}"
+                "the stated indentation cannot be checked, because the readings alone do not \
+                 determine an indentation: {reason}"
             );
             (None, Some(Warning::new("unchecked-indentation", text, [])))
         },
@@ -45,7 +47,7 @@ pub(super) fn indentation_check(
     )
 }
 
-/// Warning of a misfit of a press; lengths are in `unit`.
+/// Warning about a misfit of a press. Lengths are in `unit`.
 pub(super) fn misfit_warning(misfit: &Misfit, source: &ReadingSource, unit: LengthUnit) -> Warning {
     let words = ReadingWords {
         reading: &|marker| format!("the marker of {}", source.row(marker)),
@@ -55,8 +57,8 @@ pub(super) fn misfit_warning(misfit: &Misfit, source: &ReadingSource, unit: Leng
     words.warning(misfit)
 }
 
-/// Warning of markers that were left out as outliers. `distances` are from the contact to all markers;
-/// `has_indentation` is whether an indentation is stated.
+/// Warning about markers that were left out as outliers. `distances` are the distances of all markers from the contact;
+/// `has_indentation` states whether an indentation was stated.
 pub(super) fn left_out(
     wrong: &[Row],
     distances: &[f64],
@@ -69,7 +71,7 @@ pub(super) fn left_out(
         let distance = distances.get(row.row - 1).copied();
         distance.is_some_and(|distance| distance <= nearest || distance < contact_radius)
     };
-    let mut text = format!("{count} of {all} markers contradict the others and are left out");
+    let mut text = format!("{count} of {all} markers contradict the others and are not used");
     if let Some(row) = wrong.iter().find(is_of_contact) {
         let stated = match has_indentation {
             true => "the indentation or a value of the sensor",
@@ -79,7 +81,8 @@ pub(super) fn left_out(
             .line
             .map_or(String::new(), |line| format!(", line {line}"));
         text += &format!(
-            ", among them one of the contact itself (row {}{line}): {stated} may be stated wrongly instead",
+            ", among them a marker at the contact itself (row {}{line}): perhaps {stated} is \
+             wrong instead",
             row.row
         );
     }
@@ -87,7 +90,7 @@ pub(super) fn left_out(
     (count > 0).then(|| Warning::new("wrong-markers", text, numbers))
 }
 
-/// Warnings about the estimate of a press from displacements, without its misfits.
+/// Warnings about the estimate of a press from displacements, except those about misfits.
 pub(super) fn of_estimate(
     recorded: &PressRecording,
     options: &PressOptions,
@@ -95,10 +98,13 @@ pub(super) fn of_estimate(
     has_misfit: bool,
 ) -> impl Iterator<Item = Warning> {
     let depth = options.marker_depth.is_none().then_some(
-        "the depth of the markers is not stated and is taken as 0, at the skin's surface: the readings may not show that the markers lie deeper, which makes the curvature wrong (setting `depth`)",
+        "the depth of the markers is not stated, so 0 is assumed, at the skin's surface: if the \
+         markers lie deeper, the curvature is wrong, and the readings may not show it (setting \
+         `depth`)",
     );
     let contact = (!estimate.is_detected).then_some(
-        "the displacements alone show no contact: the interval contains all objects that the displacements do not exclude, for the stated indentation at an unknown place on the markers",
+        "the displacements alone show no contact: the interval contains all objects that are \
+         possible for the stated indentation at an unknown position on the markers",
     );
     let alone = estimate.only_marker.map(|marker| {
         format!(
@@ -109,8 +115,15 @@ pub(super) fn of_estimate(
     let is_noise = options.normal_std.is_some() && !has_misfit;
     let unexplained = (estimate.r_squared < MIN_R_SQUARED && !is_noise).then(|| {
         let percent = 100.0 * estimate.r_squared.max(0.0);
-        let text = format!("the fit explains {percent:.0} % of the normal displacements' variance: they are noise, or not a press of this body");
-        Warning::new("unexplained-readings", text, [("r_squared", estimate.r_squared)])
+        let text = format!(
+            "the fit explains only {percent:.0} % of the variance of the normal \
+             displacements: they are noise, or not a press of this body"
+        );
+        Warning::new(
+            "unexplained-readings",
+            text,
+            [("r_squared", estimate.r_squared)],
+        )
     });
     let gaussian = matches!(options.estimator, PressEstimatorConfig::Gaussian { .. }).then_some(
         "a Gaussian is no elastic body: its intervals contain the noise alone, not the difference between a Gaussian and a skin",
@@ -127,7 +140,7 @@ pub(super) fn of_estimate(
         .chain(Warning::of("gaussian-body", gaussian))
 }
 
-/// Warning if the contact is too wide for small strains.
+/// Warning if the contact is too wide for the small strains that the model assumes.
 pub(super) fn large_contact(
     estimate: &PressEstimate,
     sensor_radius: f64,
@@ -141,20 +154,20 @@ pub(super) fn large_contact(
     )
 }
 
-/// A fit that explains less than this share of the variance gives a warning.
+/// Smallest share of the variance that a fit must explain to have no warning.
 const MIN_R_SQUARED: f64 = 0.5;
 
-/// Share of the largest displacement above which a displacement's sign counts, and share of these that must be
-/// outward for a warning.
+/// Smallest displacement whose sign is checked, as a share of the largest displacement.
 const MIN_SIGNED: f64 = 0.2;
+/// Smallest share of outward displacements, among those whose sign is checked, for a warning.
 const MIN_OUTWARD: f64 = 0.9;
 
-/// Shares of the sensor's radius below which the extent of all markers, and the largest displacement, are likely in
-/// another unit.
+/// Smallest extent of all markers without a warning about units, as a share of the sensor's radius.
 const MIN_EXTENT: f64 = 5e-3;
+/// Smallest value of the largest displacement without a warning about units, as a share of the sensor's radius.
 const MIN_DISPLACEMENT: f64 = 1e-4;
 
-/// Likely mistake of sign or unit in the readings.
+/// Likely mistake of sign or unit in the readings, as text.
 pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option<String> {
     let unit = recorded.unit.or(options.length_unit).unwrap_or_default();
     let (radius, unit) = (options.radius(), unit.as_str());
@@ -171,10 +184,12 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
     let has_baseline = options.estimator.priors().baseline == Baseline::Known;
     let text = match () {
         () if extent > std::f64::consts::PI * radius => format!(
-            "a marker lies {far} {unit} from the apex, which is more than half the circumference by {sensor}: are both in one unit?"
+            "a marker is {far} {unit} from the apex, which is more than half the circumference \
+             for {sensor}: do both have the same unit?"
         ),
         () if largest > radius => format!(
-            "a marker is displaced by {moved} {unit}, more than {sensor}: are both in one unit?"
+            "a marker is displaced by {moved} {unit}, more than {sensor}: do both have the same \
+             unit?"
         ),
         () if 0.0 < extent && extent < MIN_EXTENT * radius => format!(
             "all markers lie within {far} {unit} of the apex, much less than {sensor}: are the readings in m and the radius in mm?"
@@ -183,23 +198,26 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
             "no marker is displaced by more than {moved} {unit}, much less than {sensor}: are the displacements in m and the rest in mm?"
         ),
         () if has_baseline && signed > 1.0 && outward >= MIN_OUTWARD * signed => {
-            "the displacements point outward, but inward is positive: is the sign wrong?".to_owned()
+            "the displacements point outward, but inward displacements must be positive: is the \
+             sign wrong?"
+                .to_owned()
         }
         () => return None,
     };
     Some(text)
 }
 
-/// Least factor by which changed columns must reduce the sum of squares, and largest estimated noise along the skin
-/// that needs no check, as a share of the largest displacement.
+/// Smallest factor by which a change of columns must reduce the mean square residual for a warning.
 const MIN_IMPROVEMENT: f64 = 4.0;
+/// Largest estimated noise along the skin for which columns are not checked, as a share of the largest displacement
+/// along the skin.
 const MAX_NOISE: f64 = 0.2;
 
-/// Swap or change of sign of a displacement's components along the skin.
+/// Swaps the components of a displacement along the skin, or changes their signs.
 type Change = fn([f64; 2]) -> [f64; 2];
 
-/// Likely mistake of signs or columns in the displacements along the skin. They are checked if the fit has misfits or
-/// leaves large residuals.
+/// Likely mistake of signs or columns in the displacements along the skin, as text. They are checked only if the fit
+/// has misfits or large residuals.
 pub(super) fn swapped_columns(
     fit: &ForwardFit,
     reading: &Reading<'_>,
@@ -238,7 +256,8 @@ pub(super) fn swapped_columns(
     (ratio > MIN_IMPROVEMENT && ratio.is_finite()).then(|| {
         let times = Number::rounded(ratio.sqrt());
         format!(
-            "the displacements along the skin contradict those into it; they would fit {times} times better with {name}: are columns swapped, or is a sign wrong?"
+            "the displacements along the skin contradict the normal displacements; they would fit \
+             {times} times better with {name}: are columns swapped, or is a sign wrong?"
         )
     })
 }

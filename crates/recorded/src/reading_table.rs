@@ -1,4 +1,4 @@
-//! Numbers of a table in palpate's units; errors name the line and the column.
+//! Numbers of a table, converted to palpate's units. Errors state the line and the column.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -15,27 +15,27 @@ use super::source::ReadingSource;
 use super::table_format::Decimal;
 use super::text_table::TextTable;
 
-/// Maximum size of the columns that palpate does not use, MiB.
+/// Maximum size of all columns that palpate does not use, MiB.
 const MAX_EXTRA_MIB: usize = 256;
 
 /// Rows of numbers, in the order of the requested columns.
 pub(super) struct ReadingTable {
     /// The file, and the line of each row.
     pub(super) source: ReadingSource,
-    /// Rows that follow a blank line.
+    /// Indices of the rows that follow a blank line.
     pub(super) after_gaps: Vec<usize>,
-    /// Row by row.
+    /// All numbers, row by row.
     numbers: Vec<f64>,
     columns: usize,
-    /// The unit of its lengths, if it is stated.
+    /// Unit of the lengths; `None` if it is not stated.
     pub(super) unit: Option<LengthUnit>,
-    /// Other fields of the rows.
+    /// Columns that palpate does not use.
     pub(super) extras: ExtraColumns,
 }
 
 impl ReadingTable {
-    /// Reads the `columns` of a table, in any order and among others. All are required; if some are missing, the
-    /// error also names the optional columns, `may`.
+    /// Reads the `columns` of a table, which may be in any order and among other columns. All `columns` are required;
+    /// if some are missing, the error also names the optional columns, `may`.
     pub(super) fn read(
         table: &TextTable<'_>,
         columns: &[Column],
@@ -67,11 +67,11 @@ impl ReadingTable {
         let mut labels = Labels::default();
         table.each(|record| {
             let (found, expected) = (record.fields.len(), table.header.len());
-            // A delimiter at the end of a row begins no field.
+            // A delimiter at the end of a row does not begin another field.
             let is_ended = found == expected + 1 && record.fields[expected].is_empty();
             if found != expected && !is_ended {
                 let hint = match table.has_commas() && found > expected {
-                    true => "; if its commas are decimal ones, separate fields by ; or tabs",
+                    true => "; if its commas are decimal signs, separate the fields by ; or tabs",
                     false => "",
                 };
                 let message = format!("{found} fields; the header has {expected}{hint}");
@@ -86,7 +86,7 @@ impl ReadingTable {
                     continue;
                 }
                 let read = number(tidy(&record.fields[place.index]), decimal).and_then(|number| {
-                    // With a factor of 1, the number stays exactly as it is.
+                    // If the factor is 1, the number is not multiplied, so that it stays exact.
                     let converted = if factor == 1.0 {
                         number
                     } else {
@@ -114,7 +114,7 @@ impl ReadingTable {
             extras.push(others.iter().map(|&index| tidy(&record.fields[index])));
             match extras.bytes() > MAX_EXTRA_MIB << 20 {
                 true => Err(table.file.error(format!(
-                    "the columns that palpate does not use take more than {MAX_EXTRA_MIB} MiB"
+                    "the columns that palpate does not use have more than {MAX_EXTRA_MIB} MiB"
                 ))),
                 false => Ok(()),
             }
@@ -126,7 +126,7 @@ impl ReadingTable {
             .notes
             .extend(notes.map(|note| Warning::new("assumed-columns", note, [])));
         if source.lines.is_empty() {
-            return Err(source.fail("has a header but no readings"));
+            return Err(source.fail("has a header, but no readings"));
         }
         Ok(Self {
             source,
@@ -138,18 +138,18 @@ impl ReadingTable {
         })
     }
 
-    /// Each row's line and numbers.
+    /// Line and numbers of each row.
     pub(super) fn rows(&self) -> impl Iterator<Item = (usize, &[f64])> {
         let rows = self.numbers.chunks_exact(self.columns);
         self.source.lines.iter().copied().zip(rows)
     }
 
-    /// An error in a line.
+    /// An error for a line of the file.
     pub(super) fn fail(&self, line: usize, message: String) -> RecordedError {
         RecordedError::line(&self.source.name, line, message)
     }
 
-    /// The number of a probe or finger.
+    /// The number of a probe or finger, which must be a whole number from 0.
     pub(super) fn index(
         &self,
         line: usize,
@@ -167,12 +167,12 @@ impl ReadingTable {
     }
 }
 
-/// Names of fingers or probes, numbered in order of appearance.
+/// Names of fingers or probes, numbered in the order in which they first appear.
 #[derive(Default)]
 struct Labels(HashMap<String, usize>);
 
 impl Labels {
-    /// Number of a name, from 0; `None` if the field is empty, or if the first row has no name.
+    /// Number of a name, from 0; `None` if the field is empty, or if the first row had no name.
     fn place(&mut self, text: &str, row: usize) -> Option<f64> {
         let is_word = !text.is_empty() && text.parse::<f64>().is_err();
         if self.0.is_empty() && !(row == 0 && is_word) {
@@ -188,7 +188,7 @@ impl Labels {
     }
 }
 
-/// Header of a table. Checks that the setting `columns` renames only these `columns`.
+/// Header of a table. An error if the setting `columns` renames a column that is not in `columns`.
 pub(super) fn header<'a>(
     table: &'a TextTable<'_>,
     columns: &[Column],
@@ -200,7 +200,7 @@ pub(super) fn header<'a>(
     Ok(Header::new(&table.header, names))
 }
 
-/// Unit of all lengths of a table, if one is stated.
+/// Unit of all lengths in a table; `None` if none is stated.
 fn length_unit(
     columns: &[Column],
     places: &[Place],
@@ -257,11 +257,12 @@ fn length_unit(
 fn without_unit(column: &Column, other: ColumnUnit) -> String {
     let (stem, other) = (column.stem(), other.name());
     format!(
-        "column `{stem}` states no unit and others are in {other}; state its unit by setting `columns` '{stem}_{other}=NAME', where NAME is its name in the file"
+        "column `{stem}` states no unit, but others are in {other}; state its unit by setting \
+         `columns` '{stem}_{other}=NAME', where NAME is its name in the file"
     )
 }
 
-/// Factor from a column's unit to palpate's.
+/// Factor that converts the unit of a column to palpate's unit.
 fn factor(column: &Column, place: &Place, unit: Option<LengthUnit>) -> Option<f64> {
     match (place.unit, column.measure, unit) {
         (None, _, _) | (_, Measure::Length, None) => Some(1.0),
@@ -269,7 +270,7 @@ fn factor(column: &Column, place: &Place, unit: Option<LengthUnit>) -> Option<f6
     }
 }
 
-/// Decimal sign of a table's numbers; a point, unless a number has a comma.
+/// Decimal sign of the numbers in a table. It is a point unless a number has a comma.
 fn decimal_of(
     table: &TextTable<'_>,
     header: &Header<'_>,
@@ -281,7 +282,7 @@ fn decimal_of(
     let mut odd: Option<(usize, usize, String)> = None;
     let mut sign = DecimalSign::default();
     table.each(|record| {
-        // A row of too few or too many fields is rejected when numbers are read.
+        // Rows with too few or too many fields are rejected later, when numbers are read.
         let is_whole = record.fields.len() == table.header.len();
         for place in places.iter().filter(|_| is_whole) {
             let field = tidy(&record.fields[place.index]);
@@ -301,12 +302,12 @@ fn decimal_of(
     })
 }
 
-/// Fields of the columns that palpate does not use.
+/// Columns of a table that palpate does not use.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct ExtraColumns {
-    /// Names of the columns, as the file has them.
+    /// Names of the columns, as in the file.
     pub(super) names: Vec<String>,
-    /// Text of all fields, row by row, without separators.
+    /// Texts of all fields, row by row, without separators.
     text: String,
     /// Byte position in `text` at which each field ends.
     ends: Vec<usize>,
@@ -326,12 +327,12 @@ impl ExtraColumns {
         }
     }
 
-    /// Size of all rows in bytes, with one delimiter per field.
+    /// Size of all rows in bytes, including one delimiter per field.
     pub(super) const fn bytes(&self) -> usize {
         self.text.len() + self.ends.len()
     }
 
-    /// The fields of these rows.
+    /// The columns with only these rows.
     pub(super) fn selected(&self, rows: &[usize]) -> Self {
         let mut selected = Self::new(self.names.clone());
         for &row in rows {
@@ -340,7 +341,7 @@ impl ExtraColumns {
         selected
     }
 
-    /// Fields of a row; empty if there are no such columns.
+    /// Fields of a row; empty if palpate uses all columns.
     pub(super) fn row(&self, row: usize) -> Vec<String> {
         let first = row * self.names.len();
         let ends = self.ends.iter().skip(first).take(self.names.len());

@@ -20,65 +20,68 @@ use super::value::{FORMAT_VERSION, Value};
 use palpate_study::config::{LengthUnit, RollEstimatorConfig};
 use palpate_study::{Unit, Warning};
 
-/// A probe whose contact did not move.
+/// A probe whose contact did not move although the probe rolled.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct UnresolvedProbe {
     probe: u64,
-    /// Upper bound of the object's radius of curvature in the direction of the roll; `null` if the pads' pitch is not
-    /// given or too coarse.
+    /// Upper bound of the object's radius of curvature in the direction of the roll; `null` if the pitch of the pads is
+    /// not given or is too coarse for a bound.
     radius_below: Option<f64>,
     unit: &'static str,
-    /// Other fields of the probe's row, by column name.
+    /// Fields of the probe's row in columns that palpate does not use, by column name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     columns: BTreeMap<String, String>,
 }
 
-/// Estimate of the curvature from recorded rolls. What takes longer than the estimate is computed when it is asked for.
+/// Estimate of the curvature from recorded rolls. Results whose computation takes longer than the estimate are computed
+/// only when their methods are called.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RollEstimate {
     pub(super) recorded: RollRecording,
     pub(super) options: RollOptions,
     pub(super) unit: LengthUnit,
     pub(super) estimate: Estimate,
-    /// Covariance of the normal curvatures along u and v and of the twist, by the noise that is stated or that follows
-    /// from the residuals.
+    /// Covariance of the normal curvatures along u and v and of the twist, for the noise that is stated or that follows
+    /// from the residuals; `None` without such noise.
     covariance: Option<[[f64; 3]; 3]>,
     residual: f64,
-    /// Half-width of the 95 % intervals, in standard deviations.
+    /// Half-width of the 95 % intervals, in standard errors.
     half_width: f64,
     std_from: &'static str,
-    /// Warning about rolls that were left out because they repeat others.
+    /// Warning about rolls that were left out because they repeat other rolls; `None` if there are none.
     pub(super) repeated: Option<String>,
     /// Number of recorded rolls.
     probes: usize,
 }
 
-/// Curvatures and lengths of an estimate from rolls.
+/// Curvatures and lengths estimated from rolls.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RollValues {
-    /// Normal curvature along u.
+    /// Normal curvature in the direction u.
     pub normal_curvature_u: Value,
-    /// Normal curvature along v.
+    /// Normal curvature in the direction v.
     pub normal_curvature_v: Value,
     /// Gaussian curvature.
     pub gaussian_curvature: Value,
     /// Mean curvature.
     pub mean_curvature: Value,
-    /// Mean length of the shifts.
+    /// Mean length of the contacts' shifts.
     pub arc_length: Value,
     /// Smallest normal curvature.
     pub principal_curvature_min: Value,
     /// Largest normal curvature.
     pub principal_curvature_max: Value,
-    /// Direction of the largest curvature, from +u towards +v of the readings.
+    /// Direction of the largest curvature, degrees, from +u towards +v of the readings.
     pub principal_direction_max_deg: f64,
-    /// Its standard deviation: at most 52, that of an unknown direction; `null` if the noise is unknown.
+    /// Standard error of `principal_direction_max_deg`, degrees; at most 52, the value for a direction of which nothing
+    /// is determined. `null` if there is no estimate of the noise.
     pub principal_direction_max_std_deg: Option<f64>,
-    /// Amplification of a relative error of the readings along u: 1 + 1/RCR; `null` if the object is flat.
+    /// Factor by which a relative error of the readings along u is amplified in the curvature: 1 + 1/RCR, where RCR is
+    /// the relative curvature ratio; `null` if the object is flat.
     pub amplification_u: Option<f64>,
-    /// The same along v.
+    /// Amplification factor of a relative error along v.
     pub amplification_v: Option<f64>,
-    /// Root mean square of the residuals of the shifts' components.
+    /// Root mean square of the residuals, over all components of the shifts.
     pub residual_rms: Value,
 }
 
@@ -91,18 +94,18 @@ struct RollReport {
     probes: usize,
     #[serde(flatten)]
     values: RollValues,
-    /// Inverse of the mean curvature.
+    /// Radius, the inverse of the mean curvature.
     radius: Radius,
-    /// Source of the standard deviations, in words.
+    /// Text that states the source of the standard errors.
     std_from: &'static str,
     unresolved_probes: Vec<UnresolvedProbe>,
-    /// Goodness-of-fit p-value by the stated noise; `null` if no noise is stated.
+    /// p-value of the goodness of fit by the stated noise; `null` if no noise is stated.
     p_value: Option<f64>,
     warnings: Vec<Warning>,
 }
 
 impl RollEstimate {
-    /// Curvatures and lengths.
+    /// The estimated curvatures and lengths.
     pub fn values(&self) -> RollValues {
         let Self { estimate, unit, .. } = self;
         let value = |Measured { value, std }, power: Unit| {
@@ -137,7 +140,7 @@ impl RollEstimate {
         }
     }
 
-    /// Goodness-of-fit p-value by the stated noise; `None` if no noise is stated.
+    /// p-value of the goodness of fit by the stated noise; `None` if no noise is stated.
     pub fn p_value(&self) -> Option<f64> {
         let goodness = self
             .estimate
@@ -146,7 +149,7 @@ impl RollEstimate {
     }
 
     /// Covariance of the normal curvatures along u and v and of the twist k_uv, 1/length²; `None` if the noise is
-    /// unknown.
+    /// neither stated nor estimated from residuals.
     pub const fn covariance(&self) -> Option<[[f64; 3]; 3]> {
         self.covariance
     }
@@ -171,7 +174,7 @@ impl Serialize for RollEstimate {
 }
 
 impl RollEstimate {
-    /// Probes that rolled without a shift, with the resulting bound on the object's radius.
+    /// Probes that rolled although their contacts did not shift, each with the resulting bound on the object's radius.
     fn unresolved(&self) -> Vec<UnresolvedProbe> {
         let Self {
             recorded, options, ..
@@ -200,9 +203,10 @@ impl RollEstimate {
 
 /// Estimates the object's curvature from recorded rolls.
 ///
-/// Standard deviations follow from the stated noise. Without stated noise they follow from the residuals, if there are more
-/// readings than unknowns. Then the half-width of the 95 % interval is Student's t of 2n − 3 degrees of freedom, where n is the
-/// number of probes: 2.57 standard deviations for 4 probes, 2.16 for 8 ([`palpate_statistics::student_half_width`]).
+/// Standard errors follow from the stated noise. Without stated noise, they follow from the residuals, if there are
+/// more readings than fitted parameters. The half-width of the 95 % interval is then Student's t with 2n − 3 degrees of
+/// freedom, where n is the number of probes: 2.57 standard errors for 4 probes, 2.16 for 8
+/// ([`palpate_statistics::student_half_width`]).
 ///
 /// ```
 /// use palpate_recorded::{RecordedFile, RollOptions, estimate_roll, parse_roll};
@@ -241,7 +245,8 @@ pub fn estimate_roll(
         if shift > half_way * (1.0 + 1e-9) {
             let (probe, unit) = (recorded.probe(place), unit.as_str());
             return Err(fail(format!(
-                "probe {probe}: a shift of {} {unit} is more than half way round the probe ({} {unit})",
+                "probe {probe}: a shift of {} {unit} is more than half way round the probe ({} \
+                 {unit})",
                 Number(shift),
                 Number(half_way)
             )));
@@ -283,7 +288,7 @@ pub fn estimate_roll(
             half_width = student_95(freedom);
             "the residuals"
         }
-        _ => "none: the residuals are zero and no pitch is given",
+        _ => "none: the residuals are zero and no pitch is stated",
     };
     Ok(RollEstimate {
         options: options.clone(),
@@ -299,11 +304,11 @@ pub fn estimate_roll(
     })
 }
 
-/// Largest number of degrees of freedom for which half-widths are computed only once.
+/// Largest number of degrees of freedom for which the half-width is computed only once and then stored.
 const MAX_CACHED: usize = 64;
 
-/// Half-width of the 95 % interval in standard deviations with these degrees of freedom. Computing it takes longer than the
-/// estimate of a few rolls.
+/// Half-width of the 95 % interval in standard errors, for this number of degrees of freedom. The result is stored,
+/// because the computation takes longer than the estimate from a few rolls.
 fn student_95(freedom: usize) -> f64 {
     static CACHE: [OnceLock<f64>; MAX_CACHED] = [const { OnceLock::new() }; MAX_CACHED];
     let compute = || student_half_width(0.95, freedom);

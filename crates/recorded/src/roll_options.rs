@@ -9,24 +9,25 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 
-/// Settings of rolls that a user states; `None` if not given. Lengths are in the readings' unit.
+/// Settings of rolls that a user states; `None` for settings that are not given. Lengths are in the unit of the
+/// readings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RollSettings {
     /// The probe's radius, in the readings' length unit.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub probe_radius: Option<f64>,
-    /// Pitch of the pads, in the readings' length unit. With it the estimates have standard deviations, and a roll whose
-    /// contact did not move bounds the object's radius from above.
+    /// Pitch of the pads, in the readings' length unit. If it is given, the estimates have standard errors, and a roll
+    /// whose contact did not move sets an upper bound on the object's radius.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub pitch: Option<f64>,
-    /// Standard deviation of each component of a shift, of a sensor without pads, in the readings' length unit.
+    /// Standard deviation of each component of a shift, for a sensor without pads, in the readings' length unit.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub shift_std: Option<f64>,
-    /// Standard deviation of each component of a rotation.
+    /// Standard deviation of each component of a rotation, rad.
     #[schemars(extend("minimum" = 0, "maximum" = std::f64::consts::PI))]
     pub rotation_std_rad: Option<f64>,
-    /// Standard deviation of each component of a rotation, as a fraction of its magnitude.
+    /// Standard deviation of each component of a rotation, as a fraction of the rotation's magnitude.
     #[schemars(extend("minimum" = 0, "maximum" = 1))]
     pub relative_rotation_std: Option<f64>,
 }
@@ -36,17 +37,17 @@ pub struct RollSettings {
 pub struct RollOptions {
     /// The probe's radius, in the readings' length unit.
     pub probe_radius: f64,
-    /// The estimator.
+    /// The estimator and its settings.
     pub estimator: RollEstimatorConfig,
-    /// Unit of lengths if the header does not state it.
+    /// Unit of lengths, used if the header does not state it.
     pub length_unit: Option<LengthUnit>,
-    /// Noise and resolution of the readings, lengths in the same unit. If no noise is stated, standard deviations
+    /// Noise and resolution of the readings; lengths are in the same unit. If no noise is stated, standard errors
     /// follow from the residuals.
     pub noise: ReadingNoise,
 }
 
 impl RollOptions {
-    /// Options with only the probe's radius stated.
+    /// Options that state only the probe's radius.
     pub fn new(probe_radius: f64) -> Self {
         Self {
             probe_radius,
@@ -56,10 +57,10 @@ impl RollOptions {
         }
     }
 
-    /// Noise of pads on a probe of this radius. Each roll starts at a random place on a pad.
+    /// Noise of readings by pads on a probe of this radius, if each roll starts at a random place on a pad.
     ///
     /// # Errors
-    /// [`SettingError`] for a pitch larger than the radius or below 1e-15 of it, as in a study.
+    /// [`SettingError`] if the pitch is larger than the radius or smaller than 1e-15 of the radius, as in a study.
     pub fn noise_of_pads(probe_radius: f64, pitch: f64) -> Result<ReadingNoise, SettingError> {
         let refuse = |expected: String| Err(SettingError::of_number("pitch", pitch, expected));
         let radius = Number(probe_radius);
@@ -74,8 +75,8 @@ impl RollOptions {
         }
     }
 
-    /// Options from the given settings, by their keys: those of [`RollSettings`] and those of the estimator. `base`
-    /// states all others.
+    /// Options with the given settings. Their keys are the fields of [`RollSettings`] and the settings of the
+    /// estimator. Settings that are not given have their values from `base`.
     ///
     /// ```
     /// use palpate_recorded::RollOptions;
@@ -89,7 +90,7 @@ impl RollOptions {
     /// ```
     ///
     /// # Errors
-    /// [`SettingError`] for a setting that is missing, out of its range or without effect.
+    /// [`SettingError`] if a setting is missing, out of its range or without effect.
     pub fn with_settings(
         base: Option<Self>,
         given: &Map<String, Json>,
@@ -97,9 +98,13 @@ impl RollOptions {
     ) -> Result<Self, SettingError> {
         let [own, of_estimator] = split_settings::<RollSettings>(given);
         let own = with_settings(&RollSettings::default(), &own)?;
-        let base = base
-            .or(own.probe_radius.map(Self::new))
-            .ok_or_else(|| SettingError::new("probe_radius", "is needed, or setting `like`"))?;
+        let base = base.or(own.probe_radius.map(Self::new)).ok_or_else(|| {
+            SettingError::new(
+                "probe_radius",
+                "is needed, unless setting `like` is \
+                 stated",
+            )
+        })?;
         let probe_radius = own.probe_radius.unwrap_or(base.probe_radius);
         let shifts = match (own.pitch, own.shift_std) {
             (Some(_), Some(_)) => {

@@ -1,4 +1,4 @@
-//! Recorded rolls.
+//! Reads recorded rolls.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -19,30 +19,30 @@ use super::source::{ReadingSource, copies, finite, same_length};
 use super::table_format::pair;
 use super::text_table::TextTable;
 
-/// Largest number of rolls that are compared with each other directly.
+/// Largest number of rolls that are compared directly with each other.
 const MAX_COMPARED: usize = 32;
 
-/// Recorded readings of a roll.
+/// Recorded readings of rolls.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RollRecording {
     pub(super) source: ReadingSource,
-    /// The probes' numbers in a file; empty for arrays, whose probes are numbered from 0.
+    /// Numbers of the probes in a file; empty for arrays, whose probes are numbered from 0.
     pub(super) probes: Vec<u64>,
-    /// Their readings.
+    /// The reading of each probe.
     pub(super) readings: Vec<ProbeReading>,
-    /// The unit of lengths that the header states.
+    /// Unit of lengths that the header states; `None` if the header states none.
     pub unit: Option<LengthUnit>,
-    /// The row of each probe in a file.
+    /// Index of each probe's row in a file.
     pub(super) rows: Vec<usize>,
-    /// Other fields of the file, row by row.
+    /// Columns of the file that palpate does not use, row by row.
     pub(super) extras: ExtraColumns,
-    /// How the rows were assigned to probes, if the file does not name the probes.
+    /// Note on how the rows were assigned to probes; `None` if the file contains probe numbers.
     pub(super) note: Option<String>,
 }
 
 impl RollRecording {
-    /// Readings of probes that turned by `rotations`, whose contacts moved by `shifts`; a third component of a rotation is
-    /// the turn about the normal, which moves no contact. Lengths are in `unit`.
+    /// Readings of probes that turned by `rotations` and whose contacts moved by `shifts`. A third component of a
+    /// rotation is the turn about the normal, which does not move the contact. Lengths are in `unit`.
     ///
     /// ```
     /// use palpate_recorded::{RollOptions, RollRecording, estimate_roll};
@@ -56,7 +56,7 @@ impl RollRecording {
     /// ```
     ///
     /// # Errors
-    /// [`RecordedError::Array`] for a number that is not finite, and for a different number of shifts and rotations.
+    /// [`RecordedError::Array`] if a number is not finite, or if there are more or fewer shifts than rotations.
     pub fn new<const D: usize>(
         rotations: &[[f64; D]],
         shifts: &[[f64; 2]],
@@ -80,12 +80,14 @@ impl RollRecording {
         })
     }
 
-    /// Leaves out rolls that repeat earlier ones, and returns a warning, if they are at least half of the rolls. All are kept
-    /// if rolls by equal rotations have different shifts: then coarse sensors may cause the repetitions.
+    /// If at least half of the rolls repeat earlier rolls, leaves the repetitions out and returns a warning. All rolls
+    /// are kept if rolls by equal rotations have different shifts, because repetitions may then come from a coarse
+    /// sensor.
     pub(super) fn leave_out_copies(&mut self) -> Option<String> {
         let readings = &self.readings;
         let is_repeated = |(place, one)| readings[..place].contains(one);
-        // Few rolls are compared without a table, because that takes longer than their estimate.
+        // A few rolls are compared with each other directly, because building a hash table takes longer than the
+        // estimate.
         if readings.len() <= MAX_COMPARED && !readings.iter().enumerate().any(is_repeated) {
             return None;
         }
@@ -117,7 +119,7 @@ impl RollRecording {
         Some(text)
     }
 
-    /// Number of the probe of a reading.
+    /// Number of the probe to which a reading belongs.
     pub(super) fn probe(&self, reading: usize) -> u64 {
         self.probes.get(reading).copied().unwrap_or(reading as u64)
     }
@@ -145,12 +147,14 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
         let names = header.pairs(&ROLLS[3..], &CONTACTS);
         format!("{why}; if each roll is a time series, write setting `columns` '{names}'")
     };
-    if kind == Kind::Rows && form != RotationForm::Vector && !names_probes {
-        if let Some(time) = header.time() {
-            return fail(as_series(format!(
-                "column `{time}`: the rows may be a time series"
-            )));
-        }
+    if kind == Kind::Rows
+        && form != RotationForm::Vector
+        && !names_probes
+        && let Some(time) = header.time()
+    {
+        return fail(as_series(format!(
+            "column `{time}`: the rows may be a time series"
+        )));
     }
     let (time, contacts) = match kind {
         Kind::Rows => (&[][..], &ROLLS[3..]),
@@ -401,7 +405,7 @@ impl Kind {
     }
 }
 
-/// Probe number of each row of a table without a column `probe`, and a note on how it was found.
+/// Number of the probe of each row in a table without a column `probe`, and a note on how it was found.
 fn counted(sheet: &ReadingTable, is_series: bool) -> (Vec<u64>, String) {
     let rows = sheet.source.lines.len();
     if !is_series {

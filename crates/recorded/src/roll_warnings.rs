@@ -11,19 +11,21 @@ use super::misfit_warning::ReadingWords;
 use super::roll_estimate::RollEstimate;
 use super::roll_recording::RollRecording;
 
-/// Largest and smallest rotation of a probe relative to that on a plane, 1 + R_probe/R_object. Above the first, the
-/// rotations are likely in degrees; below the second, in rad although the header states degrees. Only a dish hardly wider
-/// than the probe gives so small a ratio.
+/// Largest ratio of a probe's rotation to its rotation on a plane, 1 + R_probe/R_object, without a warning. If the
+/// ratio is larger, the rotations are likely in degrees.
 const MAX_TURN_RATIO: f64 = 25.0;
+/// Smallest ratio without a warning. If the ratio is smaller, the rotations are likely in rad although the header
+/// states degrees; only a dish that is hardly wider than the probe has so small a ratio.
 const MIN_TURN_RATIO: f64 = 1.0 / 30.0;
 
-/// Shares of the pitch. Pads report no shift below the first, since pads are hardly closer than 0.8 pitches; a shift
-/// below the second is a rounded zero.
+/// Smallest shift that pads can report, as a share of the pitch. The distance between pads is hardly ever below 0.8
+/// pitches.
 const MIN_SHIFT: f64 = 0.5;
+/// Largest shift that counts as a rounded zero, as a share of the pitch.
 const ROUNDING: f64 = 1e-9;
 
 impl RollEstimate {
-    /// Contradictions between the readings and the model, and likely mistakes in the readings.
+    /// Warnings about contradictions between the readings and the model, and about likely mistakes in the readings.
     pub(crate) fn warnings(&self) -> Vec<Warning> {
         let RollRecording { readings, note, .. } = &self.recorded;
         let words = ReadingWords {
@@ -45,21 +47,24 @@ impl RollEstimate {
             .collect()
     }
 
-    /// Warns of an object so flat that rounding of the readings affects its estimated curvature.
+    /// Warning if the object is so flat that rounding of the readings affects its estimated curvature.
     fn flatness(&self) -> Option<String> {
         let principal = self.estimate.curvature.principal();
         let sharper = principal.k_min.abs().max(principal.k_max.abs());
         let std = rounding_std(self.options.probe_radius, sharper);
-        // Warn if rounding exceeds a thousandth of the curvature.
+        // A warning is given if the rounding error exceeds a thousandth of the curvature.
         (sharper < 1e3 * std).then(|| {
             format!(
-                "the object is too flat for readings of double precision: the rounding error of a curvature is {} 1/{}, and the estimated normal curvatures are at most {}",
-                Number::rounded(std), self.unit.as_str(), Number::rounded(sharper)
+                "the object is too flat for double precision: the rounding error of a curvature \
+                 is {} 1/{}, and the estimated normal curvatures are at most {}",
+                Number::rounded(std),
+                self.unit.as_str(),
+                Number::rounded(sharper)
             )
         })
     }
 
-    /// Warns of shifts that are shorter than pads of this resolution can report.
+    /// Warning if shifts are shorter than pads of this resolution can report.
     fn pitch(&self) -> Option<String> {
         let resolution = self.options.noise.shift_resolution;
         let shifts = self.recorded.readings.iter();
@@ -70,12 +75,14 @@ impl RollEstimate {
             let [shortest, resolution] = [shortest, resolution].map(Number::rounded);
             let unit = self.unit.as_str();
             format!(
-                "a contact moved by {shortest} {unit}, less than the distance between two pads at a pitch of {resolution} {unit}: is the pitch right, and are the shifts in {unit}?"
+                "a contact moved by {shortest} {unit}, less than the distance between two pads at \
+                 a pitch of {resolution} {unit}: is the pitch correct, and are the shifts in \
+                 {unit}?"
             )
         })
     }
 
-    /// Warns if the stated noise of rotations exceeds every rotation.
+    /// Warning if the stated noise of the rotations exceeds every rotation.
     fn rotation_noise(&self) -> Option<String> {
         let noise = self.options.noise.rotation_std_rad;
         let most = largest_rotation(&self.recorded.readings);
@@ -93,7 +100,7 @@ fn largest_rotation(readings: &[ProbeReading]) -> f64 {
     rotations.fold(0.0, f64::max)
 }
 
-/// Likely mistake in the units of the readings.
+/// Likely mistake in the units of the readings, as text.
 pub(super) fn units(
     readings: &[ProbeReading],
     probe_radius: f64,

@@ -1,4 +1,5 @@
-//! Report of a plane, a sphere or a cylinder through recorded contacts, of a single stroke, and of contacts that are left out.
+//! Report of a plane, a sphere or a cylinder that was fitted to recorded contacts, of a single stroke, and of contacts
+//! that were left out.
 
 use std::collections::BTreeMap;
 
@@ -13,9 +14,9 @@ use palpate_study::config::LengthUnit;
 /// A contact that is left out.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct LeftOut {
-    /// Row of the readings, counted from 1.
+    /// Number of the row in the readings, from 1.
     row: usize,
-    /// `sentinel`, `zeros`, `far` or `misfit`.
+    /// Reason: `sentinel`, `zeros`, `far` or `misfit`.
     reason: &'static str,
 }
 
@@ -28,12 +29,12 @@ impl LeftOut {
     }
 }
 
-/// Curvature along a single stroke.
+/// Report of the curvature along a single stroke.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct StrokeReport {
-    /// Normal curvature along the stroke, > 0 where convex.
+    /// Normal curvature along the stroke, > 0 if convex.
     curvature_along: Value,
-    /// Normal curvature across it, which the stroke does not determine.
+    /// Normal curvature across the stroke, which the stroke does not determine.
     curvature_across: Value,
     /// Unit vector along the stroke, of either sign.
     direction: [f64; 3],
@@ -55,32 +56,33 @@ impl StrokeReport {
     }
 }
 
-/// Size and place of a shape.
+/// Report of the size and the position of a shape.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct ShapeReport {
-    /// `plane`, `sphere`, `cylinder` or `none`.
+    /// Name of the shape: `plane`, `sphere`, `cylinder` or `none`.
     shape: &'static str,
-    /// Probability of each shape and of none of these; `null` if the shape was stated.
+    /// Probabilities of each shape and of none of these; `null` if the shape was stated.
     shape_probabilities: Option<BTreeMap<&'static str, f64>>,
-    /// Radius of the best shape; `None` for a plane.
+    /// Radius of the most probable shape; `None` for a plane.
     #[serde(skip)]
     pub(super) radius: Option<Value>,
-    /// Curvature across a cylinder's axis, or of a sphere; > 0 where convex.
+    /// Curvature of a sphere, or of a cylinder across its axis; > 0 if convex.
     curvature: Value,
-    /// Centre of a sphere, or the point of a cylinder's axis nearest the contacts; `null` if the radius is not resolved.
+    /// Centre of a sphere, or the point of a cylinder's axis that is nearest to the contacts; `null` if the contacts do
+    /// not determine the radius.
     centre: Option<[f64; 3]>,
     centre_std: Option<[f64; 3]>,
-    /// Axis of a cylinder, of either sign.
+    /// Direction of a cylinder's axis; the opposite direction is equivalent. `null` for other shapes.
     axis: Option<[f64; 3]>,
     axis_std_deg: Option<f64>,
-    /// Root-mean-square distance of the contacts from the shape.
+    /// Root mean square distance of the contacts from the shape.
     rms_misfit: Value,
-    /// Probability that contacts of this shape fit worse.
+    /// Probability of a worse fit by chance, if the contacts lie on this shape.
     shape_p_value: f64,
 }
 
 impl ShapeReport {
-    /// The report of a fit. The size is open if `is_open`.
+    /// The report of a shape fit. With `is_open`, the contacts do not determine the size.
     pub(super) fn new(fit: &ShapeFit, unit: LengthUnit, is_open: bool) -> Self {
         let size = |size: &SizeEstimate, power: Unit| match is_open {
             true => Value::open(power, unit),

@@ -13,14 +13,14 @@ use super::error::RecordedError;
 pub(super) struct ReadingSource {
     pub(super) name: String,
     pub(super) lines: Vec<usize>,
-    /// Row of each reading, counted from 0; empty if no row is left out.
+    /// Index of each reading's row, from 0; empty if no row was left out.
     pub(super) rows: Vec<usize>,
     /// Warnings of columns that were found without their names, or are not read.
     pub(super) notes: Vec<Warning>,
 }
 
 impl ReadingSource {
-    /// Arrays that a program has in memory.
+    /// Source of readings in arrays that are in memory.
     pub(super) fn arrays() -> Self {
         Self::new("readings", Vec::new())
     }
@@ -35,12 +35,12 @@ impl ReadingSource {
         }
     }
 
-    /// Line of a reading, if it has one.
+    /// Line of a reading; `None` if it has none.
     pub(super) fn line(&self, reading: usize) -> Option<usize> {
         self.lines.get(reading).copied()
     }
 
-    /// Number of a reading's row, from 1.
+    /// Number of the reading's row, from 1.
     pub(super) fn row_number(&self, reading: usize) -> usize {
         self.rows.get(reading).copied().unwrap_or(reading) + 1
     }
@@ -52,7 +52,7 @@ impl ReadingSource {
         format!("row {}{line}", self.row_number(reading))
     }
 
-    /// The source of these readings alone.
+    /// A source with only the readings in these rows.
     pub(super) fn selected(&self, rows: &[usize]) -> Self {
         let lines = rows.iter().filter_map(|&row| self.line(row)).collect();
         Self {
@@ -63,12 +63,13 @@ impl ReadingSource {
         }
     }
 
-    /// Error that concerns the readings as a whole.
+    /// Error that concerns all readings together.
     pub(super) fn fail(&self, message: impl Into<String>) -> RecordedError {
         RecordedError::readings(&self.name, message)
     }
 
-    /// Error that concerns one reading, with its line in a file. For arrays, the message must state its index.
+    /// Error that concerns one reading; for a file, it states the line of the reading. For arrays, `message` must state
+    /// the index.
     pub(super) fn fail_at(&self, reading: usize, message: String) -> RecordedError {
         match self.line(reading) {
             Some(line) => RecordedError::line(&self.name, line, message),
@@ -76,7 +77,7 @@ impl ReadingSource {
         }
     }
 
-    /// The unit that the header of the file or the setting `length_unit` states.
+    /// Unit that the header of the file or the setting `length_unit` states.
     pub(super) fn unit(
         &self,
         header: Option<LengthUnit>,
@@ -93,7 +94,8 @@ impl ReadingSource {
         }
     }
 
-    /// Warning text if readings repeat all numbers of an earlier one, and these are at least `share` of all readings.
+    /// Text of a warning if readings repeat all numbers of an earlier reading, and if these readings are at least the
+    /// share `share` of all readings.
     pub(super) fn repeated<const N: usize>(
         &self,
         what: &str,
@@ -113,20 +115,20 @@ impl ReadingSource {
     }
 }
 
-/// Consequence of copied readings.
+/// Consequence of repeated readings, for warnings.
 pub(super) const COPIES: &str =
     "copies are not new readings, and make the stated uncertainty too small";
 
-/// Indices of readings that repeat all numbers of an earlier one.
+/// Indices of the readings that repeat all numbers of an earlier reading.
 pub(super) fn copies<const N: usize>(readings: impl Iterator<Item = [f64; N]>) -> Vec<usize> {
-    // Adding 0 turns −0 into 0.
+    // The sum of −0 and 0 is 0, so that −0 and 0 count as equal.
     let bits = |numbers: [f64; N]| numbers.map(|number| (number + 0.0).to_bits());
     let mut earlier = HashSet::new();
     let is_copy = |(place, numbers)| (!earlier.insert(bits(numbers))).then_some(place);
     readings.enumerate().filter_map(is_copy).collect()
 }
 
-/// Rejects numbers of an array that are not finite.
+/// Checks that all numbers of an array are finite.
 pub(super) fn finite<const D: usize>(
     array: &'static str,
     rows: &[[f64; D]],
@@ -140,7 +142,7 @@ pub(super) fn finite<const D: usize>(
     Err(not_finite(array, place, rows[row][column]))
 }
 
-/// Error of a number of an array that is not finite.
+/// Error for a number in an array that is not finite.
 pub(super) fn not_finite(array: &'static str, index: Vec<usize>, value: f64) -> RecordedError {
     RecordedError::Array {
         array,
@@ -150,7 +152,7 @@ pub(super) fn not_finite(array: &'static str, index: Vec<usize>, value: f64) -> 
     }
 }
 
-/// Rejects an array that has more or fewer rows than another.
+/// Checks that an array has as many rows as another array.
 pub(super) fn same_length(
     (array, rows): (&'static str, usize),
     (other, rows_of_other): (&str, usize),

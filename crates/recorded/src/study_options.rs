@@ -1,4 +1,4 @@
-//! Options of estimates from recorded readings, copied from a study.
+//! Options of an estimate from recorded readings that are stated in a study.
 
 use palpate_study::config::{
     FingertipConfig, GlideSensorConfig, LengthUnit, PressConfig, PressProbeConfig, ProbeConfig,
@@ -12,23 +12,23 @@ use palpate_ep1::ReadingNoise;
 use palpate_geometry::ShapeThresholds;
 use palpate_study::FieldError;
 
-/// Why the settings of a study cannot be used for readings.
+/// Reason for which the settings of a study cannot be used for readings.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StudyMismatch {
-    /// The study's scene is of another kind.
+    /// The scene of the study is of another kind than the readings.
     #[error("must be {needed:?} for these readings, is {found:?}")]
     Kind {
         /// Kind of scene that has such readings.
         needed: &'static str,
-        /// The study's kind.
+        /// Kind of the study's scene.
         found: &'static str,
     },
-    /// The study's lengths cannot be converted to the readings' unit.
+    /// The lengths of the study cannot be converted to the unit of the readings.
     #[error("is {}, but the readings are in {}", study.as_str(), readings.as_str())]
     Unit {
-        /// The study's unit.
+        /// Unit of the study.
         study: LengthUnit,
-        /// The readings'.
+        /// Unit of the readings.
         readings: LengthUnit,
     },
     /// A field of the study is invalid.
@@ -37,7 +37,7 @@ pub enum StudyMismatch {
 }
 
 impl StudyMismatch {
-    /// Path of the field that is at fault.
+    /// Path of the study's field that causes the problem.
     pub fn path(&self) -> &str {
         match self {
             Self::Kind { .. } => "scene.kind",
@@ -61,7 +61,7 @@ pub(super) fn factor(study: &StudyConfig, unit: LengthUnit) -> Result<f64, Study
     })
 }
 
-/// The press of a study.
+/// Settings of the press in a study; an error if its scene is no press.
 pub(super) fn press_of(study: &StudyConfig) -> Result<&PressConfig, StudyMismatch> {
     match &study.scene {
         SceneConfig::Press(press) => Ok(press),
@@ -75,10 +75,11 @@ fn other_kind(needed: &'static str, scene: &SceneConfig) -> StudyMismatch {
 }
 
 impl RollOptions {
-    /// Options with the probe and the estimator of a study and with this noise of its sensor, lengths converted to `unit`.
+    /// Options with the probe and the estimator of a study, and with `noise` as the noise of its sensor. Lengths are
+    /// converted to `unit`.
     ///
     /// # Errors
-    /// [`StudyMismatch`] for a scene of another kind, a unit that cannot be converted, and errors of `noise`.
+    /// [`StudyMismatch`] if the scene is of another kind, if the unit cannot be converted, and if `noise` fails.
     pub fn from_study(
         study: &StudyConfig,
         unit: LengthUnit,
@@ -104,12 +105,12 @@ impl RollOptions {
 }
 
 impl GlideOptions {
-    /// Options with the estimator, the inter-finger distance and the thresholds of a study, and with its tip if
-    /// readings state the tip's lowest point; lengths are converted to `unit`.
+    /// Options with the estimator, the inter-finger distance and the thresholds of a study, and with its fingertip if
+    /// the readings state the lowest point of the tip. Lengths are converted to `unit`.
     ///
     /// # Errors
-    /// [`StudyMismatch`] for a scene of another kind, a unit that cannot be converted, and thresholds that contradict each
-    /// other.
+    /// [`StudyMismatch`] if the scene is of another kind, if the unit cannot be converted, and if the thresholds
+    /// contradict each other.
     pub fn from_study(study: &StudyConfig, unit: LengthUnit) -> Result<Self, StudyMismatch> {
         let SceneConfig::Glide(config) = &study.scene else {
             return Err(other_kind("glide", &study.scene));
@@ -121,7 +122,8 @@ impl GlideOptions {
             evaluate.mean_threshold / factor,
         )
         .map_err(|error| FieldError::at("scene.evaluate", error))?;
-        // The tip's radius is needed only if the sensor reports the lowest point of a round tip instead of the contact.
+        // The radius of the fingertip is needed only if the sensor reports the lowest point of a round tip instead of
+        // the contact.
         let tip_radius = match (&config.probe, &config.sensor) {
             (
                 FingertipConfig::Sphere { radius },
@@ -146,12 +148,12 @@ impl GlideOptions {
 }
 
 impl PressOptions {
-    /// Options with the sensor and the estimator of a study, lengths converted to `unit`. The indentation of the study's
-    /// presses is not that of the readings. `stated_stds` gives the standard deviations of normal and tangential
-    /// displacements that the study states to its estimator.
+    /// Options with the sensor and the estimator of a study. Lengths are converted to `unit`. The study's indentation
+    /// is not used, because the readings have another one. `stated_stds` computes the standard deviations of normal and
+    /// tangential displacements that the study states to its estimator.
     ///
     /// # Errors
-    /// [`StudyMismatch`] for a scene of another kind, a unit that cannot be converted, and errors of `stated_stds`.
+    /// [`StudyMismatch`] if the scene is of another kind, if the unit cannot be converted, and if `stated_stds` fails.
     pub fn from_study(
         study: &StudyConfig,
         unit: LengthUnit,
@@ -171,7 +173,7 @@ impl PressOptions {
         })
     }
 
-    /// Options with the skin radius and the marker depth of a probe.
+    /// Options with the skin radius and the marker depth of the probe.
     pub(super) fn of_probe(probe: &PressProbeConfig) -> Self {
         let PressProbeConfig::MarkerSphere {
             radius,

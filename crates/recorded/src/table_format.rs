@@ -1,4 +1,4 @@
-//! Settings of a table that the table itself does not show.
+//! Settings that describe the form of a table and that the table itself does not state.
 
 use std::str::FromStr;
 
@@ -8,16 +8,17 @@ use palpate_study::readings::ColumnNames;
 use super::delimited_text::fields;
 use super::roll_rotation::RotationFrame;
 
-/// Form of a table of readings. Settings that are `None` are detected in the table if possible.
+/// Form of a table of readings. Settings that are `None` are detected from the table if possible.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Form {
-    /// Names of columns in the file that differ from palpate's. Keys are palpate's names, with or without a unit.
+    /// Names of columns in the file that differ from palpate's names. Keys are palpate's names, with or without a unit.
     pub columns: ColumnNames,
     /// Character between fields.
     pub delimiter: Option<Delimiter>,
     /// Decimal sign of numbers.
     pub decimal: Option<Decimal>,
-    /// Unit of lengths: lengths with a unit in the header are converted to it, all others are already in it.
+    /// Unit of lengths. Lengths with another unit in the header are converted to it; lengths without a unit are assumed
+    /// to be in it.
     pub length_unit: Option<LengthUnit>,
     /// Frame in which rotations count, if rolls are orientations over time; the probe's by default.
     pub rotation_frame: Option<RotationFrame>,
@@ -26,21 +27,21 @@ pub struct Form {
 /// Character between the fields of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Delimiter {
-    /// A tab.
+    /// Fields are separated by a tab.
     Tab,
-    /// `;`.
+    /// Fields are separated by `;`.
     Semicolon,
-    /// `,`.
+    /// Fields are separated by `,`.
     Comma,
     /// Any number of spaces and tabs.
     Space,
 }
 
 impl Delimiter {
-    /// Delimiters, in the order in which they are tried.
+    /// All delimiters, in the order in which they are tried.
     pub(super) const ALL: [Self; 4] = [Self::Tab, Self::Semicolon, Self::Comma, Self::Space];
 
-    /// Name in options.
+    /// Name of the delimiter in options.
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Tab => "tab",
@@ -60,7 +61,7 @@ impl Delimiter {
     }
 }
 
-/// A delimiter by its name or the character itself.
+/// Parses the name of a delimiter, or the character itself.
 impl FromStr for Delimiter {
     type Err = String;
 
@@ -74,13 +75,13 @@ impl FromStr for Delimiter {
 /// Decimal sign of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decimal {
-    /// `1.5`.
+    /// A decimal point, as in `1.5`.
     Point,
-    /// `1,5`.
+    /// A decimal comma, as in `1,5`.
     Comma,
 }
 
-/// A decimal sign by its name or the character itself.
+/// Parses the name of a decimal sign, or the character itself.
 impl FromStr for Decimal {
     type Err = String;
 
@@ -93,8 +94,8 @@ impl FromStr for Decimal {
     }
 }
 
-/// Parses names of columns from a text such as `x=Finger X [m],y=Finger Y [m]`. A pair that contains a comma must be
-/// in quotation marks.
+/// Parses names of columns from a text such as `x=Finger X [m],y=Finger Y [m]`. A pair that contains a comma must be in
+/// quotation marks.
 ///
 /// ```
 /// use palpate_recorded::column_names;
@@ -107,7 +108,7 @@ impl FromStr for Decimal {
 /// ```
 ///
 /// # Errors
-/// Message about a pair without `=`, a pair with nothing on one side of it, or a name that is given twice.
+/// A message, if a pair has no `=` or nothing on one side of it, or if a name occurs twice.
 pub fn column_names(text: &str) -> Result<ColumnNames, String> {
     let mut names = ColumnNames::new();
     for pair in fields(text).map_err(|error| error.to_string())? {
@@ -130,7 +131,7 @@ pub fn column_names(text: &str) -> Result<ColumnNames, String> {
     }
 }
 
-/// A pair of names in the form that [`column_names`] reads.
+/// A pair of names in the format that [`column_names`] reads.
 pub(super) fn pair(name: &str, in_file: &str) -> String {
     let pair = format!("{name}={in_file}");
     match pair.contains([',', '"']) {

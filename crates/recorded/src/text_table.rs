@@ -1,4 +1,4 @@
-//! Tables as rows of text fields, whatever the format of the file.
+//! Tables as rows of text fields, independent of the file format.
 
 use std::cell::Cell;
 
@@ -18,9 +18,9 @@ use super::table_layout::{
 /// Maximum number of lines of a table.
 const MAX_LINES: usize = 5_000_000;
 
-/// A row of fields.
+/// One row of a table, as fields.
 pub(super) struct Record<'a> {
-    /// Line, from 1.
+    /// Line of the row, from 1.
     pub(super) line: usize,
     /// Whether a blank line precedes the row.
     pub(super) is_after_gap: bool,
@@ -30,9 +30,9 @@ pub(super) struct Record<'a> {
 /// Result of a function that reads one row.
 pub(super) type RowResult = Result<(), RecordedError>;
 
-/// Format of a table. Each has a file that reads its header and its rows.
+/// Format of a table. Each format has its own source file, which reads the header and the rows.
 enum Format<'a> {
-    /// Fields that are separated by a delimiter.
+    /// Fields separated by a delimiter.
     Delimited(DelimitedText<'a>),
     /// JSON, and its text.
     Json(JsonTable<'a>, Text<'a>),
@@ -40,7 +40,7 @@ enum Format<'a> {
     Numpy(NumpyTable<'a>),
 }
 
-/// A table as text, with its header.
+/// A table as text fields, with its header.
 pub(super) struct TextTable<'a> {
     pub(super) file: &'a RecordedFile,
     format: Format<'a>,
@@ -172,7 +172,9 @@ impl<'a> TextTable<'a> {
         let text = Text::of(file.text("a header and one row per reading are needed")?);
         let lines = text.lines().count();
         if lines > MAX_LINES {
-            return Err(file.error(format!("has {lines} lines; at most {MAX_LINES} are read")));
+            return Err(file.error(format!(
+                "has {lines} lines; at most {MAX_LINES} are accepted"
+            )));
         }
         let (text, stated) = text.begun();
         let (first, header_line) = text.rows_after(0).next().unwrap_or(("", 1));
@@ -190,12 +192,12 @@ impl<'a> TextTable<'a> {
         Ok((format, header, header_line))
     }
 
-    /// Whether the columns are separated by commas.
+    /// Whether commas separate the columns.
     pub(super) fn has_commas(&self) -> bool {
         matches!(&self.format, Format::Delimited(text) if text.delimiter == Delimiter::Comma)
     }
 
-    /// Whether there may be fields with a comma.
+    /// Whether fields of the table may contain a comma.
     pub(super) fn may_have_commas(&self) -> bool {
         match &self.format {
             Format::Delimited(text) if text.delimiter == Delimiter::Comma => {
@@ -208,7 +210,7 @@ impl<'a> TextTable<'a> {
         }
     }
 
-    /// Calls `take` with every row until it fails.
+    /// Calls `take` for every row, until it returns an error.
     pub(super) fn each(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         let Some((header, wide)) = &self.wide else {
             return self.rows(&self.header, take);
@@ -262,19 +264,20 @@ impl<'a> TextTable<'a> {
 pub(super) struct Text<'a> {
     pub(super) all: &'a str,
     pub(super) end: char,
-    /// Line of the file where the text begins, from 1.
+    /// Line of the file, from 1, at which the text begins.
     pub(super) line: usize,
 }
 
 impl<'a> Text<'a> {
-    /// A text whose lines end with line feeds or, if it has none, with carriage returns.
+    /// Text whose lines end with line feeds or, if it has none, with carriage returns.
     pub(super) fn of(all: &'a str) -> Self {
         let end = if all.contains('\n') { '\n' } else { '\r' };
         Self { all, end, line: 1 }
     }
 
-    /// The text from its header on, and the delimiter from a line `sep=` that Excel writes before it. Lines that
-    /// begin with # are comments; but if numbers follow, the last of them is the header, as NumPy writes it.
+    /// The text from its header on, and the delimiter stated in a line `sep=`, which Excel writes before the header.
+    /// Lines that begin with # are comments. If numbers follow, however, the last comment is the header, as NumPy
+    /// writes it.
     fn begun(self) -> (Self, Option<Delimiter>) {
         let (mut start, mut comment, mut stated) = (0, None, None);
         for (line, number) in self.lines().zip(1..) {
@@ -305,7 +308,7 @@ impl<'a> Text<'a> {
         self.all.split_terminator(self.end)
     }
 
-    /// Lines of the file after this one that are not blank, with their numbers.
+    /// Lines of the file after `line` that are not blank, with their line numbers.
     pub(super) fn rows_after(self, line: usize) -> impl Iterator<Item = (&'a str, usize)> {
         let lines = self.lines().zip(self.line..);
         lines.filter(move |(text, number)| *number > line && !text.trim().is_empty())

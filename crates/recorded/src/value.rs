@@ -1,4 +1,4 @@
-//! Values with their uncertainty, as the JSON of an estimate has them.
+//! Values with their uncertainty, as in the JSON of an estimate.
 
 use std::borrow::Cow;
 
@@ -12,16 +12,17 @@ use serde::Serialize;
 /// meaning, not when a key is added.
 pub(super) const FORMAT_VERSION: u32 = 2;
 
-/// A value with its standard deviation, interval and unit.
+/// A value with its standard error, its interval and its unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Value {
-    /// The value; `None` if the readings do not determine it.
+    /// The estimated value; `None` if the readings do not determine it.
     pub value: Option<f64>,
-    /// Its standard deviation; `None` if the noise is unknown.
+    /// Standard error of the value; `None` if the noise is unknown.
     pub std: Option<f64>,
-    /// 95 % interval, `None` without a standard deviation; an end is `None` if the readings set no bound.
+    /// 95 % interval of the value; `None` without a standard error. An end is `None` if the readings set no bound
+    /// there.
     pub interval95: Option<[Option<f64>; 2]>,
-    /// Unit of all of them.
+    /// Unit of the value, the standard error and the interval.
     pub unit: Cow<'static, str>,
 }
 
@@ -50,12 +51,12 @@ impl Value {
         }
     }
 
-    /// The value; NaN if the readings do not determine it.
+    /// The value as a number; NaN if the readings do not determine it.
     pub(super) fn number(&self) -> f64 {
         self.value.unwrap_or(f64::NAN)
     }
 
-    /// A value whose 95 % interval reaches `half_width` standard deviations to either side.
+    /// A value whose 95 % interval extends `half_width` standard errors to both sides.
     pub(super) fn within(
         value: f64,
         std: Option<f64>,
@@ -72,7 +73,7 @@ impl Value {
         }
     }
 
-    /// A value with its own interval.
+    /// A value with the interval of the estimate `estimated`.
     pub(super) fn of(estimated: &Estimated, power: Unit, length: LengthUnit) -> Self {
         let ends = [estimated.interval.low, estimated.interval.high];
         Self {
@@ -83,8 +84,8 @@ impl Value {
     }
 }
 
-/// A finite number without the sign of zero.
+/// The number if it is finite, with 0 instead of −0.
 pub(super) fn finite(number: f64) -> Option<f64> {
-    // Adding 0 turns −0 into 0.
+    // The sum of −0 and 0 is 0.
     Some(number + 0.0).filter(|number| number.is_finite())
 }

@@ -10,8 +10,11 @@ const MAX_MIB: usize = 256;
 const END: usize = 22;
 const MAX_COMMENT: usize = 65_535;
 
-/// Names and contents of all members.
-pub(super) fn members(bytes: &[u8]) -> Result<Vec<(String, Cow<'_, [u8]>)>, String> {
+/// Name and contents of a file in an archive.
+pub(super) type Member<'a> = (String, Cow<'a, [u8]>);
+
+/// Returns all files of an archive, in its order.
+pub(super) fn members(bytes: &[u8]) -> Result<Vec<Member<'_>>, String> {
     let truncated = || "is no sound zip archive: it is truncated".to_owned();
     let last = bytes.len().checked_sub(END).ok_or_else(truncated)?;
     let mut ends = (last.saturating_sub(MAX_COMMENT)..=last).rev();

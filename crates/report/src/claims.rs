@@ -1,4 +1,4 @@
-//! Published claims, their scores by the tables of a study, and the scorecard.
+//! Published claims, their scores from the tables of studies, and the scorecard.
 
 mod bounds;
 mod check;
@@ -15,14 +15,14 @@ use claim::{Claim, Finding};
 use palpate_study::{Column, Table};
 use std::fmt;
 
-/// Verdict on a claim by the tables.
+/// Verdict on a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// The tables show what the paper says, within the stated thresholds.
+    /// The tables agree with the paper's statement, within the bounds of the claim's checks.
     Holds,
-    /// The tables show something else.
+    /// The tables contradict the paper's statement.
     Differs,
-    /// The tables lack the rows or numbers for the claim.
+    /// The tables do not contain the rows or numbers that a test of the claim needs.
     NotTestable,
 }
 
@@ -36,26 +36,26 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// Verdict on one claim by the tables of one study.
+/// Verdict on one claim from the tables of one study.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Score {
     /// Number of the claim.
     pub claim: u32,
     /// Name of the study.
     pub study: String,
-    /// Claim in at most six words. This and the next two fields are empty if no claim has this number.
+    /// The claim in at most six words. If no claim has this number, this field and the next two are empty.
     pub title: String,
-    /// Published value, in short.
+    /// Published value, as a short text.
     pub published: String,
-    /// Claim of the paper, in a sentence.
+    /// Statement of the paper, in one sentence.
     pub paper_says: String,
-    /// Measured value beside the published one; empty if the claim is not testable.
+    /// Measured value that the scorecard compares with the published value; empty if the claim is not testable.
     pub headline: String,
-    /// Finding in the tables, with units; empty if the claim is not testable.
+    /// Result from the tables, with units; empty if the claim is not testable.
     pub measured: String,
-    /// The verdict.
+    /// Verdict on the claim.
     pub verdict: Verdict,
-    /// Thresholds behind the verdict, and further remarks; for a claim that is not testable, the reason.
+    /// Bounds on which the verdict is based, and further remarks. If the claim is not testable, the reason.
     pub why: String,
 }
 
@@ -64,14 +64,14 @@ pub fn is_claim(number: u32) -> bool {
     all().iter().any(|claim| claim.number == number)
 }
 
-/// All claims.
+/// All claims about the papers' results.
 fn all() -> Vec<Claim> {
     let claims = rolls::claims().into_iter().chain(pads::claims());
     let claims = claims.chain(patches::claims()).chain(presses::claims());
     claims.chain(sensors::claims()).collect()
 }
 
-/// Scores the claims that each study names, in order of the claims' numbers, then of the studies.
+/// Scores the claims that each study names, sorted by claim number and then by study.
 ///
 /// ```
 /// use palpate_report::{Study, Verdict, score};
@@ -157,8 +157,8 @@ pub fn claims_table(scores: &[Score]) -> Table {
     table
 }
 
-/// One line per score, under a header: number, claim, published value, measured value, verdict and study; then a line
-/// of totals. Returns an empty text if there are no scores.
+/// A text table with a header, one line per score (number, claim, published value, measured value, verdict and study),
+/// and a last line with the totals. Empty if there are no scores.
 ///
 /// ```
 /// use palpate_report::{Score, Verdict, scorecard_lines};

@@ -1,40 +1,41 @@
-//! Errors of reading, drawing, scoring and writing studies, each with the place where something is wrong.
+//! Errors while reading, drawing, scoring and writing studies. Each error names the file and the place in the file.
 
 use std::path::PathBuf;
 
-/// Reason for which a study could not be read, drawn, scored or written. Each variant names the file and, where there
-/// is one, the line, column or key, and the value found there.
+/// Reason why a study could not be read, drawn, scored or written. Each variant names the file; if possible, also the
+/// line, column or key, and the value found there.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
     /// A file could not be read, written or renamed.
     #[error("{}: {source}", path.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A file is not CSV: bad quoting, a row of another length, not UTF-8.
+    /// A file is not valid CSV: wrong quotation marks, rows with different numbers of fields, or text that is not
+    /// UTF-8.
     #[error("{}: {source}", path.display())]
     Csv {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the parser, with the line.
         source: csv::Error,
     },
-    /// A table is empty, lacks a column or has one twice, or a cell has a value of another type.
+    /// A table is empty, a column is missing or occurs twice, or a cell has a value of the wrong type.
     #[error("{}: {problem}", path.display())]
     BadTable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Problem with the table, with the line, the column and the value of a cell.
+        /// The problem. If it is in a cell of the table, it states the line, the column and the value.
         problem: String,
     },
-    /// `run.toml` is not TOML.
+    /// `run.toml` is not valid TOML.
     #[error("{}: {source}", path.display())]
     Toml {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the parser, with the line and column.
         source: Box<toml::de::Error>,
@@ -45,9 +46,9 @@ pub enum ReportError {
     /// A key of `run.toml` is absent, unknown or of the wrong type.
     #[error("{}: {key}: {problem}", path.display())]
     BadKey {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The key, dotted.
+        /// The key, with dots between its parts.
         key: String,
         /// Problem with the key, and its value.
         problem: String,
@@ -55,22 +56,22 @@ pub enum ReportError {
     /// A plot cannot be drawn from this table.
     #[error("{}: plot {plot:?}: {problem}", path.display())]
     BadPlot {
-        /// The `run.toml`.
+        /// The `run.toml` that contains the plot.
         path: PathBuf,
         /// Name of the plot.
         plot: String,
-        /// Problem with the plot, and the value that causes it.
+        /// The problem, and the value that causes it.
         problem: String,
     },
-    /// The drawing library failed.
+    /// The drawing library reported an error.
     #[error("{}: drawing failed: {message}", path.display())]
     Draw {
-        /// The picture.
+        /// The image that was drawn.
         path: PathBuf,
         /// Error of the drawing library.
         message: String,
     },
-    /// The page's template failed.
+    /// The template of the page cannot be rendered.
     #[error("the page's template failed: {0}")]
     Template(#[from] minijinja::Error),
 }

@@ -1,14 +1,14 @@
-//! Files of a study, by name: in a folder, or in memory.
+//! Files of a study, accessed by name, in a folder or in memory.
 
 use crate::ReportError;
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Largest size of a file that is read, MiB; larger than the tables of the largest possible study.
+/// Largest size of a file that is read, MiB. The tables of the largest possible study are smaller.
 const MOST_MIB: u64 = 4096;
 
-/// Files of a study by their names: in a folder, or in memory. They are read, never written.
+/// Files of a study, accessed by name, in a folder or in memory. They are only read, never written.
 ///
 /// ```
 /// use palpate_report::Files;
@@ -23,7 +23,7 @@ pub struct Files {
 }
 
 impl Files {
-    /// Files of a folder, read when they are needed.
+    /// Files of a folder. A file is read when it is needed.
     pub fn in_folder(folder: impl AsRef<Path>) -> Self {
         Self {
             folder: folder.as_ref().to_owned(),
@@ -31,7 +31,7 @@ impl Files {
         }
     }
 
-    /// Files in memory, as names with texts.
+    /// Files in memory, given as pairs of name and text.
     pub fn in_memory<N: Into<String>, T: Into<String>>(
         texts: impl IntoIterator<Item = (N, T)>,
     ) -> Self {
@@ -54,7 +54,8 @@ impl Files {
         }
     }
 
-    /// Adds `others` to files in memory, unless a file of the same name exists; a folder does not change.
+    /// Adds `others` to files in memory. A file whose name already exists is not added. Files in a folder do not
+    /// change.
     pub(crate) fn or<const N: usize>(mut self, others: [(&str, &str); N]) -> Self {
         for (name, text) in others {
             if let Some(texts) = &mut self.texts {
@@ -64,7 +65,7 @@ impl Files {
         self
     }
 
-    /// Files of a folder in this one.
+    /// Files of a subfolder.
     pub(crate) fn within(&self, name: &str) -> Self {
         Self::in_folder(self.path(name))
     }
@@ -74,12 +75,12 @@ impl Files {
         &self.folder
     }
 
-    /// Path of a file, as errors name it.
+    /// Path of a file, for error messages.
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
 
-    /// The whole of a text file.
+    /// The complete text of a file.
     pub(crate) fn read(&self, name: &str) -> Result<String, ReportError> {
         let text = match &self.texts {
             Some(texts) => texts

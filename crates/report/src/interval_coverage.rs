@@ -1,10 +1,10 @@
-//! Coverage of the intervals of every estimator: the share of the intervals that contain the true value.
+//! Coverage of the intervals of every estimator, that is, the share of the intervals that contain the true value.
 
 use crate::records::by_key;
 use crate::{Study, Table};
 use palpate_study::Statistic;
 
-/// Statistics of the coverage of intervals, and the stated coverage of each.
+/// The coverage statistics of the table, each with the coverage that its intervals are stated to have.
 pub(crate) const STATED: [(Statistic, f64); 3] = [
     (Statistic::Coverage50, 0.50),
     (Statistic::Coverage80, 0.80),
@@ -14,23 +14,23 @@ pub(crate) const STATED: [(Statistic, f64); 3] = [
 /// Coverage of the intervals of one estimator with one sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Estimator {
-    /// Kind of scene, estimator and sensor.
+    /// Name, made from the kinds of the scene, the estimator and the sensor.
     pub(crate) name: String,
-    /// Indices of the studies that have such intervals, each with the coverage in its rows.
+    /// Each study that has intervals of this estimator: its index, and the coverage in each of its rows.
     pub(crate) studies: Vec<(usize, Vec<Coverage>)>,
 }
 
-/// Coverage of the intervals of a quantity in a cell.
+/// Coverage of the intervals of one quantity in one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Coverage {
-    /// Row of the study's table.
+    /// Index of the row in the study's table.
     pub(crate) row: usize,
-    /// Shares in the order of [`STATED`].
+    /// Share of intervals that contain the true value, in the order of [`STATED`].
     pub(crate) shares: [f64; 3],
 }
 
 impl Estimator {
-    /// Every estimator whose intervals the studies have tested, in the order of appearance. Cells with fewer than two
+    /// All estimators for which the studies contain intervals, in order of appearance. Cells with fewer than two
     /// successful trials are left out.
     pub(crate) fn all(studies: &[Study]) -> Vec<Self> {
         let of_study = |(place, study): (usize, &Study)| {
@@ -49,7 +49,7 @@ impl Estimator {
             .collect()
     }
 
-    /// All rows of all studies.
+    /// Coverage in all rows of all studies.
     pub(crate) fn rows(&self) -> impl Iterator<Item = &Coverage> {
         self.studies.iter().flat_map(|(_, rows)| rows)
     }
@@ -63,7 +63,7 @@ fn measured(table: &Table, row: usize) -> Option<Coverage> {
     (successes >= 2.0).then_some(Coverage { row, shares })
 }
 
-/// Kinds of scene, estimator and sensor of a row; those that the study does not state are omitted.
+/// Kinds of the scene, the estimator and the sensor of a row, as text. A kind that the study does not state is omitted.
 fn name(study: &Study, row: usize) -> Option<String> {
     let scene = study.text(row, "scene.kind")?;
     let others = ["scene.estimator", "scene.sensor"].into_iter();
@@ -71,13 +71,13 @@ fn name(study: &Study, row: usize) -> Option<String> {
     Some(format!("{scene}: {}", others.join(", ")))
 }
 
-/// `kind` of a part of a row's scene, or the part's label if a sweep replaces it.
+/// The `kind` of a part of the row's scene. If this part is swept, its label.
 fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
     let kind = study.text(row, &format!("{path}.kind"));
     kind.or_else(|| study.text(row, path))
 }
 
-/// Means of the shares.
+/// Mean over the rows of each of the three shares.
 pub(crate) fn mean_shares<'a>(rows: impl Iterator<Item = &'a Coverage> + Clone) -> [f64; 3] {
     let count = rows.clone().count().max(1) as f64;
     [0, 1, 2].map(|at| rows.clone().map(|row| row.shares[at]).sum::<f64>() / count)

@@ -2,9 +2,9 @@
 //!
 //! A study consists of `cells.csv`, `failures.csv` and `run.toml`, in a folder or in memory ([`Files`]). Some plots
 //! also need `map.csv`, or `trace.csv` and `readings.csv`. The crate uses no simulation, no clock and no network. It
-//! returns texts and pictures, and writes no files.
+//! returns texts and images, and writes no files.
 //!
-//! | from | to | by |
+//! | input | output | function |
 //! |---|---|---|
 //! | [`Files`] | [`Study`] | [`Study::load`], [`Study::read`] |
 //! | a study's `[[plot]]` tables | [`Figure`]s, as SVG and PNG | [`figures`] |
@@ -13,7 +13,7 @@
 //! | probabilities of distinguishing two objects | a heat map, as a [`Figure`] | [`heat_figure`] |
 //! | a number with its standard error for each item | a bar chart, as a [`Figure`] | [`bar_figure`] |
 //! | the answer of `palpate design` | a [`Figure`] | [`design_figure`] |
-//! | tables of `cargo xtask tradeoff` | a Pareto front per ladder | [`tradeoff_figures`] |
+//! | tables of `cargo xtask tradeoff` | a Pareto front for each comparison of models | [`tradeoff_figures`] |
 //! | a study's `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`claims_table`] |
 //! | several studies | one HTML page, one line per claim for the terminal | [`page`], [`scorecard_lines`] |
 

@@ -1,4 +1,4 @@
-//! Self-contained HTML page of several studies.
+//! Creates a self-contained HTML page about several studies.
 
 use crate::{Figure, ReportError, Score, Study, Verdict, figures, score};
 use crate::{page_sections, phrases, plot};
@@ -7,9 +7,10 @@ use minijinja::{Environment, context};
 use palpate_study::number::grouped;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The page shows the scorecard, and each study's source, sample size, figures, failures and config. Below are the
-/// share of each estimator's intervals that contain the true value, the measurements in `tradeoff/` and `peers.csv`
-/// if all studies lie in one folder, and the glossary of `palpate explain`. It has no scripts and loads nothing.
+/// The HTML page about some studies. It shows the scorecard and, for each study, its source, sample size, figures,
+/// failures and config. Further sections show the coverage of each estimator's intervals and the glossary of `palpate
+/// explain`. If all studies are in one folder, a section shows the measurements in its `tradeoff/` and `peers.csv`. The
+/// page contains no scripts and loads no other files.
 ///
 /// ```
 /// use palpate_report::{Study, page};
@@ -32,10 +33,11 @@ use std::collections::{BTreeMap, BTreeSet};
 /// ```
 ///
 /// # Errors
-/// A plot of a study is wrong, as for [`figures()`](crate::figures()); a table of measurements is malformed.
+/// [`ReportError`] if a plot of a study cannot be drawn, as for [`figures()`](crate::figures()), or if a table of
+/// measurements is malformed.
 pub fn page(studies: &[Study]) -> Result<String, ReportError> {
     let mut environment = Environment::new();
-    // A name that ends in .html enables escaping.
+    // The name of the template ends in .html so that the template engine escapes HTML.
     environment.add_template("page.html", include_str!("../templates/page.html"))?;
     for (name, text) in [
         (
@@ -75,7 +77,7 @@ pub fn page(studies: &[Study]) -> Result<String, ReportError> {
     })?)
 }
 
-/// Numbers of scores with each verdict, in words.
+/// The number of scores with each verdict, as text.
 fn counts(scores: &[Score]) -> String {
     let all = [Verdict::Holds, Verdict::Differs, Verdict::NotTestable];
     let counted = all.map(|verdict| {
@@ -159,7 +161,8 @@ fn cells(study: &Study) -> u64 {
     cells.len() as u64
 }
 
-/// Smallest scale of a figure, below which it scrolls sideways. Its text is then 11 pixels high.
+/// Smallest scale of a figure on the page. On narrower screens, the figure scrolls sideways. At this scale its text is
+/// 11 pixels high.
 const LEAST_SCALE: f64 = 0.61;
 
 /// Smallest width of a figure, pixels.

@@ -1,4 +1,5 @@
-//! Sections of the page below those of the studies: coverage of the intervals, measurements, and glossary.
+//! The last sections of the page, which do not belong to one study: coverage of the intervals, measurements, and
+//! glossary.
 
 use crate::interval_coverage::{Coverage, Estimator, mean_shares};
 use crate::page::least_width;
@@ -12,13 +13,13 @@ use palpate_study::label::{self, with_unit};
 use palpate_study::number::{self, finite, grouped};
 use palpate_study::{Quantity, Statistic};
 
-/// Coverage below which intervals of 95 % are reported as too narrow.
+/// Coverage of 95 % intervals below which they are reported as too narrow.
 const MIN_COVERAGE: f64 = 0.90;
 
 /// Section on the coverage of the intervals of each estimator; `None` if the studies have no intervals.
 ///
 /// # Errors
-/// The figure cannot be drawn.
+/// [`ReportError`] if the figure cannot be drawn.
 pub(crate) fn coverage(studies: &[Study]) -> Result<Option<Value>, ReportError> {
     let estimators = Estimator::all(studies);
     if estimators.is_empty() {
@@ -55,7 +56,8 @@ fn estimator(estimator: &Estimator, studies: &[Study]) -> Value {
     context! { name => &estimator.name, studies => of_studies, ..counted(&rows) }
 }
 
-/// Number of rows, their mean coverage, and number of rows with too narrow intervals.
+/// Numbers for the template: the number of rows, their mean coverage, and the number of rows whose intervals are too
+/// narrow.
 fn counted(rows: &[&Coverage]) -> Value {
     let shares = mean_shares(rows.iter().copied()).map(percent);
     let short = rows
@@ -65,7 +67,7 @@ fn counted(rows: &[&Coverage]) -> Value {
     context! { rows => grouped(rows.len() as u64), shares, short => grouped(short as u64) }
 }
 
-/// Name of the quantity and swept values of a row.
+/// The quantity and the swept values of a row, as text.
 fn words(study: &Study, row: usize) -> String {
     let table = study.cells();
     let quantity = label::quantity(table.quantity(row));
@@ -91,7 +93,7 @@ pub(crate) fn folder(studies: &[Study]) -> Option<Files> {
 /// Sections for `tradeoff/` and `peers.csv`, if the folder contains them.
 ///
 /// # Errors
-/// A table is malformed.
+/// [`ReportError`] if a table is malformed.
 pub(crate) fn measurements(folder: &Files) -> Result<Value, ReportError> {
     type Section = fn(&Files) -> Result<Value, ReportError>;
     let section = |name: &str, make: Section| {
@@ -152,7 +154,8 @@ fn answer(answer: &Answer) -> Value {
 /// Header and rows of a table.
 type Parts = (Vec<String>, Vec<Vec<String>>);
 
-/// Table of `peers.csv` with the verdicts in its second column, and the machine if all rows have the same.
+/// The table of `peers.csv`, with the verdicts as its second column. Also the name of the machine, if it is the same in
+/// all rows.
 fn peers(folder: &Files) -> Result<Value, ReportError> {
     let mut parts = Records::read(folder, "peers.csv", &[])?.into_parts();
     let machine = take_constant(&mut parts, "machine");
@@ -166,7 +169,7 @@ fn peers(folder: &Files) -> Result<Value, ReportError> {
     Ok(context! { table => shown(parts), machine })
 }
 
-/// Removes a column that is the same in all rows, and returns its text.
+/// If a column has the same text in all rows, removes the column from the table and returns the text.
 fn take_constant((header, rows): &mut Parts, name: &str) -> Option<String> {
     let at = header.iter().position(|column| column == name)?;
     let constant = rows.first()?[at].clone();
@@ -179,7 +182,7 @@ fn take_constant((header, rows): &mut Parts, name: &str) -> Option<String> {
     Some(constant)
 }
 
-/// Table for the template, with headers in words.
+/// A table for the template, with headers as readable text.
 fn shown((header, rows): Parts) -> Value {
     let header: Vec<String> = header.iter().map(|name| heading(name)).collect();
     let spoken = |row: &Vec<String>| row.iter().map(|cell| spoken(cell)).collect();
@@ -187,7 +190,7 @@ fn shown((header, rows): Parts) -> Value {
     context! { header, rows }
 }
 
-/// A header in words, with its unit of time in brackets.
+/// A header as readable text, with its unit of time in brackets.
 fn heading(name: &str) -> String {
     let units = [("_us", "µs"), ("_ns", "ns")];
     let split = |(suffix, unit)| Some((name.strip_suffix(suffix)?, unit));
@@ -195,7 +198,7 @@ fn heading(name: &str) -> String {
     with_unit(&name.replace('_', " "), unit)
 }
 
-/// Cell of a table, and whether it is a number; a long number is rounded.
+/// Text of a table's cell for the template, and whether the cell is a number. Long numbers are rounded.
 fn spoken(cell: &str) -> Value {
     const LONG: usize = 6;
     match finite(cell) {
@@ -235,7 +238,7 @@ fn entry(name: &str, meaning: &str) -> Value {
     context! { name, meaning }
 }
 
-/// Anchor of a term on the page; `None` if the word is not the name of a term.
+/// Anchor of a term on the page; `None` if the word is not a term.
 pub(crate) fn address(word: &str) -> Option<String> {
     let term = meaning(word)?;
     (term.name == word).then(|| place(word))

@@ -1,4 +1,4 @@
-//! Figures: of the `[[plot]]` tables of a study, and of other results.
+//! Figures: the plots in the `[[plot]]` tables of studies, and figures of other results.
 
 mod bars;
 mod captions;
@@ -47,15 +47,16 @@ pub use pareto::tradeoff_figures;
 pub use press_trace::press_figures;
 pub(crate) use style::{DARK, hex, on_dark};
 
-/// Draws every `[[plot]]` of the study, in the order of the config. A study without a `[[plot]]` gets one figure: the
-/// relative rms error of the object's curvature over the first swept field, with a line per value of the second.
+/// Draws every `[[plot]]` of the study, in the order of the config. For a study without a `[[plot]]`, one figure is
+/// drawn: the relative rms error of the object's curvature over the first swept field, with one line for each value of
+/// the second swept field.
 ///
-/// Plots of kind `class-map`, `class-surface` or `profile` show `map.csv`, plots of kind `contacts` show `trace.csv` and `readings.csv`.
-/// The bytes of an SVG depend only on the study's tables and `run.toml`.
+/// Plots of the kinds `class-map`, `class-surface` and `profile` show `map.csv`; plots of the kind `contacts` show
+/// `trace.csv` and `readings.csv`. The bytes of an SVG depend only on the study's tables and `run.toml`.
 ///
 /// # Errors
-/// A `[[plot]]` is malformed, names an unknown column, or selects several rows for one point (the error names the axes
-/// in which they differ); or its table is absent or malformed.
+/// A `[[plot]]` is invalid, names a column that does not exist, or selects several rows for one point (the error names
+/// the axes in which the rows differ); or the table of the plot is missing or invalid.
 pub fn figures(study: &Study) -> Result<Vec<Figure>, ReportError> {
     let mut plots = study.plots()?;
     if plots.is_empty() {
@@ -90,7 +91,7 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, ReportError> {
 /// ```
 ///
 /// # Errors
-/// The plot names an unknown column, or selects several rows for one point; or a table is absent or malformed.
+/// The plot names an unknown column, or selects several rows for one point; or a table is missing or malformed.
 pub fn figure(plot: &PlotConfig, tables: Files) -> Result<Figure, ReportError> {
     let name = plot.name.as_deref().unwrap_or("plot");
     let others = [

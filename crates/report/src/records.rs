@@ -1,4 +1,4 @@
-//! Named columns of CSV files, and groups of rows.
+//! CSV files with named columns, and groups of rows.
 
 use crate::{Files, ReportError};
 use palpate_study::Rows;
@@ -7,18 +7,18 @@ use palpate_study::number::finite;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Texts of a CSV file whose header has no column twice, and the indices of the requested columns.
+/// The texts of a CSV file in which every column has a different name, and the indices of the requested columns.
 pub(crate) struct Records {
     path: PathBuf,
     header: Vec<String>,
     rows: Vec<Vec<String>>,
-    /// Line of each row in the file, from 1.
+    /// Line number of each row in the file, from 1.
     lines: Vec<u64>,
     places: Vec<usize>,
 }
 
 impl Records {
-    /// Reads a file that has the columns `names`, each with or without a unit. It may have no rows.
+    /// Reads a file that must contain the columns `names`, each with or without a unit. It may have no rows.
     pub(crate) fn read(files: &Files, file: &str, names: &[&str]) -> Result<Self, ReportError> {
         let path = files.path(file);
         let text = files.read(file)?;
@@ -62,14 +62,14 @@ impl Records {
         Ok(records)
     }
 
-    /// Index in the header of a column, named with or without its unit.
+    /// Index of the column with this name (with or without its unit) in the header.
     pub(crate) fn find(&self, name: &str) -> Option<usize> {
         let is_it = |column: &String| column == name || split_unit(column).0 == name;
         self.header.iter().position(is_it)
     }
 
-    /// Reads a file as [`Self::read`]. The first `ordered` columns must also be in the order of `names`, because the sweep
-    /// columns are those between `cell` and `quantity`, and the statistics those after `unit`.
+    /// Reads a file like [`Self::read`]. The first `ordered` columns must also be in the order of `names`. The order
+    /// matters because the sweep's columns are between `cell` and `quantity`, and the statistics follow `unit`.
     pub(crate) fn read_in_order(
         files: &Files,
         file: &str,
@@ -102,22 +102,22 @@ impl Records {
         &self.header
     }
 
-    /// Index in the header of the `column`-th requested column.
+    /// Index of a requested column in the header. `column` is its index in the request.
     pub(crate) fn place(&self, column: usize) -> usize {
         self.places[column]
     }
 
-    /// Texts of the column with an index in the header.
+    /// Texts of a column; `place` is its index in the header.
     pub(crate) fn column(&self, place: usize) -> impl Iterator<Item = &str> {
         self.rows.iter().map(move |row| row[place].as_str())
     }
 
-    /// Header and rows.
+    /// Splits the table into its header and its rows.
     pub(crate) fn into_parts(self) -> (Vec<String>, Vec<Vec<String>>) {
         (self.header, self.rows)
     }
 
-    /// Unit of the `column`-th requested column, as in its header; may be empty.
+    /// Unit of a requested column, as in the header; may be empty.
     pub(crate) fn unit(&self, column: usize) -> &str {
         split_unit(&self.header[self.places[column]]).1
     }
@@ -126,7 +126,7 @@ impl Records {
         &self.rows[row][self.places[column]]
     }
 
-    /// Number in a cell, which must be small enough for a drawing.
+    /// Number in a cell of the table. Its magnitude must be small enough for a drawing.
     pub(crate) fn number(&self, row: usize, column: usize) -> Result<f64, ReportError> {
         finite(self.text(row, column))
             .filter(|number| number.abs() <= LARGEST)
@@ -145,7 +145,7 @@ impl Records {
         }
     }
 
-    /// Value in a cell, parsed to a type. The error calls the type `expected`.
+    /// Value in a cell, converted to a type. `expected` is the name of the type in the error.
     pub(crate) fn parsed<T: FromStr>(
         &self,
         row: usize,
@@ -161,7 +161,7 @@ impl Records {
         by_key((0..self.rows()).map(|row| (self.text(row, column), row)))
     }
 
-    /// Rows grouped by the number of the cell in a column.
+    /// Rows, grouped by the cell index in a column.
     pub(crate) fn by_cell(&self, column: usize) -> Result<Vec<(u64, Vec<usize>)>, ReportError> {
         let groups = self.by_text(column).into_iter();
         let numbered = |(_, rows): (&str, Vec<usize>)| -> Result<_, ReportError> {
@@ -170,12 +170,12 @@ impl Records {
         groups.map(numbered).collect()
     }
 
-    /// Error for a cell whose text is not `expected`.
+    /// The error for a cell whose text is not `expected`.
     pub(crate) fn bad(&self, row: usize, column: usize, expected: &'static str) -> ReportError {
         self.bad_at(row, self.places[column], expected)
     }
 
-    /// Error for a cell whose text is not `expected`, by the column's index in the header.
+    /// The error for a cell whose text is not `expected`. `place` is the index of the column in the header.
     pub(crate) fn bad_at(&self, row: usize, place: usize, expected: &'static str) -> ReportError {
         let (line, column, value) = (self.lines[row], &self.header[place], &self.rows[row][place]);
         self.error(format!(
@@ -183,7 +183,7 @@ impl Records {
         ))
     }
 
-    /// Error for the `column`-th requested column, which is not in `unit`.
+    /// The error for a requested column whose unit is not `unit`.
     pub(crate) fn in_another_unit(&self, column: usize, unit: &str) -> ReportError {
         let name = split_unit(&self.header[self.places[column]]).0;
         self.missing(&[name, unit].join(if unit.is_empty() { "" } else { "_" }))
@@ -200,17 +200,17 @@ impl Records {
     }
 }
 
-/// Problem with a table without rows, or without a header.
+/// Text of the problem with a table that has no rows or no header.
 const EMPTY: &str = "the table is empty";
 
-/// Largest magnitude of a coordinate, whose square is finite.
+/// Largest absolute value of a coordinate. It is chosen so that its square is finite.
 const LARGEST: f64 = 1e100;
 
-/// Items grouped by their keys, in the order in which the keys first appear.
+/// Items grouped by their keys. The groups are in the order in which their keys first appear.
 pub(crate) fn by_key<K: PartialEq, T>(items: impl IntoIterator<Item = (K, T)>) -> Vec<(K, Vec<T>)> {
     let mut groups: Vec<(K, Vec<T>)> = Vec::new();
     for (key, item) in items {
-        // Items with one key are mostly neighbours, so search from the end.
+        // Start the search at the last group, because items with the same key are mostly neighbours.
         match groups.iter_mut().rev().find(|(known, _)| *known == key) {
             Some((_, items)) => items.push(item),
             None => groups.push((key, vec![item])),

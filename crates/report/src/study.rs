@@ -5,20 +5,20 @@ use crate::{Files, ReportError, Table};
 use palpate_study::config::{self, PlotConfig};
 use std::path::{Path, PathBuf};
 
-/// Row of `failures.csv`: failed trials of one kind in a cell.
+/// A row of `failures.csv`: the failed trials of one kind in a cell.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Failure {
-    /// The cell.
+    /// Index of the cell.
     pub(crate) cell: u64,
-    /// Kebab-case name of the error.
+    /// Kebab-case name of the kind of failure.
     pub(crate) kind: String,
-    /// Number of trials that failed with this kind.
+    /// Number of trials with a failure of this kind.
     pub(crate) count: u64,
-    /// Number of the first of these trials, counted from 0.
+    /// Number of the first trial with this kind of failure, counted from 0.
     pub(crate) first_trial: u64,
 }
 
-/// A study's tables and the config behind them.
+/// The tables of a study and its config.
 #[derive(Debug, Clone)]
 pub struct Study {
     files: Files,
@@ -50,7 +50,7 @@ impl Study {
     /// ```
     ///
     /// # Errors
-    /// A file is absent or malformed; see [`ReportError`].
+    /// [`ReportError`] if a file is missing or malformed.
     pub fn load(dir: impl AsRef<Path>) -> Result<Self, ReportError> {
         Self::read(Files::in_folder(dir))
     }
@@ -58,7 +58,7 @@ impl Study {
     /// Reads `cells.csv`, `failures.csv` and `run.toml` among `files`.
     ///
     /// # Errors
-    /// A file is absent or malformed; see [`ReportError`].
+    /// [`ReportError`] if a file is missing or malformed.
     pub fn read(files: Files) -> Result<Self, ReportError> {
         let path = files.path("run.toml");
         let config_text = files.read("run.toml")?;
@@ -101,7 +101,7 @@ impl Study {
         })
     }
 
-    /// The folder; empty if the study is in memory.
+    /// Folder of the study; an empty path if the study is in memory.
     pub fn dir(&self) -> &Path {
         self.files.folder()
     }
@@ -121,7 +121,7 @@ impl Study {
         self.word("name")
     }
 
-    /// The study's title, which is its question; its name if it has no title.
+    /// Title of the study, which is its question; the study's name if it has no title.
     pub(crate) fn title(&self) -> &str {
         match self.word("title") {
             "" => self.name(),
@@ -134,22 +134,22 @@ impl Study {
         self.word("source")
     }
 
-    /// Numbers of the published claims that this study tests.
+    /// Numbers (identifiers) of the published claims that this study tests.
     pub(crate) fn claims(&self) -> &[u32] {
         &self.claims
     }
 
-    /// The resolved config, as written.
+    /// Text of the resolved config (`run.toml`).
     pub(crate) fn config_text(&self) -> &str {
         &self.config_text
     }
 
-    /// `cells.csv`.
+    /// The table `cells.csv`.
     pub(crate) fn cells(&self) -> &Table {
         &self.cells
     }
 
-    /// `failures.csv`.
+    /// The rows of `failures.csv`.
     pub(crate) fn failures(&self) -> &[Failure] {
         &self.failures
     }
@@ -161,8 +161,9 @@ impl Study {
         segments.try_fold(first, |value, segment| value.as_table()?.get(segment))
     }
 
-    /// Number at a dotted `path` of the config in the cell of `row`: the swept value if the study sweeps the field or
-    /// a part of the scene that contains it, else the value of the config. `None` if the value is no finite number.
+    /// Number at a dotted `path` of the config, in the cell of `row`. It is the swept value if the study sweeps the
+    /// field or a part of the scene that contains the field, otherwise the value in the config. `None` if the value is
+    /// not a finite number.
     pub(crate) fn number(&self, row: usize, path: &str) -> Option<f64> {
         match self.cells.axis(path) {
             Some(axis) => axis.number(row),
@@ -170,8 +171,9 @@ impl Study {
         }
     }
 
-    /// Text at a dotted `path` of the config in the cell of `row`: the swept value if the study sweeps the field or a
-    /// part of the scene that contains it, else the value of the config. `None` if the value is no text.
+    /// Text at a dotted `path` of the config, in the cell of `row`. It is the swept value if the study sweeps the field
+    /// or a part of the scene that contains the field, otherwise the value in the config. `None` if the value is not a
+    /// text.
     pub(crate) fn text(&self, row: usize, path: &str) -> Option<&str> {
         match self.cells.axis(path) {
             Some(axis) => Some(axis.text(row)),
@@ -179,7 +181,8 @@ impl Study {
         }
     }
 
-    /// Value of a field without a column of its own: from a swept table that contains it, else from the config.
+    /// Value of a field that has no column. It comes from a swept part of the scene that contains the field, otherwise
+    /// from the config.
     fn value(&self, row: usize, path: &str) -> Option<&toml::Value> {
         let mut dots = path.match_indices('.').rev();
         let swept = dots.find_map(|(dot, _)| Some((dot, self.cells.axis(&path[..dot])?)));
@@ -193,7 +196,7 @@ impl Study {
         keys.try_fold(first, |value, key| value.as_table()?.get(key))
     }
 
-    /// Finds the table that a sweep sets at `path` by its `label`, or by its `kind` if it has no label.
+    /// The table that a sweep sets at `path`, found by its `label`, or by its `kind` if it has no label.
     fn labelled(&self, path: &str, label: &str) -> Option<&toml::Table> {
         let sweeps = self.config.get("sweep")?.as_array()?.iter();
         let mut tables = sweeps
@@ -217,7 +220,7 @@ impl Study {
     }
 }
 
-/// Values that a sweep sets for the field at `path`, alone or together with other fields.
+/// Values that a sweep sets for the field at `path`, either for this field alone or together with other fields.
 fn swept_values<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> {
     let values = || sweep.get("values")?.as_array();
     let values = values().map_or(&[][..], Vec::as_slice).iter();
@@ -231,7 +234,7 @@ fn swept_values<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> 
     values.filter_map(of_place).collect()
 }
 
-/// A TOML number of either kind, if it is finite.
+/// A TOML integer or float as a number, if it is finite.
 pub(crate) fn number(value: &toml::Value) -> Option<f64> {
     value
         .as_float()

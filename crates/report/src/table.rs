@@ -1,66 +1,66 @@
-//! `cells.csv`: one row per cell and quantity.
+//! The table `cells.csv`, with one row per cell and quantity.
 
 use crate::records::{Records, distinct};
 use crate::{Files, ReportError};
 use palpate_study::number::finite;
 use palpate_study::{Statistic, config};
 
-/// Statistics that a table may lack. Then they are `None` in all rows.
+/// Statistics whose columns may be missing. If so, they are `None` in all rows.
 const OPTIONAL: [Statistic; 3] = [
     Statistic::RmsErrorStd,
     Statistic::Coverage50,
     Statistic::Coverage80,
 ];
 
-/// Column of the table with the values of a swept path, between `cell` and `quantity`.
+/// A column of the table that contains the values of a swept path. These columns are between `cell` and `quantity`.
 #[derive(Debug, Clone)]
 pub(crate) struct Axis {
-    /// Header of the column: the path, followed by its unit if it has one.
+    /// Header of the column: the path, followed by the unit if there is one.
     pub(crate) header: String,
     /// The path without its unit.
     stem: String,
     cells: Vec<String>,
     numbers: Vec<Option<f64>>,
-    /// The distinct texts in order of appearance, which is the order of the study's sweep.
+    /// The different values in order of appearance, which is the order of the study's sweep.
     values: Vec<String>,
 }
 
 impl Axis {
-    /// Whether `path` names this axis, with or without the unit.
+    /// Whether `path` is the name of this axis, with or without the unit.
     pub(crate) fn is(&self, path: &str) -> bool {
         self.header == path || self.stem == path
     }
 
-    /// The text in `row`.
+    /// The value in `row`, as text.
     pub(crate) fn text(&self, row: usize) -> &str {
         &self.cells[row]
     }
 
-    /// The finite number in `row`; `None` for a label.
+    /// The value in `row` as a finite number; `None` if it is a label.
     pub(crate) fn number(&self, row: usize) -> Option<f64> {
         self.numbers[row]
     }
 
-    /// Whether every cell is a finite number.
+    /// Whether all values are finite numbers.
     pub(crate) fn is_numeric(&self) -> bool {
         self.numbers.iter().all(Option::is_some)
     }
 
-    /// The distinct values that occur in `rows`, in the order of the study's sweep.
+    /// The different values that occur in `rows`, in the order of the study's sweep.
     pub(crate) fn among(&self, rows: &[usize]) -> Vec<&str> {
         let occurs = |value: &&String| rows.iter().any(|row| self.text(*row) == **value);
         let values = self.values.iter().filter(occurs);
         values.map(String::as_str).collect()
     }
 
-    /// The distinct values in the order of the study's sweep.
+    /// All different values, in the order of the study's sweep.
     pub(crate) fn values(&self) -> &[String] {
         &self.values
     }
 }
 
-/// Contents of a `cells.csv`. Rows are numbered from 0; row `r` is line `r + 2` of the file, unless a quoted cell has
-/// several lines.
+/// Content of a file `cells.csv`. Rows are numbered from 0; row `r` is line `r + 2` of the file, unless a quoted cell
+/// has several lines.
 #[derive(Debug, Clone)]
 pub(crate) struct Table {
     axes: Vec<Axis>,
@@ -72,7 +72,7 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// Reads `cells.csv`.
+    /// Reads the table `cells.csv` of a study.
     pub(crate) fn read(files: &Files) -> Result<Self, ReportError> {
         let places = ["cell", "quantity", "unit"].into_iter();
         let statistics = Statistic::ALL.into_iter();
@@ -120,32 +120,33 @@ impl Table {
         &self.axes
     }
 
-    /// The axis that `path` names, with or without its unit.
+    /// The axis with the name `path`, with or without its unit.
     pub(crate) fn axis(&self, path: &str) -> Option<&Axis> {
         self.axes.iter().find(|axis| axis.is(path))
     }
 
-    /// Names of the quantities as an axis, one per row.
+    /// The names of the quantities, as an axis with one value per row.
     pub(crate) fn quantities(&self) -> &Axis {
         &self.quantity
     }
 
-    /// Numbers of trials as an axis, one per row. If trials are swept, this is the column for them.
+    /// The numbers of trials, as an axis with one value per row. If the number of trials is swept, it is the column of
+    /// this sweep.
     pub(crate) fn trials(&self) -> &Axis {
         &self.trials
     }
 
-    /// The cell that `row` belongs to.
+    /// Index of the cell to which `row` belongs.
     pub(crate) fn cell(&self, row: usize) -> u64 {
         self.cell[row]
     }
 
-    /// Name of the quantity of `row`.
+    /// Name of the quantity in `row`.
     pub(crate) fn quantity(&self, row: usize) -> &str {
         self.quantity.text(row)
     }
 
-    /// Unit of the quantity of `row`, as written in the table.
+    /// Unit of the quantity in `row`, as in the table.
     pub(crate) fn unit(&self, row: usize) -> &str {
         &self.unit[row]
     }
@@ -155,7 +156,7 @@ impl Table {
         self.statistics.iter().map(|(name, _)| name.as_str())
     }
 
-    /// The statistic `name` of `row`; `None` if it is undefined there, or there is no such column.
+    /// The statistic `name` in `row`; `None` if it is undefined in this row or if there is no such column.
     pub(crate) fn statistic(&self, row: usize, name: &str) -> Option<f64> {
         self.statistics
             .iter()
@@ -177,7 +178,7 @@ impl Axis {
     }
 }
 
-/// Whether two texts are equal: as numbers if both are numbers, otherwise as texts.
+/// Whether two texts are equal. They are compared as numbers if both are numbers, otherwise as texts.
 pub(crate) fn same(a: &str, b: &str) -> bool {
     match (finite(a), finite(b)) {
         (Some(a), Some(b)) => (a - b).abs() <= 1e-12 * a.abs().max(b.abs()),

@@ -1,54 +1,56 @@
-//! Measurements of speed against accuracy: `ladders.csv`, `rungs.csv`, `answers.csv` and `stages.csv` of one folder,
-//! and `promise.csv`, the check of the model `auto`, which may be absent.
+//! Measurements of speed and accuracy of models, from the tables `ladders.csv`, `rungs.csv`, `answers.csv` and
+//! `stages.csv` of one folder. The optional table `promise.csv` contains the check of the automatic choice of a model
+//! (the model `auto`).
 
 use crate::records::Records;
 use crate::{Files, ReportError};
 use palpate_study::number::finite;
 
-/// Every ladder of a folder.
+/// All measurements in a folder.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tradeoff {
     pub(crate) ladders: Vec<Ladder>,
-    /// Check of `auto` for each kind of scene; empty without `promise.csv`.
+    /// Results of the check of the model `auto`, for each kind of scene; empty without `promise.csv`.
     pub(crate) auto_models: Vec<AutoModel>,
-    /// Whether every rung has a count of instructions, which is then its cost.
+    /// Whether instructions were counted for every model. If so, the number of instructions is the cost.
     pub(crate) counted: bool,
     /// Description of the machine that made the measurements.
     pub(crate) machine: String,
 }
 
-/// Models, sensors or settings for the same task, with their costs and errors, on several scenes.
+/// A ladder: models, sensors or settings (called rungs) for the same task, with their costs and errors on several
+/// scenes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Ladder {
     pub(crate) name: String,
     pub(crate) title: String,
-    /// Description of the quantity with the error, and of the scale to which the error is relative.
+    /// Description of the error: its quantity, and the scale to which it is relative.
     pub(crate) error_of: String,
-    /// Description of the evaluation whose cost is measured.
+    /// Description of the computation whose cost is measured.
     pub(crate) evaluation: String,
     pub(crate) scenes: Vec<LadderScene>,
 }
 
-/// Measurements of the rungs on one scene.
+/// Measurements of all rungs on one scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LadderScene {
-    /// `easy`, `typical`, `hard`.
+    /// Difficulty of the scene: `easy`, `typical` or `hard`.
     pub(crate) ease: String,
     pub(crate) what: String,
     pub(crate) rungs: Vec<Rung>,
     pub(crate) answers: Vec<Answer>,
 }
 
-/// Error and cost of one rung.
+/// Error and cost of one model, sensor or setting.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Rung {
     pub(crate) name: String,
     pub(crate) error: f64,
-    /// Standard error of the error; 0 without trials.
+    /// Standard error of `error`; 0 if it does not come from trials.
     pub(crate) error_std: f64,
-    /// Instructions if they are counted, otherwise median time in nanoseconds.
+    /// Number of instructions if they are counted; otherwise median time in nanoseconds.
     pub(crate) cost: f64,
-    /// Whether it is on the Pareto front: no other rung has both a smaller error and a smaller cost.
+    /// Whether the rung is on the Pareto front: no other rung has both a smaller error and a smaller cost.
     pub(crate) on_front: bool,
 }
 
@@ -56,7 +58,7 @@ pub(crate) struct Rung {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Answer {
     pub(crate) target: String,
-    /// `none` if no rung reaches the target.
+    /// Name of the rung; `none` if no rung meets the target.
     pub(crate) rung: String,
     pub(crate) error: Option<f64>,
     pub(crate) ns: Option<f64>,
@@ -67,7 +69,8 @@ impl Tradeoff {
     /// Reads the tables of a folder.
     ///
     /// # Errors
-    /// A table other than `promise.csv` is absent, or a table is malformed, or a cost or an error is not positive.
+    /// [`ReportError`] if a table other than `promise.csv` is missing, if a table is malformed, or if a cost or an
+    /// error is not positive.
     pub(crate) fn read(files: &Files) -> Result<Self, ReportError> {
         let auto_models = match files.contain("promise.csv") {
             true => read_auto_models(files)?,
@@ -117,10 +120,10 @@ impl Tradeoff {
     }
 }
 
-/// Ladder and scene.
+/// Name of the ladder, and name of the scene.
 type Key = (String, String);
 
-/// Items of `all` with a key.
+/// The items in `all` that have this key.
 fn of<T: Clone>(key: &Key, all: &[(Key, T)]) -> Vec<T> {
     let mine = all.iter().filter(|one| one.0 == *key);
     mine.map(|one| one.1.clone()).collect()
@@ -189,24 +192,25 @@ fn answers(files: &Files) -> Result<Vec<(Key, Answer)>, ReportError> {
     Ok((0..table.rows()).map(answer).collect())
 }
 
-/// Check of the model `auto` on random scenes of one kind: its error is within the tolerance, and its cost is not much
-/// more than that of the cheapest rung.
+/// Result of the check of the model `auto` on random scenes of one kind. The check has two conditions: the model's
+/// error is within the tolerance, and its cost is not much higher than the cost of the cheapest sufficient model.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AutoModel {
     pub(crate) kind: String,
     pub(crate) scenes: usize,
     /// Number of scenes on which `auto` meets both conditions.
     pub(crate) successes: usize,
-    /// Number of scenes on which another rung meets the tolerance too.
+    /// Number of scenes on which a model other than the chosen one also meets the tolerance.
     pub(crate) with_rivals: usize,
-    /// Largest ratio of the instructions of the chosen rung to those of the cheapest.
+    /// Largest ratio of two numbers of instructions: those of the chosen model, and those of the cheapest sufficient
+    /// model.
     pub(crate) largest_ratio: Option<f64>,
 }
 
-/// Reads `promise.csv`; kinds in the order of appearance.
+/// Reads `promise.csv`. The kinds of scenes are in order of appearance.
 ///
 /// # Errors
-/// The table is malformed.
+/// [`ReportError`] if the table is malformed.
 fn read_auto_models(files: &Files) -> Result<Vec<AutoModel>, ReportError> {
     let columns = ["kind", "competitors", "ratio", "kept"];
     let table = Records::read(files, "promise.csv", &columns)?.filled()?;

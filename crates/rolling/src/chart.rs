@@ -6,8 +6,8 @@
 //! ψ̇  = ω_z + T₁ M₁ u̇₁ + T₂ M₂ u̇₂ ,      K̃₂ = R_ψ K₂ R_ψ
 //! ```
 //!
-//! The probe's chart is placed such that the contact starts at its centre and first moves along its equator. There are
-//! no poles on the equator.
+//! A chart has no poles on its equator. Therefore the probe's chart is placed so that the contact starts at the centre
+//! of the chart and first moves along its equator.
 
 use nalgebra::{Matrix2, Matrix3, Point3, Rotation2, Rotation3, UnitQuaternion, Vector2, Vector3};
 use palpate_geometry::surfaces::Sphere;
@@ -19,8 +19,8 @@ use crate::integrator::System;
 use crate::roller::Bodies;
 use crate::{Contact, HeldAxis, Motion};
 
-/// Components: `u₁, v₁, u₂, v₂`, contact angle ψ, angle φ from the probe's Gauss frame to the
-/// frame in which the motion is steady, arc length.
+/// Number of state components: `u₁, v₁, u₂, v₂`, the contact angle ψ, the angle φ from the probe's Gauss frame to the
+/// frame in which the motion is steady, and the arc length of the path.
 pub(crate) const STATE: usize = 7;
 
 pub(crate) struct ChartForm<'a, S> {
@@ -33,7 +33,7 @@ pub(crate) struct ChartForm<'a, S> {
 }
 
 impl<'a, S: Surface> ChartForm<'a, S> {
-    /// The system and its state at `from`.
+    /// The system of equations, and its state at the contact `from`.
     pub(crate) fn new(
         bodies: &Bodies<'a, S>,
         from: &Contact,
@@ -42,7 +42,8 @@ impl<'a, S: Surface> ChartForm<'a, S> {
     ) -> Result<(Self, [f64; STATE]), RollFault> {
         let path = motion.drive();
         let path = path.try_normalize(0.0).unwrap_or_else(Vector2::x);
-        // Axes of the probe's chart in the contact frame: y is along the path, z points out of the probe.
+        // Axes of the probe's chart in the contact frame. The y axis is along the path, and the z axis points out of
+        // the probe.
         let chart_axes = Matrix3::from_columns(&[
             Vector3::new(path.y, -path.x, 0.0),
             Vector3::new(path.x, path.y, 0.0),
@@ -119,7 +120,8 @@ impl<S: Surface> ContactEquations<STATE> for ChartForm<'_, S> {
     }
 }
 
-/// `M⁻¹ w` for the upper triangular metric.
+/// Rates of the chart parameters for a tangent velocity `w` in the Gauss frame: `M⁻¹ w`, where `M` is the upper
+/// triangular metric.
 fn parameter_rate(geometry: &ChartGeometry, velocity: &Vector2<f64>) -> Vector2<f64> {
     let m = &geometry.metric;
     let v = velocity.y / m[(1, 1)];

@@ -1,7 +1,7 @@
 //! The chart-free contact equations.
 //!
-//! With `n` the object's outward normal, `S₁ = I/R₁` and `S₂` the shape operators on the common
-//! tangent plane, and `ω` and `v` the motion of the probe:
+//! `n` is the object's outward normal. `S₁ = I/R₁` and `S₂` are the shape operators of probe and object on the common
+//! tangent plane. `ω` is the angular velocity and `v` the sliding velocity of the probe. The equations are:
 //!
 //! ```text
 //! (S₁ + S₂) q̇ = ω × n + S₁ v          contact on the object
@@ -20,12 +20,14 @@ use crate::integrator::System;
 use crate::roller::Bodies;
 use crate::{Contact, Motion};
 
-/// Components: x and y of the contact on the object and of `x₁`, the body-from-contact quaternion `w, i, j, k`, then z
-/// of `x₁` and of the contact, arc length, and an unused component (an even number is faster).
+/// Number of state components. They are: x and y of the contact on the object; x and y of `x₁`; the quaternion `w, i,
+/// j, k` from the contact frame to the body frame; z of `x₁`; z of the contact; the arc length; and an unused component
+/// (an even number is faster).
 const STATE: usize = 12;
-/// Number of components that the derivative reads in general.
+/// Number of leading components that the derivative needs on a general surface.
 pub(crate) const OF_SPACE: usize = 10;
-/// Number of components that the derivative reads on a graph. There it does not depend on the height.
+/// Number of leading components that the derivative needs on a graph. On a graph, the derivative does not depend on the
+/// height.
 pub(crate) const OF_GRAPHS: usize = 9;
 
 pub(crate) struct ChartFree<'a, S, const READ: usize> {
@@ -38,7 +40,7 @@ pub(crate) struct ChartFree<'a, S, const READ: usize> {
 }
 
 impl<'a, S: Surface, const READ: usize> ChartFree<'a, S, READ> {
-    /// The system and its state at `from`.
+    /// The system of equations, and its state at the contact `from`.
     pub(crate) fn new(
         bodies: &Bodies<'a, S>,
         from: &Contact,
@@ -93,11 +95,11 @@ impl<S: Surface, const READ: usize> System<STATE> for ChartFree<'_, S, READ> {
         let y = x.cross(&object.gradient);
         let c = contact_velocity(self.probe_curvature, &object, &self.drive)?;
         let velocity = x * c.x + y * c.y;
-        // The component of ẋ along the gradient keeps x tangent to the object.
+        // The component of ẋ along the gradient is such that x stays tangent to the object.
         let per_square = 1.0 / object.steepness_squared;
         let x_dot = y * (self.spin * object.steepness * per_square)
             - object.gradient * (object.xx * per_square * c.x + object.xy * per_square * c.y);
-        // Half the angular velocity of the contact frame in the body frame.
+        // Half the angular velocity of the contact frame, in the probe's body frame.
         let half = 0.5 * self.probe_curvature;
         let p = (
             c.x - self.sliding.x,

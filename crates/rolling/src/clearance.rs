@@ -1,8 +1,8 @@
-//! Distance between a rolling probe and the parts of the object that it does not touch.
+//! Clearance: the distance between a rolling probe and the parts of the object beside the contact.
 //!
-//! A hill beside the path may reach into the probe, although the curvatures at the contact allow the contact. The
-//! heights of the object are sampled once along a path. Searches from the samples nearest to the probe find the closest
-//! points.
+//! A hill beside the path may extend into the probe, although the curvatures at the contact allow the contact. To find
+//! this, the heights of the object are sampled once along a path. Searches from the samples nearest to the probe then
+//! find the closest points of the object.
 
 use std::collections::HashMap;
 
@@ -11,33 +11,35 @@ use palpate_geometry::{Shape, Surface};
 
 use crate::{Contact, Motion, RollError, RollFault, Roller};
 
-/// Height samples per radius of the probe. Parts of the object that are narrower than the distance between samples
-/// may be missed.
+/// Number of height samples per radius of the probe. Parts of the object that are narrower than the distance between
+/// samples may be missed.
 const PER_RADIUS: f64 = 48.0;
 /// Number of height samples along a side of a tile.
 const TILE: i64 = 32;
-/// Largest overlap that is tolerated, relative to the probe's radius.
+/// Largest accepted overlap of probe and object, relative to the probe's radius.
 const TOLERANCE: f64 = 5e-7;
-/// A closest point within this distance of the contact counts as the contact itself; relative to the radius.
+/// Distance from the contact, relative to the probe's radius, below which a closest point counts as the contact itself.
 const CONTACT: f64 = 1e-4;
-/// Largest distance that the probe's centre travels between two samples of a path, and smallest distance that is still
-/// bisected. Both are relative to the radius.
+/// Longest path of the probe's centre between two samples, relative to the radius. Longer paths are always bisected.
 const LONGEST: f64 = 0.25;
+/// Path between two samples, relative to the radius, below which it is never bisected.
 const SHORTEST: f64 = 1e-3;
 /// Slope between neighbouring samples above which there is a wall between them.
 const STEEP: f64 = 2.0;
-/// Number of bisections that locate a wall between neighbouring samples.
+/// Number of bisections that locate a wall between two neighbouring samples.
 const HALVINGS: usize = 40;
 
-/// The relief under a path of the probe: heights on a square lattice, in tiles.
+/// Heights of the object below a path of the probe, sampled on a square lattice. The samples are stored in square
+/// tiles.
 #[derive(Clone, Debug)]
 pub struct Terrain {
     tiles: HashMap<[i64; 2], Vec<f64>>,
     spacing: f64,
 }
 
-/// A sample of the path: the time, the distance that the probe's centre has travelled (radii), and the clearance. The
-/// clearance is the distance from the probe to the nearest examined part of the object that it does not touch.
+/// A sample of the probe's path: the time, the distance that the probe's centre has travelled (in radii), and the
+/// clearance. The clearance is the distance (length) from the probe to the nearest examined part of the object beside
+/// the contact.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
     time_s: f64,
@@ -49,7 +51,8 @@ struct Sample {
 #[derive(Clone, Copy, Debug)]
 struct Start {
     place: Vector2<f64>,
-    /// Whether the place lies on a steep wall. The search may then move away from the wall.
+    /// Whether the place lies on a steep wall. The search may then end at a point beside the wall, so the place itself
+    /// is tested too.
     is_on_wall: bool,
 }
 
@@ -110,12 +113,13 @@ impl Terrain {
         let mut starts = Vec::new();
         for (index, &[column, row]) in places.iter().enumerate() {
             let (height, square) = (heights[index], squares[index]);
-            // At the edge of the window this index belongs to another row, but those places are beyond the reach.
+            // At the edge of the sampled window, this index may refer to a sample of another row. This does no harm,
+            // because samples at the edge are beyond the reach.
             let beside =
                 |right: i64, down: i64| (index as i64 + right + down * side as i64) as usize;
             let mut around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down)));
             let is_nearer = |(right, down): (i64, i64)| {
-                // A neighbour without a sample does not count as nearer.
+                // A neighbour without a sample does not count as nearer than the sample.
                 squares
                     .get(beside(right, down))
                     .is_none_or(|other| other.is_nan() || *other >= square)
@@ -148,7 +152,8 @@ impl Terrain {
     }
 }
 
-/// The place between `low` and `high` at which the object's height crosses `level`, upwards if it `rises`.
+/// The place between two lattice points at which the height of the object crosses `level`. The height increases there
+/// if `rises` is true, otherwise it decreases.
 fn crossing(
     object: &Shape,
     [mut low, mut high]: [Vector2<f64>; 2],
@@ -166,18 +171,19 @@ fn crossing(
     Some(low)
 }
 
-/// Distance from the probe's centre up to which the object is examined.
+/// Distance from the probe's centre within which the object is examined.
 fn reach(radius: f64, margin: f64) -> f64 {
     radius * (1.0 + LONGEST) + margin
 }
 
 impl Roller {
-    /// Whether a roll must be [checked](Roller::clearance) for parts of the object that reach into the probe.
+    /// Whether [`Roller::clearance`] must check a roll, because parts of the object may extend into the probe.
     pub fn may_touch_twice(&self) -> bool {
         self.object().may_touch_twice(self.probe().radius())
     }
 
-    /// The relief around a roll by `motions`, wide enough for rolls that deviate from it by up to `margin` (length).
+    /// Heights of the object around a roll by `motions`. The sampled area is wide enough for all rolls that deviate
+    /// from this roll by up to `margin` (length).
     ///
     /// # Errors
     /// [`RollError`] if the roll ends early.
@@ -200,13 +206,13 @@ impl Roller {
         Ok(terrain)
     }
 
-    /// Smallest distance (length) between the probe and the parts of the object beside the contact during a roll by
-    /// `motions`. Only parts within `margin` plus a quarter of the probe's radius are examined, so the result is at
-    /// most this sum.
+    /// Smallest distance (length) during a roll by `motions` between the probe and the parts of the object beside the
+    /// contact. Only parts within a distance of `margin` plus a quarter of the probe's radius are tested, so the result
+    /// is at most this sum.
     ///
     /// # Errors
-    /// [`RollError`] if the roll ends early. The fault is [`RollFault::Overlapping`] if the object reaches into the
-    /// probe by more than a millionth of its radius.
+    /// [`RollError`] if the roll ends early. The fault is [`RollFault::Overlapping`] if the object extends into the
+    /// probe by more than a millionth of the probe's radius.
     pub fn clearance(
         &self,
         motions: &[Motion],
@@ -217,13 +223,13 @@ impl Roller {
         let duration_s: f64 = motions.iter().map(|motion| motion.duration_s).sum();
         let mut before = self.sample(motions, 0.0, terrain, margin)?;
         let mut least = before.clearance;
-        // Samples still to be visited; the next sample is the last element.
+        // Samples that have not been compared with the sample before them yet. The next sample is the last element.
         let mut ahead = vec![self.sample(motions, duration_s, terrain, margin)?];
         while let Some(after) = ahead.last().copied() {
             let way = after.way - before.way;
             let nearer = before.clearance.min(after.clearance) / radius;
-            // The clearance changes by at most the distance that the centre moves, so a large clearance needs no finer
-            // samples.
+            // The clearance changes by at most the distance that the centre moves. So if the clearance is large, no
+            // finer samples are needed.
             let is_cut = way > LONGEST || (way > SHORTEST && nearer < way);
             let middle = 0.5 * (before.time_s + after.time_s);
             if is_cut && before.time_s < middle && middle < after.time_s {
@@ -252,7 +258,8 @@ impl Roller {
         for start in terrain.starts(self.object(), &centre, reach) {
             let Start { place, is_on_wall } = start;
             let descended = self.object().closest_point_from(&centre, place);
-            // On a wall, or if the search fails (on a ridge between two closest points), use the start itself.
+            // On a wall, the start itself is tested too. It is also used if the search fails, as between two points
+            // that are equally close.
             let itself = (is_on_wall || descended.is_err())
                 .then(|| self.object().contact_at(place.x, place.y));
             for closest in descended.into_iter().chain(itself.into_iter().flatten()) {
@@ -277,8 +284,8 @@ impl Roller {
         })
     }
 
-    /// The contact at `time_s`, and the probe's centre. The contact is moved back onto the object, because
-    /// integration errors may have moved it off.
+    /// The contact at `time_s`, and the centre of the probe. Integration errors may have moved the contact off the
+    /// surface, so it is projected back onto the object.
     fn centre(&self, motions: &[Motion], time_s: f64) -> Result<(Contact, Point3<f64>), RollError> {
         let mut contact = self.roll(&until(motions, time_s))?;
         let Point3 { coords } = contact.on_object;
@@ -293,7 +300,7 @@ impl Roller {
     }
 }
 
-/// The part of the motions before `time_s`.
+/// The parts of the motions before `time_s`.
 fn until(motions: &[Motion], time_s: f64) -> Vec<Motion> {
     let mut left = time_s;
     let cut = motions.iter().map(|motion| {
@@ -307,7 +314,7 @@ fn until(motions: &[Motion], time_s: f64) -> Vec<Motion> {
     cut.collect()
 }
 
-/// Distance that the probe's centre travels until a time, in radii. A spin does not move the centre.
+/// Distance that the probe's centre travels until `time_s`, in radii of the probe. A spin does not move the centre.
 fn way(motions: &[Motion], time_s: f64) -> f64 {
     until(motions, time_s)
         .iter()

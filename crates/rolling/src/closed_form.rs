@@ -1,8 +1,8 @@
 //! Rolling on planes, spheres, dishes and cylinders, in closed form.
 //!
-//! On these objects the shape operator is constant in a parallel-transported basis. A steady motion without spin
-//! therefore moves the contact along a geodesic of the object and along a great circle of the probe, both at constant
-//! speed. The contact frame on the object moves by a screw.
+//! On these objects, the shape operator is constant in a parallel-transported basis. Therefore a steady motion without
+//! spin moves the contact at constant speed along a geodesic of the object and along a great circle of the probe. The
+//! contact frame on the object moves like a screw.
 
 use nalgebra::{Matrix2, UnitQuaternion, Vector2, Vector3};
 use palpate_geometry::{CurvatureForm, TangentForm};
@@ -14,9 +14,9 @@ use crate::{Contact, Motion};
 /// A contact with a homogeneous surface: the curvatures in the contact frame do not change.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClosedForm {
-    /// Matrix from `[−ω_y, ω_x]` to the velocity of the contact on the probe: `(K₁ + K̃₂)⁻¹`.
+    /// The matrix `(K₁ + K̃₂)⁻¹`. It maps `[−ω_y, ω_x]` to the velocity of the contact on the probe.
     pub(crate) mobility: Matrix2<f64>,
-    /// The object's curvature, `K̃₂`.
+    /// The object's curvature form `K̃₂` in the probe's contact frame.
     object: Matrix2<f64>,
 }
 
@@ -39,7 +39,8 @@ impl ClosedForm {
         let y_axis = from.y_axis();
         let displacement = from.x_axis * along.x + y_axis * along.y;
         let tilt = self.object * along;
-        // normal × (x tilt.x + y tilt.y), in a frame whose z points into the object.
+        // The angular velocity of the frame is normal × (x tilt.x + y tilt.y). The z axis of this frame points into the
+        // object.
         let turn = from.x_axis * tilt.y - y_axis * tilt.x;
         let screw = Screw::new(turn);
         Contact {
@@ -52,8 +53,8 @@ impl ClosedForm {
     }
 }
 
-/// The probe's contact frame in its body after the contact has moved along a great circle by `path` (components in the
-/// contact frame `from`).
+/// The probe's contact frame in its body frame, after the contact has moved along a great circle by `path`. The
+/// components of `path` are in the contact frame `from`.
 pub(crate) fn roll_on_probe(
     from: &Contact,
     path: Vector2<f64>,
@@ -63,11 +64,11 @@ pub(crate) fn roll_on_probe(
     from.body_from_contact * UnitQuaternion::from_scaled_axis(turn)
 }
 
-/// A rotation at constant rate during unit time. It also gives the displacement of a point whose velocity turns with
-/// it.
+/// A rotation at a constant rate during unit time. It can also compute the displacement of a point whose velocity
+/// vector rotates in the same way.
 struct Screw {
     axis: Vector3<f64>,
-    /// sin θ, 1 − cos θ, sin θ/θ and (1 − cos θ)/θ, where θ is the angle.
+    /// sin θ, 1 − cos θ, sin θ/θ and (1 − cos θ)/θ, where θ is the angle of rotation.
     numbers: [f64; 4],
 }
 
@@ -89,14 +90,15 @@ impl Screw {
         }
     }
 
-    /// Rodrigues' formula.
+    /// The vector after the rotation, by Rodrigues' formula.
     fn rotated(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         let [sine, versine, ..] = self.numbers;
         let across = self.axis.cross(vector);
         vector + across * sine + self.axis.cross(&across) * versine
     }
 
-    /// Displacement in unit time of a point whose velocity is `displacement` at the start and turns with this rotation.
+    /// Displacement in unit time of a point whose velocity is `displacement` at the start. The velocity rotates with
+    /// this rotation.
     fn translation(&self, displacement: &Vector3<f64>) -> Vector3<f64> {
         let [.., sine, versine] = self.numbers;
         let along = self.axis * self.axis.dot(displacement);

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Point3, Rotation3, UnitQuaternion, Vector2, Vector3};
 use palpate_geometry::{Surface, SurfaceError};
 
-/// A contact: its place on both bodies, and the contact frame in which the motion is steady.
+/// A contact: its positions on both bodies, and the contact frame in which the motion is steady.
 ///
 /// ```
 /// use nalgebra::Point3;
@@ -19,20 +19,20 @@ use palpate_geometry::{Surface, SurfaceError};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// The contact on the object, in the object's frame.
+    /// The contact point on the object, in the object's frame.
     pub on_object: Point3<f64>,
-    /// The object's unit normal there, out of the object.
+    /// The object's unit normal at the contact point, out of the object.
     pub normal: Vector3<f64>,
     /// `x₁`, the first axis of the probe's contact frame, in the object's frame.
     pub x_axis: Vector3<f64>,
     /// The probe's contact frame `(x₁, y₁, z₁)` in the probe's body frame; `z₁` points from the probe's centre to the
     /// contact.
     pub body_from_contact: UnitQuaternion<f64>,
-    /// Length of the contact's path on the probe so far.
+    /// Length of the path that the contact has moved on the probe.
     pub arc_length: f64,
 }
 
-/// A displacement of the contact on the probe, from its first contact.
+/// A displacement of the contact on the probe, measured from its first contact point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shift {
     /// Great-circle displacement (logarithm map) in the probe's first contact frame `(x₁, y₁)`.
@@ -45,11 +45,11 @@ impl Contact {
     /// The first contact on `surface` at `(x, y)`, as in [`Surface::contact_at`].
     ///
     /// # Errors
-    /// As [`Surface::contact_at`].
+    /// Errors of [`Surface::contact_at`].
     pub(crate) fn first<S: Surface>(surface: &S, x: f64, y: f64) -> Result<Self, SurfaceError> {
         let on_object = surface.contact_at(x, y)?;
         let normal = surface.level_set(&on_object)?.normal;
-        // +x projected onto the tangent plane; +y on a wall whose normal is along x.
+        // The axis is +x, projected onto the tangent plane. On a wall whose normal is along x, it is +y.
         let along = [Vector3::x(), Vector3::y()]
             .into_iter()
             .map(|axis| axis - normal * normal.dot(&axis))
@@ -70,7 +70,7 @@ impl Contact {
         self.x_axis.cross(&self.normal)
     }
 
-    /// The contact on a probe of `radius`, in the probe's body frame (centred on the probe).
+    /// The contact point on a probe of `radius`, in the probe's body frame (centred on the probe).
     pub fn on_probe(&self, radius: f64) -> Point3<f64> {
         Point3::from(self.probe_direction() * radius)
     }
@@ -87,7 +87,7 @@ impl Contact {
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        // The sum is not finite if a term is not. A sum of finite terms overflows only at extreme sizes.
+        // If a term is not finite, the sum is not finite. A sum of finite terms overflows only for extreme sizes.
         let vectors = self.on_object.coords + self.normal + self.x_axis;
         let turn = self.body_from_contact.coords.sum();
         (vectors.sum() + turn + self.arc_length).is_finite()
@@ -95,7 +95,8 @@ impl Contact {
 
     /// The displacement on a probe of `radius` from `first` to this contact.
     ///
-    /// Beyond half a turn, the logarithm map returns the shorter way round, like a sensor.
+    /// Beyond half a turn, the result is the displacement along the shorter way around the probe, because a sensor
+    /// would measure this displacement.
     pub fn shift_from(&self, first: &Self, radius: f64) -> Shift {
         let in_first_frame = first.body_from_contact.inverse() * self.probe_direction();
         Shift {
@@ -111,8 +112,9 @@ pub(crate) fn frame_quaternion(x: &Vector3<f64>, normal: &Vector3<f64>) -> UnitQ
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes))
 }
 
-/// Logarithm map on the unit sphere at +z: direction in the (x, y) plane times the angle from +z. At the opposite pole
-/// every direction is possible; the result is along +x.
+/// Logarithm map on the unit sphere at +z. The result is a vector in the (x, y) plane. Its direction is the direction
+/// of the point, and its length is the angle between the point and +z. At −z, the direction is undefined, and the
+/// result is along +x.
 fn logarithm(direction: &Vector3<f64>) -> Vector2<f64> {
     let across = direction.xy();
     let sine = across.norm();

@@ -1,4 +1,4 @@
-//! The contact equations: their forms, and the velocity of the contact.
+//! The contact equations in two forms, and the velocity of the contact.
 
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_geometry::{CurvatureForm, TangentForm};
@@ -9,10 +9,10 @@ use crate::{Contact, Motion, RollFault};
 /// The form of the contact equations that is integrated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Chart {
-    /// Without charts, so without poles.
+    /// The chart-free form, which has no poles.
     #[default]
     Free,
-    /// Montana's form in charts, with a motion that is steady in this frame.
+    /// Montana's form in charts. The motion is steady in the given frame.
     Montana(HeldAxis),
 }
 
@@ -22,12 +22,13 @@ pub enum HeldAxis {
     /// The frame that is parallel-transported along the path: "a fixed axis in the instantaneous contact frame".
     #[default]
     Transported,
-    /// The Gauss frame of the probe's chart, which also twists. Both frames are equal along a line of symmetry.
+    /// The Gauss frame of the probe's chart. It rotates about the normal relative to the transported frame. Along a
+    /// line of symmetry, both frames are equal.
     Chart,
 }
 
 impl Chart {
-    /// The name of the form, for use after the name of an integrator.
+    /// The name of the form. It is written after the name of an integrator.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Free => "chart-free",
@@ -40,14 +41,14 @@ impl Chart {
 pub(crate) trait ContactEquations<const N: usize>: System<N> {
     fn contact(&self, state: &[f64; N]) -> Result<Contact, RollFault>;
 
-    /// The contact point on the object. It is also defined where `contact` fails.
+    /// The contact point on the object. It is also defined for states in which `contact` fails.
     fn place(&self, state: &[f64; N]) -> Option<Point3<f64>>;
 }
 
-/// The contact's velocity c on the object in the tangent basis `(x, y)` of `object`, from `(K₁ + K₂) c = drive` (in
-/// orthonormal axes).
+/// The velocity c of the contact on the object, in the tangent basis `(x, y)` of `object`. In orthonormal axes, it
+/// solves `(K₁ + K₂) c = drive`.
 ///
-/// With `W = |∇F|`, multiplied by `W` along `x` and by `W²` along `y`, the equations are:
+/// With `W = |∇F|`, the equations are multiplied by `W` along `x` and by `W²` along `y`:
 ///
 /// ```text
 /// [ W/R₁ + F_xx        F_xy     ] [c_x]   [ W  drive_x ]
@@ -64,7 +65,7 @@ pub(crate) fn contact_velocity(
     let a22 = probe_curvature * ww * w + object.yy;
     let a12 = object.xy;
     let determinant = a11 * a22 - a12 * a12;
-    // The matrix must be positive definite, by more than the rounding errors of the sums.
+    // The matrix must be positive definite. Its determinant must be larger than the rounding errors of the sums.
     let floor = 4.0 * f64::EPSILON * probe_curvature * w * (a11 * ww + a22);
     if !(a11 > 0.0 && determinant > floor) {
         return Err(conforming(probe_curvature, *object, determinant));

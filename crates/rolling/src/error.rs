@@ -6,58 +6,59 @@ use palpate_statistics::Number;
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Reasons for which a roll ends early.
+/// Reasons why a roll ends early.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum RollFault {
-    /// The relative curvature is singular or indefinite: the object is at least as hollow as the probe is round, so
+    /// The relative curvature is singular or indefinite. The object is concave and at least as curved as the probe, so
     /// there is no single point of contact.
     #[error(
-        "the bodies conform: the smallest relative curvature is {relative_curvature}",
+        "the bodies conform: the smallest relative curvature is {relative_curvature}; it must be \
+         > 0",
         relative_curvature = Number(*relative_curvature)
     )]
     Conforming {
-        /// The smaller eigenvalue of `K₁ + K̃₂`, 1/length.
+        /// The smaller eigenvalue of the relative curvature `K₁ + K̃₂`, 1/length.
         relative_curvature: f64,
     },
-    /// A part of the object beside the contact reaches into the probe. [`RollError::on_object`] is then the deepest
-    /// point of the overlap instead of the last contact.
+    /// A part of the object beside the contact extends into the probe. [`RollError::on_object`] is then the deepest
+    /// point of the overlap and not the last contact.
     #[error("the probe overlaps the object by {depth}", depth = Number::rounded(*depth))]
     Overlapping {
         /// Depth of the overlap, length.
         depth: f64,
     },
-    /// The contact left the object's domain.
+    /// The contact has left the area in which the object is defined.
     #[error("the contact left the object: {0}")]
     #[strum(transparent)]
     Surface(#[from] SurfaceError),
-    /// The integrator reached its largest number of steps.
+    /// The integrator has reached its maximum number of steps.
     #[error("the integration needs more than {steps} steps")]
     TooManySteps {
-        /// Number of steps, including rejected ones.
+        /// Number of steps, including rejected steps.
         steps: usize,
     },
-    /// The integrator's step became too short: the motion is singular here.
+    /// The step of the integrator has become too short, because the motion is singular here.
     #[error("the motion is singular")]
     Singular,
-    /// A number overflowed or is NaN.
-    #[error("the motion is outside the range of numbers")]
+    /// A number has overflowed or is NaN.
+    #[error("a number of the motion is not finite")]
     NotFinite,
 }
 
-/// A roll that ended early: why, when and where.
+/// A roll that ended early: the reason, the time and the place.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error("{fault}, {time_s} s into the motion{}", place(on_object), time_s = Number(*time_s))]
 pub struct RollError {
-    /// Reason for which the roll ended.
+    /// Reason why the roll ended.
     pub fault: RollFault,
-    /// Time since the motion began.
+    /// Time since the start of the first motion.
     pub time_s: f64,
-    /// The last contact on the object, or the deepest point of an overlap, in the object's frame.
+    /// The last contact point on the object, or the deepest point of an overlap, in the object's frame.
     pub on_object: Point3<f64>,
 }
 
-/// Text of a place for the message; a remark if its coordinates are not finite.
+/// The coordinates of a place as text for the message, or a remark if they are not finite.
 fn place(place: &Point3<f64>) -> String {
     let [x, y, z] = [place.x, place.y, place.z];
     match [x, y, z].iter().all(|one| one.is_finite()) {

@@ -1,13 +1,14 @@
-//! A fingertip that glides over an object: from the position of the finger to its contact.
+//! A fingertip that glides over an object. The contact is computed from the position of the finger.
 //!
-//! A finger comes down vertically until it touches. A point touches on its own vertical line. A spherical tip of radius
-//! `r` touches where its centre lies on the offset surface, at a contact `q` with outward normal `n`,
+//! A finger is lowered vertically until it touches the object. A point tip touches on its own vertical line. A
+//! spherical tip of radius `r` touches when its centre lies on the offset surface of the object. The contact `q` with
+//! the outward normal `n` satisfies
 //!
 //! ```text
 //! q + r n(q) = tip's centre.
 //! ```
 //!
-//! The contact is beside the vertical line if the object slopes there.
+//! If the object has a slope there, the contact is beside the vertical line through the tip's centre.
 
 mod search;
 mod touch;
@@ -26,7 +27,7 @@ use touch_model::TouchRung;
 pub use touch::{Fingertip, GlideError, Touch};
 pub use touch_model::{InvalidTouch, TouchModel};
 
-/// Largest distance from the origin; its square does not overflow.
+/// Largest distance from the origin; the square of a larger distance may overflow.
 const MAX_DISTANCE: f64 = 1e150;
 
 /// An object and a fingertip that touches it.
@@ -55,7 +56,8 @@ impl Glider {
     /// A glider with the default model, [`TouchModel::default`]. [`Glider::on`] changes the model.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless a sphere's radius is finite and positive, and its square neither overflows nor vanishes.
+    /// [`InvalidShape`] unless the radius of a spherical tip is finite and positive, and its square neither overflows
+    /// nor underflows.
     pub fn new(object: Shape, fingertip: Fingertip) -> Result<Self, InvalidShape> {
         if let Fingertip::Sphere { radius } = fingertip {
             Sphere::new(radius)?;
@@ -69,10 +71,11 @@ impl Glider {
         })
     }
 
-    /// A glider with the same fingertip and object, and with `model`.
+    /// A glider with the same fingertip and object, but with `model`.
     ///
     /// # Errors
-    /// [`InvalidTouch`] if the tolerance is out of range, or if the model has no rung for this fingertip and object.
+    /// [`InvalidTouch`] if the tolerance is out of range, or if the model cannot compute contacts of this fingertip
+    /// with this object.
     pub fn on(&self, model: TouchModel) -> Result<Self, InvalidTouch> {
         let rung = TouchRung::new(model, &self.object, self.fingertip)?;
         Ok(Self {
@@ -82,7 +85,7 @@ impl Glider {
         })
     }
 
-    /// The rung that finds contacts, and the reason for it.
+    /// The model that finds contacts, and the reason for its choice.
     pub fn choice(&self) -> Choice<TouchModel> {
         let name = self.object.name();
         let (rung, model, reason, bound) = match self.rung {
@@ -113,24 +116,25 @@ impl Glider {
         }
     }
 
-    /// The object.
+    /// The object over which the fingertip glides.
     pub const fn object(&self) -> &Shape {
         &self.object
     }
 
-    /// The contact of a tip whose centre is on the vertical line through `(x, y)`: the first contact on the way down,
-    /// on the same side of the object as [`Surface::contact_at`].
+    /// The contact of a tip that is lowered vertically with its centre above `(x, y)`. This is the first contact on the
+    /// way down, on the same side of the object as [`Surface::contact_at`].
     ///
-    /// On planes, spheres, dishes and cylinders the contact has a closed form. On other objects Newton's method finds
-    /// it, starting beneath the tip. On ellipsoids and tori only one contact fits.
+    /// On planes, spheres, dishes and cylinders, the contact has a closed form. On other objects, Newton's method finds
+    /// it, starting below the tip. On ellipsoids and tori, the tip fits at only one contact.
     ///
     /// On graphs, sixteen places under the tip are checked, about half a radius apart. If the object extends into the
-    /// tip at one of them, or the tip does not fit there, Newton's method starts from every top of a relief with a
-    /// spacing of a twelfth of the radius, and the highest contact is returned. This is certainly the first contact if
-    /// the graph's second derivatives are below `1/radius`. Otherwise a narrow ridge between the places may be missed.
+    /// tip at one of them, or if the tip does not fit there, the heights under the tip are sampled on a grid with a
+    /// spacing of a twelfth of the radius. Newton's method then starts from every local maximum of the tip's height,
+    /// and the highest contact is returned. If the graph's second derivatives are below `1/radius`, this is always the
+    /// first contact. Otherwise, the search may miss a narrow ridge between the places.
     ///
     /// # Errors
-    /// [`GlideError`].
+    /// [`GlideError`] if the tip has no contact, or if the search fails.
     pub fn touch(&self, x: f64, y: f64) -> Result<Touch, GlideError> {
         let is_near = (0.0..=MAX_DISTANCE).contains(&(x.abs() + y.abs()));
         let centre = Vector2::new(x, y);

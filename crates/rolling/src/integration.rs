@@ -1,4 +1,4 @@
-//! Integration of one motion, with either form of the contact equations.
+//! Integrates one motion with either form of the contact equations.
 
 use palpate_geometry::{Shape, Surface, Visitor};
 
@@ -10,14 +10,14 @@ use crate::integrator::{Dop853, Integrated, Rk4, Stopped, System};
 use crate::roller::Bodies;
 use crate::{Chart, Contact, Motion};
 
-/// An integrator.
+/// An integrator of the contact equations, with its settings.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Method {
     Rk4(Rk4),
     Dop853(Dop853),
 }
 
-/// An integrator with a form of the contact equations.
+/// An integrator, and the form of the contact equations that it integrates.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Integration {
     pub(crate) method: Method,
@@ -25,7 +25,7 @@ pub(crate) struct Integration {
 }
 
 impl Integration {
-    /// The contact after `motion`, and the number of evaluations of the derivative.
+    /// The contact after `motion`, and the number of evaluations of the derivative that were needed.
     pub(crate) fn advance(
         &self,
         bodies: &Bodies<'_, Shape>,
@@ -97,7 +97,7 @@ impl Integration {
     }
 }
 
-/// A motion in the chart-free equations. It is compiled for each type of surface.
+/// One motion in the chart-free equations. The code is compiled separately for each type of surface.
 struct Free<'a> {
     integration: &'a Integration,
     bodies: &'a Bodies<'a, Shape>,

@@ -1,4 +1,4 @@
-//! Integrators for systems of fixed size. A step allocates no memory.
+//! Integrators for systems of differential equations of fixed size. A step does not allocate memory.
 
 mod dop853;
 mod rk4;
@@ -10,17 +10,17 @@ use crate::error::RollFault;
 
 /// An autonomous system of `N` ordinary differential equations.
 pub(crate) trait System<const N: usize> {
-    /// Number of leading components that the derivative reads. The other components are integrals along the path. They
-    /// are not computed at every stage and are meaningless there.
+    /// Number of leading components of the state that the derivative needs. The other components are integrals along
+    /// the path. They are meaningless in the states of intermediate stages.
     const READ: usize = N;
 
     /// Writes `dy/dt` at `state` to `rate`.
     ///
     /// # Errors
-    /// If the state has left the domain of the equations. `rate` is then meaningless.
+    /// An error if the state is outside of the domain of the equations. `rate` is then meaningless.
     fn derivative(&self, state: &[f64; N], rate: &mut [f64; N]) -> Result<(), RollFault>;
 
-    /// Factors by which the errors of the components are multiplied before they are compared with the tolerance.
+    /// Factors by which the errors of the components are multiplied, before they are compared with the tolerance.
     fn error_weights(&self) -> [f64; N] {
         [1.0; N]
     }
@@ -38,17 +38,17 @@ pub(crate) struct Integrated<const N: usize> {
 /// An integration that stopped early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stopped<const N: usize> {
-    /// The reason.
+    /// Reason for which the integration stopped.
     pub(crate) fault: RollFault,
     /// Time since the start.
     pub(crate) time_s: f64,
-    /// The last valid state.
+    /// The last state that was valid.
     pub(crate) state: [f64; N],
 }
 
-/// `y + h Σ aⱼ kⱼ` in the components that the derivative reads.
+/// The state `y + h Σ aⱼ kⱼ` of an intermediate stage. Only the components that the derivative needs are computed.
 ///
-/// The newest slope is added last. The processor can compute the rest of the sum before this slope is available.
+/// Add the newest slope last, so that the processor can compute the rest of the sum before this slope is available.
 #[inline(always)]
 fn stage<const N: usize, const T: usize, S: System<N>>(
     _: &S,
@@ -68,7 +68,7 @@ fn stage<const N: usize, const T: usize, S: System<N>>(
     state
 }
 
-/// `Σ aⱼ kⱼ` in component `i`.
+/// Component `i` of the sum `Σ aⱼ kⱼ`.
 #[inline(always)]
 fn weighted<const N: usize>(i: usize, a: &[f64], k: &[&[f64; N]]) -> f64 {
     let mut sum = a[0] * k[0][i];

@@ -1,4 +1,5 @@
-//! The ladder of models: its rungs, and the choice of a rung.
+//! The models that compute rolls, ordered by cost, and the choice of one of them. The models are called the rungs of a
+//! ladder.
 
 use palpate_geometry::{Shape, Surface};
 
@@ -10,20 +11,21 @@ use crate::meridian::MeridianRung;
 use crate::roller::Bodies;
 use crate::{Chart, Choice, Contact, InvalidRoll, Model, Rolls};
 
-/// Error bounds of the rungs that have no tolerance, relative to the contact's length scale.
+/// Error bound of the closed form, relative to the contact's length scale.
 pub(crate) const CLOSED_FORM_ERROR: f64 = 1e-14;
+/// Error bound of the meridian model, relative to the contact's length scale.
 pub(crate) const MERIDIAN_ERROR: f64 = 1e-13;
-/// Tolerance of a step, relative to that of a roll, because errors may grow over a roll; and the smallest tolerance of
-/// a step.
+/// Tolerance of a step, relative to the tolerance of a roll. It is smaller because errors may grow during a roll.
 const STEP_SHARE: f64 = 0.1;
+/// Smallest tolerance of a step.
 const MIN_STEP_TOLERANCE: f64 = 1e-15;
-/// Largest number of steps of an integration.
+/// Maximum number of steps of an integration.
 const MAX_STEPS: usize = 100_000;
 
-/// Reason for a rung that was set instead of chosen.
+/// Reason in [`Choice`] for a model that the user has set.
 const SET_IN_CONFIG: &str = "named in the config";
 
-/// A rung of the ladder, ready to compute rolls.
+/// A model, prepared to compute rolls.
 #[derive(Clone, Debug)]
 pub(crate) enum Rung {
     ClosedForm(ClosedForm),
@@ -31,14 +33,14 @@ pub(crate) enum Rung {
     Integrated(Integration),
 }
 
-/// The problem for which a rung is chosen: the bodies and their first contact.
+/// The situation for which a model is chosen: the bodies and their first contact.
 pub(crate) struct Setting<'a> {
     pub(crate) bodies: Bodies<'a, Shape>,
     pub(crate) first: Contact,
     pub(crate) closed_form: ClosedForm,
 }
 
-/// RK4 with a form of the equations, and its choice.
+/// The RK4 integrator for one form of the contact equations, and the [`Choice`] that describes it.
 pub(crate) fn rk4(
     steps: usize,
     chart: Chart,
@@ -53,7 +55,7 @@ pub(crate) fn rk4(
     )
 }
 
-/// DOP853 with a form of the equations, and its choice.
+/// The DOP853 integrator for one form of the contact equations, and the [`Choice`] that describes it.
 pub(crate) fn dop853(
     tolerance: f64,
     chart: Chart,
@@ -80,7 +82,7 @@ pub(crate) const fn rk4_method(steps: usize) -> Method {
     Method::Rk4(Rk4 { steps })
 }
 
-/// DOP853 with this tolerance for a roll.
+/// DOP853 with the step tolerance that rolls with this tolerance need.
 pub(crate) const fn dop853_method(tolerance: f64) -> Method {
     Method::Dop853(Dop853 {
         tolerance: (STEP_SHARE * tolerance).max(MIN_STEP_TOLERANCE),
@@ -88,8 +90,8 @@ pub(crate) const fn dop853_method(tolerance: f64) -> Method {
     })
 }
 
-/// The integration for motions that a chosen closed form or meridian does not cover. Such motions did not occur in the
-/// noiseless rolls for which the rung was chosen.
+/// The integrator for motions that the chosen model (closed form or meridian) cannot compute. The rolls without noise,
+/// for which the model was chosen, contain no such motion.
 pub(crate) const FALLBACK: Integration = Integration {
     method: dop853_method(MERIDIAN_ERROR),
     chart: Chart::Free,
@@ -136,14 +138,15 @@ impl Setting<'_> {
         }
     }
 
-    /// The cheapest rung whose error is within the tolerance.
+    /// The cheapest model whose error is within the tolerance.
     fn cheapest(&self, tolerance: f64, chart: Chart, rolls: Rolls<'_>) -> (Rung, Choice) {
         if tolerance >= CLOSED_FORM_ERROR
             && let Ok(rung) = self.closed_form(rolls)
         {
             return (rung, self.closed_form_choice());
         }
-        // This also holds for an axis that is steady in the chart, because a meridian is a line of symmetry.
+        // The meridian model is also correct if the motion is steady in the frame of the chart, because a meridian is a
+        // line of symmetry.
         if tolerance >= MERIDIAN_ERROR
             && let Ok(rung) = self.meridian(rolls)
         {
@@ -152,12 +155,13 @@ impl Setting<'_> {
         self.cheapest_integrator(tolerance, chart, rolls)
             .unwrap_or_else(|why| match why {
                 Unmeasured::Ends => {
-                    let reason = "no closed form; a roll ends early, so errors cannot be measured";
+                    let reason = "no closed form; the roll ends early, so errors cannot be \
+                         measured";
                     dop853(tolerance, chart, reason.to_owned(), Some(tolerance))
                 }
-                // Errors add up and grow along the path.
+                // Errors add up along the path, so the tolerance is divided by the number of turns.
                 Unmeasured::TooLong => {
-                    let reason = "no closed form; the rolls are too long to try others";
+                    let reason = "no closed form; the rolls are too long to try other models";
                     let finer = finer(tolerance / rolls.turns().max(1.0));
                     dop853(finer, chart, reason.to_owned(), Some(tolerance))
                 }

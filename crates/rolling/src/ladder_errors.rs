@@ -1,47 +1,47 @@
-//! Errors and costs of the ladder's rungs, measured on the noiseless rolls, and the choice of an integrator by these
-//! values.
+//! Errors and costs of the models, measured on rolls without noise. They are used to choose an integrator.
 
 use crate::integration::{Integration, Method};
 use crate::integrator::Dop853;
 use crate::ladder::{Rung, Setting, dop853, dop853_method, rk4, rk4_method};
 use crate::{Chart, Choice, Contact, InvalidRoll, Model, RollFault, Roller, Rolls, TOLERANCES};
 
-/// Safety factor on a measured error before it is compared with a tolerance.
+/// Safety factor by which a measured error is multiplied before it is compared with a tolerance.
 const MARGIN: f64 = 1.25;
-/// Tolerance of the reference integration, as a share of the required tolerance.
+/// Tolerance of the reference integration, relative to the required tolerance.
 const REFERENCE_SHARE: f64 = 1e-3;
-/// Number of evaluations in a step of DOP853.
+/// Number of evaluations of the contact equations per step of DOP853.
 const STAGES: usize = 12;
-/// Cost of an evaluation in DOP853, including the step control, relative to RK4. In instructions it is 2.1 on a saddle,
-/// 1.5 on an ellipsoid, and less on a formula.
+/// Cost of an evaluation in DOP853, relative to its cost in RK4. It includes the step control. In processor
+/// instructions, the measured value is 2.1 on a saddle, 1.5 on an ellipsoid, and less on a height field from a formula.
 const RELATIVE_COST: f64 = 1.5;
-/// Numbers of steps that are tried, cheapest first.
+/// Numbers of RK4 steps that are tried, cheapest first.
 const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
 
-/// Largest number of evaluations in one integration of all rolls during the choice: the larger of this number, and of
-/// this number per motion.
+/// Maximum number of evaluations in one integration of all rolls during the choice of a model, if the rolls have few
+/// motions.
 const MAX_EVALUATIONS: usize = 20_000;
+/// Maximum number of these evaluations per motion, if the rolls have many motions. The larger limit applies.
 const MAX_EVALUATIONS_PER_MOTION: usize = 60;
-/// Tolerances of DOP853 on the displayed ladder.
+/// Tolerances of the DOP853 models in the list that [`Roller::ladder`] returns.
 const LADDER_TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
-/// A rung of the ladder, with its error and cost on the noiseless rolls.
+/// A model with its error and cost on the rolls without noise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredRung {
-    /// The model of the rung; never [`Model::Auto`].
+    /// The model; never [`Model::Auto`].
     pub model: Model,
-    /// The rung with its setting, in words.
+    /// Name of the model with its setting, as it is displayed.
     pub name: String,
-    /// The largest error of a contact at the end of a roll, relative to its length scale, compared with DOP853 at the
-    /// smallest tolerance; or the reason why the rung cannot compute these rolls.
+    /// The largest error of a contact at the end of a roll, relative to the contact's length scale. The reference is
+    /// DOP853 at the smallest tolerance. If the model cannot compute these rolls, the reason.
     pub outcome: Result<f64, String>,
-    /// Number of evaluations of the contact equations in all rolls; 0 for a closed form.
+    /// Number of evaluations of the contact equations in all rolls. It is 0 for the closed form and the meridian model.
     pub evaluations: usize,
 }
 
 impl Roller {
-    /// The rungs that can compute these noiseless rolls, cheapest first, including the chosen rung. `chart` is for the
-    /// integrators.
+    /// All models that can compute these rolls without noise, cheapest first. The chosen model is one of them. `chart`
+    /// is the form of the equations that the integrators use.
     pub fn ladder(&self, chart: Chart, rolls: Rolls<'_>) -> Vec<MeasuredRung> {
         let rk4 = (0..=6).map(|power| Model::Rk4 {
             steps: 1 << power,
@@ -59,7 +59,8 @@ impl Roller {
         rungs
     }
 
-    /// Error and cost of each of these models on these rolls. `chart` is for the reference integrator.
+    /// Error and cost of each of these models on these rolls. `chart` is the form of the equations that the reference
+    /// integrator uses.
     pub fn measure(&self, models: &[Model], chart: Chart, rolls: Rolls<'_>) -> Vec<MeasuredRung> {
         let tolerance = Model::SMALLEST_TOLERANCE;
         let reference = self.ends_on(Model::Dop853 { tolerance, chart }, rolls);
@@ -97,12 +98,12 @@ impl Roller {
     }
 }
 
-/// Reasons why no rung can be measured on the noiseless rolls.
+/// Reasons why no model can be measured on the rolls without noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unmeasured {
-    /// A roll ends before its motions do, or cannot begin.
+    /// A roll cannot begin, or ends before its motions do.
     Ends,
-    /// The rolls need more evaluations than the choice may use.
+    /// The rolls need more evaluations of the contact equations than the choice may use.
     TooLong,
 }
 
@@ -113,13 +114,15 @@ struct Ends {
     evaluations: usize,
 }
 
-/// The tolerance of the reference integration.
+/// Tolerance of the reference integration: a thousandth of the required `tolerance`, but not below the smallest
+/// tolerance of the models.
 pub(crate) fn finer(tolerance: f64) -> f64 {
     (REFERENCE_SHARE * tolerance).max(Model::SMALLEST_TOLERANCE)
 }
 
 impl Method {
-    /// This method with a limited number of evaluations. RK4 does not change, because its number is fixed.
+    /// This integrator, with a limit on the number of evaluations. RK4 does not change, because its number of
+    /// evaluations is fixed.
     fn within(self, evaluations: usize) -> Self {
         match self {
             Self::Rk4(_) => self,
@@ -132,10 +135,10 @@ impl Method {
 }
 
 impl Setting<'_> {
-    /// The cheapest setting of an integrator that meets the tolerance on the noiseless rolls, or the most accurate
-    /// setting.
+    /// The integrator with its cheapest setting that meets the tolerance on the rolls without noise. If no setting
+    /// meets the tolerance, its most accurate setting.
     ///
-    /// The coarsest sufficient tolerance of DOP853 is also the cheapest, on noisy rolls as well.
+    /// For DOP853, the largest tolerance that is small enough is also the cheapest, even for rolls with noise.
     pub(crate) fn cheapest_integrator(
         &self,
         tolerance: f64,
@@ -172,7 +175,8 @@ impl Setting<'_> {
             if (4 * steps * motions) as f64 >= RELATIVE_COST * evaluations as f64 {
                 break;
             }
-            // Steps may be too long for the surface. Shorter steps may still work.
+            // If the integration fails, these steps may be too long for the surface. More and shorter steps may still
+            // work.
             let Ok(ends) = self.ends(rolls, rk4_method(steps), chart) else {
                 continue;
             };
@@ -184,7 +188,7 @@ impl Setting<'_> {
         Ok(dop853(setting, chart, reason(bound), Some(bound)))
     }
 
-    /// Ends of all rolls, by one integrator.
+    /// The contacts at the ends of all rolls, computed with one integrator.
     fn ends(&self, rolls: Rolls<'_>, method: Method, chart: Chart) -> Result<Ends, Unmeasured> {
         let mut ends = Ends::default();
         let motions: usize = rolls.rolls.iter().map(Vec::len).sum();
@@ -207,7 +211,8 @@ impl Setting<'_> {
         Ok(ends)
     }
 
-    /// Largest distance between contacts on either body, relative to the length scale.
+    /// Largest distance between corresponding contacts, on the object or on the probe, relative to the contact's length
+    /// scale.
     fn distance(&self, one: &Ends, other: &Ends) -> f64 {
         let radius = self.bodies.probe.radius();
         let distance = |(a, b): (&Contact, &Contact)| {

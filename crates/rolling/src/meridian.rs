@@ -1,8 +1,8 @@
-//! Rolling from an apex in a plane of symmetry of the object, as along the meridians of a surface of revolution.
+//! Rolling from an apex in a symmetry plane of the object, for example along the meridians of a surface of revolution.
 //!
-//! The contact moves along a meridian of the object and a great circle of the probe. If the object's normal has turned
-//! by the angle α and the arc length is s, the probe has turned by `θ = α + s/R₁`. This equation is solved for the
-//! meridian's parameter.
+//! The contact moves along a meridian of the object and along a great circle of the probe. If the object's normal has
+//! turned by the angle α along the arc length s, the probe has turned by `θ = α + s/R₁`. This equation is solved for
+//! the parameter of the meridian.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -13,25 +13,26 @@ use crate::closed_form::roll_on_probe;
 use crate::error::RollFault;
 use crate::{Contact, Motion, Shift};
 
-/// Largest number of iterations of Newton's or Halley's method, including bisections; 3 are usual.
+/// Maximum number of iterations of Newton's or Halley's method, including bisections. Usually 3 iterations are enough.
 const MAX_ITERATIONS: usize = 200;
-/// Largest relative difference of the arguments at which Carlson's series replaces duplication. Each duplication makes
-/// the difference four times smaller; the series omit sixth powers.
+/// Largest relative difference of the arguments at which Carlson's series is used. Before that, each duplication makes
+/// the difference four times smaller. The error of the series is proportional to the sixth power of the difference.
 const MAX_DIFFERENCE: f64 = 1.5e-3;
-/// Largest number of duplications; arguments with a ratio of 1e300 need about 260.
+/// Maximum number of duplications. Arguments with a ratio of 1e300 need about 260.
 const MAX_DUPLICATIONS: usize = 300;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeridianRung {
-    /// The meridian in all directions.
+    /// The meridian in every direction; `None` if the object is no surface of revolution about the apex.
     revolved: Option<Meridian>,
-    /// The sections along the frame's x and y.
+    /// The sections along the x and y axes of the contact frame; `None` if they are not symmetric.
     along: [Option<Meridian>; 2],
     radius: f64,
 }
 
 impl MeridianRung {
-    /// Rolls of a probe of `radius` from the contact `apex` of an object. The probe must fit there.
+    /// Rolls of a probe of radius `radius` from the contact `apex` of an object. At this contact, the probe must not
+    /// overlap the object.
     pub(crate) fn new(object: &Shape, apex: &Contact, radius: f64) -> Self {
         let (x, y) = (apex.x_axis, apex.y_axis());
         let section = |direction: Vector3<f64>| object.meridian(&apex.on_object, &direction);
@@ -42,12 +43,12 @@ impl MeridianRung {
         }
     }
 
-    /// Whether the object is one of revolution, so that every roll from the apex follows a meridian.
+    /// Whether the object is a surface of revolution about the apex, so that every roll from there follows a meridian.
     pub(crate) const fn is_revolved(&self) -> bool {
         self.revolved.is_some()
     }
 
-    /// The section that a motion without spin and sliding follows from the apex.
+    /// The section along which a motion without spin and sliding leads from the apex; `None` if there is none.
     #[inline]
     pub(crate) fn section(&self, motion: &Motion) -> Option<&Meridian> {
         let aside = match motion.drive() {
@@ -59,7 +60,7 @@ impl MeridianRung {
         self.along[aside].as_ref()
     }
 
-    /// The parameter and the arc length on a section at which the probe has turned by `theta > 0`.
+    /// Parameter and arc length on a section at which the probe has turned by `theta > 0`.
     fn solve(&self, section: &Meridian, theta: f64) -> Result<(f64, f64), RollFault> {
         match *section {
             Meridian::Paraboloid { c } => along_parabola(c, self.radius, theta),
@@ -69,7 +70,7 @@ impl MeridianRung {
         .ok_or(RollFault::NotFinite)
     }
 
-    /// Displacement on the probe by `motion` along a section.
+    /// Displacement of the contact on the probe by `motion` along a section.
     pub(crate) fn shift(&self, section: &Meridian, motion: &Motion) -> Result<Shift, RollFault> {
         let turn = motion.drive() * motion.duration_s;
         let theta = turn.norm();
@@ -96,7 +97,7 @@ impl MeridianRung {
         let point = section.at(t);
         let direction: Vector2<f64> = turn / theta;
         let outward = apex.x_axis * direction.x + apex.y_axis() * direction.y;
-        // The frame turns about the tangent that is perpendicular to the meridian.
+        // The frame turns about the tangent that is perpendicular to the meridian, by the angle of the normal.
         let [sin, cos] = point.normal;
         let along = outward * (1.0 - cos) + apex.normal * sin;
         Ok(Contact {
@@ -109,8 +110,8 @@ impl MeridianRung {
     }
 }
 
-/// Parameter and arc length at which a probe on an ellipse has turned by `theta > 0`, by Newton's method. θ increases
-/// with the parameter, because the relative curvature is positive.
+/// Parameter and arc length at which a probe on an ellipse has turned by `theta > 0`, by Newton's method. Because the
+/// relative curvature is positive, θ increases with the parameter.
 fn along_ellipse(a: f64, c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
     let ellipse = Meridian::Spheroid { a, c };
     let apex = ellipse.slope(0.0);
@@ -123,7 +124,7 @@ fn along_ellipse(a: f64, c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> 
         let excess = point.slope_rad + arc / radius - theta;
         let slope = point.slope_per_parameter + point.arc_per_parameter / radius;
         root.step(excess, excess / slope);
-        // Convergence is quadratic, so the next correction is below rounding errors.
+        // Convergence is quadratic, so the next correction would be smaller than rounding errors.
         if (root.at - t).abs() <= 1e-8 * t {
             return Some((root.at, arc + (root.at - t) * point.arc_per_parameter));
         }
@@ -131,16 +132,16 @@ fn along_ellipse(a: f64, c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> 
     None
 }
 
-/// Parameter and arc length at which a probe on `z = −c r²` has turned by `theta > 0`.
+/// Parameter `r` and arc length at which a probe on `z = −c r²` has turned by `theta`, which must be positive.
 ///
-/// With q = 2|c|r the slope, σ the sign of c and a = 1/(2|c|R₁),
+/// Let q = 2|c|r be the slope, σ the sign of c and a = 1/(2|c|R₁). The equation
 ///
 /// ```text
 /// θ = σ atan q + a S(q),     S(q) = (q √(1+q²) + asinh q)/2 = 2|c| s
 /// ```
 ///
-/// is solved by Halley's method. It starts from the first three terms of the series or, if they converge badly, from
-/// the asymptote.
+/// is solved by Halley's method. The start is computed from the first three terms of the series or, if they converge
+/// badly, from the asymptote.
 fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
     let (sign, steepening) = (c.signum(), 2.0 * c.abs());
     let a = 1.0 / (steepening * radius);
@@ -153,7 +154,7 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
         let q = root.at;
         let ww = 1.0 + q * q;
         let w = ww.sqrt();
-        // asinh q, computed from the root above.
+        // The value of asinh q, computed from the square root above.
         let asinh = libm::log1p(q + q * q / (1.0 + w));
         let arc = 0.5 * (q * w + asinh);
         let excess = sign * libm::atan(q) + a * arc - theta;
@@ -161,7 +162,7 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
         let bend = q * (a / w - 2.0 * sign / (ww * ww));
         let newton = excess / slope;
         root.step(excess, newton / (1.0 - 0.5 * newton * bend / slope));
-        // Convergence is cubic, so the next correction is below rounding errors.
+        // Halley's method converges cubically, so the next correction would be smaller than the rounding errors.
         let step = root.at - q;
         if step.abs() <= 3e-6 * q {
             let arc = arc + step * (w + 0.5 * step * q / w);
@@ -171,9 +172,10 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
     None
 }
 
-/// First guess of the slope at which the probe has turned by `theta`.
+/// First estimate of the slope at which the probe has turned by `theta`.
 fn first_slope(sign: f64, a: f64, theta: f64) -> f64 {
-    // The inverse of the series θ = (a + σ) q + (a/6 − σ/3) q³ + (σ/5 − a/40) q⁵ + ….
+    // With σ = `sign` and the slope q, the equation of `along_parabola` has the series
+    // θ = (a + σ) q + (a/6 − σ/3) q³ + (σ/5 − a/40) q⁵ + …. The first terms of the inverse series give q.
     let rate = a + sign;
     let linear = theta / rate;
     let square = linear * linear;
@@ -182,12 +184,12 @@ fn first_slope(sign: f64, a: f64, theta: f64) -> f64 {
         let quintic = square * square * (sign / 5.0 - a / 40.0) / rate;
         return linear * (1.0 - cubic + 3.0 * cubic * cubic - quintic);
     }
-    // S(q) approaches q²/2, and atan q is about 1.2 rad or more.
+    // For large q, the arc-length function S(q) approaches q²/2, and atan q is about 1.2 rad or more.
     let y = ((theta - 1.2 * sign) / a).max(linear.min(1.0));
     y / libm::hypot(0.5 * y, 1.0).sqrt()
 }
 
-/// A bracket of the root of an increasing function.
+/// A bracket of the root of an increasing function, and the current estimate of the root.
 struct Bracket {
     low: f64,
     high: f64,
@@ -203,7 +205,8 @@ impl Bracket {
         }
     }
 
-    /// Moves by `−step`, limited by the bracket, which is updated from the sign of the function's value `excess`.
+    /// Moves the estimate by `−step`, but keeps it inside the bracket. First, the sign of the function's value `excess`
+    /// is used to narrow the bracket.
     fn step(&mut self, excess: f64, step: f64) {
         if excess > 0.0 {
             self.high = self.at;
@@ -221,10 +224,10 @@ impl Bracket {
     }
 }
 
-/// The arc from the pole of an ellipse with half-axes `a` across and `c` along its axis, both positive, up to the
-/// parameter `t >= 0`.
+/// The arc length of an ellipse from its pole to the parameter `t >= 0`. The half-axes are `a` perpendicular to the
+/// axis of revolution and `c` along it; both are positive.
 ///
-/// From the pole of `r = a sin t`, `height = c cos t` the arc is `a E(t, m)` with `m = 1 − (c/a)²`,
+/// From the pole of `r = a sin t`, `height = c cos t`, the arc length is `a E(t, m)` with `m = 1 − (c/a)²`, computed as
 ///
 /// ```text
 /// E(t, m) = s R_F − (m/3) s³ R_D,     s = sin t,     R(cos² t, 1 − m s², 1),     |t| ≤ π/2
@@ -250,7 +253,7 @@ fn quarter_arc(a: f64, c: f64, t: f64) -> f64 {
     a * sin * (first - m / 3.0 * sin * sin * second)
 }
 
-/// Carlson's `R_F(x, y, 1)` and `R_D(x, y, 1)`, with at most one argument 0.
+/// Carlson's integrals `R_F(x, y, 1)` and `R_D(x, y, 1)`. At most one of the arguments may be 0.
 fn integrals(mut x: f64, mut y: f64) -> (f64, f64) {
     let mut z = 1.0;
     let (mut sum, mut share) = (0.0, 1.0);
@@ -274,7 +277,7 @@ fn integrals(mut x: f64, mut y: f64) -> (f64, f64) {
     )
 }
 
-/// `R_F` of nearly equal arguments.
+/// Carlson's `R_F` for nearly equal arguments, from its series.
 fn first_kind(x: f64, y: f64, z: f64) -> f64 {
     let mean = (x + y + z) / 3.0;
     let (dx, dy) = (1.0 - x / mean, 1.0 - y / mean);
@@ -285,7 +288,7 @@ fn first_kind(x: f64, y: f64, z: f64) -> f64 {
     series / mean.sqrt()
 }
 
-/// `R_D` of nearly equal arguments.
+/// Carlson's `R_D` for nearly equal arguments, from its series.
 fn second_kind(x: f64, y: f64, z: f64) -> f64 {
     let mean = (x + y + 3.0 * z) / 5.0;
     let (dx, dy) = (1.0 - x / mean, 1.0 - y / mean);
@@ -308,7 +311,8 @@ mod tests {
 
     use super::*;
 
-    /// The larger of two relative errors: that of θ, relative to its terms, and that of the arc length.
+    /// The larger of two relative errors: the error of θ relative to the terms of its equation, and the error of the
+    /// arc length.
     fn error(c: f64, theta: f64) -> f64 {
         let (r, arc) = along_parabola(c, 1.0, theta).unwrap();
         let slope = 2.0 * c * r;
@@ -323,7 +327,7 @@ mod tests {
         for exponent in -12..=12 {
             for mantissa in [1.0, 2.3, 4.999] {
                 let c = mantissa * 10.0_f64.powi(exponent);
-                // A bowl fits while 1/R₁ + 2c > 0.
+                // In a bowl, the probe fits while 1/R₁ + 2c > 0, where R₁ is the radius of the probe.
                 for c in [c, -c].into_iter().filter(|c| 1.0 + 2.0 * c > 0.0) {
                     for theta in [
                         1e-12, 1e-6, 0.1, 0.5, 1.0, 1.5, 1.6, 2.0, 3.0, 6.0, 100.0, 1e9,
@@ -345,14 +349,15 @@ mod tests {
 
     #[test]
     fn a_bowl_that_hardly_fits() {
-        // As 1/R₁ + 2c → 0, θ = q³/2 to leading order: a small turn moves the contact far.
+        // As 1/R₁ + 2c tends to 0, θ tends to q³/2, where q is the slope. A small rotation then moves the contact far.
         let (r, _) = along_parabola(-0.5, 1.0, 1e-9).unwrap();
         assert!((r / libm::cbrt(2e-9_f64) - 1.0).abs() < 1e-5, "{r}");
     }
 
     #[test]
     fn integrals_of_the_literature() {
-        // Carlson 1995, section 3: R_F(2, 3, 4) and R_D(2, 3, 4), R_D(0, 2, 1); R_F(1, 2, 0) = R_F(0, 2, 1).
+        // The expected values are from Carlson 1995, section 3: R_F(2, 3, 4), R_D(2, 3, 4), R_D(0, 2, 1), and R_F(1, 2,
+        // 0) = R_F(0, 2, 1).
         let scaled = integrals(0.5, 0.75);
         assert_relative_eq!(
             scaled.0 / 2.0,
@@ -374,7 +379,8 @@ mod tests {
         for t in [1e-300, 1e-9, 0.3, 1.5, 1.6, 3.0, 4.0, 1e3] {
             assert_relative_eq!(arc_length(2.0, 2.0, t), 2.0 * t, max_relative = 2e-15);
         }
-        // E(3/4): a quarter of the perimeter of an ellipse that is half as high, or half as wide.
+        // 2 E(3/4) is a quarter of the perimeter of an ellipse with the half-axes 2 and 1. The order of the half-axes
+        // does not matter.
         let quarter = 2.0 * 1.211_056_027_568_459_5;
         assert_relative_eq!(
             arc_length(2.0, 1.0, FRAC_PI_2),
@@ -395,7 +401,8 @@ mod tests {
 
     #[test]
     fn a_quarter_of_a_flat_or_long_ellipse_is_its_longer_half_axis() {
-        // A quarter tends to the longer half-axis, plus (b²/a)(ln(4a/b) − ½)/2.
+        // For very different half-axes a > b, the length of a quarter of the ellipse tends to a + (b²/a)(ln(4a/b) −
+        // ½)/2.
         for (a, c) in [(1.0, 1e-9), (1e-9, 1.0), (1e9, 1e-9), (1e-150, 1.0)] {
             let arc = arc_length(a, c, FRAC_PI_2);
             assert_relative_eq!(arc, f64::max(a, c), max_relative = 2e-14);

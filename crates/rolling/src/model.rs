@@ -1,4 +1,4 @@
-//! Models by which a roll is computed, and their errors.
+//! Models that compute rolls, and errors when a roll is set up.
 
 use palpate_geometry::SurfaceError;
 use palpate_statistics::Number;
@@ -6,48 +6,48 @@ use thiserror::Error;
 
 use crate::{Chart, Motion, RollFault};
 
-/// Tolerances that a search for a sufficient tolerance tries, largest first.
+/// Tolerances among which a sufficient one is searched, largest first.
 pub const TOLERANCES: [f64; 14] = [
     1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14,
 ];
 
-/// A model by which rolls are computed: a rung of the ladder, or the choice among them.
+/// A model that computes rolls, or the automatic choice of such a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Model {
-    /// The cheapest rung whose error is within `tolerance`, relative to the contact's length scale.
+    /// The cheapest model whose error is within `tolerance`. The error is relative to the contact's length scale.
     Auto {
         /// Tolerance, from [`Model::SMALLEST_TOLERANCE`] to [`Model::LARGEST_TOLERANCE`].
         tolerance: f64,
-        /// Form of the equations, if the chosen rung is an integrator.
+        /// Form of the contact equations, which is used if the chosen model is an integrator.
         chart: Chart,
     },
-    /// The closed form only. Fails if there is none.
+    /// The closed form. The set-up fails if the rolls have no closed form.
     ClosedForm,
-    /// The meridian rung only. Fails if it does not apply.
+    /// The meridian model. The set-up fails if the model is not valid for the rolls.
     Meridian,
     /// RK4 with this many steps per motion.
     Rk4 {
         /// Number of steps per motion, at least 1.
         steps: usize,
-        /// Form of the equations.
+        /// Form of the contact equations.
         chart: Chart,
     },
     /// DOP853 with this tolerance.
     Dop853 {
         /// Tolerance, from [`Model::SMALLEST_TOLERANCE`] to [`Model::LARGEST_TOLERANCE`].
         tolerance: f64,
-        /// Form of the equations.
+        /// Form of the contact equations.
         chart: Chart,
     },
 }
 
 impl Model {
-    /// Smallest tolerance that can be set. Rounding errors are about as large.
+    /// Smallest allowed tolerance. Rounding errors are about this large.
     pub const SMALLEST_TOLERANCE: f64 = 1e-14;
-    /// Largest tolerance that can be set. A larger error would not be useful.
+    /// Largest allowed tolerance. A larger error would not be useful.
     pub const LARGEST_TOLERANCE: f64 = 0.1;
 
-    /// The rung with its setting, in words.
+    /// Name of the model with its setting, as it is displayed.
     pub(crate) fn name(&self) -> String {
         match self {
             Self::Auto { tolerance, .. } => format!("auto, tolerance {tolerance:e}"),
@@ -64,44 +64,44 @@ impl Model {
     }
 }
 
-/// The chosen rung, and the reason for the choice.
+/// The chosen model, and the reason for the choice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice<M = Model> {
-    /// Name of the rung and its setting: `closed form`, `meridian`, `RK4` or `DOP853`.
+    /// Name of the model, with its setting if it has one: `closed form`, `meridian`, `RK4` or `DOP853`.
     pub rung: String,
-    /// The chosen model with its setting: never `Auto`.
+    /// The chosen model with its setting; never `Auto`.
     pub model: M,
-    /// Reason for the choice, in words.
+    /// Reason for the choice, as text.
     pub reason: String,
-    /// Bound on the error of the contact without noise, in addition to the rounding of its coordinates. It is relative
-    /// to the contact's length scale (for a glide, to the tip's radius). `None` for RK4 that was set by the user.
+    /// Upper bound on the error of the contact without noise, in addition to the rounding errors of its coordinates. It
+    /// is relative to the contact's length scale; for a glide, to the tip's radius. `None` if the user has set RK4.
     pub error_bound: Option<f64>,
 }
 
-/// The noiseless rolls for which a rung is chosen: for each roll, one or more motions in a row.
+/// The rolls without noise, for which a model is chosen. Each roll consists of one or more consecutive motions.
 #[derive(Clone, Copy, Debug)]
 pub struct Rolls<'a> {
-    /// Motions of each roll, in their order.
+    /// The motions of each roll, in order.
     pub rolls: &'a [Vec<Motion>],
-    /// Whether noise will make the actual rolls differ from these.
+    /// Whether the actual rolls differ from these rolls because of noise.
     pub has_noise: bool,
 }
 
 /// Reasons why a roll cannot be set up.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum InvalidRoll {
-    /// There is no first contact at this place.
+    /// The probe cannot touch the object at the place of the first contact.
     #[error("no first contact: {0}")]
     FirstContact(#[from] SurfaceError),
     /// The bodies do not touch at a single point.
     #[error("no rolling contact: {0}")]
     Fault(#[from] RollFault),
-    /// The set rung cannot compute these rolls.
+    /// The model that the user has set cannot compute these rolls.
     #[error("the {rung} rung cannot do this: {reason}")]
     Unsupported {
-        /// Name of the rung.
+        /// Name of the model.
         rung: &'static str,
-        /// The reason, in words.
+        /// Reason why the model cannot compute the rolls, as text.
         reason: String,
     },
     /// The tolerance is out of range.
@@ -112,13 +112,13 @@ pub enum InvalidRoll {
         tolerance = Number(*tolerance)
     )]
     Tolerance {
-        /// Its value.
+        /// Value of the tolerance.
         tolerance: f64,
     },
 }
 
 impl<'a> Rolls<'a> {
-    /// Rolls without noise.
+    /// Rolls that have no noise.
     pub const fn exact(rolls: &'a [Vec<Motion>]) -> Self {
         Self {
             rolls,
@@ -130,13 +130,13 @@ impl<'a> Rolls<'a> {
         self.rolls.iter().flatten()
     }
 
-    /// Whether the numbers of all motions are finite and their durations at least 0.
+    /// Whether all numbers of all motions are finite, and no duration is negative.
     pub(crate) fn all_run(&self) -> bool {
         self.motions()
             .all(|motion| motion.is_finite() && motion.duration_s >= 0.0)
     }
 
-    /// Number of turns of the probe in the longest roll.
+    /// Number of turns that the probe makes in the longest roll.
     pub(crate) fn turns(&self) -> f64 {
         let turns = |motion: &Motion| {
             let angle = motion.in_unit_time().angular_velocity.norm();

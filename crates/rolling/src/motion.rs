@@ -1,25 +1,25 @@
-//! Commanded motions of the probe.
+//! Motions of the probe that a user commands.
 
 use nalgebra::{Vector2, Vector3};
 
-/// A motion of the probe relative to the object, steady in the probe's contact frame.
+/// A motion of the probe relative to the object. It is steady, that is, constant in the probe's contact frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// `(ω_x, ω_y, ω_z)` in the probe's contact frame, rad/s; `ω_z` is spin about the contact
+    /// Angular velocity `(ω_x, ω_y, ω_z)` in the probe's contact frame, rad/s. `ω_z` is the spin about the contact
     /// normal.
     pub angular_velocity: Vector3<f64>,
-    /// `(v_x, v_y)`: sliding velocity of the probe in its contact frame, length/s.
+    /// Sliding velocity `(v_x, v_y)` of the probe in its contact frame, length/s.
     pub sliding: Vector2<f64>,
-    /// Duration, s.
+    /// Duration of the motion, s.
     pub duration_s: f64,
 }
 
 impl Motion {
-    /// Rolling at `rate_rad_per_s`. On an isotropic object the contact first moves at the angle `direction_rad` from
-    /// the object's +x (projected onto the tangent plane) towards `n × x`.
+    /// Rolling with the angular speed `rate_rad_per_s`. On an isotropic object, the contact first moves in the
+    /// direction at the angle `direction_rad` from the object's +x (projected onto the tangent plane) towards `n × x`.
     ///
-    /// The rotation axis is the object's normal crossed with that direction. Up to a thousand quarter turns, multiples
-    /// of a quarter turn are exact.
+    /// The rotation axis is the cross product of the object's normal and this direction. Directions that are multiples
+    /// of a quarter turn, up to a thousand of them, are exact.
     ///
     /// ```
     /// use nalgebra::Vector2;
@@ -32,31 +32,31 @@ impl Motion {
     pub fn rolling(direction_rad: f64, rate_rad_per_s: f64, duration_s: f64) -> Self {
         let (sin, cos) = sin_cos_exact(direction_rad);
         Self {
-            // Both signs are negative because y₁ = −n × x₁.
+            // Both signs are negative, because y₁ = −n × x₁.
             angular_velocity: Vector3::new(-sin, -cos, 0.0) * rate_rad_per_s,
             sliding: Vector2::zeros(),
             duration_s,
         }
     }
 
-    /// The rotation `(Δθ_x, Δθ_y)` summed over the motion, rad.
+    /// The rotation `(Δθ_x, Δθ_y)` of the probe during the whole motion, rad.
     pub fn rotation(&self) -> Vector2<f64> {
         self.angular_velocity.xy() * self.duration_s
     }
 
-    /// Rate of rolling `[−ω_y, ω_x]`, rad/s, which drives the contact over the probe.
+    /// Angular velocity of rolling, `[−ω_y, ω_x]`, rad/s. It moves the contact over the probe.
     pub(crate) fn drive(&self) -> Vector2<f64> {
         Vector2::new(-self.angular_velocity.y, self.angular_velocity.x)
     }
 
-    /// Rate that drives the contact over the object, rad/s, for a probe of `radius`: the rate of rolling plus the
-    /// sliding velocity over the radius.
+    /// The drive that moves the contact over the object, rad/s, for a probe of `radius`. It is the angular velocity of
+    /// rolling plus the sliding velocity divided by the radius.
     pub(crate) fn drive_on_object(&self, radius: f64) -> Vector2<f64> {
         self.drive() + self.sliding / radius
     }
 
-    /// The motion with the same displacements and a duration of 1 s. Its rates can be squared even if the original rate
-    /// and duration are extreme.
+    /// The motion with the same displacements in a duration of 1 s. The squares of its rates do not overflow, even if
+    /// the original rate and duration are extreme.
     pub(crate) fn in_unit_time(&self) -> Self {
         Self {
             angular_velocity: self.angular_velocity * self.duration_s,
@@ -80,9 +80,10 @@ impl Motion {
     }
 }
 
-/// Sine and cosine, exact at multiples of a quarter turn, so that a roll along u does not deviate from u.
+/// Sine and cosine of an angle, exact at multiples of a quarter turn, so that a roll along an axis does not deviate
+/// from the axis.
 fn sin_cos_exact(angle_rad: f64) -> (f64, f64) {
-    /// Largest number of quarter turns whose rounding error is below 1e-12.
+    /// Largest number of quarter turns that is recognised as a whole number. Its rounding error is below 1e-12.
     const COUNTABLE: f64 = 1000.0;
     let quarters = angle_rad / std::f64::consts::FRAC_PI_2;
     let (sin, cos) = libm::sincos(angle_rad);

@@ -1,4 +1,4 @@
-//! A probe that rolls on an object: the bodies, and the roller.
+//! The rolling probe: the bodies in contact, and the [`Roller`] that computes their contact.
 
 use nalgebra::Matrix2;
 use palpate_geometry::surfaces::Sphere;
@@ -9,8 +9,8 @@ use crate::contact_equations::contact_velocities;
 use crate::ladder::{FALLBACK, Rung, Setting};
 use crate::{Choice, Contact, InvalidRoll, Model, Motion, RollError, RollFault, Rolls, Shift};
 
-/// Relative curvature, as a share of the probe's curvature, below which a singular motion means that the bodies
-/// conform.
+/// Relative curvature, divided by the probe's curvature, below which a singular motion is reported as a fault of
+/// conforming bodies.
 const CONFORMING_CURVATURE: f64 = 1e-3;
 
 /// A spherical fingertip.
@@ -30,7 +30,7 @@ impl Probe {
         })
     }
 
-    /// Its radius.
+    /// Radius of the probe.
     pub const fn radius(&self) -> f64 {
         self.sphere.radius()
     }
@@ -41,7 +41,7 @@ impl Probe {
 pub(crate) struct Bodies<'a, S> {
     pub(crate) probe: Probe,
     pub(crate) object: &'a S,
-    /// Errors of positions are relative to this length.
+    /// Length scale of the contact. Errors of positions are relative to it.
     pub(crate) length_scale: f64,
 }
 
@@ -57,8 +57,8 @@ impl<'a, S> Bodies<'a, S> {
 }
 
 impl<S: Surface> Bodies<'_, S> {
-    /// The cause of a fault. If the bodies conform, the contact's speed has no bound, so the motion also becomes
-    /// singular.
+    /// The cause of a fault. If the bodies conform, the speed of the contact has no limit, so the motion becomes
+    /// singular too. The cause is then that the bodies conform.
     pub(crate) fn cause(&self, fault: RollFault, last: Result<Contact, RollFault>) -> RollFault {
         if fault == RollFault::Singular
             && let Ok(contact) = last
@@ -76,7 +76,7 @@ impl<S: Surface> Bodies<'_, S> {
     }
 }
 
-/// A probe on an object, with a first contact and the rung that computes its rolls.
+/// A probe on an object, with a first contact and the model that computes its rolls.
 ///
 /// ```
 /// use palpate_geometry::{Shape, surfaces::Sphere};
@@ -86,7 +86,7 @@ impl<S: Surface> Bodies<'_, S> {
 /// let rolls = [vec![Motion::rolling(0.0, 0.1, 1.0)]];
 /// let (probe, ball) = (Probe::new(1.0)?, Shape::Sphere(Sphere::new(3.0)?));
 /// let roller = Roller::new(probe, ball, (0.0, 0.0), Model::ClosedForm, Rolls::exact(&rolls))?;
-/// // The contact moves by the angle over the relative curvature, 1/1 + 1/3.
+/// // The contact moves by the angle divided by the relative curvature, 1/1 + 1/3.
 /// let shift = roller.shift(&rolls[0])?;
 /// assert!((shift.displacement.x - 0.075).abs() < 1e-15);
 /// assert!(shift.displacement.y.abs() < 1e-15);
@@ -97,7 +97,8 @@ pub struct Roller {
     probe: Probe,
     object: Shape,
     first: Contact,
-    /// Smallest initial displacement of the contact per radian, length. Errors of the contact are relative to it.
+    /// Smallest displacement of the contact per radian of rolling at the first contact, length. Errors of the contact
+    /// are relative to it.
     length_scale: f64,
     closed_form: ClosedForm,
     rung: Rung,
@@ -105,11 +106,12 @@ pub struct Roller {
 }
 
 impl Roller {
-    /// A roller of `probe` on `object` with a first contact at `(x, y)`. Its rung is chosen for the noiseless `rolls`.
+    /// A roller with `probe` on `object` and with the first contact at `(x, y)`. Its model is chosen for the `rolls`
+    /// without noise.
     ///
     /// # Errors
     /// [`InvalidRoll`] if there is no first contact, if the bodies conform there, if the tolerance is out of range, or
-    /// if the set rung cannot compute the rolls.
+    /// if the model that the user has set cannot compute the rolls.
     pub fn new(
         probe: Probe,
         object: Shape,
@@ -145,10 +147,10 @@ impl Roller {
         })
     }
 
-    /// A roller with the same probe, object and first contact, and the rung of `model`.
+    /// A roller with the same probe, object and first contact, but with `model`.
     ///
     /// # Errors
-    /// [`InvalidRoll`] if the tolerance is out of range, or if the rung cannot compute the rolls.
+    /// [`InvalidRoll`] if the tolerance is out of range, or if the model cannot compute the rolls.
     pub fn on(&self, model: Model, rolls: Rolls<'_>) -> Result<Self, InvalidRoll> {
         let (rung, choice) = self.setting().rung(model, rolls)?;
         Ok(Self {
@@ -159,17 +161,17 @@ impl Roller {
         })
     }
 
-    /// The chosen rung, and the reason for the choice.
+    /// The chosen model, and the reason for the choice.
     pub const fn choice(&self) -> &Choice {
         &self.choice
     }
 
-    /// The probe.
+    /// The probe that rolls.
     pub const fn probe(&self) -> Probe {
         self.probe
     }
 
-    /// The object.
+    /// The object on which the probe rolls.
     pub const fn object(&self) -> &Shape {
         &self.object
     }
@@ -179,7 +181,7 @@ impl Roller {
         &self.first
     }
 
-    /// The contact after all `motions` in a row, from the first contact.
+    /// The contact after all `motions` in sequence, starting at the first contact.
     ///
     /// # Errors
     /// [`RollError`], whose time starts with the first motion.
@@ -187,7 +189,7 @@ impl Roller {
         self.follow(motions).map(|(contact, _)| contact)
     }
 
-    /// Rolls as [`Roller::roll`] does, and returns the number of evaluations of the contact equations too.
+    /// The final contact, as [`Roller::roll`] computes it, and the number of evaluations of the contact equations.
     pub(crate) fn follow(&self, motions: &[Motion]) -> Result<(Contact, usize), RollError> {
         let mut contact = self.first;
         let mut evaluations = 0;
@@ -204,8 +206,8 @@ impl Roller {
         Ok((contact, evaluations))
     }
 
-    /// Displacement of the contact on the probe by `motions`. It costs less than [`Roller::roll`] in closed form and
-    /// along meridians.
+    /// Displacement of the contact on the probe by `motions`. With the closed form and the meridian model, this costs
+    /// less than [`Roller::roll`].
     ///
     /// # Errors
     /// Errors of [`Roller::roll`].
@@ -240,8 +242,9 @@ impl Roller {
             .shift_from(&self.first, self.probe.radius()))
     }
 
-    /// The matrix that maps `[−Δθ_y, Δθ_x]` (rad) of a steady roll without spin or sliding to the contact's path on the
-    /// probe (length). Only the closed form is linear; for the other rungs the result is `None`.
+    /// The matrix that maps the rotation `[−Δθ_y, Δθ_x]` (rad) of a steady roll without spin or sliding to the
+    /// contact's path on the probe (length). `None` for all models except the closed form, because no other model is
+    /// linear.
     pub const fn linear(&self) -> Option<&Matrix2<f64>> {
         match &self.rung {
             Rung::ClosedForm(closed_form) => Some(&closed_form.mobility),
@@ -249,8 +252,8 @@ impl Roller {
         }
     }
 
-    /// Duration (s) of `motion` for which the contact's path on the probe has the length `arc_length`. The duration of
-    /// `motion` itself is ignored. The relative error is at most 1e-14 if rolls are exact.
+    /// Duration (s) of `motion` after which the contact's path on the probe has the length `arc_length`. The duration
+    /// that `motion` states is ignored. If rolls are computed exactly, the relative error is at most 1e-14.
     ///
     /// # Errors
     /// The [`RollError`] that ends the roll before the path has this length.
@@ -275,7 +278,7 @@ impl Roller {
                 ..*motion
             }]);
             let next = match reached {
-                // The path is too short to be squared. The first estimate is exact.
+                // The path is so short that its squared length underflows to zero, so the first estimate is exact.
                 Ok(contact) if contact.arc_length == 0.0 => return Ok(duration_s),
                 Ok(contact) => {
                     let excess = contact.arc_length - arc_length;
@@ -287,11 +290,12 @@ impl Roller {
                     let rate = speed(&contact).map_err(|fault| at(fault, duration_s))?;
                     duration_s - excess / rate
                 }
-                // Other durations would not help if a roll needs too many steps.
+                // If a roll needs too many steps, other durations would not help.
                 Err(error) if matches!(error.fault, RollFault::TooManySteps { .. }) => {
                     return Err(error);
                 }
-                // The roll went beyond the end of the contact: shorten it, unless the end is already here.
+                // The roll went beyond the point where it must end. Try a shorter roll, unless that point is already
+                // located within a relative error of 1e-9.
                 Err(error) if duration_s - low < 1e-9 * duration_s => return Err(error),
                 Err(_) => {
                     high = duration_s;

@@ -9,7 +9,7 @@ use palpate_study::config;
 const TEXT: &str = include_str!("../../../examples/press-a-ball.toml");
 
 fn configs(criterion: &mut Criterion) {
-    criterion.bench_function("config, parsed and its sweeps laid out", |bencher| {
+    criterion.bench_function("parse a config and expand its sweeps", |bencher| {
         bencher.iter(|| config::parse("press-a-ball.toml", black_box(TEXT)));
     });
     let study = config::parse("press-a-ball.toml", TEXT).expect("a config");

@@ -1,4 +1,4 @@
-//! Values that are computed once: a cache, and the models that presses share.
+//! A cache of values that are computed once, and the models that presses share.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -7,17 +7,18 @@ use palpate_tracking::Marker;
 
 use crate::press::{CalibrationFrames, ImageChanges, PressFailure, RestFrames, RestMarkers};
 
-/// Number of cached layers, each with tables of at most 2 MB.
+/// Maximum number of cached layers, each with tables of at most 2 MB.
 const LAYERS: usize = 16;
-/// Number of cached marker images, each of at most 300 bytes.
+/// Maximum number of cached marker images, each of at most 300 bytes.
 const IMAGES: usize = 1 << 17;
 
-/// Cache of values by key. The first thread that needs a value computes it; other threads that need it wait. If the
-/// total size exceeds `room`, the least recently used values are dropped. They are computed again if needed.
+/// Cache of values by key. The first thread that needs a value computes it; other threads that need the same value
+/// wait. If the total size exceeds `room`, the least recently used values are removed, and computed again when they are
+/// needed.
 #[derive(Debug)]
 struct Cache<K, V> {
     room: usize,
-    /// Least recently used first.
+    /// Cached values, the least recently used first.
     values: Mutex<Vec<Entry<K, V>>>,
 }
 
@@ -36,7 +37,8 @@ impl<K: PartialEq, V: Clone> Cache<K, V> {
         }
     }
 
-    /// Returns the value of `key`, which has this size. If it is not cached, `make` computes it from the key alone.
+    /// Returns the value for `key`. If it is not cached, `make` computes it, from the key alone. `size` is the size of
+    /// the value.
     fn get(&self, key: K, size: usize, make: impl FnOnce() -> V) -> V {
         let value = {
             let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
@@ -61,9 +63,9 @@ impl<K: PartialEq, V: Clone> Cache<K, V> {
     }
 }
 
-/// Models that scenes share, such as those of the cells of a study: layers with their tables, and camera readings at
-/// rest and in calibration presses. The first scene that needs a model computes it; scenes with the same inputs reuse
-/// it. The cache has a limited size and never changes results.
+/// Models that several scenes share, such as the scenes of a study's cells: layers with their tables, and camera
+/// readings at rest and in calibration presses. The first scene that needs a model computes it, and scenes with the
+/// same inputs reuse it. The cache has a limited size and never changes results.
 ///
 /// ```
 /// use palpate_scene::{Scenes, SharedModels};
@@ -92,7 +94,7 @@ impl<K: PartialEq, V: Clone> Cache<K, V> {
 /// ```
 #[derive(Debug)]
 pub struct SharedModels {
-    /// Layers. The key holds the bits of the thickness and of the depths.
+    /// Layers. The key consists of the bits of the thickness and of the depths.
     layers: Cache<Vec<u64>, Result<Vec<Body>, PressError>>,
     at_rest: Cache<RestFrames, Result<RestMarkers, PressFailure>>,
     changes: Cache<CalibrationFrames, Result<ImageChanges, PressFailure>>,
@@ -109,13 +111,13 @@ impl Default for SharedModels {
 }
 
 impl SharedModels {
-    /// Returns a layer with tables, as [`Body::bonded_layer`] builds it.
+    /// Returns a layer with tables, the same that [`Body::bonded_layer`] builds.
     pub(crate) fn layer(&self, thickness: f64, depth: f64) -> Result<Body, PressError> {
         let mut layers = self.layers(thickness, &[depth])?;
         layers.pop().ok_or(PressError::OutOfRange)
     }
 
-    /// Returns one layer at several depths, with tables, as [`Body::bonded_layers`] builds it.
+    /// Returns one layer at several depths, with tables, the same that [`Body::bonded_layers`] builds.
     pub(crate) fn layers(&self, thickness: f64, depths: &[f64]) -> Result<Vec<Body>, PressError> {
         let numbers = [thickness].into_iter().chain(depths.iter().copied());
         let key = numbers.map(f64::to_bits).collect();
@@ -190,12 +192,12 @@ mod tests {
         let made = |key| of_size(key, 2);
         assert!([1, 2, 3].into_iter().all(&made));
         assert!(!made(1));
-        // 2 is the least recently used.
+        // Value 2 is the least recently used and is removed.
         assert!(made(4));
         assert!(!made(1) && !made(3) && !made(4));
         assert!(made(2));
         assert!(made(1));
-        // Larger than the room: never cached.
+        // A value that is larger than the room is never cached.
         assert!(of_size(5, 7) && of_size(5, 7));
     }
 }

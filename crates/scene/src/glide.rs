@@ -1,4 +1,4 @@
-//! A glide: fingers slide over a patch, and EP2 estimates its curvature.
+//! A glide: fingers slide over a patch, and the curvature of the patch is estimated by EP2.
 
 mod fingertip_sensor;
 mod glide_plan;

@@ -1,14 +1,15 @@
-//! Moments of inverse quantities, such as radii, which are defined only if the inverted quantity is not near 0.
+//! Moments of inverse quantities, such as radii. They are defined only if the inverted quantity is not near 0.
 
 use palpate_study::Quantity;
 use palpate_sweep::Summary;
 
-/// Distance of the inverted quantity from 0, in standard deviations, from which the moments of the inverse are reported. Of
-/// Gaussian estimates, one in 30,000 has the wrong sign there.
+/// Smallest distance of the inverted quantity from 0, in standard deviations, at which moments of the inverse are
+/// reported. If the estimates are Gaussian, one in 30,000 then has the wrong sign.
 const MIN_DEVIATIONS: f64 = 4.0;
 
-/// Removes means and standard deviations of inverses, such as radii, whose sign the trials leave undecided. The inverse of a
-/// Gaussian number has no moments: its mean would depend on the few trials nearest to 0. Quantiles stay.
+/// Removes means and standard deviations of inverse quantities, such as radii, if the trials do not determine the sign
+/// of the inverted quantity. The inverse of a Gaussian number has no moments: its mean would depend on the few trials
+/// nearest to 0. Quantiles are kept.
 pub fn drop_undefined_moments(quantities: &[Quantity], summaries: &mut [Summary]) {
     for (place, quantity) in quantities.iter().enumerate() {
         let Some(of) = quantity.inverse_of() else {

@@ -1,8 +1,9 @@
-//! The ladder of a scene: the models that can compute its true values, and the model used.
+//! The models that can compute the true values of a scene (its ladder), and the model that is used.
 
 use palpate_study::config::ModelConfig;
 
-/// The models (rungs) that can compute the true values of a cell's scene, cheapest first.
+/// The models that can compute the true values of a scene, each with its error, the fastest first. Each model is a rung
+/// of the ladder.
 ///
 /// ```
 /// use palpate_scene::Scenes;
@@ -16,49 +17,49 @@ use palpate_study::config::ModelConfig;
 ///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
 /// "#;
 /// let ladder = parse("study.toml", text)?.ladder(0)?.ok_or("a roll has a ladder")?;
-/// // A ball on a ball rolls in closed form, which is the cheapest rung.
+/// // The roll of a ball on a ball has a closed form, which is the fastest model.
 /// assert_eq!(ladder.taken, 0);
 /// assert_eq!(ladder.taken().model, ModelConfig::Roll(RollModelConfig::ClosedForm {}));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ladder {
-    /// The rungs, cheapest first, including those that cannot simulate the scene.
+    /// The models, the fastest first, including models that cannot simulate the scene.
     pub rungs: Vec<Rung>,
-    /// Index of the rung used: the config names it, or `auto` chose it.
+    /// Index of the model used, which the config names or `auto` chose.
     pub taken: usize,
-    /// Index of the rung that all others are compared with; `None` if they have different references.
+    /// Index of the model with which all others are compared; `None` if there is no common reference.
     pub reference: Option<usize>,
-    /// Reason for using that rung.
+    /// Reason for which the model is used.
     pub reason: String,
-    /// The largest error that `auto` allows; `None` if the config names a rung.
+    /// Largest error that `auto` allows; `None` if the config names the model.
     pub tolerance: Option<f64>,
 }
 
 /// A model that can compute the true values of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rung {
-    /// Name of the model, with its setting.
+    /// Name of the model, with its setting (such as a tolerance).
     pub name: String,
-    /// The model in the form of a config; never `auto`.
+    /// The model in the form of a config; it is never `auto`.
     pub model: ModelConfig,
-    /// Error of the noiseless truth, compared with the ladder's best rung. Roll: error of the last contacts, relative to
-    /// the first contact's length scale. Glide: error of contacts, relative to the tip's radius. Press: error of marker
-    /// displacements, relative to the largest.
+    /// Error of the noiseless true values, compared with the most accurate model. Roll: error of the last contacts,
+    /// relative to the length scale at the first contact. Glide: error of the contacts, relative to the radius of the
+    /// fingertip. Press: error of the markers' displacements, relative to the largest displacement.
     pub accuracy: Accuracy,
 }
 
-/// Accuracy of a rung.
+/// Accuracy of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Accuracy {
-    /// The rung simulates the scene with this relative error.
+    /// The model simulates the scene with this relative error.
     Error(f64),
-    /// The rung cannot simulate the scene, for this reason.
+    /// The model cannot simulate the scene, for this reason.
     Impossible(String),
 }
 
 impl Accuracy {
-    /// The relative error; `None` if the rung cannot simulate the scene.
+    /// The relative error; `None` if the model cannot simulate the scene.
     pub const fn error(&self) -> Option<f64> {
         match self {
             Self::Error(error) => Some(*error),
@@ -74,7 +75,7 @@ impl From<Result<f64, String>> for Accuracy {
 }
 
 impl Ladder {
-    /// Builds a ladder that uses the rung with the model `taken`. Its rungs have no common reference.
+    /// Builds a ladder in which the model `taken` is used. The models have no common reference.
     pub(crate) fn new(
         rungs: Vec<Rung>,
         taken: &ModelConfig,
@@ -91,7 +92,7 @@ impl Ladder {
         }
     }
 
-    /// The rung used.
+    /// The model that is used.
     pub fn taken(&self) -> &Rung {
         &self.rungs[self.taken]
     }

@@ -1,8 +1,9 @@
-//! Simulated trials: from a true scene to sensor readings to an estimate, and the models that a scene needs.
+//! Simulated trials, in which a true scene is read by a sensor and estimated from the readings; and the models that a
+//! scene needs.
 //!
-//! This is the only place where the truth of a trial and its estimate meet. [`Scenes`] builds the [`Scene`] of a cell of a
-//! study, whose [`Scene::trial`] simulates a contact, reads it with a sensor and estimates from the reading; [`Trials`]
-//! is the interface of all kinds of scenes.
+//! Only this crate compares the true values of a trial with its estimate. [`Scenes`] builds the [`Scene`] of a cell of
+//! a study, whose [`Scene::trial`] simulates a contact, reads it with a sensor and estimates from the reading;
+//! [`Trials`] is the interface of all kinds of scenes.
 
 mod cache;
 mod config_conversion;

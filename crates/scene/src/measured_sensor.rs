@@ -1,4 +1,5 @@
-//! A sensor without contact: folding strain of its skin, and image area of its markers.
+//! A sensor without contact, of which two properties are computed: the strain of its folded skin, and the image area of
+//! its markers.
 
 use palpate_chromatouch::{Camera, FoldStrain, Layout, Lens};
 use palpate_estimators::{LAYOUT, MarkerSphere, optics_error};
@@ -8,17 +9,18 @@ use palpate_sweep::Observation;
 
 use crate::scene::{Need, Trials};
 
-/// A sensor without contact, and its computed quantities. Nothing is estimated or random.
+/// A sensor without contact, and its computed properties. Nothing is estimated or random.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredSensor {
     quantities: &'static [Quantity],
-    /// Values of the quantities, in their order; `None` if the marker is not entirely in the camera's field.
+    /// Value of each quantity; `None` if the marker is not entirely in the camera's field of view.
     values: Vec<Option<f64>>,
     needs: Vec<Need>,
 }
 
 impl MeasuredSensor {
-    /// Quantities of a config's sensor: folding strains if the skin is cut in gores, marker area if it has discs.
+    /// Quantities of the sensor in a config: folding strains if the skin is cut into gores, and the marker area if the
+    /// markers have discs.
     pub(crate) fn quantities_of(probe: &PressProbeConfig) -> &'static [Quantity] {
         let sphere = MarkerSphere::of(probe);
         let all: &'static [Quantity] = &[
@@ -101,7 +103,7 @@ impl Trials for MeasuredSensor {
     }
 }
 
-/// Image area of the larger disc of a marker, px²; `None` if the disc is not entirely in the camera's field.
+/// Image area of the larger disc of a marker, px²; `None` if the disc is not entirely in the camera's field of view.
 fn area(
     sphere: &MarkerSphere<'_>,
     config: &BareFingertipConfig,
@@ -113,7 +115,7 @@ fn area(
     };
     let camera = Camera::new(lens, config.sensor.size_px, config.sensor.field_deg)
         .map_err(|error| optics_error(&error))?;
-    // Fails if the skin cannot contain such discs.
+    // This fails if the skin cannot contain such discs.
     sphere.array(&[[0.0; 2]])?;
     let angle = |diameter: f64, depth: f64| libm::atan2(0.5 * diameter, sphere.radius - depth);
     let larger = f64::max(

@@ -1,4 +1,4 @@
-//! Flat pattern that the skin of a sensor is cut from.
+//! Flat pattern from which the skin of a sensor is cut.
 
 use palpate_chromatouch::{FoldStrain, Layout, Pattern, PatternError};
 use palpate_study::config::{
@@ -38,11 +38,11 @@ pub struct CutPattern {
     pub gores: u32,
     /// Number of markers printed on the gores.
     pub markers: usize,
-    /// The greatest and the rms strain of folding.
+    /// Largest and rms strain of folding.
     pub fold_strain: FoldStrain,
-    /// Folding strain over half a gore from its middle meridian.
+    /// Table of the folding strain over half a gore, from its middle meridian to its edge.
     pub strain: Table,
-    /// Folding strain for 3 to 12 gores.
+    /// Table of the folding strain for 3 to 12 gores.
     pub strain_by_gores: Table,
 }
 
@@ -50,8 +50,8 @@ impl CutPattern {
     /// The pattern of the sensor of a study's first cell.
     ///
     /// # Errors
-    /// [`ConfigError`] at the field that prevents a pattern: a scene without a marker sensor, a layout without gores,
-    /// no discs, no unit, discs that overlap or would be cut.
+    /// [`ConfigError`] at the field because of which there is no pattern: a scene without a marker sensor, a layout
+    /// without gores, missing discs, a missing length unit, or discs that overlap or would be cut.
     pub fn of(study: &Study) -> Result<Self, ConfigError> {
         let refuse = |error: FieldError| study.error_at(0, &error.path, error.message);
         let (config, probe) = (&study.config, probe(study)?);
@@ -63,7 +63,7 @@ impl CutPattern {
     }
 }
 
-/// The sensor of a study's first cell.
+/// The sensor in the first cell of a study.
 fn probe(study: &Study) -> Result<&PressProbeConfig, ConfigError> {
     match &study.config.scene {
         SceneConfig::Press(PressConfig { probe, .. })
@@ -75,8 +75,8 @@ fn probe(study: &Study) -> Result<&PressProbeConfig, ConfigError> {
     }
 }
 
-/// Chart coordinates of the markers of a study's first cell: (x, y) lies √(x² + y²) along the skin from the apex, in
-/// the direction (x, y).
+/// Chart coordinates of the markers in the first cell of a study. The marker (x, y) lies in the direction (x, y) from
+/// the apex, at the distance √(x² + y²) along the skin.
 ///
 /// ```
 /// use palpate_scene::marker_places;
@@ -93,7 +93,7 @@ fn probe(study: &Study) -> Result<&PressProbeConfig, ConfigError> {
 /// ```
 ///
 /// # Errors
-/// [`ConfigError`] for a scene without a marker sensor, and for an invalid layout.
+/// [`ConfigError`] if the scene has no marker sensor, or if the layout is invalid.
 pub fn marker_places(study: &Study) -> Result<Vec<[f64; 2]>, ConfigError> {
     let places = MarkerSphere::of(probe(study)?).places();
     places.map_err(|error| study.error_at(0, &error.path, error.message))
@@ -151,7 +151,7 @@ fn pattern_error(error: &PatternError) -> FieldError {
     FieldError::at(path, error)
 }
 
-/// Number of steps of the strain table from the middle meridian to the edge, and from the equator to the apex.
+/// Number of steps in the table of strains, both from the middle meridian to the edge and from the equator to the apex.
 const STEPS: u32 = 18;
 
 fn strain_over_gore(gores: u32) -> Result<Table, PatternError> {

@@ -1,5 +1,5 @@
-//! A press: a soft spherical sensor touches an object once, and the object's curvature is estimated from the motions of
-//! the markers under its skin.
+//! A press: a soft spherical sensor touches an object once, and the curvature of the object is estimated from the
+//! motions of the markers under the skin.
 
 mod camera_calibration;
 mod camera_model;
@@ -22,25 +22,25 @@ pub(crate) use camera_calibration::{CalibrationFrames, ImageChanges, RestFrames,
 pub use flawed_trial::PressFlaw;
 pub use trial::PressScene;
 
-/// Reason why a press or one of its trials has no estimate.
+/// Reason for which a press, or one of its trials, has no estimate.
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
 pub enum PressFailure {
     /// The press is impossible, or no press fits its readings.
     #[error(transparent)]
     #[strum(transparent)]
     Press(#[from] PressError),
-    /// The camera cannot image the moved markers.
+    /// The moved markers cannot be imaged by the camera.
     #[error(transparent)]
     #[strum(transparent)]
     Optics(#[from] OpticsError),
-    /// The camera's frame shows no markers.
+    /// No markers were found in the camera's frame.
     #[error(transparent)]
     #[strum(transparent)]
     Camera(#[from] TrackingError),
 }
 
 impl PressFailure {
-    /// The stable name of the failure.
+    /// Name of the failure, which stays the same in all versions.
     pub(crate) fn name(&self) -> &'static str {
         self.into()
     }

@@ -1,4 +1,4 @@
-//! A roll: probes roll from a first contact, and EP1 estimates the curvature there.
+//! A roll: probes roll from a first contact, and the curvature of the object there is estimated by EP1.
 
 mod linear_rolls;
 mod motion_noise;

@@ -1,4 +1,4 @@
-//! Scenes of any kind, their trials, and the scenes of a study's cells.
+//! Scenes of all kinds, their trials, and the scenes of a study's cells.
 
 use std::fmt;
 use std::ops::Deref;
@@ -16,7 +16,7 @@ use crate::press::PressScene;
 use crate::roll::{ROLL_QUANTITIES, RollScene};
 use crate::trace::{Trace, TraceError};
 
-/// A scene that is ready to run: [`Trials`] of one kind.
+/// A scene of any kind that is ready to run its [`Trials`].
 ///
 /// ```
 /// use palpate_scene::Scenes;
@@ -31,7 +31,7 @@ use crate::trace::{Trace, TraceError};
 /// "#;
 /// let scene = parse("study.toml", text)?.estimable_scene(0)?;
 /// assert_eq!(scene.quantities()[0].name, "normal_curvature_u");
-/// // Without noise the curvature of a ball is exact: 1/4.
+/// // Without noise, the estimated curvature of the ball is exact: 1/4.
 /// let mut estimates = Vec::new();
 /// scene.trial(0, |_, outcome| estimates.push(outcome.estimate))?;
 /// assert!((estimates[0] - 0.25).abs() < 1e-12);
@@ -40,7 +40,7 @@ use crate::trace::{Trace, TraceError};
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub enum Scene {
-    /// A probe rolls on an object.
+    /// Probes roll on an object.
     Roll(RollScene),
     /// Fingers slide over a patch.
     Glide(GlideScene),
@@ -63,7 +63,7 @@ impl Deref for Scene {
     }
 }
 
-/// Quantities of a config's scene, as [`Trials::quantities`] returns them, without building the scene.
+/// Quantities of the scene in a config, the same as [`Trials::quantities`] returns, without building the scene.
 pub fn quantities_of(config: &SceneConfig) -> &'static [Quantity] {
     match config {
         SceneConfig::Roll(_) => &ROLL_QUANTITIES,
@@ -73,7 +73,8 @@ pub fn quantities_of(config: &SceneConfig) -> &'static [Quantity] {
     }
 }
 
-/// Empty table for the maps of a config's scene, as [`Trials::map_table`] returns it, without building the scene.
+/// Empty table for the maps of the scene in a config, the same as [`Trials::map_table`] returns, without building the
+/// scene; `None` if the scene has no maps.
 pub fn map_table_of(config: &SceneConfig, unit: LengthUnit) -> Option<MapTable> {
     match config {
         SceneConfig::Glide(_) => Some(map_table(unit, true)),
@@ -83,7 +84,7 @@ pub fn map_table_of(config: &SceneConfig, unit: LengthUnit) -> Option<MapTable> 
 }
 
 impl Scene {
-    /// Builds the scene of a config with lengths in this unit; `seed` seeds its random numbers.
+    /// Builds the scene of a config whose lengths are in `unit`. `seed` is the seed of its random numbers.
     ///
     /// # Errors
     /// [`FieldError`] with the path of the invalid field.
@@ -91,10 +92,10 @@ impl Scene {
         Self::of(config, unit, seed, &SharedModels::default())
     }
 
-    /// Does the same as [`Scene::new`]; other scenes may share `models`.
+    /// Does the same as [`Scene::new`]. Several scenes may share `models`.
     ///
     /// # Errors
-    /// Errors of [`Scene::new`].
+    /// The errors of [`Scene::new`].
     pub fn of(
         config: &SceneConfig,
         unit: LengthUnit,
@@ -114,7 +115,7 @@ impl Scene {
     /// Runs a trial as [`Trials::trial`] does.
     ///
     /// # Errors
-    /// The stable name of the failure; outcomes of a failed trial do not count.
+    /// The name of the failure, which stays the same in all versions. Outcomes of a failed trial must be ignored.
     pub fn trial(
         &self,
         trial: u64,
@@ -129,20 +130,22 @@ pub trait Scenes {
     /// Builds the scene of a cell.
     ///
     /// # Errors
-    /// A [`ConfigError`] at the field that prevents the scene: a pitch larger than the probe, a formula with a syntax
-    /// error, a first contact off the object. Also if no cell has this number.
+    /// [`ConfigError`] if there is no cell with this number; otherwise at the field because of which there is no scene:
+    /// for example, a pitch larger than the probe, a formula with a syntax error, or a first contact that is not on the
+    /// object.
     fn scene(&self, cell: usize) -> Result<Scene, ConfigError>;
 
     /// Builds the scene of a cell, and checks that its readings determine an estimate. Traces do not need this check.
     ///
     /// # Errors
-    /// Errors of [`Scenes::scene`], and those of [`Trials::estimable`].
+    /// The errors of [`Scenes::scene`] and [`Trials::estimable`].
     fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError>;
 
-    /// Does the same as [`Scenes::estimable_scene`] for a cell that is already parsed; other cells may share `models`.
+    /// Does the same as [`Scenes::estimable_scene`] for a cell that is already parsed. Several cells may share
+    /// `models`.
     ///
     /// # Errors
-    /// Errors of [`Scenes::estimable_scene`].
+    /// The errors of [`Scenes::estimable_scene`].
     fn estimable_scene_of(
         &self,
         number: usize,
@@ -150,16 +153,16 @@ pub trait Scenes {
         models: &SharedModels,
     ) -> Result<Scene, ConfigError>;
 
-    /// Builds the scene of a cell with the model of another rung.
+    /// Builds the scene of a cell, but with the model of `rung`.
     ///
     /// # Errors
-    /// Errors of [`Scenes::scene`], at `scene.model` if the rung cannot simulate the scene.
+    /// The errors of [`Scenes::scene`]. The error is at `scene.model` if the model cannot simulate the scene.
     fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError>;
 
-    /// Measures the error of each rung of a cell's scene; `None` if it has no ladder.
+    /// Measures the errors of the models that can compute the scene of a cell; `None` if there is only one model.
     ///
     /// # Errors
-    /// Errors of [`Scenes::estimable_scene`].
+    /// The errors of [`Scenes::estimable_scene`].
     fn ladder(&self, cell: usize) -> Result<Option<Ladder>, ConfigError> {
         self.ladder_of(cell, &self.estimable_scene(cell)?)
     }
@@ -167,7 +170,7 @@ pub trait Scenes {
     /// Does the same as [`Scenes::ladder`] for a scene that is already built.
     ///
     /// # Errors
-    /// Errors of [`Trials::ladder`], with their place in the config.
+    /// The errors of [`Trials::ladder`], with their place in the config.
     fn ladder_of(&self, cell: usize, scene: &Scene) -> Result<Option<Ladder>, ConfigError>;
 }
 
@@ -211,7 +214,7 @@ impl Scenes for Study {
     }
 }
 
-/// Adds the place in the config's text to an error of a plan.
+/// An error of a scene, with its place in the text of the config.
 fn located(study: &Study, cell: usize, error: FieldError) -> ConfigError {
     match error.part {
         Some(part) => study.error_in_text(cell, &error.path, part, error.message),
@@ -219,7 +222,7 @@ fn located(study: &Study, cell: usize, error: FieldError) -> ConfigError {
     }
 }
 
-/// Trials of a scene: from true values to readings to estimates.
+/// Trials of a scene, which simulate readings and estimate the true values from them.
 ///
 /// ```
 /// use palpate_scene::Scenes;
@@ -233,7 +236,7 @@ fn located(study: &Study, cell: usize, error: FieldError) -> ConfigError {
 ///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
 /// "#;
 /// let scene = parse("study.toml", text)?.estimable_scene(0)?;
-/// // Nothing is random: all trials are the same.
+/// // Nothing is random, so that one trial is enough.
 /// assert_eq!(scene.trials(1000), 1);
 /// let last = scene.quantities().len() - 1;
 /// assert_eq!(scene.quantities()[last].name, "arc_length");
@@ -241,13 +244,13 @@ fn located(study: &Study, cell: usize, error: FieldError) -> ConfigError {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Trials {
-    /// Quantities that a trial reports, in the order of the indices of [`Trials::trial`].
+    /// Quantities that a trial reports. Their order defines the indices in [`Trials::trial`].
     fn quantities(&self) -> &'static [Quantity];
 
-    /// Whether trials differ.
+    /// Whether trials differ because something is random.
     fn is_random(&self) -> bool;
 
-    /// How many trials make sense: `wanted`, or one if nothing is random.
+    /// Number of trials that are useful: `wanted`, or 1 if nothing is random.
     fn trials(&self, wanted: u64) -> u64 {
         if self.is_random() { wanted } else { 1 }
     }
@@ -255,28 +258,28 @@ pub trait Trials {
     /// Checks that readings without noise determine the quantities.
     ///
     /// # Errors
-    /// [`FieldError`] at the field that prevents it: fewer than two probes, or all parallel; too few contacts, or all
-    /// on a line; too few markers.
+    /// [`FieldError`] at the field because of which they do not: for example, fewer than two probes or only parallel
+    /// rolls, too few contacts or contacts on one line, or too few markers.
     fn estimable(&self) -> Result<(), FieldError> {
         Ok(())
     }
 
-    /// Runs trial number `trial` and reports outcomes, each with the index of its quantity: one of each quantity, or,
-    /// for a patch, one of each quantity at every point.
+    /// Runs trial number `trial` and reports its outcomes, each with the index of its quantity. Each quantity is
+    /// reported once or, for a patch, once at every point.
     ///
     /// # Errors
-    /// The stable name of the failure; outcomes of a failed trial do not count.
+    /// The name of the failure, which stays the same in all versions. Outcomes of a failed trial must be ignored.
     fn trial(
         &self,
         trial: u64,
         observe: &mut dyn FnMut(usize, Observation),
     ) -> Result<(), &'static str>;
 
-    /// Runs a trial as [`Trials::trial`] does, and returns the names of the warnings of its estimate: the readings
-    /// contradict the estimator's model.
+    /// Runs a trial as [`Trials::trial`] does, and returns the names of the warnings of its estimate, which state how
+    /// the readings contradict the estimator's model.
     ///
     /// # Errors
-    /// As [`Trials::trial`].
+    /// The errors of [`Trials::trial`].
     fn trial_with_warnings(
         &self,
         trial: u64,
@@ -285,25 +288,25 @@ pub trait Trials {
         self.trial(trial, observe).map(|()| Vec::new())
     }
 
-    /// The true value of the quantity with this index, if it is the same everywhere.
+    /// True value of the quantity with this index; `None` if it is not the same everywhere.
     fn truth(&self, quantity: usize) -> Option<f64>;
 
-    /// Name of the true shape class at more than half of the points of a patch; `None` if there is no such class, and
-    /// for other scenes.
+    /// Name of the shape class that more than half of the points of a patch truly have; `None` if there is no such
+    /// class, and for other scenes.
     fn true_class(&self) -> Option<&'static str> {
         None
     }
 
-    /// The Cramér–Rao bound on the standard deviation of an estimate of the quantity with this index. It is available
-    /// for presses with noise.
+    /// Cramér–Rao bound on the standard deviation of an estimate of the quantity with this index. Only presses with
+    /// noise have this bound.
     fn std_bound(&self, _quantity: usize) -> Option<f64> {
         None
     }
 
-    /// The models that the scene needs with the reasons, and warnings.
+    /// Models that the scene needs, with the reasons for them, and warnings.
     fn needs(&self) -> Vec<Need>;
 
-    /// Measures the errors of the models that can compute the true values; `None` if there is no choice.
+    /// Measures the errors of the models that can compute the true values; `None` if there is only one model.
     ///
     /// # Errors
     /// [`FieldError`] if the model cannot simulate the scene.
@@ -311,10 +314,10 @@ pub trait Trials {
         Ok(None)
     }
 
-    /// Records one pass: in trial number `trial`, or without noise if it is `None`.
+    /// Records one simulation of the scene: with the noise of trial number `trial`, or without noise if it is `None`.
     ///
     /// # Errors
-    /// [`TraceError`] if there is no pass, or if it ends early.
+    /// [`TraceError`] if the scene has no contact, or if its simulation ends early.
     fn trace(&self, _trial: Option<u64>, _unit: LengthUnit) -> Result<Trace, TraceError> {
         Err(TraceError::Untouched)
     }
@@ -322,25 +325,25 @@ pub trait Trials {
     /// Empty table for the maps of scenes of this kind.
     ///
     /// # Errors
-    /// Reason why there is no map, in words.
+    /// The reason for which there is no map, as text.
     fn map_table(&self, unit: LengthUnit) -> Result<MapTable, &'static str>;
 
-    /// Adds the map of trial number `trial` to a table made with [`Trials::map_table`], in rows that begin with the number
-    /// of their cell.
+    /// Adds the map of trial number `trial` to a table that was made by [`Trials::map_table`]. Its rows begin with the
+    /// number of their cell.
     ///
     /// # Errors
-    /// The stable name of the failure; the map then lacks estimates of the cell.
+    /// The name of the failure, which stays the same in all versions. The map then contains no estimates of the cell.
     fn map(&self, _cell: usize, _trial: u64, _table: &mut MapTable) -> Result<(), &'static str> {
         Ok(())
     }
 }
 
-/// Message about a scene; `palpate check` prints its `Display` text.
+/// Message about a scene. `palpate check` prints its `Display` text.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Need {
-    /// A model that the scene needs, and why.
+    /// A model that the scene needs, and the reason for it.
     Model(String),
-    /// A warning.
+    /// A warning about the scene.
     Warning(Warning),
 }
 

@@ -1,4 +1,4 @@
-//! Trials of a scene as the runner of sweeps repeats them.
+//! Trials of a scene, in the form that the runner of sweeps needs.
 
 use std::ops::Range;
 
@@ -7,12 +7,12 @@ use palpate_sweep::{Record, Trial};
 use crate::roll::Arch;
 use crate::scene::Scene;
 
-/// Scene whose trials the runner repeats.
+/// A scene whose trials the runner repeats.
 #[derive(Debug)]
 pub struct SceneTrial {
-    /// The scene.
+    /// The scene whose trials are run.
     pub scene: Scene,
-    /// Vector instructions for trials side by side. No result depends on them.
+    /// Vector instructions for batches of trials. No result depends on them.
     pub arch: Arch,
 }
 

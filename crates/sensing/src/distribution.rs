@@ -5,9 +5,9 @@ use crate::{InvalidSensor, Stream};
 /// The distribution of an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Distribution {
-    /// Uniform. The stated size is the bound.
+    /// Uniform distribution. The stated size is the bound of the absolute error.
     Uniform,
-    /// Gaussian. The stated size is the standard deviation.
+    /// Gaussian distribution. The stated size is the standard deviation.
     Gaussian,
 }
 
@@ -21,7 +21,7 @@ impl Distribution {
         }
     }
 
-    /// Standard deviation of an error of this size.
+    /// Standard deviation of an error with this size.
     pub(crate) fn std(self, size: f64) -> f64 {
         match self {
             Self::Uniform => size / 3.0_f64.sqrt(),
@@ -52,24 +52,24 @@ impl GaussianError {
     /// An error with this standard deviation, in the unit of the measured number.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless it is from 0 to 10¹⁵⁰.
+    /// [`InvalidSensor`] unless the standard deviation is from 0 to 10¹⁵⁰.
     pub fn new(std: f64) -> Result<Self, InvalidSensor> {
         let holds = (0.0..=1e150).contains(&std);
         InvalidSensor::unless(holds, "std", std, "from 0 to 1e150")?;
         Ok(Self { std, bias: 0.0 })
     }
 
-    /// The same error with this mean instead of 0.
+    /// This error with the mean `bias` instead of 0.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless it is from −10¹⁵⁰ to 10¹⁵⁰.
+    /// [`InvalidSensor`] unless the bias is from −10¹⁵⁰ to 10¹⁵⁰.
     pub fn with_bias(self, bias: f64) -> Result<Self, InvalidSensor> {
         let holds = bias.abs() <= 1e150;
         InvalidSensor::unless(holds, "bias", bias, "from -1e150 to 1e150")?;
         Ok(Self { bias, ..self })
     }
 
-    /// The mean.
+    /// Mean of the error.
     pub const fn bias(&self) -> f64 {
         self.bias
     }
@@ -79,7 +79,7 @@ impl GaussianError {
         self.std
     }
 
-    /// The error of the mean of this number of readings; 0 counts as 1.
+    /// The error of the mean of `readings` readings. 0 readings count as 1.
     #[must_use]
     pub fn averaged(&self, readings: u32) -> Self {
         Self {
@@ -88,12 +88,12 @@ impl GaussianError {
         }
     }
 
-    /// Whether a reading draws random numbers. If not, its error is the bias.
+    /// Whether readings draw random numbers. If not, the error of every reading is the bias.
     pub fn is_random(&self) -> bool {
         self.std > 0.0
     }
 
-    /// Draws the error of one reading, from one random number. Draws no random number if the standard deviation is 0.
+    /// Draws the error of one reading with one random number, or with none if the standard deviation is 0.
     #[inline]
     pub fn draw(&self, stream: &mut Stream) -> f64 {
         if !self.is_random() {

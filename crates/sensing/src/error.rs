@@ -6,7 +6,7 @@ use thiserror::Error;
 /// A parameter of a sensor that is out of its range.
 pub type InvalidSensor = BadSetting<String>;
 
-/// The contact is outside of the part of the fingertip that has pads.
+/// The contact is outside of the pads, which cover only a cap of the fingertip.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error(
     "the contact is {:.3} degrees from the middle of the pads, which end at {:.3}",
@@ -14,9 +14,9 @@ pub type InvalidSensor = BadSetting<String>;
     Number(cap_rad.to_degrees())
 )]
 pub struct BeyondPads {
-    /// Angle of the contact from the middle of the cap.
+    /// Angle between the contact and the middle of the cap.
     pub angle_rad: f64,
-    /// Angle at which the pads end.
+    /// Angle between the middle and the edge of the cap.
     pub cap_rad: f64,
 }
 

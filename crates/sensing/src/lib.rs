@@ -1,10 +1,10 @@
 //! Noise and resolution of sensors for rotations and points.
 //!
-//! Random numbers are keyed: a [`Stream`] is a function of seed, trial and [`Channel`]. So every trial can be repeated
-//! alone, and a new channel does not change the numbers of other channels.
+//! Random numbers are keyed: a [`Stream`] is a function of seed, trial and [`Channel`]. Therefore every trial can be
+//! repeated alone, and a new channel does not change the numbers of the existing channels.
 //!
-//! Displacements on the fingertip are great-circle displacements (logarithm map) from the first
-//! contact, in the tangent basis there; see [`displacement_between`].
+//! Displacements on the fingertip are great-circle displacements (logarithm map) from the first contact, in the tangent
+//! basis there; see [`displacement_between`].
 
 mod distribution;
 mod error;
@@ -29,15 +29,16 @@ pub use surface_normal::NormalError;
 pub use uniform_lattice::UniformLattice;
 pub use wrist::Wrist;
 
-/// A named source of noise. Each channel has its own stream, so a new channel does not change the numbers of others.
+/// A named source of noise. Each channel has its own stream of random numbers, so a new channel does not change the
+/// numbers of the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u64)]
 pub enum Channel {
     /// Error of the angular velocity.
     AngularVelocity = 1,
-    /// Position of the pads under the first contact.
+    /// Position of the first contact relative to the pads.
     PadOffset = 2,
-    /// Error of the contact that a wrist sensor infers.
+    /// Error of the contact point that a wrist sensor infers.
     WristContact = 3,
     /// Error of a sensed position.
     Position = 4,
@@ -47,15 +48,15 @@ pub enum Channel {
     NormalDisplacement = 6,
     /// Error of a marker's displacement along the skin.
     TangentialDisplacement = 7,
-    /// Error of an indentation that is measured independently of the skin.
+    /// Error of an indentation that is measured independently of the skin's displacement.
     Indentation = 8,
-    /// Error of the factor on all normal displacements of a press.
+    /// Error of the gain, that is, of the common factor of all normal displacements of a press.
     Gain = 9,
-    /// Choice of the markers with a wrong reading, and their errors.
+    /// Choice of the markers with a wrong reading, and the errors of these readings.
     WrongMarkers = 10,
-    /// Misalignment of a marker's discs from manufacture.
+    /// Misalignment of a marker's two discs, which arises in manufacture.
     Misalignment = 11,
-    /// Error of a pixel.
+    /// Error of a pixel's intensity.
     Pixel = 12,
     /// Error of a marker's hue.
     Hue = 13,
@@ -65,9 +66,9 @@ pub enum Channel {
     Size = 15,
     /// Choice of the markers that the camera does not detect.
     LostMarkers = 16,
-    /// Difference between a sensor and its nominal parameters.
+    /// Deviation of a sensor's parameters from their nominal values.
     Sensor = 17,
-    /// Position within an encoder's step at the start of a roll.
+    /// Position between two encoder steps at which a roll starts.
     EncoderPhase = 18,
     /// Error of a measured rotation.
     Rotation = 19,

@@ -1,14 +1,14 @@
 //! Normal random numbers in groups, by the transform of Box and Muller (*A Note on the Generation of Random Normal
 //! Deviates*, 1958).
 //!
-//! A pair is r cos θ and r sin θ, where −r²/2 is the logarithm of a uniform number and θ a uniform angle. Logarithm,
-//! sine and cosine are series of additions, multiplications, divisions and roots, which have the same results for any
-//! vector width. `rand_distr` draws one number at a time and needs nearly twice the time, or more on processors with
-//! wide vectors.
+//! A pair of normal numbers is r cos θ and r sin θ. Here −r²/2 is the logarithm of a uniform number, and θ is a uniform
+//! angle. Logarithm, sine and cosine are computed with additions, multiplications, divisions and roots only, so the
+//! results are the same for any vector width. `rand_distr` draws one number at a time. It needs nearly twice the time,
+//! or more on processors with wide vectors.
 
 use std::f32::consts::{FRAC_PI_2, LN_2, SQRT_2};
 
-/// Number of pairs that are computed side by side.
+/// Number of pairs of normal numbers that are computed together.
 pub(crate) const PAIRS: usize = 8;
 
 /// Coefficients of the powers of θ² in cos θ. The first omitted term is below 1e-8 at 90°.
@@ -20,7 +20,7 @@ const SINC: [f32; 6] = alternating(1);
 /// Coefficients of the powers of x² in artanh x / x. The first omitted term is below 3e-9 at (√2 − 1) / (√2 + 1).
 const ARTANH: [f32; 5] = [1.0, 1.0 / 3.0, 1.0 / 5.0, 1.0 / 7.0, 1.0 / 9.0];
 
-/// (−1)^k / (2k + odd)!
+/// Coefficients (−1)^k / (2k + odd)!
 const fn alternating<const TERMS: usize>(odd: usize) -> [f32; TERMS] {
     let mut coefficients = [1.0; TERMS];
     let (mut term, mut divisor) = (1, 1);
@@ -34,7 +34,7 @@ const fn alternating<const TERMS: usize>(odd: usize) -> [f32; TERMS] {
     coefficients
 }
 
-/// Σ coefficients[k] · number^k.
+/// The sum Σ coefficients[k] · number^k.
 #[inline(always)]
 fn series<const TERMS: usize>(coefficients: [f32; TERMS], number: f32) -> f32 {
     let mut sum = coefficients[TERMS - 1];
@@ -44,22 +44,22 @@ fn series<const TERMS: usize>(coefficients: [f32; TERMS], number: f32) -> f32 {
     sum
 }
 
-/// √(−2 ln u) of the uniform number u = (k + ½) / 2³¹.
+/// Radius √(−2 ln u) for the uniform number u = (k + ½) / 2³¹.
 #[inline(always)]
 fn radius(k: u32) -> f32 {
-    // The number is signed, because converting a signed number takes one instruction.
+    // Convert a signed integer, because this takes only one instruction.
     let bits = (k as i32 as f32 + 0.5).to_bits() as i32;
-    // k + ½ = 2^power (1 + x) / (1 − x), where the fraction (1 + x) / (1 − x) is from √½ to √2.
+    // Decomposition k + ½ = 2^power (1 + x) / (1 − x), where the fraction (1 + x) / (1 − x) is between √½ and √2.
     let power = (bits - (0.5 * SQRT_2).to_bits() as i32) >> 23;
     let fraction = f32::from_bits((bits - (power << 23)) as u32);
     let x = (fraction - 1.0) / (fraction + 1.0);
     ((31 - power) as f32 * (2.0 * LN_2) - 4.0 * x * series(ARTANH, x * x)).sqrt()
 }
 
-/// Independent normal numbers from random words: first the cosines of all pairs, then the sines.
+/// Independent normal numbers from random words. The cosines of all pairs come first, then the sines.
 #[inline(always)]
 pub(crate) fn normals(words: [u64; PAIRS]) -> [f32; 2 * PAIRS] {
-    // Separate arrays for the halves of the words let compilers use vector instructions.
+    // The halves of the words are in separate arrays, so that compilers can use vector instructions.
     let (mut lengths, mut angles) = ([0; PAIRS], [0; PAIRS]);
     for (pair, word) in words.into_iter().enumerate() {
         lengths[pair] = (word >> 32) as u32;
@@ -68,7 +68,7 @@ pub(crate) fn normals(words: [u64; PAIRS]) -> [f32; 2 * PAIRS] {
     let mut normals = [0.0; 2 * PAIRS];
     let (cosines, sines) = normals.split_at_mut(PAIRS);
     for pair in 0..PAIRS {
-        // The angle is from −90° to 90°. The random sign of the radius adds the other half turn.
+        // The angle is between −90° and 90°. The random sign of the radius supplies the other half of the circle.
         let angle = angles[pair] as i32 as f32 * (FRAC_PI_2 / 2_147_483_648.0);
         let square = angle * angle;
         let length = radius(lengths[pair] >> 1).to_bits();
@@ -85,7 +85,7 @@ mod tests {
 
     use super::*;
 
-    /// The pair of a word, computed in double precision.
+    /// The pair of normal numbers from one word, computed in double precision.
     fn exact(word: u64) -> [f64; 2] {
         let uniform = ((word >> 33) as f64 + 0.5) / 2_f64.powi(31);
         let radius = (-2.0 * libm::log(uniform)).sqrt();
@@ -95,8 +95,8 @@ mod tests {
         [radius * cosine, radius * sine]
     }
 
-    /// Largest error of the numbers, as a share of the error of single precision. Short pairs have larger errors,
-    /// because single precision stores u near 1 with only 24 bits.
+    /// Largest error of the numbers, divided by the error that single precision allows. If the radius of a pair is
+    /// small, its error is larger, because single precision stores u near 1 with only 24 bits.
     fn largest_error(words: [u64; PAIRS]) -> f64 {
         let normals = normals(words);
         let errors = words.iter().enumerate().flat_map(|(pair, &word)| {
@@ -119,8 +119,8 @@ mod tests {
         for _ in 0..100_000 {
             let words: [u64; PAIRS] = std::array::from_fn(|_| next());
             assert!(largest_error(words) < 1.0, "{words:x?}");
-            // A pair is long if its first uniform number is small. The shifts make such numbers more frequent and keep
-            // the angles.
+            // The radius of a pair is large if its first uniform number is small. The shifts make small numbers more
+            // frequent, without a change of the angles.
             let far = |pair: usize| words[pair] >> (pair * 4) | words[pair] & 0xFFFF_FFFF;
             let far = std::array::from_fn(far);
             assert!(largest_error(far) < 1.0, "{far:x?}");
@@ -137,7 +137,7 @@ mod tests {
                 assert!(largest_error([word; PAIRS]) < 1.0, "{word:x}");
             }
         }
-        // √(64 ln 2)
+        // The expected value is √(64 ln 2) = 6.660_43.
         assert!((radius(0) - 6.660_43).abs() < 1e-5);
         assert_eq!(radius(u32::MAX >> 1), 0.0);
     }

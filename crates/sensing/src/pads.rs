@@ -1,5 +1,5 @@
-//! Arrays of pads on a fingertip: the pad nearest to the contact reports, and the reading is the centre of this pad
-//! (1996 paper, section 4.1.3).
+//! Arrays of pads on a fingertip. The pad nearest to the contact reports its own centre as the reading (1996 paper,
+//! section 4.1.3).
 
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
@@ -9,16 +9,17 @@ use crate::{
     BeyondPads, InvalidSensor, Stream, UniformLattice, direction_at, displacement_between,
 };
 
-/// Smallest pitch as a share of the radius. Doubles do not resolve places on smaller pads.
+/// Smallest pitch, relative to the fingertip's radius. Doubles do not resolve positions on smaller pads.
 const FINEST: f64 = 1e-15;
 
 /// The pattern in which pads tile the fingertip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PadLayout {
-    /// A square grid in arc lengths on the fingertip, as in the paper. On the sphere, the pads become narrower away
-    /// from the middle.
+    /// A square grid in arc lengths on the fingertip, as in the 1996 paper. On the sphere, the pads become narrower
+    /// with the distance from the middle.
     Square,
-    /// Hexagons in arc lengths on the fingertip, with a row of neighbours along x; distorted on the sphere as the square grid is.
+    /// Hexagons in arc lengths on the fingertip, with a row of neighbouring pads along x. On the sphere, they are
+    /// distorted in the same way as the square grid.
     Hexagonal,
     /// A near-uniform lattice: a spherical Fibonacci lattice with one pad per pitch².
     Uniform,
@@ -27,11 +28,11 @@ pub enum PadLayout {
 /// Position of the first contact on the pads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PadOffset {
-    /// A pad's centre.
+    /// The first contact is at the centre of a pad.
     Centred,
-    /// A random place, drawn for each roll.
+    /// The first contact is at a random place within a pad, drawn for each roll.
     Random,
-    /// A random place, drawn once for all rolls of a trial.
+    /// The first contact is at a random place within a pad, drawn once for all rolls of a trial.
     RandomPerTrial,
 }
 
@@ -65,13 +66,13 @@ enum Tiling {
     Uniform(UniformLattice),
 }
 
-/// The placement of the pads under a first contact.
+/// Position and orientation of the array of pads relative to a first contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PadPlacement(Placement);
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Placement {
-    /// Offset of the first contact from the nearest pad's centre, in pitches.
+    /// Offset of the first contact from the centre of the nearest pad, in pitches.
     Square(Vector2<f64>),
     /// Position of the first contact on hexagonal pads, in pitches.
     Hexagonal(Vector2<f64>),
@@ -83,11 +84,12 @@ enum Placement {
 }
 
 impl Pads {
-    /// Pads of `pitch` on the cap of half-angle `cap_rad` of a fingertip of `radius`.
+    /// Pads with this `pitch` on a cap of a fingertip of `radius`. `cap_rad` is the angle between the middle and the
+    /// edge of the cap.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless the radius is finite and positive, the cap is in (0, π], and the pitch is from 1e-15 to
-    /// 1 times the radius (for a uniform lattice from 1.2e-7).
+    /// [`InvalidSensor`] unless the radius is finite and positive, `cap_rad` is in (0, π], and the pitch is from 1e-15
+    /// to 1 times the radius (for a uniform lattice, from 1.2e-7).
     pub fn new(
         radius: f64,
         pitch: f64,
@@ -132,11 +134,12 @@ impl Pads {
         self.pitch
     }
 
-    /// Standard deviation per axis and largest size along an axis of the rounding error of one end, relative to those of square
-    /// pads of the same pitch.
+    /// Rounding error of one end of a shift, relative to the error with square pads of the same pitch: its standard
+    /// deviation per axis, and its largest size along an axis.
     pub fn rounding(&self) -> [f64; 2] {
         match self.tiling {
-            // A hexagon has the second moment 5/72 pitch², a square 1/12, and its corners are 1/√3 pitch from the middle.
+            // The second moment of a hexagon is 5/72 pitch², and that of a square is 1/12 pitch². The corners of a
+            // hexagon are 1/√3 pitch from its middle.
             Tiling::Hexagonal => [(5.0_f64 / 6.0).sqrt(), 2.0 / 3.0_f64.sqrt()],
             Tiling::Square | Tiling::Uniform(_) => [1.0; 2],
         }
@@ -147,7 +150,7 @@ impl Pads {
         self.offset
     }
 
-    /// These pads, with the first contact on a pad's centre.
+    /// The same pads, with the first contact at the centre of a pad.
     pub fn centred(&self) -> Self {
         Self {
             offset: PadOffset::Centred,
@@ -155,7 +158,7 @@ impl Pads {
         }
     }
 
-    /// Places the pads under a first contact; draws random numbers only if the offset is random.
+    /// Places the array of pads under a first contact. Random numbers are drawn only if the offset is random.
     pub fn place(&self, stream: &mut Stream) -> PadPlacement {
         PadPlacement(match (&self.tiling, self.offset) {
             (Tiling::Square, PadOffset::Centred) => Placement::Square(Vector2::zeros()),
@@ -165,7 +168,7 @@ impl Pads {
             }
             (Tiling::Hexagonal, PadOffset::Centred) => Placement::Hexagonal(Vector2::zeros()),
             (Tiling::Hexagonal, PadOffset::Random | PadOffset::RandomPerTrial) => {
-                // The pattern repeats in a rectangle of one pitch by √3 pitches, which holds two pads.
+                // The pattern repeats in a rectangle of one pitch by √3 pitches, which contains two pads.
                 let mut half = || 0.5 * stream.symmetric_uniform();
                 Placement::Hexagonal(Vector2::new(half(), 3.0_f64.sqrt() * half()))
             }
@@ -177,8 +180,8 @@ impl Pads {
                 }
             }
             (Tiling::Uniform(lattice), PadOffset::Random | PadOffset::RandomPerTrial) => {
-                // Uniform over a disc of a few pitches. The lattice is not periodic, but over several pads every
-                // position within a pad is equally likely.
+                // The first contact is drawn uniformly from a disc with a radius of four pitches. The lattice is not
+                // periodic, but over several pads every position within a pad is equally likely.
                 let reach = (4.0 * self.pitch / self.radius).min(0.5);
                 let (distance, azimuth, turn) = (
                     reach * (0.5 + 0.5 * stream.symmetric_uniform()).sqrt(),
@@ -199,15 +202,15 @@ impl Pads {
         })
     }
 
-    /// The displacement (length) from the pad at the first contact to the pad after `displacement`, between their
-    /// centres, in the tangent basis at the first contact.
+    /// The displacement (length) from the centre of the pad at the first contact to the centre of the pad at the
+    /// contact after `displacement`. It is in the tangent basis at the first contact.
     ///
-    /// Largest error on a square grid: half a pitch along each axis if the first contact is centred, else one pitch. On
-    /// hexagons: 0.58 pitches for each end that is not centred. On
-    /// a uniform lattice: 1.05 pitches for each end that is not centred, multiplied by θ/sin θ at an angle θ.
+    /// On a square grid, the largest error is half a pitch along each axis if the first contact is centred, and
+    /// otherwise one pitch. On hexagons, it is 0.58 pitches for each end that is not centred. On a uniform lattice, it
+    /// is 1.05 pitches for each end that is not centred, multiplied by θ/sin θ if the contact is at the angle θ.
     ///
     /// # Errors
-    /// [`BeyondPads`] if the contact has left the cap.
+    /// [`BeyondPads`] if the contact is outside of the cap.
     pub fn read(
         &self,
         placement: &PadPlacement,
@@ -252,7 +255,8 @@ impl Pads {
 }
 
 impl Placement {
-    /// Offset of the first contact on a square grid, in pitches. A placement on a uniform lattice counts as centred.
+    /// Offset of the first contact from the centre of the nearest pad on a square grid, in pitches. For a uniform
+    /// lattice, the result is zero.
     fn offset(&self) -> Vector2<f64> {
         match self {
             Self::Square(offset) => *offset,
@@ -261,7 +265,8 @@ impl Placement {
     }
 }
 
-/// Centre of the hexagon at a place, in pitches. The centres are two rectangular grids of 1 by √3.
+/// Centre of the hexagon that contains a position, in pitches. The centres form two rectangular grids with a spacing of
+/// 1 by √3.
 fn nearest_hexagon(place: &Vector2<f64>) -> Vector2<f64> {
     let period = Vector2::new(1.0, 3.0_f64.sqrt());
     let nearest = |corner: Vector2<f64>| {
@@ -279,7 +284,7 @@ fn nearest_hexagon(place: &Vector2<f64>) -> Vector2<f64> {
     }
 }
 
-/// The shortest turn from +z to `direction`.
+/// The shortest rotation from +z to `direction`.
 fn turn_to(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::rotation_between(&Vector3::z(), direction).unwrap_or_else(|| {
         UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)

@@ -13,7 +13,7 @@ pub enum PositionAxes {
     Z,
 }
 
-/// An independent error on the coordinates of a point.
+/// Independent errors of the coordinates of a measured point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PositionError {
     distribution: Distribution,
@@ -22,8 +22,8 @@ pub struct PositionError {
 }
 
 impl PositionError {
-    /// An error of `size` (length) along each of `axes`: the standard deviation of a Gaussian, the
-    /// bound of a uniform distribution.
+    /// An error of this `size` (length) along each of the `axes`. The size is the standard deviation of a Gaussian, or
+    /// the bound of a uniform distribution.
     ///
     /// # Errors
     /// [`InvalidSensor`] unless the size is from 0 to 10¹⁵⁰.
@@ -51,12 +51,12 @@ impl PositionError {
         self.axes
     }
 
-    /// Whether a reading draws random numbers. If not, the reading is exact.
+    /// Whether the error is random. If it is not, readings are exact and draw no random numbers.
     pub fn is_random(&self) -> bool {
         self.size > 0.0
     }
 
-    /// The measured position of `point`. Draws one random number per axis with an error.
+    /// The measured position of `point`. Draws one random number for each axis with an error.
     #[inline]
     pub fn read(&self, stream: &mut Stream, point: &Point3<f64>) -> Point3<f64> {
         if !self.is_random() {

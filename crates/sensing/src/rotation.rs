@@ -1,11 +1,11 @@
-//! Errors of measured rotations: quantisation by encoders, and errors of the angular velocity.
+//! Errors of measured rotations: quantisation by encoders, and noise of the angular velocity.
 
 use nalgebra::Vector2;
 
 use crate::{Distribution, InvalidSensor, Stream};
 
-/// Joint encoders that round the end of a roll to the nearest step. The start of the roll is measured exactly. Its
-/// position within a step is random and different in every roll.
+/// Joint encoders, which round the end of a roll to the nearest step. The start of the roll is measured exactly. It
+/// lies at a random position between two encoder steps, which is different for every roll.
 ///
 /// ```
 /// use nalgebra::Vector2;
@@ -39,7 +39,7 @@ impl Encoder {
         rotation.map(|angle| {
             let start = 0.5 * stream.symmetric_uniform();
             let reported = ((angle / self.step_rad + start).round() - start) * self.step_rad;
-            // If the number of steps overflows, the step is too fine to matter: the reading is exact.
+            // If the number of steps overflows, the steps are so small that the reading is exact.
             if reported.is_finite() {
                 reported
             } else {
@@ -54,7 +54,7 @@ impl Encoder {
     }
 }
 
-/// An independent error of ω_x and of ω_y, in proportion to the rate of rotation (1996 paper, section 4.1.1).
+/// Independent errors of ω_x and ω_y, in proportion to the rate of rotation (1996 paper, section 4.1.1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngularVelocityError {
     distribution: Distribution,
@@ -62,7 +62,7 @@ pub struct AngularVelocityError {
 }
 
 impl AngularVelocityError {
-    /// An error whose size is `fraction` of |ω|.
+    /// An error whose size is the share `fraction` of the angular speed |ω|.
     ///
     /// # Errors
     /// [`InvalidSensor`] unless the fraction is from 0 to 1e150.
@@ -80,17 +80,17 @@ impl AngularVelocityError {
         self.distribution
     }
 
-    /// The size, as a fraction of |ω|.
+    /// Size of the error, relative to the angular speed |ω|.
     pub const fn fraction(&self) -> f64 {
         self.fraction
     }
 
-    /// Standard deviation of each component, as a fraction of |ω|.
+    /// Standard deviation of each component, relative to the angular speed |ω|.
     pub fn relative_std(&self) -> f64 {
         self.distribution.std(self.fraction)
     }
 
-    /// Draws the errors of `(ω_x, ω_y)` for a rate |ω| in rad/s. They are finite for rates up to 1e150.
+    /// Draws the errors of `(ω_x, ω_y)` for an angular speed |ω| in rad/s. They are finite for speeds up to 1e150.
     #[inline]
     pub fn draw(&self, stream: &mut Stream, rate_rad_per_s: f64) -> Vector2<f64> {
         let size = self.fraction * rate_rad_per_s;

@@ -1,10 +1,10 @@
-//! Points of a fingertip as directions from its centre, and displacements between them.
+//! Converts between points of a fingertip, given as directions from its centre, and great-circle displacements.
 
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
-/// The direction after moving from +z by `displacement` (in radians) along a great circle, in the tangent basis (x, y)
-/// at +z: the exponential map. Finite for displacements up to 1e150. The error of each component is at most 1e-15 plus
-/// the effect of rounding the angle.
+/// The direction that is reached from +z along a great circle by `displacement` (exponential map). The displacement is
+/// in radians, in the tangent basis (x, y) at +z. The result is finite for displacements up to 1e150. The error of each
+/// component is at most 1e-15 plus the effect of rounding the angle.
 pub fn direction_at(displacement: &Vector2<f64>) -> Vector3<f64> {
     let angle = displacement.norm();
     if angle == 0.0 {
@@ -18,8 +18,8 @@ pub fn direction_at(displacement: &Vector2<f64>) -> Vector3<f64> {
 /// The great-circle displacement (logarithm map, radians) from direction `from` to direction `to`, both unit vectors.
 /// The tangent basis at `from` is (x, y) at +z, moved there by the shortest rotation.
 ///
-/// The error is at most 1e-15 of the displacement if `from` is +z, else 1e-15 radians. Between opposite directions,
-/// where every great circle is a shortest one, the result is along x.
+/// If `from` is +z, the error is at most 1e-15 of the displacement, otherwise 1e-15 radians. Between opposite
+/// directions there are many great circles of the same length; the result is then along x.
 ///
 /// ```
 /// use std::f64::consts::FRAC_PI_2;
@@ -48,8 +48,8 @@ pub fn displacement_between(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector2<f
     across * (libm::atan2(sine, local.z) / sine)
 }
 
-/// The direction after moving from a unit `direction` by `displacement` (in radians) along a great circle. The tangent
-/// basis is arbitrary: use it only for displacements without a preferred direction.
+/// The direction that is reached from a unit `direction` along a great circle by `displacement` (in radians). The
+/// tangent basis is arbitrary, so the function may only be used for displacements without a preferred direction.
 pub(crate) fn moved_along(direction: &Vector3<f64>, displacement: &Vector2<f64>) -> Vector3<f64> {
     let x = direction.cross(&Vector3::y()).try_normalize(1e-6);
     let x = x.unwrap_or_else(|| direction.cross(&Vector3::x()).normalize());

@@ -8,12 +8,12 @@ use rand_distr::{Distribution, StandardNormal};
 use crate::Channel;
 use crate::normal_deviates::{PAIRS, normals};
 
-/// The random numbers of one channel in one trial: a function of seed, trial and channel only.
+/// The random numbers of one channel in one trial. They depend only on seed, trial and channel.
 ///
-/// SplitMix64 (Steele, Lea and Flood, 2014) from a hashed key: word k is `mix(key + k STEP)`, so words can be computed
-/// in parallel. Streams are parts of one cycle of 2^64 words. Streams of one seed and channel start at different words.
-/// Any two of n streams of w words overlap with a probability of about `n² w / 2^64`: 1e-4 for ten million trials of 16
-/// words.
+/// The generator is SplitMix64 (Steele, Lea and Flood, 2014), started from a hashed key. Word k is `mix(key + k STEP)`,
+/// so words can be computed in parallel. All streams are parts of one cycle of 2^64 words. Streams of one seed and
+/// channel start at different words. Among n streams of w words, some two overlap with a probability of about `n² w /
+/// 2^64`: 1e-4 for ten million trials of 16 words.
 ///
 /// ```
 /// use palpate_sensing::{Channel, Stream};
@@ -29,10 +29,10 @@ pub struct Stream {
     state: u64,
 }
 
-/// The odd number nearest to 2^64 over the golden ratio.
+/// The odd number nearest to 2^64 divided by the golden ratio.
 const STEP: u64 = 0x9E37_79B9_7F4A_7C15;
 
-/// A bijection of 64-bit words that spreads every bit over all (the finaliser of SplitMix64).
+/// A bijection of 64-bit words in which every input bit affects all output bits (the finaliser of SplitMix64).
 #[inline(always)]
 const fn mix(mut word: u64) -> u64 {
     word = (word ^ (word >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -57,22 +57,23 @@ impl Stream {
         mix(self.state)
     }
 
-    /// Uniform in [−1, 1), in steps of 2^−51.
+    /// A uniform number in [−1, 1), in steps of 2^−51.
     #[inline(always)]
     pub fn symmetric_uniform(&mut self) -> f64 {
-        // A double in [2, 4), minus the middle of this range.
+        // The bits form a double in [2, 4). Subtracting the middle of this range gives a number in [−1, 1).
         f64::from_bits(self.next_word() >> 12 | 2_f64.to_bits()) - 3.0
     }
 
-    /// Chooses `count` different numbers of `0..of` with equal probability; all of them in random order if `count`
-    /// exceeds `of`. Holds `0..of` in memory and draws one random number per chosen number.
+    /// Chooses `count` different numbers out of `0..of`, each with equal probability. If `count` exceeds `of`, returns
+    /// all of them in random order. The function needs memory for `of` numbers and draws one random number per chosen
+    /// number.
     pub fn choose(&mut self, count: usize, of: usize) -> Vec<usize> {
         let mut items: Vec<usize> = (0..of).collect();
         let count = count.min(of);
         for place in 0..count {
             let share = 0.5 * (self.symmetric_uniform() + 1.0);
             let left = of - place;
-            // `share` is below 1, but its product may be rounded up to `left`.
+            // `share` is below 1, but `share` times `left` may be rounded up to `left`.
             let offset = ((share * left as f64) as usize).min(left - 1);
             items.swap(place, place + offset);
         }
@@ -80,14 +81,15 @@ impl Stream {
         items
     }
 
-    /// Normal with mean 0 and standard deviation 1.
+    /// A normal number with mean 0 and standard deviation 1.
     #[inline]
     pub fn standard_normal(&mut self) -> f64 {
         StandardNormal.sample(self)
     }
 
-    /// Independent normal numbers with mean 0 and standard deviation 1, in single precision, with absolute values up to
-    /// 6.67. Vector instructions draw them several times as fast as single draws. One random word makes two numbers.
+    /// Independent normal numbers in single precision, with mean 0, standard deviation 1 and absolute values up to
+    /// 6.67. They are computed with vector instructions, several times as fast as single draws. One random word gives
+    /// two numbers.
     #[inline(always)]
     pub fn standard_normals(&mut self) -> [f32; Self::NORMALS] {
         palpate_statistics::work::drew(PAIRS as u64);
@@ -98,14 +100,14 @@ impl Stream {
         }))
     }
 
-    /// Number of normal numbers that are drawn at once.
+    /// Number of normal numbers that [`Self::standard_normals`] returns.
     pub const NORMALS: usize = 2 * PAIRS;
 }
 
-/// The [`Stream`]s of `N` trials side by side, for vector instructions. Each has exactly the numbers of the single
-/// stream.
+/// The [`Stream`]s of `N` trials, drawn together with vector instructions. Each stream has exactly the same numbers as
+/// the single [`Stream`] of its trial.
 ///
-/// Functions are inlined, so they are compiled for the vector width of their caller.
+/// The functions are always inlined, so that they are compiled for the vector width of their caller.
 #[derive(Clone, Debug)]
 pub struct Streams<const N: usize> {
     states: [u64; N],
@@ -122,13 +124,13 @@ impl<const N: usize> Streams<N> {
         Self { states }
     }
 
-    /// [`Stream::symmetric_uniform`] of the stream at a place below `N`.
+    /// The next [`Stream::symmetric_uniform`] of the stream with index `place`, which must be below `N`.
     #[inline(always)]
     pub fn symmetric_uniform(&mut self, place: usize) -> f64 {
         self.draw(place, Stream::symmetric_uniform)
     }
 
-    /// [`Stream::standard_normal`] of the stream at a place below `N`.
+    /// The next [`Stream::standard_normal`] of the stream with index `place`, which must be below `N`.
     #[inline(always)]
     pub fn standard_normal(&mut self, place: usize) -> f64 {
         self.draw(place, Stream::standard_normal)
@@ -208,7 +210,7 @@ mod tests {
 
     #[test]
     fn known_numbers_do_not_change() {
-        // Published results cite seeds: change these numbers only with a note in the changelog.
+        // Published results state their seeds, so if these expected numbers change, say so in the changelog.
         let stream = || Stream::new(1996, 0, Channel::AngularVelocity);
         let (mut uniform, mut normal) = (stream(), stream());
         let numbers = [(); 2].map(|()| uniform.symmetric_uniform());
@@ -227,7 +229,8 @@ mod tests {
             let expected = 0.5 * libm::erfc(-draw * std::f64::consts::FRAC_1_SQRT_2);
             (expected - f64::from(rank) / f64::from(DRAWS)).abs()
         });
-        // Kolmogorov–Smirnov test: the distance exceeds 1.95/√n with a probability of 0.001.
+        // Kolmogorov–Smirnov test: for a correct distribution, the distance exceeds 1.95/√n with a probability of
+        // 0.001.
         assert!(distance.fold(0.0, f64::max) < 1.95e-3);
     }
 
@@ -245,7 +248,7 @@ mod tests {
         );
     }
 
-    /// The first draws of a trial.
+    /// The first 16 draws of a trial.
     fn draws(seed: u64, trial: u64, channel: Channel) -> [f64; 16] {
         let mut stream = Stream::new(seed, trial, channel);
         std::array::from_fn(|_| stream.symmetric_uniform())
@@ -270,18 +273,19 @@ mod tests {
                 for (i, own) in own.iter().enumerate() {
                     for (j, other) in other.iter().enumerate() {
                         products[i][j] += own * other;
-                        // Detects dependence even if the draws themselves are uncorrelated.
+                        // Products of squares reveal a dependence even if the draws themselves are uncorrelated.
                         squares[i][j] += (own * own - 1.0 / 3.0) * (other * other - 1.0 / 3.0);
                     }
                 }
             }
-            // Standard deviations of sums over independent draws, whose products have variances (1/3)² and (4/45)².
+            // For independent draws, the products have the variances (1/3)² and (4/45)². The standard deviations of the
+            // sums follow from these.
             let spread = (TRIALS as f64).sqrt();
             for (i, (products, squares)) in products.iter().zip(&squares).enumerate() {
                 for (j, (product, square)) in products.iter().zip(squares).enumerate() {
                     let is_itself = index == 0 && i == j;
                     let scores = [product * 3.0 / spread, square * (45.0 / 4.0) / spread];
-                    // The largest of 3000 scores is below 5 with probability 0.998.
+                    // For independent draws, the largest of the 3000 scores is below 5 with probability 0.998.
                     let independent = scores.iter().all(|score: &f64| score.abs() < 5.0);
                     assert!(independent != is_itself, "{index} {i} {j}: {scores:?}");
                 }
@@ -315,7 +319,7 @@ mod tests {
             assert!(chosen[0] != chosen[1] && chosen[1] != chosen[2] && chosen[2] != chosen[0]);
             chosen.iter().for_each(|&one| counts[one] += 1);
         }
-        // 30,000 expected; a standard deviation is sqrt(70,000 · 3/7 · 4/7) = 131.
+        // The expected count is 30,000, and its standard deviation is sqrt(70,000 · 3/7 · 4/7) = 131.
         assert!(
             counts.iter().all(|count| count.abs_diff(30_000) < 600),
             "{counts:?}"
@@ -338,7 +342,7 @@ mod tests {
         assert!(draws.iter().all(|draw| (-1.0..1.0).contains(draw)));
         assert!(mean.abs() < 0.01, "{mean}");
         assert!((square - 1.0 / 3.0).abs() < 0.005, "{square}");
-        // Trials are not correlated with their neighbours.
+        // Consecutive trials are not correlated.
         let lag = draws.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / count;
         assert!(lag.abs() < 0.005, "{lag}");
     }

@@ -5,30 +5,30 @@ use nalgebra::{Vector2, Vector3};
 use crate::sphere_map::moved_along;
 use crate::{InvalidSensor, Stream};
 
-/// A tilt of a unit normal by independent Gaussian angles about two perpendicular tangents.
+/// Error of a measured normal: a tilt by independent Gaussian angles along two perpendicular tangents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalError {
     std_rad: f64,
 }
 
 impl NormalError {
-    /// A tilt with standard deviation `std_rad` about each tangent.
+    /// A tilt whose standard deviation along each tangent is `std_rad`.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless it is from 0 to π.
+    /// [`InvalidSensor`] unless the standard deviation is from 0 to π.
     pub fn new(std_rad: f64) -> Result<Self, InvalidSensor> {
         let holds = (0.0..=std::f64::consts::PI).contains(&std_rad);
         InvalidSensor::unless(holds, "std_rad", std_rad, "from 0 to π")?;
         Ok(Self { std_rad })
     }
 
-    /// Whether a reading draws random numbers. If not, the reading is exact.
+    /// Whether the error is random. If it is not, readings are exact and draw no random numbers.
     pub fn is_random(&self) -> bool {
         self.std_rad > 0.0
     }
 
-    /// The measured normal for a true unit `normal`: a unit vector. The two tilts define a great circle (exponential
-    /// map), so tilts of any size are valid. Draws two random numbers.
+    /// The measured unit normal for a true unit `normal`. The two tilts are a displacement along a great circle
+    /// (exponential map), so tilts of any size are valid. Draws two random numbers.
     #[inline]
     pub fn read(&self, stream: &mut Stream, normal: &Vector3<f64>) -> Vector3<f64> {
         if !self.is_random() {
@@ -78,7 +78,7 @@ mod tests {
                 0.05 * 2.0_f64.sqrt(),
                 max_relative = 0.02
             );
-            // Isotropic: σ² (I − n nᵀ), to the second order of small angles.
+            // For small angles, the covariance is isotropic, σ² (I − n nᵀ), to second order.
             let expected = nalgebra::Matrix3::identity() - normal * normal.transpose();
             assert!((square / count / 0.0025 - expected).amax() < 0.03);
         }
@@ -94,7 +94,7 @@ mod tests {
             assert!((read.norm() - 1.0).abs() < 1e-15);
             mean += read / 1e4;
         }
-        // The mean cosine of a Rayleigh angle is 1 − √2 σ D(σ/√2), with Dawson's integral D; σ = 3.
+        // The mean cosine of a Rayleigh-distributed angle is 1 − √2 σ D(σ/√2), with Dawson's integral D; here σ = 3.
         let expected = Vector3::x() * -0.1795;
         assert!((mean - expected).norm() < 0.03, "{mean}");
     }

@@ -1,16 +1,16 @@
 //! A near-uniform lattice of pads on the sphere. The nearest pad is found in constant time.
 //!
 //! In the spherical Fibonacci lattice, pad `i` of `n` lies at `z = 1 − (2i + 1)/n` and azimuth `2π i (Φ − 1)`, where Φ
-//! is the golden ratio. Around any place it resembles a plane lattice whose basis is the steps to `i + F_k` and
-//! `i + F_{k+1}`, with Fibonacci numbers that depend on the latitude. The inverse of this basis leads to the neighbours
-//! (Keinert, Innmann, Sänger and Stamminger, *Spherical Fibonacci Mapping*, 2015). Azimuths are 64-bit fractions of a
-//! turn, so that 10¹³ pads keep their exact places.
+//! is the golden ratio. Around any place, the lattice resembles a plane lattice. Its two basis vectors lead from pad
+//! `i` to the pads `i + F_k` and `i + F_{k+1}`, where the Fibonacci numbers F depend on the latitude. The nearest pads
+//! of a direction follow from the inverse of this basis (Keinert, Innmann, Sänger and Stamminger, *Spherical Fibonacci
+//! Mapping*, 2015). Azimuths are 64-bit fractions of a turn, so that they are accurate even for 10¹³ pads.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 use crate::InvalidSensor;
 
-/// `n` pads over the whole sphere.
+/// A lattice of pads over the whole sphere.
 ///
 /// ```
 /// use palpate_sensing::UniformLattice;
@@ -28,16 +28,18 @@ pub struct UniformLattice {
     pads: u64,
 }
 
-/// `Φ − 1` as a fraction of 2⁶⁴.
+/// `Φ − 1` turns, in units of 2⁻⁶⁴ turn.
 const GOLDEN_TURN: u64 = 0x9E37_79B9_7F4A_7C15;
+/// The golden ratio Φ.
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
+/// Largest number of pads.
 const MOST_PADS: f64 = 1e15;
 
 impl UniformLattice {
     /// A lattice with one pad per pitch². `pitch_rad` is the angular pitch.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless this pitch makes from 2 to 10¹⁵ pads.
+    /// [`InvalidSensor`] unless the number of pads that follows from this pitch is from 2 to 10¹⁵.
     pub fn with_pitch(pitch_rad: f64) -> Result<Self, InvalidSensor> {
         let pads = (4.0 * std::f64::consts::PI / (pitch_rad * pitch_rad)).round();
         let holds = pitch_rad > 0.0 && (2.0..=MOST_PADS).contains(&pads);
@@ -55,20 +57,21 @@ impl UniformLattice {
         self.pads
     }
 
-    /// Direction of pad `index`, which must be below [`Self::pads`]. Pads are counted from +z.
+    /// Direction of pad `index`, which must be below [`Self::pads`]. Pads are numbered from +z to −z.
     pub fn direction(&self, index: u64) -> Vector3<f64> {
         let below = (2.0 * index as f64 + 1.0) / self.pads as f64;
-        // 1 − z² = below (2 − below), without cancellation near the pole.
+        // With z = 1 − below, 1 − z² equals below (2 − below). This form has no cancellation near the pole.
         let sine = (below * (2.0 - below)).max(0.0).sqrt();
         let (sin, cos) = libm::sincos(azimuth(index));
         Vector3::new(sine * cos, sine * sin, 1.0 - below)
     }
 
-    /// The pad nearest to a unit `direction`. The result is arbitrary if `direction` is not a unit vector.
+    /// The pad that is nearest to a unit vector `direction`. For other vectors, the result is arbitrary.
     pub fn nearest(&self, direction: &Vector3<f64>) -> u64 {
         let count = self.pads as f64;
         let sine_squared = direction.x * direction.x + direction.y * direction.y;
-        // Depth below the pole, in pads, from z or the sine: the one that loses fewer digits.
+        // Index of a pad at the depth `1 − z` below the pole. The depth is computed from z or from the sine of the
+        // polar angle, whichever loses fewer digits.
         let depth = if direction.z > 0.0 {
             sine_squared / (1.0 + direction.z)
         } else {
@@ -78,7 +81,7 @@ impl UniformLattice {
             - 0.5;
         let azimuth_here = libm::atan2(direction.y, direction.x);
 
-        // The Fibonacci numbers of this latitude's zone.
+        // The two Fibonacci numbers that define the basis at this latitude.
         let zone = (count * std::f64::consts::PI * 5.0_f64.sqrt() * sine_squared).max(1.0);
         let order = (libm::log(zone) / (2.0 * libm::log(GOLDEN_RATIO)))
             .floor()
@@ -88,14 +91,15 @@ impl UniformLattice {
         let basis = Matrix2::new(signed_azimuth(f0 as u64), signed_azimuth(f1 as u64), f0, f1);
         let mut best = Nearest::new(direction);
         if let Some(inverse) = basis.try_inverse() {
-            // Lattice steps from pad 0, which lies at azimuth 0 and depth 0.
+            // Numbers of steps along the two basis vectors. They are counted from pad 0, which lies at azimuth 0 and
+            // depth 0.
             let steps = inverse * Vector2::new(azimuth_here, depth);
             let corner = steps.map(f64::floor);
             for along in -1..=2 {
                 for across in -1..=2 {
                     let index =
                         (corner.x + f64::from(along)) * f0 + (corner.y + f64::from(across)) * f1;
-                    // Indices beyond a pole continue on its other side.
+                    // An index beyond a pole continues on the other side of the pole.
                     let index = if index < 0.0 { -1.0 - index } else { index };
                     let index = if index >= count {
                         2.0 * count - 1.0 - index
@@ -108,7 +112,8 @@ impl UniformLattice {
                 }
             }
         }
-        // Near the poles the lattice does not resemble a plane lattice. There are few pads, so all are compared.
+        // Near the poles, the lattice does not resemble a plane lattice. Only a few pads are there, so compare all of
+        // them.
         const POLAR: u64 = 12;
         if depth < POLAR as f64 {
             (0..(2 * POLAR).min(self.pads)).for_each(|index| best.consider(index, self));

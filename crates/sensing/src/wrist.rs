@@ -1,11 +1,11 @@
-//! A force and moment sensor in the wrist. It infers the contact point on the fingertip.
+//! A force and torque sensor in the wrist, which infers the contact point on the fingertip.
 
 use nalgebra::{Vector2, Vector3};
 
 use crate::sphere_map::moved_along;
 use crate::{InvalidSensor, Stream, direction_at, displacement_between};
 
-/// A wrist sensor whose inferred contact point has an isotropic error on the fingertip.
+/// A wrist sensor that infers the contact point with an isotropic error on the fingertip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wrist {
     std: f64,
@@ -13,15 +13,15 @@ pub struct Wrist {
 }
 
 impl Wrist {
-    /// A sensor with standard deviation `std` (length) of the contact point along each tangent
-    /// direction, on a fingertip of `radius`.
+    /// A sensor on a fingertip of `radius`. `std` (length) is the standard deviation of the contact point along each
+    /// tangent direction.
     ///
     /// # Errors
     /// [`InvalidSensor`] unless `0 < radius <= 1e300`, and `std` is at least 0 and at most 1e150 radii.
     pub fn new(std: f64, radius: f64) -> Result<Self, InvalidSensor> {
         let holds = std >= 0.0 && std.is_finite();
         InvalidSensor::unless(holds, "std", std, "finite and at least 0")?;
-        // Up to this radius, half a turn is a finite length.
+        // Up to this radius, half the circumference is a finite length.
         let holds = radius > 0.0 && radius <= 1e300;
         InvalidSensor::unless(holds, "radius", radius, "above 0 and at most 1e300")?;
         let holds = std / radius <= 1e150;
@@ -29,14 +29,15 @@ impl Wrist {
         Ok(Self { std, radius })
     }
 
-    /// Standard deviation of a shift. The errors of the first and the last contact are independent.
+    /// Standard deviation of an inferred displacement along each tangent, length. It contains the independent errors of
+    /// the first and the last contact point.
     pub fn shift_std(&self) -> f64 {
         std::f64::consts::SQRT_2 * self.std
     }
 
     /// The displacement (length) that the sensor infers for a true `displacement` (length, finite) from the first
-    /// contact. It is at most half a turn of the fingertip, even for large errors. If the error is 0, it is exact
-    /// within 1e-15 of the radius.
+    /// contact. Even for large errors, the result is at most half a turn of the fingertip. Without noise, its error is
+    /// at most 1e-15 of the radius.
     pub fn read(&self, stream: &mut Stream, displacement: &Vector2<f64>) -> Vector2<f64> {
         let error = self.std / self.radius;
         let mut infer = |contact: Vector3<f64>| {

@@ -4,23 +4,23 @@ use thiserror::Error;
 
 use crate::Number;
 
-/// Setting that is out of its range. `Words` is the type of the text that says which values are allowed.
+/// A setting that is out of its range. `Words` is the type of the text that states the allowed values.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error("{setting} is {value}; it must be {expected}", value = Number(*value))]
 pub struct BadSetting<Words = &'static str> {
     /// Name of the setting, as in the config.
     pub setting: &'static str,
-    /// Its value.
+    /// Value of the setting.
     pub value: f64,
-    /// Values that the setting may have, in words that follow "must be".
+    /// The allowed values, as text that follows "must be".
     pub expected: Words,
 }
 
 impl<Words> BadSetting<Words> {
-    /// The value of a setting, if it is within its range.
+    /// Returns the value of a setting if it is within its range.
     ///
     /// # Errors
-    /// [`BadSetting`] unless `holds`.
+    /// [`BadSetting`] if `holds` is false, that is, if the value is out of its range.
     pub fn unless(
         holds: bool,
         setting: &'static str,

@@ -2,23 +2,24 @@
 
 use crate::chi_squared_tail;
 
-/// Significance level of each test of an estimate: its probability of a false alarm if the model holds.
+/// Significance level of each test of an estimate: the probability of a false alarm if the model is correct.
 pub const SIGNIFICANCE_LEVEL: f64 = 0.005;
 
-/// The chi-squared of a fit, compared with the stated noise.
+/// Chi-squared of a fit, and the test whether the stated noise explains it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GoodnessOfFit {
-    /// Sum of the squared residuals of readings and priors, in standard deviations.
+    /// Sum of the squared residuals of readings and priors, each divided by its standard deviation.
     pub chi_squared: f64,
-    /// Degrees of freedom: number of used readings and priors minus number of unknowns.
+    /// Degrees of freedom: the number of readings and priors that the fit uses, minus the number of fitted parameters.
     pub freedom: usize,
-    /// Probability of a chi-squared at least as large, if the model holds and the noise is normal with the stated size. Then it
-    /// is uniform from 0 to 1. It is small if the readings contradict the model or the noise; 1 without degrees of freedom.
+    /// Probability of a chi-squared at least as large, if the model is correct and the noise is normal with the stated
+    /// size. In this case, the p-value is distributed uniformly from 0 to 1. A small p-value means that the readings
+    /// contradict the model or the stated noise. Without degrees of freedom, the p-value is 1.
     pub p_value: f64,
 }
 
 impl GoodnessOfFit {
-    /// The goodness of a fit with this chi-squared and these degrees of freedom.
+    /// Goodness of fit for this chi-squared and this number of degrees of freedom.
     pub fn new(chi_squared: f64, freedom: usize) -> Self {
         Self {
             chi_squared,
@@ -27,8 +28,9 @@ impl GoodnessOfFit {
         }
     }
 
-    /// Whether the p-value is below [`SIGNIFICANCE_LEVEL`]. Then patterns must be compared with the residuals instead of the
-    /// stated noise: with a stated noise that is too small, every pattern would be significant.
+    /// Whether the p-value is below [`SIGNIFICANCE_LEVEL`]. If it is, patterns in the residuals must be compared with
+    /// the scatter of the residuals instead of the stated noise. Otherwise, if the stated noise is too small, every
+    /// pattern would be significant.
     pub fn is_poor(&self) -> bool {
         self.p_value < SIGNIFICANCE_LEVEL
     }

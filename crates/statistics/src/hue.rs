@@ -1,9 +1,9 @@
 //! Hue of a colour.
 
-/// Smallest saturation, as in HSV, of a pixel that counts in a mean hue.
+/// Smallest HSV saturation of a pixel that counts in a mean hue.
 const MIN_SATURATION: f64 = 0.25;
 
-/// Hue of a colour in turns, from 0 to below 1, by the hexagonal formula of HSV. A grey has the hue 0.
+/// Hue of a colour in turns, from 0 to below 1, by the hexagonal formula of HSV. The hue of a grey is 0.
 ///
 /// ```
 /// use palpate_statistics::hue_turns;
@@ -26,12 +26,12 @@ pub fn hue_turns([red, green, blue]: [f64; 3]) -> f64 {
     };
     let turns = sixths / 6.0;
     let turns = if turns < 0.0 { turns + 1.0 } else { turns };
-    // A tiny negative number plus 1 rounds to a whole turn.
+    // Adding 1 to a tiny negative number gives exactly 1, which is the hue 0.
     if turns < 1.0 { turns } else { 0.0 }
 }
 
-/// Hue of a colour with a saturation, as in HSV, above 1/4; `None` for a paler colour. Only such colours count in a mean
-/// hue.
+/// Hue of a colour, in turns, if its HSV saturation is above 1/4; `None` for a paler colour. Only saturated colours
+/// count in a mean hue.
 ///
 /// ```
 /// use palpate_statistics::saturated_hue;

@@ -1,4 +1,4 @@
-//! Probabilities, numbers in messages, and counts of work, for all crates.
+//! Probability distributions, numbers in messages, and counters of computational work. All crates may use them.
 
 mod bad_setting;
 mod goodness_of_fit;

@@ -1,28 +1,28 @@
-//! Misfit: ways in which readings contradict the model that was fitted to them.
+//! Misfit: the ways in which readings can contradict the model that was fitted to them.
 
 use crate::{GoodnessOfFit, SIGNIFICANCE_LEVEL};
 
-/// A way in which readings contradict the fitted model, with the probability of a contradiction at least as large if the
-/// model holds.
+/// A way in which readings contradict the fitted model. Each p-value is the probability of a contradiction that is at
+/// least as large, if the model is correct.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Misfit {
-    /// The residuals are larger than the noise explains.
+    /// The residuals are larger than the noise can explain.
     PoorFit {
-        /// Goodness-of-fit p-value.
+        /// p-value of the goodness of fit.
         p_value: f64,
     },
-    /// One reading contradicts the others.
+    /// One reading contradicts the other readings.
     Outlier {
-        /// Number of the roll, contact or marker, counted from 0.
+        /// Number of the roll, contact or marker with this reading, counted from 0.
         reading: usize,
-        /// P-value for one of all readings.
+        /// P-value of the largest contradiction among all readings.
         p_value: f64,
     },
     /// A stated quantity contradicts its estimate from the readings.
     Stated {
-        /// The quantity.
+        /// The stated quantity.
         quantity: StatedQuantity,
-        /// The stated value.
+        /// Stated value of the quantity.
         stated: f64,
         /// The estimate from the readings, in the same unit.
         estimated: f64,
@@ -31,17 +31,17 @@ pub enum Misfit {
     },
     /// The displacements of a press vary with the distance from the contact differently than the fitted model predicts.
     OtherBody {
-        /// P-value of the dependence that the body does not explain.
+        /// P-value for a dependence on the distance that the fitted model does not explain.
         p_value: f64,
     },
-    /// The displacements of a press depend on the direction from the contact.
+    /// The displacements of a press depend on the direction from the contact more than the fitted model predicts.
     NotRound {
-        /// P-value of the dependence on the direction.
+        /// P-value for a dependence on the direction that the fitted model does not explain.
         p_value: f64,
     },
 }
 
-/// A quantity that the user states and that the readings also determine.
+/// A quantity that the user states and that can also be estimated from the readings.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum StatedQuantity {
     /// Standard deviation of the readings.
@@ -50,7 +50,7 @@ pub enum StatedQuantity {
     Indentation,
     /// Distance between neighbouring pads.
     Pitch,
-    /// A length that sets the scale of the readings, for example the distance between fingers.
+    /// A length that determines the scale of the readings, for example the distance between fingers.
     Scale,
 }
 
@@ -67,13 +67,14 @@ impl StatedQuantity {
 }
 
 impl Misfit {
-    /// Reports a poor fit at a significance level.
+    /// Returns [`Misfit::PoorFit`] if the p-value is below the significance `level`.
     pub fn poor_fit(goodness: GoodnessOfFit, level: f64) -> Option<Self> {
         let p_value = goodness.p_value;
         (p_value < level).then_some(Self::PoorFit { p_value })
     }
 
-    /// Reports the reading with the smallest of these p-values, if it is significant among all of them (Bonferroni).
+    /// Returns [`Misfit::Outlier`] for the reading with the smallest of these p-values, if this p-value is significant
+    /// after a correction for the number of p-values (Bonferroni).
     ///
     /// ```
     /// use palpate_statistics::Misfit;
@@ -105,7 +106,7 @@ impl Misfit {
         }
     }
 
-    /// Probability of a contradiction at least as large if the model holds.
+    /// The p-value: the probability of a contradiction that is at least as large, if the model is correct.
     pub const fn p_value(&self) -> f64 {
         match self {
             Self::PoorFit { p_value }

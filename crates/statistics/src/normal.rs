@@ -1,15 +1,15 @@
 //! The normal distribution.
 
-/// Largest score, for a quantity without spread.
+/// Largest score that [`score_of_tail`] returns. A statement with this score is practically certain.
 pub const CERTAIN: f64 = 40.0;
 
-/// Half-widths of the intervals of 50, 80 and 95 %, in standard deviations of the normal distribution.
+/// Half-widths of the 50, 80 and 95 % intervals of the normal distribution, in standard deviations.
 pub const HALF_WIDTHS: [f64; 3] = [0.674_489_750_196_081_7, 1.281_551_565_544_600_4, NORMAL_95];
 
-/// Half-width of the interval of 95 %, in standard deviations of the normal distribution.
+/// Half-width of the 95 % interval of the normal distribution, in standard deviations.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 
-/// Probability that a standard normal number is above `score`.
+/// Probability that a standard normal variable exceeds `score`.
 ///
 /// ```
 /// assert!((palpate_statistics::normal_tail(1.959964) - 0.025).abs() < 1e-8);
@@ -19,8 +19,8 @@ pub fn normal_tail(score: f64) -> f64 {
     0.5 * libm::erfc(score * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// The score that a standard normal number exceeds with this probability, to 1e-12; at most [`CERTAIN`]. It is −[`CERTAIN`] for a
-/// probability that rounds to 1, and for NaN.
+/// The score that a standard normal variable exceeds with this probability. Its absolute error is at most 1e-12. It is
+/// at most [`CERTAIN`]. For a probability that rounds to 1, and for NaN, it is −[`CERTAIN`].
 ///
 /// ```
 /// assert!((palpate_statistics::score_of_tail(0.025) - 1.959964).abs() < 1e-6);
@@ -54,7 +54,7 @@ mod tests {
         }
     }
 
-    /// Probabilities from mpmath with 50 digits.
+    /// The expected probabilities are from mpmath with 50 digits.
     #[test]
     fn far_tails_keep_their_digits_and_no_probabilities_have_the_last_scores() {
         for (score, due) in [

@@ -2,8 +2,9 @@
 
 use std::fmt;
 
-/// A number as messages display it: with the fewest digits that parse back to the same number, with an exponent from 1e16 and
-/// below 1e-4, and without a sign of zero. With a precision, as in `{:.4}`, only large numbers have an exponent.
+/// A number as messages display it. It has the fewest digits that parse back to the same number. It has an exponent if
+/// its magnitude is at least 1e16 or below 1e-4, and no sign if it is zero. With a precision, as in `{:.4}`, only large
+/// numbers have an exponent.
 ///
 /// ```
 /// use palpate_statistics::Number;
@@ -15,13 +16,14 @@ use std::fmt;
 pub struct Number(pub f64);
 
 impl Number {
-    /// The nearest number with three digits.
+    /// The number, rounded to three significant digits.
     #[must_use]
     pub fn rounded(number: f64) -> Self {
         Self(format!("{number:.2e}").parse().unwrap_or(number))
     }
 
-    /// The nearest number with the decimals of a standard deviation of two digits, or with three digits if that is more.
+    /// The number, rounded to the last decimal place of its standard deviation. For this, `std` is rounded to two
+    /// digits. At least three significant digits of the number are kept.
     ///
     /// ```
     /// use palpate_statistics::Number;
@@ -33,7 +35,7 @@ impl Number {
     pub fn known_to(number: f64, std: f64) -> Self {
         let size = |number: f64| libm::floor(libm::log10(number.abs()));
         let digits = size(number) - size(std) + 1.0;
-        // A double has at most 16 significant digits.
+        // Use at most 16 digits, because a double has no more significant digits.
         let digits = if digits.is_finite() {
             digits.clamp(2.0, 16.0)
         } else {

@@ -1,27 +1,29 @@
-//! Rao's score test: how much of the residuals patterns would explain, in addition to the fitted unknowns.
+//! Rao's score test. It computes how much chi-squared would decrease if patterns in the residuals were fitted in
+//! addition to the parameters of the model.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::{chi_squared_tail, ratio_tail};
 
-/// A pattern is skipped if the fitted unknowns already explain all but this share of it; the rest would be due to the model's
-/// nonlinearity. Noisy patterns need a larger share.
+/// Smallest share of a pattern that the fitted parameters must leave unexplained. Patterns with a smaller share are
+/// skipped, because what is left of them may be due to the model's nonlinearity. Noisy patterns need a larger share.
 pub const LEFT: f64 = 0.02;
 
-/// First-order decrease of chi-squared if patterns were fitted too.
+/// Decrease of chi-squared, to first order, if patterns were fitted in addition to the parameters of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Explained {
-    /// The decrease of chi-squared.
+    /// Decrease of chi-squared.
     pub fall: f64,
-    /// Number of patterns that the unknowns do not explain.
+    /// Number of independent patterns that the fitted parameters do not explain.
     pub freedom: usize,
 }
 
 impl Explained {
-    /// The decrease of chi-squared by patterns. `squares` are the squared norms of the patterns, `left` the products between
-    /// their parts that the unknowns do not explain, and `by_residuals` their products with the residuals, all in standard
-    /// deviations. Patterns with a smaller unexplained share than `least` (usually [`LEFT`]) are skipped. If a number is not
-    /// finite, all are skipped.
+    /// The decrease of chi-squared by some patterns. All patterns are in standard deviations of the readings. `squares`
+    /// are the squared norms of the patterns. `left` are the inner products between the parts of the patterns that the
+    /// fitted parameters do not explain, and `by_residuals` are the inner products of these parts with the residuals.
+    /// Directions whose unexplained share is smaller than `least` (usually [`LEFT`]) are skipped. If a number is not
+    /// finite, all patterns are skipped.
     pub fn by(
         squares: &[f64],
         left: &DMatrix<f64>,
@@ -58,12 +60,13 @@ impl Explained {
         explained
     }
 
-    /// P-value if the noise is stated.
+    /// P-value of the decrease if the standard deviation of the noise is stated.
     pub fn p_value(self) -> f64 {
         chi_squared_tail(self.fall, self.freedom)
     }
 
-    /// P-value if the noise is estimated from the residuals, which have this `chi_squared` and `freedom`.
+    /// P-value of the decrease if the standard deviation of the noise is estimated from the residuals. The residuals
+    /// have this `chi_squared` and these degrees of freedom.
     pub fn p_value_beside(self, chi_squared: f64, freedom: usize) -> f64 {
         let rest = freedom.saturating_sub(self.freedom);
         let below = (chi_squared - self.fall).max(0.0);
@@ -71,8 +74,9 @@ impl Explained {
     }
 }
 
-/// The alternative with the smallest p-value, and the p-value for all alternatives together (Bonferroni); 0 and 1 without
-/// alternatives. Alternatives are numbers, for example of probes.
+/// The number of the alternative with the smallest p-value, and this p-value after a correction for the number of
+/// alternatives (Bonferroni). The number may be, for example, the number of a probe. Without alternatives, the result
+/// is (0, 1).
 ///
 /// ```
 /// let found = palpate_statistics::least_likely([(3, 0.5), (7, 0.01)].into_iter());
@@ -101,7 +105,8 @@ mod tests {
 
     #[test]
     fn patterns_that_the_unknowns_take_do_not_count() {
-        // Residuals (1, −1) of a mean that was fitted: the pattern (1, 1) is gone, (1, −1) is left whole.
+        // The residuals (1, −1) remain after a mean is fitted. The mean explains the pattern (1, 1) completely, and the
+        // pattern (1, −1) not at all.
         let left = DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 0.0, 2.0]);
         let explained = Explained::by(&[2.0, 2.0], &left, &DVector::from_vec(vec![0.0, 2.0]), LEFT);
         assert_eq!((explained.fall, explained.freedom), (2.0, 1));

@@ -1,10 +1,10 @@
-//! Tails of sums of squares.
+//! Tail probabilities of sums of squares: the chi-squared, F and Student's t distributions.
 
 use std::f64::consts::PI;
 
-/// Probability that chi-squared with `freedom` degrees of freedom is larger (Abramowitz and Stegun 26.4.4 and 26.4.5); 1
-/// without degrees of freedom, and 0 for a chi-squared that is not a number. The relative error is at most 1e-12 up to 100 degrees of
-/// freedom, and 1e-9 of any number of them.
+/// Probability that a chi-squared variable with `freedom` degrees of freedom is larger than `chi_squared` (Abramowitz
+/// and Stegun 26.4.4 and 26.4.5). The result is 1 without degrees of freedom, and 0 if `chi_squared` is NaN. The
+/// relative error is at most 1e-12 up to 100 degrees of freedom, and at most 1e-9 for more.
 ///
 /// ```
 /// assert!((palpate_statistics::chi_squared_tail(3.841459, 1) - 0.05).abs() < 1e-7);
@@ -23,7 +23,7 @@ pub fn chi_squared_tail(chi_squared: f64, freedom: usize) -> f64 {
     let is_odd = freedom % 2 == 1;
     let first = if is_odd { libm::erfc(half.sqrt()) } else { 0.0 };
     let log = libm::log(half);
-    // Logarithms, since powers and exponentials overflow where their products do not.
+    // Use logarithms, because the powers and exponentials may overflow although their products do not.
     let term = |count: usize| {
         let power = count as f64 + if is_odd { 0.5 } else { 0.0 };
         libm::exp(power * log - half - libm::lgamma(power + 1.0))
@@ -32,10 +32,10 @@ pub fn chi_squared_tail(chi_squared: f64, freedom: usize) -> f64 {
     (first + rest).min(1.0)
 }
 
-/// Largest number of degrees of freedom for which the terms are summed.
+/// Largest number of degrees of freedom for which the exact series is summed up.
 const MOST_TERMS: usize = 1_000_000;
 
-/// Upper share of the gamma function of large `a` (Temme's uniform expansion, DLMF 8.12.4).
+/// The regularised upper incomplete gamma function Q(a, half) for large `a` (Temme's uniform expansion, DLMF 8.12.4).
 fn many_squares_tail(half: f64, a: f64) -> f64 {
     let beyond = (half - a) / a;
     let square = 2.0 * (beyond - libm::log1p(beyond)).max(0.0);
@@ -49,9 +49,10 @@ fn many_squares_tail(half: f64, a: f64) -> f64 {
     (crate::normal_tail(eta * a.sqrt()) + density * rest).clamp(0.0, 1.0)
 }
 
-/// Probability that a ratio of two chi-squared, each over its degrees of freedom, is larger (the F distribution); 1 where
-/// one of them has none. The error is at most 1e-10, and with more than 10,000 degrees of freedom 1e-14 times as many; more
-/// than 1e9 count as 1e9.
+/// Tail probability of the F distribution. It is the probability that the ratio of two chi-squared variables, each
+/// divided by its degrees of freedom, is larger than the ratio `above / below`. The result is 1 if a number of degrees
+/// of freedom is 0. The error is at most 1e-10 up to 10,000 degrees of freedom, and beyond that 1e-14 times their
+/// number. More than 1e9 degrees of freedom are treated as 1e9.
 ///
 /// ```
 /// // 5 % of ratios with 2 and 12 degrees of freedom are above 3.8853.
@@ -71,10 +72,10 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
     if !ratio.is_finite() {
         return 0.0;
     }
-    // The share of the sum is distributed as beta.
+    // The share of one chi-squared in the sum of both has a beta distribution.
     let (share, rest) = (ratio / (1.0 + ratio), 1.0 / (1.0 + ratio));
     let [a, b] = [many_below, many_above].map(|freedom| 0.5 * freedom as f64);
-    // Of the two ways the one whose fraction converges.
+    // Two forms are equivalent. Use the form whose continued fraction converges.
     if rest < (a + 1.0) / (a + b + 2.0) {
         incomplete_beta([rest, share], a, b)
     } else {
@@ -83,12 +84,14 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
     .clamp(0.0, 1.0)
 }
 
-/// Most degrees of freedom whose powers leave a ratio enough digits.
+/// Largest number of degrees of freedom that is used. With a larger number, the powers of the ratio lose too many
+/// digits.
 const MOST_FREEDOM: usize = 1_000_000_000;
 
-/// Half-width of the interval about an estimate that holds the truth with this probability, in standard deviations that
-/// were found from residuals with so many degrees of freedom (Student's t distribution, to 1e-9, and with more than 1e6 of
-/// them to 1e-8); infinite without any, and for a probability that is not below 1; 0 for one that is not above 0.
+/// Half-width of the interval that contains the true value with this probability, in standard errors (Student's t
+/// distribution). The standard error is estimated from residuals with `freedom` degrees of freedom. The relative error
+/// is at most 1e-9, or 1e-8 for more than 1e6 degrees of freedom. The result is infinite without degrees of freedom or
+/// for a probability of 1 or more or NaN, and 0 for a probability of 0 or less.
 ///
 /// ```
 /// let half_width = palpate_statistics::student_half_width(0.95, 5);
@@ -107,7 +110,7 @@ pub fn student_half_width(probability: f64, freedom: usize) -> f64 {
         let per_probability = 0.5 * count.sqrt() * libm::exp(log_beta(0.5, 0.5 * count));
         return probability * per_probability;
     }
-    // The square of Student's t is a ratio with one degree of freedom above.
+    // The square of Student's t is an F-distributed ratio with one degree of freedom in the numerator.
     let is_inside =
         |width: f64| ratio_tail(width * width, 1, freedom as f64, freedom) > 1.0 - probability;
     let mut high = 1.0;
@@ -126,14 +129,17 @@ pub fn student_half_width(probability: f64, freedom: usize) -> f64 {
     high
 }
 
-/// Probability up to which the density of Student's t is that in the middle, to 1e-11.
+/// Probability up to which the density of Student's t is treated as constant over the interval. The relative error is
+/// then at most 1e-11.
 const STRAIGHT: f64 = 1e-6;
 
-/// Difference from 1 of a factor at which the continued fraction is as good as its end, and most factors.
+/// The continued fraction has converged if the next factor differs from 1 by less than this value.
 const CONVERGED: f64 = 1e-13;
+/// Maximum number of factors of the continued fraction.
 const MOST_FACTORS: usize = 20_000;
 
-/// Regularised incomplete beta function of `x`, given with 1 − x (DLMF 8.17.22, by Lentz's algorithm).
+/// Regularised incomplete beta function I_x(a, b), by Lentz's algorithm (DLMF 8.17.22). The first argument contains x
+/// and 1 − x.
 fn incomplete_beta([x, rest]: [f64; 2], a: f64, b: f64) -> f64 {
     let log = a * libm::log(x) + b * libm::log(rest) - log_beta(a, b);
     let front = libm::exp(log) / a;
@@ -166,7 +172,8 @@ fn incomplete_beta([x, rest]: [f64; 2], a: f64, b: f64) -> f64 {
     front * value
 }
 
-/// Numbers from which on the logarithms of gamma functions are of Stirling's series, so that large ones do not cancel.
+/// Number from which on the logarithm of the gamma function is computed with Stirling's series. The series avoids the
+/// cancellation of large logarithms.
 const LARGE: f64 = 20.0;
 
 /// Logarithm of the beta function.
@@ -175,7 +182,7 @@ fn log_beta(a: f64, b: f64) -> f64 {
     if large < LARGE {
         return libm::lgamma(a) + libm::lgamma(b) - libm::lgamma(a + b);
     }
-    // ln Γ(large) − ln Γ(large + small), to 1e-15.
+    // `growth` and the Stirling terms add up to ln Γ(large) − ln Γ(large + small), with an error of 1e-15.
     let sum = large + small;
     let growth = (large - 0.5) * libm::log1p(small / large) + small * libm::log(sum) - small;
     let of_large = rest_of_stirling(large) - rest_of_stirling(sum);
@@ -186,7 +193,7 @@ fn log_beta(a: f64, b: f64) -> f64 {
     of_small + rest_of_stirling(small) + of_large - growth
 }
 
-/// Sum of Stirling's series beyond (x − ½) ln x − x + ½ ln 2π.
+/// Stirling's series for ln Γ(x), without its leading terms (x − ½) ln x − x + ½ ln 2π.
 fn rest_of_stirling(x: f64) -> f64 {
     let square = 1.0 / (x * x);
     (1.0 / 12.0 - square * (1.0 / 360.0 - square * (1.0 / 1260.0 - square / 1680.0))) / x
@@ -196,7 +203,7 @@ fn rest_of_stirling(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Percentage points of chi-squared, as tables print them (Abramowitz and Stegun, table 26.8).
+    /// Percentage points of chi-squared from published tables (Abramowitz and Stegun, table 26.8).
     const POINTS: [(usize, f64, f64); 7] = [
         (1, 3.841_459, 0.05),
         (2, 9.210_340, 0.01),
@@ -218,7 +225,7 @@ mod tests {
         }
     }
 
-    /// Percentage points of F, as tables print them (Abramowitz and Stegun, table 26.9).
+    /// Percentage points of F from published tables (Abramowitz and Stegun, table 26.9).
     const RATIOS: [(usize, usize, f64, f64); 8] = [
         (1, 1, 161.447_6, 0.05),
         (1, 12, 4.747_225, 0.05),
@@ -241,7 +248,7 @@ mod tests {
         }
     }
 
-    /// Percentage points of Student's t, as tables print them (Abramowitz and Stegun, table 26.10).
+    /// Percentage points of Student's t from published tables (Abramowitz and Stegun, table 26.10).
     #[test]
     fn half_widths_are_those_of_tables() {
         for (freedom, probability, half_width) in [
@@ -263,7 +270,7 @@ mod tests {
         for probability in [0.0, -1.0, f64::NEG_INFINITY] {
             assert_eq!(student_half_width(probability, 3), 0.0);
         }
-        // The density of 3 degrees of freedom at 0 is 2/(π√3).
+        // The density of Student's t with 3 degrees of freedom has the value 2/(π√3) at 0.
         let narrow = student_half_width(1e-9, 3);
         let due = 0.5e-9 * 0.5 * std::f64::consts::PI * 3_f64.sqrt();
         assert!((narrow - due).abs() < 1e-6 * due, "{narrow:e} {due:e}");
@@ -284,7 +291,7 @@ mod tests {
         for ratio in [1e-8, 0.3, 2.0, 70.0, 1e9] {
             let below = ratio_tail(ratio, 2, 2.0, 2);
             assert!((below * (1.0 + ratio / 2.0) - 1.0).abs() < 1e-12, "{below}");
-            // P(F > f) of 2 and n degrees of freedom is (1 + 2 f/n)^(−n/2).
+            // With 2 and n degrees of freedom, the probability P(F > f) is (1 + 2 f/n)^(−n/2).
             let of_many = ratio_tail(2.0 * ratio, 2, 7.0, 7);
             let exact = libm::exp(-3.5 * libm::log1p(2.0 * ratio / 7.0));
             assert!((of_many / exact - 1.0).abs() < 1e-10, "{of_many} {exact}");
@@ -310,7 +317,7 @@ mod tests {
         }
     }
 
-    /// Probabilities from mpmath with 50 digits.
+    /// The expected probabilities are from mpmath with 50 digits.
     #[test]
     fn far_tails_and_many_degrees_keep_their_digits() {
         let is_near = |found: f64, due: f64, bound: f64, what: &str| {
@@ -329,7 +336,7 @@ mod tests {
             let found = chi_squared_tail(sum, freedom);
             is_near(found, due, 1e-12 * due, "chi-squared");
         }
-        // Degrees of freedom around the limit for summing terms (`MOST_TERMS`), and the largest `usize`.
+        // Degrees of freedom just below and above `MOST_TERMS`, and the largest `usize`.
         for (freedom, due) in [
             (999_999, 0.499_811_936_709_362_8),
             (1_000_001, 0.499_811_936_897_426_03),
@@ -355,7 +362,7 @@ mod tests {
             let bound = (1e-14 * below.min(MOST_FREEDOM) as f64).max(1e-10);
             is_near(found, due, bound, "ratio");
         }
-        // Quantiles have closed forms: a tangent for one degree of freedom, a square root for two.
+        // Two quantiles have closed forms: with a tangent for one degree of freedom, with a square root for two.
         for (probability, of_one, of_two) in [
             (
                 1e-300,

@@ -1,24 +1,25 @@
-//! Counters of the work that a scene causes. They show that a scene which needs no random numbers, integrator or frames
-//! causes none of that work.
+//! Counters of the computational work of a scene. Tests use them to check, for example, that a scene without noise
+//! draws no random numbers.
 //!
-//! Counting is per thread, and only with the feature `count`; without it every function here is empty.
+//! Work is counted for each thread, and only with the feature `count`. Without this feature, every function here is
+//! empty.
 
-/// Work done on one thread, counted by kind.
+/// Counts of the work on one thread, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
-    /// Random words drawn.
+    /// Number of random words drawn.
     pub draws: u64,
-    /// Motions of a probe whose contact was computed, by any rung.
+    /// Number of motions of a probe for which the contact was computed, by any model.
     pub rolls: u64,
-    /// Evaluations of the right-hand side of contact equations by an integrator.
+    /// Number of evaluations of the right-hand side of contact equations by an integrator.
     pub derivatives: u64,
-    /// Searches for the place where a fingertip with a radius touches.
+    /// Number of searches for the contact of a fingertip with a radius.
     pub searches: u64,
-    /// Contacts with an elastic layer for which an integral equation was solved.
+    /// Number of contacts with an elastic layer for which an integral equation was solved.
     pub layers: u64,
-    /// Markers whose image was computed in closed form.
+    /// Number of markers whose image was computed in closed form.
     pub projections: u64,
-    /// Frames painted.
+    /// Number of camera frames rendered.
     pub frames: u64,
 }
 
@@ -42,7 +43,7 @@ mod counting {
         });
     }
 
-    /// Work that `work` does on this thread, beside the value that `work` returns.
+    /// Runs `work`. Returns the counts of its work on this thread, and its result.
     pub fn counted<T>(work: impl FnOnce() -> T) -> (Tally, T) {
         let before = TALLY.replace(Tally::default());
         let given = work();
@@ -69,19 +70,19 @@ macro_rules! counters {
 }
 
 counters! {
-    /// Random words were drawn.
+    /// Counts random words that were drawn.
     drew => draws;
-    /// The contact after a motion was computed.
+    /// Counts motions for which the contact was computed.
     rolled => rolls;
-    /// An integrator asked for derivatives.
+    /// Counts evaluations of derivatives by an integrator.
     derived => derivatives;
-    /// The contact of a round tip was searched for.
+    /// Counts searches for the contact of a round tip.
     searched => searches;
-    /// A contact with a layer was solved.
+    /// Counts contacts with a layer that were solved.
     solved_layer => layers;
-    /// Images of markers were computed without pixels.
+    /// Counts images of markers that were computed without pixels.
     projected => projections;
-    /// Frames were painted.
+    /// Counts rendered camera frames.
     painted => frames;
 }
 

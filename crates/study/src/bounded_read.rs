@@ -1,4 +1,4 @@
-//! Reading of files and streams up to a maximum size.
+//! Reads files and streams up to a maximum size.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
@@ -6,13 +6,14 @@ use std::path::Path;
 
 /// Number of bytes in a MiB.
 const MIB: u64 = 1 << 20;
-/// Largest size that is read from a pipe or a device, MiB. Its size is unknown before reading.
+/// Largest number of MiB that is read from a pipe or a device. The limit is needed because their size is not available
+/// before reading.
 const MAX_STREAM_MIB: u64 = 256;
 
-/// Reads a file of at most `most_mib` MiB. A pipe or a device may have at most 256 MiB.
+/// Reads a file of at most `most_mib` MiB. If the path is a pipe or a device, at most 256 MiB are read.
 ///
 /// # Errors
-/// Errors of the operating system; [`ErrorKind::FileTooLarge`] above the limit.
+/// Errors of the operating system; [`ErrorKind::FileTooLarge`] if the file is larger than the limit.
 pub fn read_limited(path: &Path, most_mib: u64) -> io::Result<Vec<u8>> {
     let file = File::open(path)?;
     let metadata = file.metadata()?;
@@ -29,7 +30,7 @@ pub fn read_limited(path: &Path, most_mib: u64) -> io::Result<Vec<u8>> {
 /// Reads a stream of at most `most_mib` MiB.
 ///
 /// # Errors
-/// Errors of the stream; [`ErrorKind::FileTooLarge`] above the limit.
+/// Errors of the stream; [`ErrorKind::FileTooLarge`] if the stream is longer than the limit.
 pub fn read_all(stream: impl Read, most_mib: u64) -> io::Result<Vec<u8>> {
     let limit = most_mib * MIB;
     let mut bytes = Vec::new();
@@ -41,6 +42,6 @@ pub fn read_all(stream: impl Read, most_mib: u64) -> io::Result<Vec<u8>> {
 }
 
 fn too_large(most_mib: u64) -> io::Error {
-    let message = format!("it is larger than {most_mib} MiB, the largest size that is read");
+    let message = format!("it is larger than the limit of {most_mib} MiB");
     io::Error::new(ErrorKind::FileTooLarge, message)
 }

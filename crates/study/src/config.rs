@@ -1,13 +1,16 @@
 //! Study configs: from a TOML text to validated cells.
 //!
-//! A config passes through four steps, each with its own file:
+//! A config is read in four steps, each in its own file:
 //!
-//! 1. `tree`: the text is parsed to a tree of values. Errors name paths in it; `error` finds their place in the text.
-//! 2. `sweep`, `grid`: the `[[sweep]]` axes are multiplied. A cell is the tree with one combination of values.
-//! 3. `validate`: each cell's tree is validated by the JSON Schema of the config ([`schema()`]), which alone defines keys,
-//!    types, kinds and limits. If all swept values are plain, the first cell and then each value are validated. In a study of
-//!    many cells, only the cells of a `sample` are read.
-//! 4. serde converts the tree to a [`StudyConfig`], and the few rules that concern several fields are checked.
+//! 1. `tree`: the text is parsed to a tree of values. Errors state a path in this tree; `error` finds the position of
+//!    this path in the text.
+//! 2. `sweep`, `grid`: all combinations of the values of the `[[sweep]]` axes are formed. A cell is the tree with one
+//!    combination of values.
+//! 3. `validate`: each cell's tree is validated by the JSON Schema of the config ([`schema()`]), which alone defines
+//!    keys, types, kinds and limits. If all swept values are plain (numbers, words or truth values), only the first
+//!    cell is validated completely, and each other swept value alone. In a study with many cells, only the cells of a
+//!    `sample` are checked.
+//! 4. serde converts the tree to a [`StudyConfig`], and the few rules that involve several fields are checked.
 //!
 //! Every failure is a [`ConfigError`] with file, line, column, field and an excerpt.
 

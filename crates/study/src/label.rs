@@ -1,10 +1,10 @@
-//! Names of columns, quantities and units for readers.
+//! Names of columns, quantities and units in the words that figures and messages show.
 
 use crate::number;
 use crate::quantity::Quantity;
 
-/// Words of a column, its unit as a reader writes it, and the factor from the numbers in the table to those shown (shares
-/// are shown in percent).
+/// Label of a column: its words, its unit in the usual notation, and the factor from the numbers in the table to the
+/// displayed numbers (shares are displayed in percent).
 ///
 /// ```
 /// use palpate_study::Label;
@@ -15,16 +15,16 @@ use crate::quantity::Quantity;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Label {
-    /// Words without the unit.
+    /// The words, without the unit.
     pub words: String,
-    /// Unit as a reader writes it; empty for a pure number.
+    /// The unit in the usual notation; empty for a pure number.
     pub unit: String,
-    /// Factor from the numbers in the table to those shown.
+    /// Factor from the numbers in the table to the displayed numbers.
     pub factor: f64,
 }
 
 impl Label {
-    /// Label of numbers that are shown as they are; `unit` as a reader writes it.
+    /// Label of numbers that are displayed unchanged; `unit` is in the usual notation.
     pub fn in_unit(words: impl Into<String>, unit: &str) -> Self {
         Self {
             words: words.into(),
@@ -33,7 +33,8 @@ impl Label {
         }
     }
 
-    /// Label of shares; `unit` is a percent sign, optionally with its reference, such as `% of the IFD`.
+    /// Label of shares that are displayed in percent; `unit` is a percent sign, optionally with its reference, such as
+    /// `% of the IFD`.
     pub(crate) fn in_percent(words: impl Into<String>, unit: &str) -> Self {
         Self {
             words: words.into(),
@@ -42,12 +43,13 @@ impl Label {
         }
     }
 
-    /// Words and unit, as on an axis.
+    /// Words and unit together, as on an axis.
     pub fn text(&self) -> String {
         with_unit(&self.words, &self.unit)
     }
 
-    /// Value of the table as shown, with its unit: `0.05` of a share is `5 %`; text stays as it is.
+    /// A value of the table in the displayed form, with its unit: a share of `0.05` becomes `5 %`. Text stays
+    /// unchanged.
     pub fn value(&self, text: &str) -> String {
         let bare = self.bare_value(text);
         match self.unit.as_str() {
@@ -58,7 +60,7 @@ impl Label {
         }
     }
 
-    /// Value of the table as shown, without its unit.
+    /// A value of the table in the displayed form, without its unit.
     pub fn bare_value(&self, text: &str) -> String {
         number::finite(text).map_or_else(
             || text.to_owned(),
@@ -67,7 +69,7 @@ impl Label {
     }
 }
 
-/// Words of the quantity with this name; for an unknown name, the name with spaces.
+/// The words for the quantity with this name. For an unknown name, this is the name with spaces instead of underscores.
 ///
 /// ```
 /// use palpate_study::label;
@@ -83,16 +85,17 @@ pub fn quantity(name: &str) -> String {
     )
 }
 
-/// Units at the end of a header: alone (`_cm`), squared (`_cm2`), inverse (`_per_cm`) or in a ratio (`_rad_per_s`).
+/// Units with which a header may end: alone (`_cm`), squared (`_cm2`), inverse (`_per_cm`) or in a ratio
+/// (`_rad_per_s`).
 const UNITS: [&str; 9] = ["m", "cm", "mm", "um", "unit", "rad", "deg", "s", "px"];
 
-/// Name and unit of a column, split at the end of its header: `scene.object.radius_cm` is `scene.object.radius` in `cm`,
-/// `scene.motion.rate_rad_per_s` is `scene.motion.rate` in `rad_per_s`. A header without a unit keeps its whole name.
+/// Splits the header of a column into name and unit: `scene.object.radius_cm` is `scene.object.radius` in `cm`,
+/// `scene.motion.rate_rad_per_s` is `scene.motion.rate` in `rad_per_s`. A header without a unit is the whole name.
 pub fn split_unit(header: &str) -> (&str, &str) {
     let leaf = header.rfind('.').map_or(0, |dot| dot + 1);
     let tokens: Vec<&str> = header[leaf..].split('_').collect();
     let is_unit = |token: &str| UNITS.contains(&token.strip_suffix(['2', '3']).unwrap_or(token));
-    // Use the longest unit, but do not use up the whole name.
+    // Use the longest unit that matches, but keep at least one token as the name.
     for length in (1..=3.min(tokens.len() - 1)).rev() {
         let found = match tokens[tokens.len() - length..] {
             [a, "per", b] => is_unit(a) && is_unit(b),
@@ -111,8 +114,8 @@ pub fn split_unit(header: &str) -> (&str, &str) {
     (header, "")
 }
 
-/// Text of a unit as a reader writes it: `per_cm2` is `1/cm²`, `rad_per_s` is `rad/s`, `turn` is `turns`. Empty for a
-/// pure number.
+/// A unit in the usual notation: `per_cm2` becomes `1/cm²`, `rad_per_s` becomes `rad/s`, `turn` becomes `turns`. Empty
+/// for a pure number.
 pub fn spoken_unit(text: &str) -> String {
     let text = text.trim();
     if text.is_empty() || text == "1" || text == "-" {
@@ -131,7 +134,7 @@ pub fn spoken_unit(text: &str) -> String {
         .replace('3', "³")
 }
 
-/// Text of a label with its unit in brackets, if it has one.
+/// A label followed by its unit in brackets, if it has a unit.
 pub fn with_unit(label: &str, unit: &str) -> String {
     if unit.is_empty() {
         label.to_owned()

@@ -1,10 +1,10 @@
-//! Numbers as text, for tables and for readers, and parsing of numbers.
+//! Formats numbers for tables and for people, and parses numbers.
 
 use std::fmt;
 
 use palpate_statistics::Number;
 
-/// The shortest text that parses back to the same number, as in tables; zero has no sign.
+/// The shortest text that parses back to the same number, as in tables. A negative zero is written without its sign.
 ///
 /// ```
 /// use palpate_study::number;
@@ -19,7 +19,7 @@ pub fn shortest(value: f64) -> String {
     Shortest(value).to_string()
 }
 
-/// A number whose `Display` text is that of [`shortest`].
+/// A number that `Display` formats like [`shortest`].
 ///
 /// ```
 /// assert_eq!(format!("{}", palpate_study::number::Shortest(-0.0)), "0");
@@ -33,18 +33,19 @@ impl fmt::Display for Shortest {
     }
 }
 
-/// The shortest text that parses back to the same number. Numbers of at least 1e16 or below 1e-4 have an exponent.
+/// The shortest text that parses back to the same number. Numbers whose magnitude is at least 1e16 or below 1e-4 have
+/// an exponent.
 pub fn exact(value: f64) -> String {
     Number(value).to_string()
 }
 
-/// Text of a number for readers, with at most six significant digits and without trailing zeros.
+/// A number as text for people, with at most six significant digits and without trailing zeros.
 pub fn rounded(value: f64) -> String {
     significant(value, 6)
 }
 
-/// Text of a number for readers, with at most `digits` significant digits and without trailing zeros. Numbers of at
-/// least 1e6 or below 1e-4 have a power of ten.
+/// A number as text for people, with at most `digits` significant digits and without trailing zeros. Numbers whose
+/// magnitude is at least 1e6 or below 1e-4 have a power of ten.
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -68,14 +69,14 @@ fn trimmed(text: &str) -> &str {
     }
 }
 
-/// An integer in superscript: `-3` is `⁻³`.
+/// An integer in superscript characters: `-3` becomes `⁻³`.
 pub fn superscript(exponent: i32) -> String {
     let digits = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let raise = |c: char| c.to_digit(10).map_or('⁻', |digit| digits[digit as usize]);
     exponent.to_string().chars().map(raise).collect()
 }
 
-/// Text of a count, with a comma between thousands.
+/// A count as text, with commas between thousands.
 pub fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let mut grouped = String::new();

@@ -1,8 +1,8 @@
-//! Quantities that studies tabulate, and their units.
+//! Quantities in the tables of studies, and their units.
 
 use crate::config::LengthUnit;
 
-/// Unit of a quantity; lengths are in the study's length unit.
+/// Unit of a quantity. Lengths are in the length unit of the study.
 ///
 /// ```
 /// use palpate_study::Unit;
@@ -22,13 +22,13 @@ pub enum Unit {
     PerLengthSquared,
     /// Length².
     LengthSquared,
-    /// Share, without a unit.
+    /// Pure number, without a unit.
     One,
     /// Degree of an angle.
     Degree,
     /// Newton.
     Newton,
-    /// Turn of the hue circle.
+    /// Turn of the hue circle, that is, a hue difference as a fraction of the full circle.
     Turn,
     /// Pixel.
     Pixel,
@@ -37,7 +37,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// The unit in words, as in the `unit` column: `cm`, `1/cm`, `1/cm^2`.
+    /// Name of the unit as in the column `unit`: `cm`, `1/cm`, `1/cm^2`.
     pub fn of(self, length: LengthUnit) -> &'static str {
         let of_length = |m, cm, mm, um, unit| match length {
             LengthUnit::M => m,
@@ -61,18 +61,18 @@ impl Unit {
     }
 }
 
-/// Origin of the values of a quantity.
+/// Origin of the values of a quantity: estimated, measured or a share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QuantityKind {
     /// Estimate from readings, which has an error.
     Estimated,
-    /// Measured or counted value. Its mean is not called a mean estimate.
+    /// Value that is measured or counted. It is not an estimate, so its mean is not called a mean estimate.
     Measured,
-    /// Share of places, from 0 to 1, at which an estimate is right.
+    /// Share of points of a patch, from 0 to 1, at which an estimate is correct.
     Share,
 }
 
-/// Quantity of a study: a row of `cells.csv` for each cell.
+/// Quantity of a study. `cells.csv` has one row per cell and quantity.
 ///
 /// ```
 /// use palpate_study::{Quantity, QuantityKind};
@@ -83,21 +83,21 @@ pub enum QuantityKind {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantity {
-    /// Its name, as in `cells.csv` and the JSON of `estimate`.
+    /// Name of the quantity, as in `cells.csv` and in the JSON of `estimate`.
     pub name: &'static str,
-    /// Its unit.
+    /// Unit of the quantity.
     pub unit: Unit,
-    /// Origin of its values.
+    /// Origin of the quantity's values.
     pub kind: QuantityKind,
-    /// Its name in words, as in figures.
+    /// Name of the quantity in words, as figures show it.
     pub words: &'static str,
-    /// Its meaning, in one sentence.
+    /// Meaning of the quantity, in one sentence.
     pub meaning: &'static str,
-    /// Kinds of scenes that have it.
+    /// Kinds of scenes that have this quantity.
     pub scenes: &'static [&'static str],
 }
 
-/// Constants for the quantities, and the list of all of them.
+/// Defines the constants of the quantities, and the list of all quantities.
 macro_rules! quantities {
     ($(#[doc = $doc:literal] $constant:ident = $name:literal, $words:literal, $unit:ident, $kind:ident, $scenes:expr;)*) => {
         impl Quantity {
@@ -111,7 +111,7 @@ macro_rules! quantities {
                 scenes: $scenes,
             };)*
 
-            /// Every quantity that a study may tabulate.
+            /// Every quantity that the tables of a study may have.
             pub const ALL: &'static [Self] = &[$(Self::$constant),*];
         }
     };
@@ -126,39 +126,39 @@ quantities! {
     GAUSSIAN_CURVATURE = "gaussian_curvature", "Gaussian curvature", PerLengthSquared, Estimated, &["roll", "glide"];
     /// Mean curvature of the object.
     MEAN_CURVATURE = "mean_curvature", "mean curvature", PerLength, Estimated, &["roll", "glide"];
-    /// Mean length of the contact's paths in a roll.
+    /// Mean length of the contact's paths on the probe.
     ARC_LENGTH = "arc_length", "arc length", Length, Estimated, &["roll"];
-    /// Class of the shape at a place: 1 where it is right, else 0.
+    /// Shape class at a point of the patch: 1 if the class is right, otherwise 0.
     CLASS = "class", "share classified correctly", One, Share, &["glide"];
-    /// Curvature of the sensor plus that of the object.
+    /// Relative curvature: curvature of the sensor plus curvature of the object.
     RELATIVE_CURVATURE = "relative_curvature", "relative curvature", PerLength, Estimated, &["press"];
-    /// Inverse of the relative curvature.
+    /// Effective radius: the inverse of the relative curvature.
     EFFECTIVE_RADIUS = "effective_radius", "effective radius", Length, Estimated, &["press"];
-    /// Curvature of the object that is pressed on, positive where convex.
+    /// Curvature of the pressed object, positive if it is convex.
     OBJECT_CURVATURE = "object_curvature", "object curvature", PerLength, Estimated, &["press"];
-    /// Approach of sensor and object since first touch.
+    /// Distance by which sensor and object approach each other after their first touch.
     INDENTATION = "indentation", "indentation", Length, Estimated, &["press"];
     /// Radius of the circle of contact.
     CONTACT_RADIUS = "contact_radius", "contact radius", Length, Estimated, &["press"];
     /// Share of the readings' variance that the fit explains; 1 for a perfect fit.
     R_SQUARED = "r_squared", "R² of the fit", One, Estimated, &["press"];
-    /// Displacement of a marker along the normal, as a camera reads it.
+    /// Displacement of a marker along the normal, as the camera sensor reads it.
     NORMAL_DISPLACEMENT = "normal_displacement", "normal displacement", Length, Estimated, &["press"];
-    /// Component of a marker's displacement along the skin, as a camera reads it.
+    /// Component of a marker's displacement along the skin, as the camera sensor reads it.
     TANGENTIAL_DISPLACEMENT = "tangential_displacement", "tangential displacement", Length, Estimated, &["press"];
     /// Change of the hue of the summed light of the marker under the contact.
     HUE_CHANGE = "hue_change", "hue change", Turn, Measured, &["press"];
     /// Change of the mean of the pixels' hues over the marker under the contact.
     MEAN_HUE_CHANGE = "mean_hue_change", "change of the mean hue", Turn, Measured, &["press"];
-    /// Path of the centroid of the marker under the contact in the image.
+    /// Length of the shift of the centroid of the marker under the contact, in the image.
     CENTROID_SHIFT = "centroid_shift", "centroid shift", Pixel, Measured, &["press"];
     /// Number of markers that were tracked.
     MARKERS_TRACKED = "markers_tracked", "markers tracked", One, Measured, &["press"];
-    /// Number of markers that were taken for another.
+    /// Number of markers that the tracker matched with a wrong marker.
     WRONG_MATCHES = "wrong_matches", "wrong matches", One, Measured, &["press"];
-    /// Number of pixels rendered for a press.
+    /// Number of pixels that were computed to render the frames of a press.
     PIXELS = "pixels", "pixels evaluated per press", One, Measured, &["press"];
-    /// Radius of the object that is pressed on, negative where concave.
+    /// Radius of the pressed object, negative if it is concave.
     OBJECT_RADIUS = "object_radius", "object radius", Length, Estimated, &["press"];
     /// Larger principal curvature of the object at the contact, positive where convex.
     PRINCIPAL_CURVATURE_MAX = "principal_curvature_max", "larger principal curvature", PerLength, Estimated, &["press"];
@@ -168,17 +168,18 @@ quantities! {
     AXIS_DEG = "axis_deg", "axis of the object", Degree, Estimated, &["press"];
     /// Force between the sensor and the object.
     FORCE = "force", "force", Newton, Estimated, &["press"];
-    /// Greatest strain of folding a skin from its flat pattern.
+    /// Largest strain of the skin when it is folded from its flat pattern.
     GREATEST_FOLD_STRAIN = "greatest_fold_strain", "greatest strain of folding", One, Measured, &["fingertip"];
-    /// Root of the mean square of the strain of folding.
+    /// Root mean square of the strain of the skin when it is folded from its flat pattern.
     RMS_FOLD_STRAIN = "rms_fold_strain", "rms strain of folding", One, Measured, &["fingertip"];
-    /// Image area of a marker's larger disc.
+    /// Area of the larger disc of a marker in the image.
     MARKER_AREA = "marker_area", "image area of a marker", PixelSquared, Measured, &["fingertip"];
 }
 
 impl Quantity {
-    /// The quantity whose inverse this one is, if that quantity can have either sign. If the trials do not determine
-    /// the sign, the inverse has quantiles, but neither a mean nor a standard deviation.
+    /// The curvature, if this quantity is a radius, that is, the inverse of a curvature that can be positive or
+    /// negative. If the trials do not determine the sign of the curvature, the radius has quantiles, but no mean and no
+    /// standard deviation.
     pub fn inverse_of(self) -> Option<Self> {
         (self == Self::OBJECT_RADIUS).then_some(Self::OBJECT_CURVATURE)
     }

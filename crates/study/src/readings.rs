@@ -12,11 +12,11 @@ use crate::quantity::Unit;
 pub enum Measure {
     /// Length.
     Length,
-    /// Angle, read in radians.
+    /// Angle, converted to radians.
     Angle,
-    /// Time, read in seconds.
+    /// Time, converted to seconds.
     Time,
-    /// Difference of hue, read in turns.
+    /// Difference of hue, converted to turns of the hue circle.
     Turn,
     /// Length in an image, px.
     Pixel,
@@ -29,19 +29,19 @@ pub enum Measure {
 /// Unit of the numbers in a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ColumnUnit {
-    /// One of the length units of studies.
+    /// A length unit of studies.
     Length(LengthUnit),
     /// Inch, 25.4 mm.
     Inch,
     /// Nanometre.
     Nanometre,
-    /// Factor to the unit in which the column is read.
+    /// Another unit, with the factor that converts it to the base unit of the measure (rad, s or turn).
     Factor(f64),
 }
 
 impl ColumnUnit {
-    /// Factor from this unit to `length`; for a unit that is not a length, the factor to the unit in which the column
-    /// is read. `None` between `unit` and a metric length.
+    /// Factor from this unit to `length`. For a unit that is not a length, this is the factor to the base unit of the
+    /// measure. `None` between the unspecified length `unit` and a metric length, in both directions.
     pub fn to(self, length: LengthUnit) -> Option<f64> {
         let of_metres = |metres: f64| LengthUnit::M.to(length).map(|factor| factor * metres);
         match self {
@@ -52,7 +52,7 @@ impl ColumnUnit {
         }
     }
 
-    /// Default length unit of a study whose readings have this unit: millimetres for inches.
+    /// Default length unit of the output for readings in this unit. For readings in inches, this is the millimetre.
     pub fn nearest(self) -> Option<LengthUnit> {
         match self {
             Self::Length(unit) => Some(unit),
@@ -62,7 +62,7 @@ impl ColumnUnit {
         }
     }
 
-    /// Unit as messages name it.
+    /// Name of the unit in messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Length(unit) => unit.as_str(),
@@ -74,7 +74,7 @@ impl ColumnUnit {
 }
 
 impl Measure {
-    /// Parses a unit of this measure, ignoring case; `None` if the measure does not have the unit.
+    /// Parses a unit of this measure, ignoring case; `None` if the measure has no such unit.
     pub fn unit(self, text: &str) -> Option<ColumnUnit> {
         use ColumnUnit::{Factor, Inch, Length, Nanometre};
         let text = text.trim().to_lowercase();
@@ -82,7 +82,7 @@ impl Measure {
             (Self::Length, "m" | "metre" | "metres" | "meter" | "meters") => Length(LengthUnit::M),
             (Self::Length, "cm") => Length(LengthUnit::Cm),
             (Self::Length, "mm") => Length(LengthUnit::Mm),
-            // The micro sign and the Greek letter mu are different characters.
+            // Accept both characters, because the micro sign and the Greek letter mu are different characters.
             (Self::Length, "um" | "\u{b5}m" | "\u{3bc}m") => Length(LengthUnit::Um),
             (Self::Length, "nm") => Nanometre,
             (Self::Length, "in" | "inch" | "inches") => Inch,
@@ -109,7 +109,7 @@ impl Measure {
         Some(unit)
     }
 
-    /// Accepted units, for messages.
+    /// Accepted units, as a text for messages.
     pub const fn units(self) -> &'static str {
         match self {
             Self::Length => "m, cm, mm, um, nm, in",
@@ -122,7 +122,7 @@ impl Measure {
         }
     }
 
-    /// Unit at the end of the name of a column of this measure.
+    /// Unit with which the names of columns of this measure end.
     const fn in_name(self) -> Option<&'static str> {
         match self {
             Self::Length | Self::Plain => None,
@@ -135,12 +135,12 @@ impl Measure {
     }
 }
 
-/// A column of recorded readings.
+/// A column in recorded readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// Name, with its unit unless it is a length: `x`, `rotation_x_rad`.
+    /// Name of the column. It includes the unit, unless the unit is a length: `x`, `rotation_x_rad`.
     pub name: &'static str,
-    /// Physical quantity of its numbers.
+    /// Physical quantity of the numbers in the column.
     pub measure: Measure,
 }
 
@@ -149,15 +149,15 @@ impl Column {
         Self { name, measure }
     }
 
-    /// Name without a unit.
+    /// Name of the column without its unit.
     pub fn stem(&self) -> &'static str {
         let unit = self.measure.in_name();
         unit.and_then(|unit| self.name.strip_suffix(unit)?.strip_suffix('_'))
             .unwrap_or(self.name)
     }
 
-    /// Compares a name, as [`spelt`] returns it, with the name of the column. Returns `None` if they differ, otherwise
-    /// the unit at the end of the name, if it has one: `x`, `x_mm`, `rotation_x_deg`.
+    /// Compares the name of a file's column with the name of this column. `name` has the form of [`spelt`]. Returns
+    /// `None` if they differ, otherwise the unit at the end of `name`, if it has one: `x`, `x_mm`, `rotation_x_deg`.
     pub fn is_named(&self, name: &str) -> Option<Option<ColumnUnit>> {
         if QUATERNION.contains(self) {
             return (quaternion_part(name)? == *self).then_some(None);
@@ -174,7 +174,8 @@ impl Column {
     }
 }
 
-/// A name in lower case, with one underscore between words. Words are letters, digits and degree signs.
+/// Converts a name to lower case, with one underscore between words. Letters, digits and degree signs form words; all
+/// other characters separate them.
 pub fn spelt(name: &str) -> String {
     let is_part = |letter: char| letter.is_alphanumeric() || letter == '\u{b0}';
     let words = name.split(|letter| !is_part(letter));
@@ -182,7 +183,7 @@ pub fn spelt(name: &str) -> String {
     words.join("_").to_lowercase()
 }
 
-/// Columns of rolls with one row per probe.
+/// Columns of rolls in tables with one row per probe.
 pub const ROLLS: [Column; 5] = [
     Column::of("probe", Measure::Plain),
     Column::of("rotation_x_rad", Measure::Angle),
@@ -191,7 +192,7 @@ pub const ROLLS: [Column; 5] = [
     Column::of("shift_v", Measure::Length),
 ];
 
-/// Columns of a rotation given as a unit quaternion with scalar part `qw`, instead of as a rotation vector.
+/// Columns for a rotation that is given as a unit quaternion instead of a rotation vector; `qw` is the scalar part.
 pub const QUATERNION: [Column; 4] = [
     Column::of("qx", Measure::Plain),
     Column::of("qy", Measure::Plain),
@@ -233,7 +234,8 @@ pub const CONTACTS: [Column; 2] = [
     Column::of("contact_v", Measure::Length),
 ];
 
-/// Quaternion column with this name as [`spelt`] returns it: `qx`, `quat_x`, `pose_orientation_x`.
+/// The quaternion column that a name refers to: `qx`, `quat_x`, `pose_orientation_x`. The name has the form of
+/// [`spelt`].
 pub fn quaternion_part(name: &str) -> Option<Column> {
     let is_quaternion = |prefix: &str| {
         let word = prefix.trim_end_matches('_').rsplit('_').next();
@@ -246,7 +248,7 @@ pub fn quaternion_part(name: &str) -> Option<Column> {
     })
 }
 
-/// Columns of rolls as a time series per probe.
+/// Columns of rolls in tables that contain a time series for each probe.
 pub const ROLL_SERIES: [Column; 6] = [
     Column::of("probe", Measure::Plain),
     Column::of("t_s", Measure::Time),
@@ -256,7 +258,7 @@ pub const ROLL_SERIES: [Column; 6] = [
     Column::of("pad_v", Measure::Length),
 ];
 
-/// Columns of glides, one row per contact; the last three may be missing.
+/// Columns of glides in tables with one row per contact. The last three columns may be missing.
 pub const GLIDES: [Column; 7] = [
     Column::of("finger", Measure::Plain),
     Column::of("x", Measure::Length),
@@ -267,7 +269,7 @@ pub const GLIDES: [Column; 7] = [
     Column::of("normal_z", Measure::Plain),
 ];
 
-/// Columns of presses, one row per marker; the last two may be missing.
+/// Columns of presses in tables with one row per marker. The last two columns may be missing.
 pub const PRESSES: [Column; 5] = [
     Column::of("x", Measure::Length),
     Column::of("y", Measure::Length),
@@ -276,7 +278,7 @@ pub const PRESSES: [Column; 5] = [
     Column::of("tangential_y", Measure::Length),
 ];
 
-/// Columns of a press, one row per marker; the markers lie on a line through the apex.
+/// Columns of a press whose markers lie on a line through the apex, one row per marker.
 pub const PRESS_ROW: [Column; 2] = [
     Column::of("radial_position", Measure::Length),
     Column::of("normal_displacement", Measure::Length),
@@ -288,8 +290,8 @@ pub const LOADS: [Column; 2] = [
     Column::of("force_n", Measure::Force),
 ];
 
-/// Columns of the calibration of a camera sensor: known displacements and changes of marker images. A file has some of
-/// them.
+/// Columns of the calibration of a camera sensor: known displacements and changes of marker images. A file has only
+/// some of these columns.
 pub const CALIBRATIONS: [Column; 7] = [
     Column::of("normal_displacement", Measure::Length),
     Column::of("tangential_displacement", Measure::Length),
@@ -300,7 +302,8 @@ pub const CALIBRATIONS: [Column; 7] = [
     Column::of("marker", Measure::Plain),
 ];
 
-/// Columns of the readings of a kind of scene, each once; empty for a kind without tables of readings.
+/// All columns that the readings of this kind of scene may have, each listed once; empty for a kind without tables of
+/// readings.
 pub fn columns_of(kind: &str) -> Vec<Column> {
     let all: &[&[Column]] = match kind {
         "roll" => &[
@@ -325,24 +328,24 @@ pub fn columns_of(kind: &str) -> Vec<Column> {
     columns
 }
 
-/// Names of a file's columns. The key is palpate's name of the column, with or without a unit: `x_mm`.
+/// Names of the columns in a file, by palpate's names of these columns. Palpate's name may have a unit, such as `x_mm`.
 pub type ColumnNames = BTreeMap<String, String>;
 
-/// Reason why names of columns are invalid.
+/// Reason why the names of columns are invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct ColumnNamesError {
-    /// The invalid key.
+    /// The key that is invalid.
     pub key: String,
-    /// Problem in words.
+    /// Description of the problem.
     pub message: String,
 }
 
-/// Checks the names of a file's columns.
+/// Checks the column names that a study or an option states for a file.
 ///
 /// # Errors
-/// [`ColumnNamesError`] for a key that is not in `columns`, for an empty name, for two keys of one column, and for two
-/// columns with one name.
+/// [`ColumnNamesError`] for a key that is not in `columns`, for an empty name, for two keys that mean the same column,
+/// and for two columns with the same name.
 pub fn check_names(names: &ColumnNames, columns: &[Column]) -> Result<(), ColumnNamesError> {
     let fault = |key: &str, message: String| {
         let key = key.to_owned();
@@ -380,7 +383,7 @@ pub fn check_names(names: &ColumnNames, columns: &[Column]) -> Result<(), Column
     Ok(())
 }
 
-/// The column whose name is `key`, with or without a unit.
+/// The column that `key` names, with or without a unit.
 pub fn of_key<'a>(key: &str, columns: &'a [Column]) -> Option<&'a Column> {
     let key = spelt(key);
     columns
@@ -388,7 +391,8 @@ pub fn of_key<'a>(key: &str, columns: &'a [Column]) -> Option<&'a Column> {
         .find(|column| column.is_named(&key).is_some())
 }
 
-/// Table of readings of rolls with the columns [`ROLLS`], one row per probe: `Δθ_x`, `Δθ_y`, `Δp_u`, `Δp_v`.
+/// Table of roll readings with the columns [`ROLLS`], one row per probe. A row has the rotation of the probe (`Δθ_x`,
+/// `Δθ_y`) and the shift of the contact (`Δp_u`, `Δp_v`).
 pub fn roll_readings_table(
     readings: impl IntoIterator<Item = [f64; 4]>,
     unit: LengthUnit,

@@ -1,9 +1,9 @@
-//! Statistics over the trials of a cell, as columns of `cells.csv` and in words.
+//! Statistics over the trials of a cell, with their column names in `cells.csv` and their names in words.
 
 use crate::label::{self, Label, spoken_unit};
 use crate::quantity::{Quantity, QuantityKind};
 
-/// Statistic of a quantity over the trials of a cell; in the order of the columns of `cells.csv`.
+/// Statistic of a quantity over the trials of a cell. The variants are in the order of the columns of `cells.csv`.
 ///
 /// ```
 /// use palpate_study::Statistic;
@@ -20,31 +20,32 @@ pub enum Statistic {
     Trials,
     /// Number of trials that failed.
     Failures,
-    /// Mean of the estimates. An inverse whose sign the trials do not determine has no means and standard deviations
-    /// ([`Quantity::inverse_of`]).
+    /// Mean of the estimates. A radius has no mean and no standard deviation if the trials do not determine the sign of
+    /// its curvature ([`Quantity::inverse_of`]).
     Mean,
     /// Standard deviation of the estimates.
     Std,
-    /// Mean of the errors.
+    /// Mean of the errors, that is, of estimate minus true value.
     Bias,
     /// Root mean square of the errors.
     RmsError,
-    /// Monte Carlo error of the rms error: its standard deviation between sets of the same number of trials.
+    /// Standard error of the rms error, that is, the standard deviation of the rms error between repeated runs with the
+    /// same number of trials.
     RmsErrorStd,
     /// Mean of the absolute errors.
     MeanAbsError,
-    /// Root mean square of the errors, relative to the true value.
+    /// Root mean square of the errors, divided by the true value.
     RelativeRmsError,
-    /// Mean of the absolute errors, relative to the true value.
+    /// Mean of the absolute errors, divided by the true value.
     RelativeMeanAbsError,
-    /// 5 % quantile of the estimates, from a histogram with 128 bins per octave of the error. Its distance to the true
-    /// value is accurate to 0.4 %, and tables show only the digits that this accuracy supports.
+    /// 5 % quantile of the estimates. It is computed from a histogram with 128 bins per octave of the error, so its
+    /// distance from the true value is accurate to 0.4 %. Tables show only the digits that this accuracy supports.
     Q05,
-    /// Median of the estimates, as accurate as `Q05`.
+    /// Median of the estimates, with the same accuracy as `Q05`.
     Q50,
-    /// 95 % quantile of the estimates, as accurate as `Q05`.
+    /// 95 % quantile of the estimates, with the same accuracy as `Q05`.
     Q95,
-    /// Mean of the standard deviations that the estimator reports.
+    /// Mean of the standard deviations that the estimator states.
     MeanReportedStd,
     /// Share of the estimator's 50 % intervals that contain the true value.
     Coverage50,
@@ -52,7 +53,7 @@ pub enum Statistic {
     Coverage80,
     /// Share of the estimator's 95 % intervals that contain the true value.
     Coverage95,
-    /// Cramér–Rao bound on the standard deviation; only presses have it.
+    /// Cramér–Rao bound on the standard deviation. Only presses have this bound.
     StdBound,
 }
 
@@ -79,7 +80,7 @@ impl Statistic {
         Self::Coverage95,
     ];
 
-    /// Name of its column.
+    /// Name of the statistic's column.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Truth => "truth",
@@ -104,59 +105,71 @@ impl Statistic {
         }
     }
 
-    /// Its meaning, in sentences.
+    /// Meaning of the statistic, in sentences.
     pub const fn meaning(self) -> &'static str {
         match self {
             Self::Truth => "True value of the quantity.",
             Self::Trials => "Number of trials that were run.",
             Self::Failures => {
-                "Number of trials that gave no value; failures.csv has their kinds. All other statistics are of the trials that gave one."
+                "Number of trials without an estimate; failures.csv lists their kinds. All other \
+                 statistics use only the trials with an estimate."
             }
             Self::Mean => {
-                "Mean of the estimates; none for a radius whose sign the trials leave undecided."
+                "Mean of the estimates. It is empty for a radius if the trials do not determine \
+                 its sign."
             }
             Self::Std => "Standard deviation of the estimates.",
-            Self::Bias => "Mean of the errors, estimate minus truth.",
+            Self::Bias => "Mean of the errors (estimate minus true value).",
             Self::RmsError => "Root mean square of the errors.",
             Self::RmsErrorStd => {
-                "Monte Carlo error of the rms error: its standard deviation from one set of as many trials to the next, from how the squared errors scatter from trial to trial; none of a single trial."
+                "Standard error of rms_error: the standard deviation of rms_error between \
+                 repeated runs with the same number of trials, computed from the scatter of the \
+                 squared errors. A single trial has none."
             }
-            Self::MeanAbsError => "Mean of the errors' sizes.",
-            Self::RelativeRmsError => "Root mean square of the errors as shares of the true value.",
-            Self::RelativeMeanAbsError => "Mean of the errors' sizes as shares of the true value.",
+            Self::MeanAbsError => "Mean of the absolute errors.",
+            Self::RelativeRmsError => "Root mean square of the errors, divided by the true value.",
+            Self::RelativeMeanAbsError => "Mean of the absolute errors, divided by the true value.",
             Self::Q05 => {
-                "5 % quantile of the estimates, right to 0.4 % of its distance to the true value."
+                "5 % quantile of the estimates, accurate to 0.4 % of its distance from the true \
+                 value."
             }
             Self::Q50 => {
-                "Median of the estimates, right to 0.4 % of its distance to the true value."
+                "Median of the estimates, accurate to 0.4 % of its distance from the true value."
             }
             Self::Q95 => {
-                "95 % quantile of the estimates, right to 0.4 % of its distance to the true value."
+                "95 % quantile of the estimates, accurate to 0.4 % of its distance from the true \
+                 value."
             }
             Self::MeanReportedStd => {
-                "Mean of the standard deviations that the estimator itself reports."
+                "Mean of the standard deviations that the estimator states for its estimates."
             }
             Self::Coverage50 => {
-                "Share of the estimator's 50 % intervals that hold the true value; 0.50 where they are right. An interval is the estimate ± 0.67 standard deviations; where the estimator states a 95 % interval of its own, each of its sides is cut down to 0.67/1.96."
+                "Share of the estimator's 50 % intervals that contain the true value; 0.50 is \
+                 ideal. An interval is the estimate ± 0.67 standard deviations. If the estimator \
+                 states its own 95 % interval, each side of it is multiplied by 0.67/1.96."
             }
             Self::Coverage80 => {
-                "Share of the estimator's 80 % intervals that hold the true value; 0.80 where they are right. As coverage50, of 1.28 standard deviations."
+                "Share of the estimator's 80 % intervals that contain the true value; 0.80 is \
+                 ideal. The intervals are computed as for coverage50, with 1.28 standard \
+                 deviations."
             }
             Self::Coverage95 => {
-                "Share of the estimator's 95 % intervals that hold the true value; 0.95 where they are right."
+                "Share of the estimator's 95 % intervals that contain the true value; 0.95 is \
+                 ideal."
             }
             Self::StdBound => {
-                "Cramér–Rao bound: no estimate without bias has a smaller standard deviation. Only presses have it."
+                "Cramér–Rao bound: no unbiased estimator has a smaller standard deviation. It \
+                 exists only for presses."
             }
         }
     }
 
-    /// Whether it is a share or a count, which has no unit.
+    /// Whether the statistic has no unit, because it is a share or a count.
     pub const fn is_number(self) -> bool {
         self.is_relative() || self.is_coverage() || matches!(self, Self::Trials | Self::Failures)
     }
 
-    /// Whether it is a share of intervals that contain the true value.
+    /// Whether the statistic is a share of intervals that contain the true value.
     pub const fn is_coverage(self) -> bool {
         matches!(self, Self::Coverage50 | Self::Coverage80 | Self::Coverage95)
     }
@@ -166,7 +179,7 @@ impl Statistic {
         matches!(self, Self::RelativeRmsError | Self::RelativeMeanAbsError)
     }
 
-    /// Short name, for a legend that already names the quantity.
+    /// Short name, for a legend that already states the quantity.
     pub fn short(self) -> &'static str {
         match self {
             Self::Truth => "true value",
@@ -181,7 +194,7 @@ impl Statistic {
         }
     }
 
-    /// Words; `{}` is the place of the quantity's name.
+    /// Name in words, in which `{}` is replaced by the name of the quantity.
     const fn words(self) -> &'static str {
         match self {
             Self::Truth => "true {}",
@@ -206,7 +219,7 @@ impl Statistic {
         }
     }
 
-    /// Whether it is never negative, because it is a magnitude.
+    /// Whether the statistic can never be negative.
     pub const fn is_size(self) -> bool {
         matches!(
             self,
@@ -227,18 +240,18 @@ impl Statistic {
         all.into_iter().find(|statistic| statistic.name() == name)
     }
 
-    /// Label of the statistic of one or more quantities. All are of the kind of the first, and in `unit`, written as in
-    /// the `unit` column.
+    /// Label of a statistic for one or more quantities. All quantities are of the same kind as the first one, and their
+    /// unit is `unit`, written as in the column `unit`.
     pub fn label(self, quantities: &[&str], unit: &str) -> Label {
         let first = quantities.first().and_then(|name| Quantity::named(name));
         let is_measured = first.is_some_and(|first| first.kind != QuantityKind::Estimated);
-        // Strains are shown in percent, too.
+        // Strains are displayed in percent, too.
         let is_strain = |first: Quantity| first.name.ends_with("_strain");
         let is_share =
             first.is_some_and(|first| first.kind == QuantityKind::Share || is_strain(first));
         let quantity = in_common(quantities);
         let words = match self {
-            // A measured value is not an estimate, so its mean is not called a mean estimate.
+            // A measured value is not an estimate, so its mean is labelled with the quantity alone.
             Self::Mean if is_measured => quantity,
             _ => self.words().replace("{}", &quantity),
         };
@@ -251,7 +264,7 @@ impl Statistic {
     }
 }
 
-/// The last words that the names of all quantities share, such as `strain of folding`.
+/// The words at the end of the names that all quantities share, such as `strain of folding`.
 fn in_common(quantities: &[&str]) -> String {
     let words: Vec<String> = quantities
         .iter()

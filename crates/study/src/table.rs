@@ -1,4 +1,4 @@
-//! Writing and reading of result tables.
+//! Writes and reads tables of results.
 
 use std::fmt::Display;
 use std::io::Read;
@@ -12,10 +12,11 @@ use crate::quantity::Unit;
 /// Column of a table: its name, and the unit and type of its values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// Name in the table's header. It ends with the unit, unless each row has its own or there is none.
+    /// Name in the table's header. It ends with the unit of the column. It has no unit if the numbers have none, or if
+    /// each row has its own unit.
     pub name: String,
-    /// Unit of all numbers, `1` of pure numbers; [`Column::UNIT_OF_ROW`] if each row has its own. `None` of texts, and of
-    /// parameters of a formula, whose unit only the formula determines.
+    /// Unit of all numbers of the column: `1` for pure numbers; [`Column::UNIT_OF_ROW`] if each row has its own unit.
+    /// `None` for texts, and for parameters of a formula, because the unit of a parameter depends on the formula.
     pub unit: Option<String>,
     /// Type of the values.
     pub values: ColumnType,
@@ -35,7 +36,7 @@ pub enum ColumnType {
 }
 
 impl Column {
-    /// Unit of numbers if the column `unit` has the unit of each row.
+    /// Value of [`Column::unit`] for a column whose unit each row states in the column `unit`.
     pub const UNIT_OF_ROW: &'static str = "column unit";
 
     fn new(name: &str, unit: Option<&str>, values: ColumnType) -> Self {
@@ -46,7 +47,7 @@ impl Column {
         }
     }
 
-    /// Column of numbers in a unit that is no length; `1` for pure numbers.
+    /// Column of numbers. `unit` is not a length; it is `1` for pure numbers.
     pub fn number(name: &str, unit: &str) -> Self {
         Self::new(name, Some(unit), ColumnType::Number)
     }
@@ -56,7 +57,8 @@ impl Column {
         names.map(|name| Self::number(name, "1"))
     }
 
-    /// Columns of lengths or curvatures. Their names get the unit: `x_mm`, `mean_curvature_per_mm`.
+    /// Columns of lengths or curvatures. The unit is appended to the names of the columns: `x_mm`,
+    /// `mean_curvature_per_mm`.
     pub fn in_length<const N: usize>(
         names: [&str; N],
         unit: Unit,
@@ -67,7 +69,7 @@ impl Column {
         names.map(|name| Self::number(&format!("{name}_{ending}"), unit))
     }
 
-    /// Column of counts, or of numbers of cells, trials or other things.
+    /// Column of counts, or of numbers that identify cells, trials or similar things.
     pub fn count(name: &str) -> Self {
         Self::new(name, Some("1"), ColumnType::Count)
     }
@@ -79,23 +81,23 @@ impl Column {
 }
 
 impl From<String> for Column {
-    /// Column of numbers or texts in an unknown unit.
+    /// Column with this name. It may contain numbers or texts, and its unit is unknown.
     fn from(name: String) -> Self {
         Self::new(&name, None, ColumnType::Number)
     }
 }
 
-/// A table of columns, to be written as CSV.
+/// A table that can be written as CSV.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// The columns.
+    /// The columns of the table.
     pub columns: Vec<Column>,
-    /// Rows with the text of each value.
+    /// Rows, with the text of each value.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// A table of these columns, without rows.
+    /// A table with these columns and no rows.
     pub fn new(columns: impl IntoIterator<Item: Into<Column>>) -> Self {
         Self {
             columns: columns.into_iter().map(Into::into).collect(),
@@ -103,24 +105,25 @@ impl Table {
         }
     }
 
-    /// A row that begins with whole numbers, followed by numbers in shortest round-trip form.
+    /// Adds a row that begins with a whole number. The other numbers are written in the shortest form that parses to
+    /// the same number.
     pub fn push(&mut self, index: usize, numbers: impl IntoIterator<Item = f64>) {
         let index = std::iter::once(index.to_string());
         self.rows
             .push(index.chain(numbers.into_iter().map(shortest)).collect());
     }
 
-    /// A row of numbers, likewise.
+    /// Adds a row of numbers, written in the shortest form that parses to the same number.
     pub fn push_numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {
         self.rows.push(numbers.into_iter().map(shortest).collect());
     }
 
-    /// CSV text of the table (RFC 4180): what holds a comma, a quote or a line's end is quoted.
+    /// The table as CSV text (RFC 4180): a field that contains a comma, a quotation mark or a line break is quoted.
     pub fn to_csv(&self) -> String {
         header(&self.columns) + &self.rows_to_csv()
     }
 
-    /// CSV text of the rows alone.
+    /// The rows as CSV text, without the header.
     pub fn rows_to_csv(&self) -> String {
         let mut text = String::new();
         self.rows.iter().for_each(|row| push_row(&mut text, row));
@@ -128,7 +131,7 @@ impl Table {
     }
 }
 
-/// First line of a table of these columns, with the line's end.
+/// The header line of a table with these columns, including the line break.
 pub fn header(columns: &[Column]) -> String {
     let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
     let mut text = String::new();
@@ -136,7 +139,7 @@ pub fn header(columns: &[Column]) -> String {
     text
 }
 
-/// Adds a row and the line's end to a CSV text.
+/// Adds a row with its line break to a CSV text.
 pub fn push_row(text: &mut String, row: &[String]) {
     for (place, field) in row.iter().enumerate() {
         if place > 0 {
@@ -147,19 +150,19 @@ pub fn push_row(text: &mut String, row: &[String]) {
     text.push('\n');
 }
 
-/// Rows of a CSV table that palpate wrote. All lines have the same number of fields.
+/// Reader of the rows of a CSV table that palpate wrote. In such a table, all lines have the same number of fields.
 pub struct Rows<R> {
     reader: Reader<R>,
     record: StringRecord,
 }
 
 impl<R: Read> Rows<R> {
-    /// Rows after a header line.
+    /// Reads the rows of a text that begins with a header line.
     pub fn new(csv: R) -> Self {
         Self::of(csv, true)
     }
 
-    /// Rows without a header.
+    /// Reads the rows of a text that has no header.
     pub fn without_header(csv: R) -> Self {
         Self::of(csv, false)
     }
@@ -175,7 +178,7 @@ impl<R: Read> Rows<R> {
     /// Names of the columns.
     ///
     /// # Errors
-    /// [`csv::Error`] where the text cannot be read.
+    /// [`csv::Error`] if the text cannot be read.
     pub fn header(&mut self) -> Result<Vec<String>, csv::Error> {
         Ok(self.reader.headers()?.iter().map(str::to_owned).collect())
     }
@@ -183,7 +186,7 @@ impl<R: Read> Rows<R> {
     /// The next row and its line number, counted from 1; `None` after the last row.
     ///
     /// # Errors
-    /// [`csv::Error`] if a row has more or fewer fields, or if the text cannot be read.
+    /// [`csv::Error`] if a row has more or fewer fields than the other lines, or if the text cannot be read.
     pub fn next_row(&mut self) -> Result<Option<(u64, &StringRecord)>, csv::Error> {
         if !self.reader.read_record(&mut self.record)? {
             return Ok(None);
@@ -204,17 +207,17 @@ fn push_field(text: &mut String, field: &str) {
     }
 }
 
-/// A table of places with the curvature at each, filled field by field.
+/// A map: a table with one point per row and the curvature at this point. It is filled field by field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapTable {
-    /// Rows so far.
+    /// The rows that are finished so far.
     pub table: Table,
     /// Fields of the unfinished row.
     row: Vec<String>,
 }
 
 impl MapTable {
-    /// An empty table of these columns.
+    /// An empty map with these columns.
     pub fn new(columns: impl IntoIterator<Item = Column>) -> Self {
         Self {
             table: Table::new(columns),
@@ -222,17 +225,17 @@ impl MapTable {
         }
     }
 
-    /// Adds a field to the row.
+    /// Adds a text to the unfinished row.
     pub fn text(&mut self, field: impl Display) {
         self.row.push(field.to_string());
     }
 
-    /// Adds a number to the row, or an empty field.
+    /// Adds a number to the unfinished row, or an empty field if there is no number.
     pub fn number(&mut self, value: Option<f64>) {
         self.row.push(value.map_or_else(String::new, shortest));
     }
 
-    /// Ends the row.
+    /// Ends the unfinished row.
     pub fn end_row(&mut self) {
         self.table.rows.push(std::mem::take(&mut self.row));
     }

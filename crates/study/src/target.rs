@@ -1,4 +1,4 @@
-//! Targets of a design: a limit for a statistic of a quantity.
+//! Targets of `palpate design`: a limit for a statistic of a quantity.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,10 +10,11 @@ use crate::number;
 use crate::quantity::{Quantity, QuantityKind};
 use crate::statistic::Statistic;
 
-/// Limit for a statistic of a quantity over trials: `relative_rms_error(mean_curvature) <= 0.05`.
+/// Target: a limit for a statistic of a quantity over the trials, for example `relative_rms_error(mean_curvature) <=
+/// 0.05`.
 ///
-/// Names are those of the columns and quantities of `cells.csv`. The default quantity is the first of the scene. The
-/// limit of a share may be in percent. A limit above 1 must be in percent, because a plain 5 may mean 5 % or 500 %.
+/// Statistics and quantities have their names in `cells.csv`. The default quantity is the first quantity of the scene.
+/// The limit of a share may be in percent. A limit above 1 must be in percent, because a plain 5 may mean 5 % or 500 %.
 ///
 /// ```
 /// use palpate_study::{Bound, Quantity, Statistic, Target};
@@ -28,56 +29,56 @@ use crate::statistic::Statistic;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
-    /// The statistic.
+    /// The statistic to which the limit applies.
     pub statistic: Statistic,
-    /// Quantity of the statistic; `None`: the first quantity of the scene.
+    /// Quantity whose statistic is limited; `None` means the first quantity of the scene.
     pub quantity: Option<Quantity>,
-    /// Whether the limit is an upper or a lower one.
+    /// Whether the limit is an upper or a lower limit.
     pub bound: Bound,
-    /// The limit, in the statistic's unit.
+    /// The limit, in the unit of the statistic.
     pub limit: f64,
 }
 
 /// Kind of a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bound {
-    /// The limit or less.
+    /// The statistic must be at most the limit.
     AtMost,
-    /// The limit or more.
+    /// The statistic must be at least the limit.
     AtLeast,
 }
 
 /// Reason why a text is not a target.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TargetError {
-    /// There is no limit, or nothing before it.
+    /// The limit, or the statistic before it, is missing.
     #[error(
-        "{0:?} is no STATISTIC(QUANTITY) <= LIMIT, such as relative_rms_error(mean_curvature) <= 0.05"
+        "{0:?} is not of the form STATISTIC(QUANTITY) <= LIMIT, such as relative_rms_error(mean_curvature) <= 0.05"
     )]
     Malformed(String),
     /// No statistic has this name.
     #[error("there is no statistic {name:?}; {}", suggest(name, known.iter().copied()))]
     NoStatistic {
-        /// The name.
+        /// The name that is not a statistic.
         name: String,
         /// Statistics that can be targets.
         known: Vec<&'static str>,
     },
-    /// The statistic does not describe the estimates.
+    /// The statistic cannot be a target. The second text is the reason.
     #[error("{0} is no target: {1}")]
     NoTarget(&'static str, &'static str),
     /// No quantity has this name.
     #[error("there is no quantity {name:?}; {}", suggest(name, known.iter().copied()))]
     NoQuantity {
-        /// The name.
+        /// The name that is not a quantity.
         name: String,
-        /// All quantities.
+        /// Names of all quantities.
         known: Vec<&'static str>,
     },
     /// The limit is not a finite number.
-    #[error("the limit {0:?} is no finite number")]
+    #[error("the limit {0:?} is not a finite number")]
     NoLimit(String),
-    /// The limit of a share is a number above 1 without a percent sign.
+    /// The limit of a share is above 1, but has no percent sign.
     #[error(
         "{statistic} is a share, and {} may mean {} % or {} %; write {} % or {}",
         number::exact(*limit), number::exact(*limit), number::exact(100.0 * limit), number::exact(*limit),
@@ -89,20 +90,20 @@ pub enum TargetError {
         /// The limit.
         limit: f64,
     },
-    /// A limit in percent for a statistic that is not a share.
+    /// The limit is in percent, but the statistic is not a share.
     #[error(
-        "{statistic} is no share; write its limit without %, or name a quantity that is a share, or relative_rms_error"
+        "{statistic} is not a share; write its limit without %, or name a quantity that is one, or relative_rms_error"
     )]
     NoShare {
         /// Name of the statistic, with its quantity.
         statistic: String,
     },
-    /// The statistic cannot have this value.
+    /// The limit is a value that the statistic can never have.
     #[error("{statistic} is {range}, and the limit is {}", number::exact(*limit))]
     OutOfRange {
         /// Name of the statistic.
         statistic: &'static str,
-        /// Values that it can have.
+        /// Range of its possible values.
         range: &'static str,
         /// The limit.
         limit: f64,
@@ -189,7 +190,7 @@ fn statistics() -> impl Iterator<Item = Statistic> {
 
 fn refusal(statistic: Statistic) -> Option<&'static str> {
     match statistic {
-        Statistic::Truth => Some("its value is known before any trial"),
+        Statistic::Truth => Some("its value is fixed before any trial"),
         Statistic::Trials => Some("it is a setting, and does not describe the estimates"),
         Statistic::Failures => Some("--max-failures limits their share for every target"),
         _ => None,
@@ -216,7 +217,7 @@ fn quantity_of(name: &str) -> Result<Quantity, TargetError> {
 }
 
 impl Bound {
-    /// Its sign in a target's text.
+    /// The comparison sign that the text of a target has, `<=` or `>=`.
     pub(crate) fn sign(self) -> &'static str {
         match self {
             Self::AtMost => "<=",
@@ -261,19 +262,22 @@ mod tests {
     #[test]
     fn what_is_no_target() {
         for (text, words) in [
-            ("", "is no STATISTIC(QUANTITY) <= LIMIT"),
-            ("rms_error", "is no STATISTIC"),
-            ("<= 5", "is no STATISTIC"),
-            ("rms_error() <= 5", "is no STATISTIC"),
-            ("rms_error(mean_curvature <= 5", "is no STATISTIC"),
-            ("rms_error <=", "is no STATISTIC"),
+            ("", "is not of the form STATISTIC(QUANTITY) <= LIMIT"),
+            ("rms_error", "is not of the form STATISTIC"),
+            ("<= 5", "is not of the form STATISTIC"),
+            ("rms_error() <= 5", "is not of the form STATISTIC"),
+            (
+                "rms_error(mean_curvature <= 5",
+                "is not of the form STATISTIC",
+            ),
+            ("rms_error <=", "is not of the form STATISTIC"),
             ("rms_eror <= 5", "did you mean `rms_error`?"),
             ("rms_error(mean_curvatur) <= 5", "mean `mean_curvature`?"),
             ("rms_error(weather) <= 5", "known: normal_curvature_u"),
             ("failures <= 5", "--max-failures"),
             ("truth <= 5", "before any trial"),
-            ("rms_error <= five", "\"five\" is no finite number"),
-            ("rms_error <= inf %", "\"inf %\" is no finite number"),
+            ("rms_error <= five", "\"five\" is not a finite number"),
+            ("rms_error <= inf %", "\"inf %\" is not a finite number"),
             ("rms_error <= 0", "is above 0, and the limit is 0"),
             ("coverage95 >= 95", "95 % or 9500 %"),
             ("relative_rms_error <= 5", "write 5 % or 0.05"),
@@ -281,11 +285,11 @@ mod tests {
             ("coverage95(object_curvature) >= 95", "write 95 % or 0.95"),
             (
                 "rms_error(mean_curvature) <= 5 %",
-                "is no share; write its limit without %",
+                "is not a share; write its limit without %",
             ),
             (
                 "rms_error <= 5 %",
-                "rms_error is no share; write its limit without %",
+                "rms_error is not a share; write its limit without %",
             ),
             ("coverage95 >= 200 %", "at most 1, and the limit is 2"),
         ] {

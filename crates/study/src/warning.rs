@@ -5,20 +5,20 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// Message that a result may be wrong. Its `Display` text is a line for a terminal.
+/// Message that a result may be wrong. `Display` writes it as one line for a terminal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Warning {
     /// Name of the kind of warning in kebab case, for example `large-contact`.
     pub code: String,
-    /// The message, one sentence.
+    /// The message, in one sentence.
     pub text: String,
-    /// Numbers of the warning by name; lengths are in the unit of the study or the readings.
+    /// Numbers on which the warning is based, by name. Lengths are in the unit of the study or of the readings.
     pub numbers: BTreeMap<String, f64>,
 }
 
 impl Warning {
-    /// A warning of this kind, with the numbers behind it.
+    /// Makes a warning of this kind, with the numbers on which it is based.
     pub fn new(
         code: &str,
         text: impl Into<String>,
@@ -34,7 +34,7 @@ impl Warning {
         }
     }
 
-    /// Returns a warning with this text, or `None` without a text.
+    /// Returns a warning with this text; `None` if there is no text.
     pub fn of(code: &str, text: Option<impl Into<String>>) -> Option<Self> {
         text.map(|text| Self::new(code, text, []))
     }

@@ -1,4 +1,5 @@
-//! Statistics of the trials of a cell in batches, with standard errors by the jackknife over the batches.
+//! Statistics of a cell's trials, collected in batches. Their standard errors are estimated by the jackknife, which
+//! leaves out one batch at a time.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
@@ -12,8 +13,8 @@ use crate::runner::Runner;
 use crate::summary::CellStatistics;
 use crate::trial_record::Record;
 
-/// Number of batches. It is large enough for Student's t to be nearly normal, and small enough for each batch to have
-/// some of only 100 trials.
+/// Number of batches. With 32 batches, Student's t distribution is nearly normal, and each batch contains some trials
+/// even if a cell has only 100 trials.
 const BATCHES: u64 = 32;
 
 /// Statistics of the trials of one cell, in 32 batches of equal size.
@@ -46,40 +47,41 @@ pub struct Batches {
     batches: Vec<Partial>,
     first: u64,
     next: u64,
-    /// `None` to store all quantities with their histograms.
+    /// The quantities whose statistics are stored. `None` to store all quantities, with histograms.
     stored: Option<Stored>,
 }
 
-/// Quantities of a cell that are stored.
+/// Selection of the quantities of a cell whose statistics are stored.
 #[derive(Clone, Debug)]
 struct Stored {
     quantities: Vec<usize>,
     histograms: bool,
 }
 
-/// Request for more trials of a cell.
+/// A request for more trials of a cell.
 pub struct Growth<'a, T: ?Sized> {
     /// Experiment of the cell.
     pub trial: &'a T,
-    /// Batches to which the trials are added.
+    /// Batches to which the statistics of the new trials are added.
     pub batches: &'a mut Batches,
-    /// Smallest number of trials in the batches afterwards. An experiment that is not random gets one trial.
+    /// Smallest number of trials that the batches must contain afterwards. An experiment that is not random has only
+    /// one trial.
     pub trials: u64,
 }
 
-/// Value of a statistic over all trials, and its values without each of the batches.
+/// Value of a statistic over all trials, and its values when one batch is left out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// Value over all trials.
     pub value: f64,
-    /// Values without each batch; empty if the experiment is not random.
+    /// Values over all trials except one batch, for each batch in turn; empty if the experiment is not random.
     without: Vec<f64>,
-    /// Standard deviation of an additional error that does not vary between batches.
+    /// Standard deviation of an additional error that is the same in all batches.
     resolution: f64,
 }
 
 impl Batches {
-    /// Empty batches. `first` is the number of their first trial.
+    /// Empty batches, in which the first trial will have the number `first`.
     pub fn from_trial(first: u64) -> Self {
         Self {
             batches: vec![Partial::default(); BATCHES as usize],
@@ -115,14 +117,14 @@ impl Batches {
         all
     }
 
-    /// Estimates a statistic, with its standard error by the grouped jackknife. Returns `None` if the statistic is
-    /// undefined over all trials, or without one of the batches.
+    /// Estimates a statistic and, by the grouped jackknife, its standard error. Returns `None` if the statistic is
+    /// undefined over all trials, or when one of the batches is left out.
     pub fn estimate(&self, statistic: impl Fn(&CellStatistics) -> Option<f64>) -> Option<Estimate> {
         let value = statistic(&self.statistics())?;
         let run: Vec<&Partial> = self.batches.iter().filter(|one| one.trials > 0).collect();
         let mut without = Vec::new();
         if run.len() > 1 {
-            // For each batch, the sum of the batches after it.
+            // For each batch, the sum of all batches after it.
             let mut behind = vec![Partial::default(); run.len()];
             for place in (1..run.len()).rev() {
                 let mut sum = run[place].clone();
@@ -148,7 +150,7 @@ impl Batches {
 }
 
 impl Estimate {
-    /// Estimate of a function of the statistic; `None` if a value of the function is not finite.
+    /// The estimate of a function of the statistic; `None` if a value of the function is not finite.
     pub fn map(&self, function: impl Fn(f64) -> f64) -> Option<Self> {
         let finite = |value: f64| Some(function(value)).filter(|value| value.is_finite());
         let without: Option<Vec<f64>> = self.without.iter().map(|one| finite(*one)).collect();
@@ -159,20 +161,20 @@ impl Estimate {
         })
     }
 
-    /// The same estimate with an additional error of this standard deviation, such as the error of a histogram's bins.
-    /// It does not vary between batches, so the jackknife cannot estimate it.
+    /// The same estimate with an additional error of this standard deviation, such as the resolution of a histogram.
+    /// The jackknife cannot estimate this error, because it is the same in all batches.
     #[must_use]
     pub fn with_resolution(self, resolution: f64) -> Self {
         Self { resolution, ..self }
     }
 
-    /// Standard error of the value; 0 if nothing is random.
+    /// Standard error of the value; 0 if the experiment is not random and there is no additional error.
     pub fn std_error(&self) -> f64 {
         let count = self.without.len() as f64;
         if count < 2.0 {
             return self.resolution;
         }
-        // Subtract the first value, so that a small spread around a large value keeps its digits.
+        // Subtract the first value, to avoid cancellation if the scatter is small compared with the values.
         let origin = self.without[0];
         let deviations = self.without.iter().map(|one| one - origin);
         let scale = deviations.clone().map(f64::abs).fold(0.0, f64::max);
@@ -192,7 +194,7 @@ impl Estimate {
         self.score(limit - self.value)
     }
 
-    /// Score of the statement that the true value is at least `limit`, as [`Estimate::at_most`].
+    /// Score of the statement that the true value is at least `limit`, in the same form as for [`Estimate::at_most`].
     pub fn at_least(&self, limit: f64) -> f64 {
         self.score(self.value - limit)
     }
@@ -203,7 +205,7 @@ impl Estimate {
     }
 }
 
-/// Trials to run for one batch.
+/// Trials of one batch that must be run.
 struct Job<'a, T: ?Sized> {
     trial: &'a T,
     trials: Range<u64>,
@@ -229,7 +231,7 @@ impl<T: Trial + ?Sized> Job<'_, T> {
 }
 
 impl Stored {
-    /// Drops the statistics that are not stored.
+    /// Drops the statistics of quantities that are not stored.
     fn drop_others(&self, partial: &mut Partial) {
         for (place, accumulator) in partial.quantities.iter_mut().enumerate() {
             if !self.quantities.contains(&place) {
@@ -242,14 +244,14 @@ impl Stored {
 }
 
 impl Runner {
-    /// Runs more trials of some cells. Their numbers continue after the trials in the batches.
+    /// Runs more trials of some cells. The numbers of the new trials follow the numbers of the trials in the batches.
     pub fn grow<T: Trial + ?Sized>(&self, cells: Vec<Growth<'_, T>>) {
         let mut jobs: Vec<Job<'_, T>> = Vec::new();
         for growth in cells {
             let (trial, grown) = (growth.trial, growth.batches);
             let stored = grown.stored.as_ref();
             let done = grown.next - grown.first;
-            // An experiment that is not random has one trial, in the first batch.
+            // An experiment that is not random has one trial, which is in the first batch.
             let (count, each) = match trial.is_random() {
                 true => (
                     grown.batches.len(),

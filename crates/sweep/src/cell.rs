@@ -1,34 +1,38 @@
-//! Experiments, the cells and tasks that repeat them, and the rule that ends a cell early.
+//! Experiments, the cells and tasks that repeat experiments, and the rule that ends a cell early.
 
 use std::ops::Range;
 
 use crate::partial_statistics::Partial;
 use crate::trial_record::Record;
 
-/// Number of trials in a block, the unit of work. The sums of a cell's blocks are added in the order of the blocks.
+/// Number of trials in a block. The sums of a cell's blocks are added in the order of the blocks, so the result does
+/// not depend on the threads.
 pub const BLOCK: u64 = 1024;
 
-/// Experiment that a cell repeats.
+/// An experiment. A cell repeats it in many trials.
 pub trait Trial: Sync {
-    /// Number of quantities that it observes.
+    /// Number of quantities that the experiment observes.
     fn quantities(&self) -> usize;
 
-    /// Runs one trial, which must depend only on its number, and records its observations.
+    /// Runs one trial and records its observations. The result must depend only on the number of the trial.
     ///
     /// # Errors
-    /// The stable kebab-case name of the kind of failure. The observations of a failed trial are dropped.
+    /// The name of the kind of failure. The name is stable and in kebab case. The observations of a failed trial are
+    /// dropped.
     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str>;
 
-    /// Runs the first few of `trials` together and returns their number. It records the same bits as [`Trial::run`],
-    /// and all these trials must have succeeded. After a return of 0, the next trial is run alone.
+    /// Runs the first few of `trials` together, and returns the number of trials that it has run. It must record
+    /// exactly the same numbers as [`Trial::run`], and all these trials must have succeeded. If it returns 0,
+    /// [`Trial::run`] runs the next trial.
     ///
-    /// Implement it for trials that run faster side by side. The default implementation returns 0.
+    /// Implement this function if several trials together run faster than one after the other. The default
+    /// implementation returns 0.
     fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
         let _ = (trials, record);
         0
     }
 
-    /// Whether its trials differ. An experiment that is not random is run once.
+    /// Whether different trials of the experiment may have different results. If not, only one trial is run.
     fn is_random(&self) -> bool {
         true
     }
@@ -57,52 +61,52 @@ impl<T: Trial + ?Sized> Trial for &T {
 pub struct Cell<'a> {
     /// Number of trials; may be 0.
     pub trials: u64,
-    /// The experiment.
+    /// The experiment that the trials repeat.
     pub trial: &'a dyn Trial,
 }
 
-/// Unit of a sweep: all trials of one cell, whose statistics become one result.
+/// Unit of work of a sweep: all trials of one cell. The statistics of these trials become one result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Task {
-    /// The cell.
+    /// Index of the cell.
     pub cell: usize,
-    /// Number of its trials, or the largest number if a rule may end the cell earlier; may be 0.
+    /// Number of trials of the cell; may be 0. If a rule may end the cell early, this is the largest possible number.
     pub trials: u64,
-    /// Whether a rule may end the cell before its last trial. Several threads share the last task of a run, and drop
-    /// the trials that they ran beyond its end. One thread runs any other task with a rule.
+    /// Whether a rule may end the cell before its last trial. One thread runs all trials of such a task. Only the last
+    /// task of a run is shared by several threads; they drop the trials that they have run beyond its end.
     pub may_stop: bool,
 }
 
 /// Rule that ends the trials of a cell when a statistic is precise enough.
 ///
-/// It is applied after 1, 2, 4, 8 … blocks of trials in the order of their numbers, so that its result depends only on
-/// the trials.
+/// The rule is applied after 1, 2, 4, 8 … blocks of trials, in the order of their numbers. So the end of a cell depends
+/// only on the trials, not on the threads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StoppingRule {
-    /// Index of the quantity among those of the trial.
+    /// Index of the quantity among the quantities of the trial.
     pub quantity: usize,
-    /// Statistic of the quantity.
+    /// Statistic of the quantity that must be precise.
     pub statistic: StoppingStatistic,
-    /// Relative standard error at which the cell ends. It follows from the scatter between trials: several observations
-    /// of one trial count as one.
+    /// Relative standard error of the statistic at which the cell ends. It is computed from the scatter between trials,
+    /// so several observations of one trial count as one.
     pub relative_standard_error: f64,
-    /// Smallest number of trials.
+    /// Number of trials before which the rule never ends the cell.
     pub min_trials: u64,
 }
 
-/// Statistic that a stopping rule uses.
+/// Statistic whose precision a stopping rule tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StoppingStatistic {
     /// Mean of the estimates.
     Mean,
-    /// Root of the mean squared error.
+    /// Root-mean-square error.
     RmsError,
-    /// Mean magnitude of the error.
+    /// Mean absolute error.
     MeanAbsError,
 }
 
 impl StoppingRule {
-    /// Whether the trials in `cell` are enough.
+    /// Whether the trials in `cell` are enough for the rule.
     pub(crate) fn is_met(&self, cell: &Partial) -> bool {
         let trials = cell.trials;
         trials.is_multiple_of(BLOCK)
@@ -111,7 +115,7 @@ impl StoppingRule {
             && self.is_precise(cell) == Some(true)
     }
 
-    /// Whether the relative standard error is small enough; `None` if it is undefined.
+    /// Whether the relative standard error is small enough; `None` if the relative standard error is undefined.
     fn is_precise(&self, cell: &Partial) -> Option<bool> {
         let sums = cell.quantities.get(self.quantity)?.sums();
         let [estimates, magnitudes] = sums.by_trial;

@@ -1,13 +1,14 @@
-//! Scores of statements such as "this number is at most the limit": the number of standard deviations by which a normal
-//! number would meet the limit with the same probability.
+//! Scores of statements such as "this number is at most the limit". A score z expresses the probability P that the
+//! statement is true: P = Φ(z), where Φ is the distribution function of the standard normal distribution.
 
 use palpate_statistics::{CERTAIN, NORMAL_95};
 
-/// Score of an estimate that meets its limit by `margin` (negative: it misses the limit), with the standard error `std`
-/// on `degrees` degrees of freedom.
+/// Score of the statement that an estimate meets its limit. `margin` is the distance from the limit; it is negative if
+/// the estimate misses the limit. `std` is the standard error of the estimate, with `degrees` degrees of freedom.
 ///
-/// Wallace's approximation (1959) turns Student's t into the normal number of the same probability, within 1 % from 5
-/// degrees of freedom on. If `std` is 0, the sign of the margin decides, and a margin of 0 meets the limit.
+/// Wallace's approximation (1959) converts Student's t to the normal score with the same probability. Its error is at
+/// most 1 % for at least 5 degrees of freedom. If `std` is 0, the sign of the margin decides, and a margin of 0 meets
+/// the limit.
 pub(crate) fn student(margin: f64, std: f64, degrees: f64) -> f64 {
     let side = if margin >= 0.0 { 1.0 } else { -1.0 };
     let t = margin.abs() / std;
@@ -18,7 +19,7 @@ pub(crate) fn student(margin: f64, std: f64, degrees: f64) -> f64 {
         return 0.0;
     }
     let shrunk = (8.0 * degrees + 1.0) / (8.0 * degrees + 3.0);
-    // ln(1 + t²/ν); t² itself may overflow.
+    // `grown` is ln(1 + t²/ν). For large t it is computed without t², which may overflow.
     let grown = match t < 1e150 {
         true => libm::log1p(t * t / degrees),
         false => 2.0 * libm::log(t) - libm::log(degrees),
@@ -26,8 +27,9 @@ pub(crate) fn student(margin: f64, std: f64, degrees: f64) -> f64 {
     side * (shrunk * (degrees * grown).sqrt()).min(CERTAIN)
 }
 
-/// Score of the statement that a probability is at most `limit`, in (0, 1), after an event in `count` of `of`
-/// independent trials: the signed root of the deviance, with a continuity correction of half a trial; 0 without trials.
+/// Score of the statement that the probability of an event is at most `limit`, which is in (0, 1). The event occurred
+/// in `count` of `of` independent trials. The score is the signed square root of the deviance, with a continuity
+/// correction of half a trial. Without trials, the score is 0.
 ///
 /// ```
 /// // No failure in 256 trials: P = 0.95²⁵⁶ = 2.0e-6, which is a score of 4.6.
@@ -38,7 +40,8 @@ pub fn share_at_most(count: u64, of: u64, limit: f64) -> f64 {
     let (all, expected) = (of as f64, limit * of as f64);
     let side = if count as f64 <= expected { 1.0 } else { -1.0 };
     let corrected = count as f64 + 0.5 * side;
-    // Within half a trial of the limit, neither side is more likely.
+    // If the count differs from the expected count by less than half a trial, the score is 0, because neither side is
+    // more likely.
     if of == 0 || (corrected - expected) * side >= 0.0 {
         return 0.0;
     }
@@ -51,7 +54,8 @@ pub fn share_at_most(count: u64, of: u64, limit: f64) -> f64 {
     side * (2.0 * all * deviance.max(0.0)).sqrt().min(CERTAIN)
 }
 
-/// Wilson's 95 % interval (1927) of a probability, from the `share` of `of` independent trials; 0 to 1 without trials.
+/// Wilson's 95 % interval (1927) of the probability of an event that occurred in the share `share` of `of` independent
+/// trials; from 0 to 1 without trials.
 pub(crate) fn wilson(share: f64, of: f64) -> (f64, f64) {
     if !(of > 0.0 && share.is_finite()) {
         return (0.0, 1.0);
@@ -60,7 +64,7 @@ pub(crate) fn wilson(share: f64, of: f64) -> (f64, f64) {
     let about = (share + squared / (2.0 * of)) / (1.0 + squared / of);
     let spread = share * (1.0 - share) / of + squared / (4.0 * of * of);
     let half = NORMAL_95 * spread.max(0.0).sqrt() / (1.0 + squared / of);
-    // Rounding must not move an end past the share itself.
+    // Limit the interval so that it contains the share, because rounding could exclude it.
     (
         (about - half).clamp(0.0, share),
         (about + half).clamp(share, 1.0),
@@ -75,7 +79,7 @@ mod tests {
 
     #[test]
     fn students_t_has_the_normal_score_of_its_probability() {
-        // Tabulated P(T > t) of Student's distribution.
+        // Probabilities P(T > t) of Student's distribution from published tables.
         for (degrees, t, probability) in [
             (31.0, 1.695_519, 0.05),
             (31.0, 2.039_513, 0.025),
@@ -96,7 +100,7 @@ mod tests {
         assert_eq!(student(f64::NAN, 1.0, 31.0), 0.0);
     }
 
-    /// P(X ≤ count) of a binomial number, as a sum.
+    /// P(X ≤ count) of a binomial variable X with `of` trials of probability `share`, computed as a sum.
     fn binomial(count: u64, of: u64, share: f64) -> f64 {
         let (n, mut term, mut sum) = (of as f64, libm::pow(1.0 - share, of as f64), 0.0);
         for k in 0..=count {

@@ -1,4 +1,4 @@
-//! Observations of one quantity in the trials of a block, until they are summed up.
+//! Stores the observations of one quantity in the trials of a block until they are summed up.
 
 use std::ops::Range;
 
@@ -8,29 +8,30 @@ use crate::simd_sums::Observed;
 use crate::sums::Sums;
 use crate::trial_record::{Observation, Observations};
 
-/// Placeholder for a standard deviation that was not reported. Reported ones are at least 0.
+/// Placeholder for a standard deviation that was not reported. A reported standard deviation is at least 0.
 pub(crate) const UNREPORTED: f64 = -1.0;
 
 /// Observations of one quantity, in the order of the trials.
 ///
-/// If a trial makes several observations, they are summed up as soon as it has succeeded. This limits the memory.
+/// If a trial makes several observations, they are summed up as soon as the trial has succeeded, to save memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Column {
     estimates: Vec<f64>,
-    /// True values; −0 does not occur.
+    /// True values. A value of −0 is stored as 0.
     truths: Vec<f64>,
     /// Standard deviations, or [`UNREPORTED`].
     stds: Vec<f64>,
-    /// Place of each observation whose trial reports coverage, and whether its 50, 80 and 95 % intervals contain the
-    /// truth.
+    /// For each observation whose trial reports its own coverage: the index of the observation, and whether the trial's
+    /// 50, 80 and 95 % intervals contain the true value.
     verdicts: Vec<(usize, [bool; 3])>,
-    /// Number of observations of successful trials. Observations after these belong to the running trial.
+    /// Number of observations that belong to successful trials. Later observations belong to the trial that is running.
     kept: usize,
-    /// Sums of each trial that made several observations, with the number of observations before that trial.
+    /// For each trial that made several observations: the sums of these observations, and the number of stored
+    /// observations before the trial.
     several: Vec<(usize, Sums)>,
-    /// Errors of the trials in `several`.
+    /// Histogram of the errors of the trials that made several observations.
     histogram: Histogram,
-    /// Reused buffer for errors.
+    /// Buffer for errors.
     errors: Vec<f64>,
 }
 
@@ -46,7 +47,7 @@ impl Column {
         self.stds.push(observation.std.unwrap_or(UNREPORTED));
     }
 
-    /// Adds the first `count` observations of trials that ran together.
+    /// Adds the first `count` observations of trials that were run together.
     pub(crate) fn extend(&mut self, observations: &Observations<'_>, count: usize) {
         let end = self.estimates.len() + count;
         self.estimates
@@ -58,7 +59,7 @@ impl Column {
         }
     }
 
-    /// Keeps the observations of the last trial.
+    /// Keeps the observations of the last trial, which has succeeded.
     #[inline]
     pub(crate) fn keep(&mut self) {
         if self.estimates.len() > self.kept + 1 {
@@ -67,7 +68,7 @@ impl Column {
         self.keep_each();
     }
 
-    /// Keeps the observations of trials that made one each.
+    /// Keeps the observations of trials that made one observation each.
     #[inline]
     pub(crate) fn keep_each(&mut self) {
         self.kept = self.estimates.len();
@@ -113,7 +114,7 @@ impl Column {
         self.keep_each();
     }
 
-    /// Sums of all observations. Their errors are added to the histogram, and the column is emptied.
+    /// Sums of all observations. Adds their errors to the histogram and empties the column.
     pub(crate) fn sum_up(&mut self, histogram: &mut Histogram) -> Sums {
         let mut sums = Sums::default();
         let mut start = 0;
@@ -131,7 +132,8 @@ impl Column {
         sums
     }
 
-    /// Sums of observations, each from a different trial. Their errors stay in `self.errors`.
+    /// Sums of observations of which each is from a different trial. The errors of the observations remain in
+    /// `self.errors`.
     fn sums(&mut self, places: Range<usize>) -> Sums {
         let observed = Observed {
             estimates: &self.estimates[places.clone()],
@@ -150,12 +152,12 @@ impl Column {
         sums
     }
 
-    /// Number of observations, without those that are summed up.
+    /// Number of stored observations, which are not yet part of the sums.
     pub(crate) fn len(&self) -> usize {
         self.estimates.len()
     }
 
-    /// Observations that are not summed up.
+    /// The stored observations with these indices. Stored observations are not yet part of the sums.
     pub(crate) fn observations(&self, places: Range<usize>) -> impl Iterator<Item = Observation> {
         places.map(|place| {
             let verdict = self

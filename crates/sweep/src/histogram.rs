@@ -1,35 +1,36 @@
-//! A histogram over the bits of floating-point numbers. Bins have about the same relative width at all magnitudes, and
-//! histograms merge by integer addition.
+//! A histogram whose bins are defined by the bits of floating-point numbers. Bins have about the same relative width at
+//! all magnitudes, and histograms are merged by integer addition.
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Bins per octave and sign, as a power of two.
+/// Number of bins per octave and sign, as an exponent of two. An octave is the range between two powers of two.
 const BIN_BITS: u32 = 7;
-/// Explicit bits of a float's significand.
+/// Number of stored bits of a float's significand.
 const SIGNIFICAND_BITS: u32 = f64::MANTISSA_DIGITS - 1;
-/// Bins per octave, for both signs together.
+/// Number of bins per octave, for both signs together.
 const PLACES: usize = 1 << (BIN_BITS + 1);
-/// Up to this many numbers, bins are listed one by one, which needs less time and memory than pages.
+/// Up to this number of values, the histogram lists the bin of each value. A list needs less time and memory than
+/// counts per bin.
 const FEW: usize = 512;
-/// Numbers whose bins are computed together in vectors.
+/// Number of values whose bins are computed together with vector instructions.
 const CHUNK: usize = 64;
 
-/// Bin of a number: its exponent, the first bits of its significand and, last, its sign.
+/// Bin of a number: its exponent, the first bits of its significand and, in the last bit, its sign.
 type Bin = u64;
-/// Counts of the bins of one octave. The index is the last bits of the [`Bin`].
+/// Counts of all bins in one octave. The index of a count is the last bits of its [`Bin`].
 type Page = [u64; PLACES];
 
 /// Counts of finite numbers in 128 bins per octave and sign.
 ///
-/// The representative of a bin is its middle, at most 0.4 % from every number in the bin. Zero and subnormal numbers
-/// (below 2.3e-308) have the representative 0.
+/// The representative of a bin is its middle, which differs from every number in the bin by at most 0.4 %. Zero and
+/// subnormal numbers (below 2.3e-308) have the representative 0.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Histogram {
-    /// Bin of each number, while there are at most [`FEW`] numbers and no pages.
+    /// Bin of each value. Used while there are at most [`FEW`] values and no counts per bin.
     few: Vec<Bin>,
-    /// Exponent bits of the first octave that has a page.
+    /// Exponent bits of the first octave in `pages`.
     first: usize,
-    /// Pages of the octaves from `first` on; `None` for an octave without numbers.
+    /// Counts of the bins, one page per octave, starting with the octave `first`; `None` for an octave without values.
     pages: Vec<Option<Box<Page>>>,
 }
 
@@ -66,14 +67,14 @@ impl Histogram {
         self.pages.is_empty()
     }
 
-    /// Moves the listed bins to pages.
+    /// Converts the list of bins to counts per bin.
     fn list_no_more(&mut self) {
         for bin in std::mem::take(&mut self.few) {
             self.count(bin);
         }
     }
 
-    /// Counts a number in its page.
+    /// Counts one number in the page of its octave.
     #[inline(always)]
     fn count(&mut self, bin: Bin) {
         let octave = bin as usize / PLACES;
@@ -84,7 +85,7 @@ impl Histogram {
         page[bin as usize % PLACES] += 1;
     }
 
-    /// Page of an octave, created if it is missing.
+    /// Page of an octave. It is created if it is missing.
     #[cold]
     fn page(&mut self, octave: usize) -> &mut Page {
         if self.is_listed() {
@@ -120,8 +121,9 @@ impl Histogram {
         }
     }
 
-    /// Quantiles of probabilities in [0, 1]: linear interpolation at position `p (n − 1)` between order statistics (0
-    /// is the smallest number), each with an error of at most 0.4 %. `None` without numbers.
+    /// Quantiles for probabilities p in [0, 1]. They are interpolated linearly at the position `p (n − 1)` between
+    /// order statistics; position 0 is the smallest of the n numbers. Each order statistic has an error of at most 0.4
+    /// %. `None` without numbers.
     pub(crate) fn quantiles<const N: usize>(&self, probabilities: [f64; N]) -> Option<[f64; N]> {
         let ranked = Ranked::new(self);
         let most = ranked.count().checked_sub(1)?;
@@ -135,15 +137,15 @@ impl Histogram {
     }
 }
 
-/// Numbers of a histogram in their order.
+/// Numbers of a histogram, in ascending order.
 struct Ranked<'a> {
-    /// Representatives of listed bins, ascending.
+    /// Representatives of the listed bins, in ascending order.
     few: Vec<f64>,
-    /// Octaves of one sign each, ascending.
+    /// Halves of pages, in ascending order of their numbers. A half contains the counts of one sign.
     halves: Vec<Half<'a>>,
 }
 
-/// Numbers of one sign in an octave.
+/// The numbers of one sign in one octave.
 struct Half<'a> {
     page: &'a Page,
     octave: usize,
@@ -182,7 +184,7 @@ impl<'a> Ranked<'a> {
         self.few.len() as u64 + in_pages
     }
 
-    /// Representative of the number of this rank, from 0 to `count` − 1.
+    /// Representative of the number with this rank. The smallest number has the rank 0, the largest `count` − 1.
     fn value(&self, rank: u64) -> f64 {
         if let Some(&value) = self.few.get(rank as usize) {
             return value;
@@ -208,7 +210,7 @@ impl<'a> Ranked<'a> {
     }
 }
 
-/// Counts numbers in pages.
+/// Adds numbers to the counts per bin, with vector instructions.
 struct Count<'a> {
     histogram: &'a mut Histogram,
     values: &'a [f64],
@@ -245,14 +247,15 @@ mod tests {
         histogram
     }
 
-    /// Histogram in pages, even for few numbers.
+    /// Histogram that counts the values per bin even if there are few values. Otherwise, a histogram of few values
+    /// lists the bin of each value.
     fn in_pages(values: &[f64]) -> Histogram {
         let mut histogram = of(values);
         histogram.list_no_more();
         histogram
     }
 
-    /// Every bin that is not empty, with its count.
+    /// Counts of all bins that are not empty.
     fn counts(histogram: &Histogram) -> BTreeMap<Bin, u64> {
         let mut counts = BTreeMap::new();
         for &bin in &histogram.few {

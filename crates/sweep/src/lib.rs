@@ -1,13 +1,15 @@
 //! A deterministic parallel Monte Carlo runner: cells × trials.
 //!
-//! A [`Cell`] is one setting of a study. Its [`Trial`] is a function of a number that records an [`Observation`] of
-//! each quantity; it is repeated with the numbers 0, 1, 2 and so on. [`Runner::run`] repeats the trials of all cells and
-//! returns a [`Summary`] of every quantity in every cell. This crate does not depend on the computation in a trial.
+//! A [`Cell`] is one setting of a study, that is, one grid point. Its [`Trial`] is a function of a trial number, which
+//! records an [`Observation`] of each quantity. The function is called with the numbers 0, 1, 2 and so on.
+//! [`Runner::run`] repeats the trials of all cells and returns a [`Summary`] of every quantity in every cell. This
+//! crate does not depend on the computation in a trial.
 //!
 //! Guarantees, for trials that depend only on their number:
 //!
 //! - The result is the same to the last bit for any number of threads. Trials run in blocks of [`BLOCK`]; the sums of
-//!   the blocks of a cell are folded in their order, and everything else that is merged is an integer or an extremum.
+//!   the blocks of a cell are added in the order of the blocks, and everything else that is merged is an integer or an
+//!   extremum.
 //! - Memory does not grow with the number of trials.
 //! - No number in a result is NaN or infinite. An undefined statistic is `None`.
 //!

@@ -1,21 +1,21 @@
-//! Mean and spread of finite numbers of any size. Moments of parts can be merged.
+//! Mean and standard deviation of finite numbers of any magnitude. The moments of several parts can be merged.
 
-/// Count, mean and squared deviations of some finite numbers.
+/// Count, mean and sum of squared deviations of some finite numbers.
 ///
-/// Deviations are measured from the first number, so that a small spread about a large mean is not lost. Cancellation
-/// then enlarges the error at most by a factor of the count. Very large or very small numbers are kept in units of a
-/// power of two, so that squares neither overflow nor vanish. Merging follows Chan, Golub and LeVeque (1983); its
-/// order changes the last bits.
+/// Deviations are measured from the first number, so that a small scatter around a large mean is not lost. Cancellation
+/// then multiplies the error at most by the count. Very large or very small numbers are stored in units of a power of
+/// two, so that their squares neither overflow nor underflow. Parts are merged by the formula of Chan, Golub and
+/// LeVeque (1983); the order of merging changes the last bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Moments {
     count: u64,
-    /// Exponent of the unit 2^exponent in which the fields below are kept.
+    /// Exponent of the unit 2^exponent in which the fields below are stored.
     exponent: i32,
-    /// First of the numbers, from which `mean` counts.
+    /// First of the numbers. The field `mean` is relative to this number.
     origin: f64,
-    /// Mean of the differences to `origin`.
+    /// Mean of the differences from `origin`.
     mean: f64,
-    /// Sum of the squared differences to the mean.
+    /// Sum of the squared differences from the mean.
     squares: f64,
 }
 
@@ -41,8 +41,8 @@ impl Moments {
         Self::of(&[value])
     }
 
-    /// Moments of finite `values`. `sums` are the sums of their deviations from the first value and of the squared
-    /// deviations; they are used if they need no scaling.
+    /// Moments of finite `values`. `sums` contains the sum of the deviations from the first value, and the sum of the
+    /// squared deviations. They are used unless the values need scaling.
     pub(crate) fn with_sums(values: &[f64], sums: [f64; 2]) -> Self {
         match values.first() {
             Some(&first) if is_ordinary(sums[1]) => {
@@ -63,7 +63,7 @@ impl Moments {
         }
     }
 
-    /// Moments of the magnitudes of the same numbers. `mean` is the mean magnitude.
+    /// Moments of the absolute values of the same numbers. `mean` is the mean of the absolute values.
     pub(crate) fn of_magnitudes(&self, mean: f64) -> Self {
         let (signed, mean) = (self.origin + self.mean, mean * power_of_two(-self.exponent));
         let excess = (signed - mean) * (signed + mean) * self.count as f64;
@@ -75,7 +75,7 @@ impl Moments {
         }
     }
 
-    /// Adds the numbers of `other`, which come after those summed so far.
+    /// Adds the numbers of `other`, which come after the numbers that are already included.
     pub(crate) fn merge(&mut self, other: &Self) {
         if other.count == 0 {
             return;
@@ -97,7 +97,7 @@ impl Moments {
         self.count = count;
     }
 
-    /// Changes the unit to 2^exponent, which must be no smaller than the present one.
+    /// Changes the unit to 2^exponent, which must be at least the current unit.
     fn rescale(&mut self, exponent: i32) {
         let factor = power_of_two(self.exponent - exponent);
         self.exponent = exponent;
@@ -106,7 +106,7 @@ impl Moments {
         self.squares *= factor * factor;
     }
 
-    /// Count of the numbers.
+    /// Number of values.
     pub(crate) fn count(&self) -> u64 {
         self.count
     }
@@ -116,7 +116,7 @@ impl Moments {
         (self.count > 0).then(|| self.in_plain_units(self.origin + self.mean))
     }
 
-    /// Root of the mean square; `None` without numbers.
+    /// Root mean square; `None` without numbers.
     pub(crate) fn rms(&self) -> Option<f64> {
         let mean = self.origin + self.mean;
         let mean_square = self.squares / self.count as f64 + mean * mean;
@@ -139,14 +139,16 @@ impl Moments {
     }
 }
 
-/// Independent partial sums, which let the compiler use vector instructions.
+/// Number of partial sums that are computed independently, so that the compiler can use vector instructions.
 pub(crate) const LANES: usize = 8;
-/// Units are at most 2^±1000, so that they are normal floats, and no square of a scaled number overflows or vanishes.
+/// Limit of the exponents of units. Within ±1000, units are normal floats, and no square of a scaled number overflows
+/// or underflows.
 const MAX_EXPONENT: i32 = 1000;
-/// Numbers from 2^−200 to 2^200 need no unit: their fourth powers, and sums of 2^60 of these, are normal floats.
+/// Numbers from 2^−200 to 2^200 need no scaling. Their fourth powers, and sums of up to 2^60 fourth powers, are normal
+/// floats.
 const ORDINARY: i32 = 200;
 
-/// Sum of a term over all values, in a fixed order.
+/// Sum of a term over all values, computed in a fixed order.
 pub(crate) fn sum(values: &[f64], term: impl Fn(f64) -> f64) -> f64 {
     let mut lanes = [0.0; LANES];
     for chunk in values.chunks(LANES) {
@@ -157,12 +159,12 @@ pub(crate) fn sum(values: &[f64], term: impl Fn(f64) -> f64) -> f64 {
     lanes.into_iter().sum()
 }
 
-/// Largest magnitude of some numbers; 0 without numbers.
+/// Largest absolute value of some numbers; 0 without numbers.
 pub(crate) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| most.max(value.abs()))
 }
 
-/// Exponent of the unit 2^exponent for numbers up to `largest`: 0 if `largest` is from 2^−200 to 2^200.
+/// Exponent of the unit 2^exponent for numbers up to `largest`. It is 0 if `largest` is from 2^−200 to 2^200.
 pub(crate) fn exponent(largest: f64) -> i32 {
     let biased = (largest.abs().to_bits() >> 52) as i32;
     match biased - 1023 {
@@ -171,12 +173,12 @@ pub(crate) fn exponent(largest: f64) -> i32 {
     }
 }
 
-/// Whether a sum of squares is so far from overflow and underflow that it needs no scaling.
+/// Whether a sum of squares is so far from overflow and underflow that the squared numbers need no scaling.
 pub(crate) fn is_ordinary(squares: f64) -> bool {
     (1e-200..1e200).contains(&squares)
 }
 
-/// 2^exponent for exponents up to 1023; 0 if it would be subnormal.
+/// 2^exponent, for exponents up to 1023. If the result would be subnormal, it is 0.
 pub(crate) fn power_of_two(exponent: i32) -> f64 {
     f64::from_bits(((exponent + 1023).max(0) as u64) << 52)
 }

@@ -1,4 +1,4 @@
-//! Probability that trials of two experiments, or means of several trials, are in the right order.
+//! Probability that the estimates of two experiments, or their means over several trials, are in the right order.
 
 use std::ops::Range;
 
@@ -13,43 +13,46 @@ use crate::runner::Runner;
 use crate::summary::NOT_FINITE;
 use crate::trial_record::{Record, TrialObservations};
 
-/// Mean estimate and mean true value of a quantity over the observations of a trial, or the kind of failure of the trial.
+/// Mean estimate and mean true value of a quantity over the observations of one trial. If the trial failed, the kind of
+/// failure.
 pub type TrialMeans = Result<(f64, f64), &'static str>;
 
-/// Probability, with a 95 % interval.
+/// A probability with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Order {
     /// Estimate of the probability.
     pub probability: f64,
-    /// Lower end of its interval.
+    /// Lower limit of the interval.
     pub low: f64,
-    /// Upper end of its interval.
+    /// Upper limit of the interval.
     pub high: f64,
 }
 
-/// Number of trials whose means are in the right order with a given probability.
+/// Number of trials to average so that the means are in the right order with the required probability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Repeats {
-    /// This many, estimated from groups of trials.
+    /// The number of trials, estimated from groups of trials.
     Found(u64),
-    /// About this many, from the normal distribution of the means. There are too few trials for groups of this size.
+    /// The approximate number of trials. It is computed from a normal distribution of the means, because there are too
+    /// few trials for groups of this size.
     About(u64),
-    /// No number of trials: the means are in the wrong order, or all equal.
+    /// No number of trials is enough: the means are in the wrong order, or all estimates are equal.
     Never,
-    /// Too many to be estimated from these trials.
+    /// More trials would be needed to estimate the number.
     Unknown,
 }
 
 /// Smallest number of groups of trials from which a probability is estimated.
 const GROUPS: usize = 256;
-/// Number of uncertain trials at which the weight of an estimated variance is one half.
+/// Number of uncertain trials at which an estimated variance has a weight of one half. [`interval`] defines which
+/// trials are uncertain.
 const HALF_WEIGHT: f64 = 20.0;
-/// Largest number of repeats that is returned.
+/// Largest number of trials that is returned as an answer; a larger number is reported as unknown.
 const MOST_REPEATS: f64 = 1e9;
 
 impl Runner {
-    /// Runs trials of an experiment, and returns the means of a quantity in each. An experiment that is not random is
-    /// run once.
+    /// Runs trials of an experiment, and returns the mean of a quantity in each trial. An experiment that is not random
+    /// is run once.
     ///
     /// ```
     /// use palpate_sweep::{Observation, Record, RunOptions, Runner, Trial, in_order};
@@ -96,7 +99,7 @@ impl Runner {
     }
 }
 
-/// Mean estimate and mean truth of a quantity in a trial; means without observations are not finite.
+/// Mean estimate and mean true value of a quantity in a trial. Without observations, the means are not finite.
 fn mean(trial: &TrialObservations<'_>, quantity: usize) -> TrialMeans {
     let count = trial.of(quantity).count() as f64;
     let (mut estimate, mut truth) = (0.0, 0.0);
@@ -109,12 +112,13 @@ fn mean(trial: &TrialObservations<'_>, quantity: usize) -> TrialMeans {
 }
 
 /// Probability that an estimate of experiment `low` is below an estimate of experiment `high`, over all pairs of
-/// trials. The two experiments must have drawn different random numbers. Equal estimates count half, so that
-/// indistinguishable experiments give one half. A failed trial counts as not in order. With `limit`: the probability
-/// that both estimates are above `limit`, for example that both classify more than half of the places correctly.
+/// trials. The two experiments must have drawn different random numbers. A pair with equal estimates counts as half, so
+/// that experiments that cannot be distinguished have a probability of one half. A pair with a failed trial counts as
+/// not in order. With `limit`, the result is instead the probability that both estimates are above `limit`, for example
+/// that both experiments classify more than half of the places correctly.
 ///
-/// This is Mann and Whitney's statistic with the variance of Sen (1960). Wilson's interval uses the number of
-/// independent trials that would have the same variance.
+/// The probability is Mann and Whitney's statistic, and its variance is computed by the formula of Sen (1960). The
+/// interval is Wilson's interval for the number of independent trials that would have the same variance.
 pub fn in_order(low: &[TrialMeans], high: &[TrialMeans], limit: Option<f64>) -> Order {
     order_of(&estimates(low), &estimates(high), limit)
 }
@@ -126,8 +130,9 @@ fn order_of(one: &[Option<f64>], other: &[Option<f64>], limit: Option<f64>) -> O
     }
 }
 
-/// Number of trials of each experiment whose means are in the right order with the probability `confidence`. With
-/// `limit`: the number whose means are both above `limit`. Means are over the trials that succeed.
+/// Number of trials of each experiment that must be averaged so that the two means are in the right order with the
+/// probability `confidence`. With `limit`, both means must be above `limit` instead. Failed trials are left out of the
+/// means.
 pub fn repeats(
     one: &[TrialMeans],
     other: &[TrialMeans],
@@ -143,7 +148,7 @@ pub fn repeats(
         return Repeats::Found(1);
     }
     let most = one.len().min(other.len()) / GROUPS;
-    // First the smallest sufficient power of two, then by bisection the smallest number.
+    // First find the smallest power of two that is enough trials. Then find the smallest number of trials by bisection.
     let mut enough = 2;
     while enough <= most && probability(enough) < confidence {
         enough *= 2;
@@ -163,7 +168,8 @@ pub fn repeats(
     beyond(&one, &other, limit, confidence, most)
 }
 
-/// Number of repeats by the normal distribution, if there are too few groups.
+/// Number of trials to average if there are too few groups of trials to estimate it. It is computed from a normal
+/// distribution of the means.
 fn beyond(
     one: &[Option<f64>],
     other: &[Option<f64>],
@@ -174,8 +180,9 @@ fn beyond(
     let (Some(one), Some(other)) = (Spread::of(one), Spread::of(other)) else {
         return Repeats::Never;
     };
-    // Distance of the means, standard deviation of a trial, and standard error of the distance. The distance is positive
-    // if the means are in the right order.
+    // Each entry contains a distance, the standard deviation of a trial, and the standard error of the distance. It is
+    // the distance between the two means or, with a limit, from one mean to the limit. A distance is positive if the
+    // order is right.
     let separations = match limit {
         None => vec![(
             other.mean - one.mean,
@@ -188,7 +195,8 @@ fn beyond(
     };
     let tail = match limit {
         None => 1.0 - confidence,
-        // Both means must be above the limit.
+        // Both means must be above the limit, so the probability that one of them is above must be the square root of
+        // the required probability.
         Some(_) => 1.0 - confidence.max(0.0).sqrt(),
     };
     let score = score_of_tail(tail);
@@ -211,14 +219,14 @@ fn beyond(
     }
 }
 
-/// Distribution of the estimates of the trials that succeeded.
+/// Distribution of the estimates of the successful trials.
 #[derive(Clone, Copy)]
 struct Spread {
     mean: f64,
     std: f64,
-    /// Standard error of the mean.
+    /// Standard error of the mean estimate.
     error: f64,
-    /// Share of the trials that succeeded.
+    /// Share of successful trials.
     success: f64,
 }
 
@@ -243,7 +251,7 @@ fn estimates(means: &[TrialMeans]) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// Means of groups of `each` consecutive trials, over the trials that succeeded.
+/// Means of groups of `each` consecutive trials. Failed trials are left out of the means.
 fn means(values: &[Option<f64>], each: usize) -> Vec<Option<f64>> {
     // An experiment that is not random has one trial.
     if each == 1 || values.len() == 1 {
@@ -261,7 +269,7 @@ fn means(values: &[Option<f64>], each: usize) -> Vec<Option<f64>> {
     values.chunks_exact(each).map(mean).collect()
 }
 
-/// Estimates of the trials that succeeded, ascending.
+/// Estimates of the successful trials, ascending.
 fn sorted(values: &[Option<f64>]) -> Vec<f64> {
     let mut sorted: Vec<f64> = values.iter().flatten().copied().collect();
     sorted.sort_unstable_by(f64::total_cmp);
@@ -270,7 +278,8 @@ fn sorted(values: &[Option<f64>]) -> Vec<f64> {
 
 fn order(low: &[Option<f64>], high: &[Option<f64>]) -> Order {
     let (sorted_low, sorted_high) = (sorted(low), sorted(high));
-    // Number of the other experiment's trials below `value`, where equal ones count half, and number of all its trials.
+    // Returns two numbers: how many of the other experiment's trials are below `value` (a trial with an equal estimate
+    // counts as half), and how many trials it has.
     let half_and_above = |sorted: &[f64], value: f64| {
         let [below, up_to] = [
             sorted.partition_point(|other| *other < value),
@@ -321,7 +330,8 @@ fn above(one: &[Option<f64>], other: &[Option<f64>], limit: f64) -> Order {
     )
 }
 
-/// Mean of some numbers, and the variance of that mean. The variance of a single number is 0: it is exact.
+/// Mean of some numbers, and the variance of this mean. The variance is 0 for a single number, because a single number
+/// comes from an experiment that is not random.
 fn mean_and_variance(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> (f64, f64) {
     let count = numbers.len() as f64;
     let mean = numbers.clone().sum::<f64>() / count;
@@ -334,8 +344,9 @@ fn mean_and_variance(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> (f6
     }
 }
 
-/// Probability with its interval, from its variance and the numbers of trials of both experiments. `uncertain` is the
-/// smaller of two numbers: trials whose share is below 1, and trials whose share is above 0.
+/// Probability with its 95 % interval. The inputs are the variance of the probability and the numbers of trials of both
+/// experiments. Each trial has a share of pairs that are in order. `uncertain` is the smaller of two counts: the trials
+/// with a share below 1, and the trials with a share above 0.
 fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [usize; 2]) -> Order {
     let order = |probability: f64, (low, high): (f64, f64)| Order {
         probability,
@@ -345,12 +356,12 @@ fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [us
     if one == 0 || other == 0 || !probability.is_finite() {
         return order(0.0, (0.0, 1.0));
     }
-    // Nothing is random, so the probability is exact.
+    // If neither experiment is random, the probability is exact.
     if one == 1 && other == 1 {
         return order(probability, (probability, probability));
     }
-    // Number of independent trials with the same variance. It is at least the number of trials of the smaller random
-    // experiment, and hardly larger if few uncertain trials determine the variance.
+    // Number of independent trials that would have the same variance. It is at least the number of trials of the
+    // smaller random experiment. If only a few uncertain trials determine the variance, it is only slightly larger.
     let fewest = match (one, other) {
         (1, random) | (random, 1) => random,
         (one, other) => one.min(other),

@@ -1,4 +1,4 @@
-//! Statistics of part of the trials of a cell.
+//! Statistics of some consecutive trials of a cell.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,22 +11,23 @@ use crate::summary::{Failure, Failures};
 use crate::sums::Sums;
 use crate::trial_record::{Record, TrialObservations};
 
-/// Accumulator of one quantity: adds up the observations of blocks of trials. All statistics are computed from it.
+/// Sums of the observations of one quantity over blocks of trials. All statistics of the quantity are computed from
+/// these sums.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Accumulator {
-    /// Errors; merging is exact in any order.
+    /// Histogram of the errors. It can be merged in any order without rounding errors.
     histogram: Histogram,
-    /// Sums of the blocks in trial order. Folding merges all of them into the first.
+    /// Sums of the blocks, in the order of the trials. [`Self::fold`] merges all of them into the first entry.
     blocks: Vec<Sums>,
 }
 
 impl Accumulator {
-    /// Adds the observations of the next block, and empties `column`.
+    /// Adds the observations of the next block and empties `column`.
     pub(crate) fn add(&mut self, column: &mut Column) {
         self.blocks.push(column.sum_up(&mut self.histogram));
     }
 
-    /// Folds the sums of the blocks. The first block must hold the first trial of the cell.
+    /// Merges the sums of all blocks into the first. The first block must contain the first trial of the cell.
     fn fold(&mut self) {
         if let Some((first, rest)) = self.blocks.split_first_mut() {
             rest.iter().for_each(|block| first.merge(block));
@@ -34,19 +35,19 @@ impl Accumulator {
         }
     }
 
-    /// Appends the next blocks, and folds all.
+    /// Appends the next blocks and merges the sums of all blocks.
     fn merge(&mut self, next: Self) {
         self.histogram.merge(next.histogram);
         self.blocks.extend(next.blocks);
         self.fold();
     }
 
-    /// Sums of all blocks, which must have been folded.
+    /// Sums of all blocks. [`Self::fold`] must have been called before.
     pub(crate) fn sums(&self) -> Sums {
         self.blocks.first().copied().unwrap_or_default()
     }
 
-    /// Drops the histogram, and with it the quantiles.
+    /// Drops the histogram. Quantiles are then no longer available.
     pub(crate) fn drop_histogram(&mut self) {
         self.histogram = Histogram::default();
     }
@@ -64,7 +65,7 @@ pub(crate) struct Partial {
     pub(crate) quantities: Vec<Accumulator>,
 }
 
-/// Function that is called with the observations of each trial, or with the kind of its failure.
+/// Function that is called with the number of each trial and with its observations or the kind of its failure.
 pub(crate) type TrialReader<'a> = dyn FnMut(u64, Result<&TrialObservations<'_>, &'static str>) + 'a;
 
 impl Partial {
@@ -76,7 +77,7 @@ impl Partial {
     }
 
     /// Runs the next block, or a part of it if the run is cancelled.
-    #[inline(never)] // its name is used to count instructions
+    #[inline(never)] // instruction counts are measured by its name
     pub(crate) fn run_block(
         &mut self,
         trial: &dyn Trial,
@@ -97,12 +98,12 @@ impl Partial {
         }
     }
 
-    /// Folds the sums of its blocks. The first block must hold the first trial of the cell.
+    /// Merges the sums of all blocks into the first. The first block must contain the first trial of the cell.
     pub(crate) fn fold(&mut self) {
         self.quantities.iter_mut().for_each(Accumulator::fold);
     }
 
-    /// Appends the next blocks, and folds all.
+    /// Appends the next blocks and merges the sums of all blocks.
     pub(crate) fn merge(&mut self, next: Self) {
         self.trials += next.trials;
         self.failures.merge(next.failures);
@@ -125,7 +126,7 @@ impl Partial {
     }
 }
 
-/// Observations of some trials of a block. They are summed up when the block is complete.
+/// Observations of some consecutive trials of a block. They are summed up when the block is complete.
 #[derive(Debug, Default)]
 pub(crate) struct Slice {
     trials: u64,
@@ -134,7 +135,7 @@ pub(crate) struct Slice {
 }
 
 impl Slice {
-    /// Runs some trials of a block; stops early if the run is cancelled.
+    /// Runs some trials of a block. Stops early if the run is cancelled.
     pub(crate) fn run(
         trial: &dyn Trial,
         trials: Range<u64>,
@@ -149,7 +150,7 @@ impl Slice {
         }
     }
 
-    /// Appends the next trials of the block.
+    /// Appends the following trials of the block.
     pub(crate) fn append(&mut self, next: Self) {
         self.trials += next.trials;
         self.failures.merge(next.failures);
@@ -160,7 +161,7 @@ impl Slice {
         }
     }
 
-    /// Adds this slice to `partial` as a block. The slice must hold all trials of the block.
+    /// Adds this slice to `partial` as a complete block. The slice must contain all trials of the block.
     pub(crate) fn end(mut self, partial: &mut Partial) {
         partial.trials += self.trials;
         partial.failures.merge(self.failures);
@@ -173,7 +174,7 @@ impl Slice {
     }
 }
 
-/// Runs trials, which add their observations to an empty `record`. Returns the failures.
+/// Runs trials, adds their observations to an empty `record`, and returns the failures of the trials.
 fn run_trials(
     trial: &dyn Trial,
     trials: Range<u64>,

@@ -1,4 +1,4 @@
-//! Queue of the trials that the threads run, in the order of the tasks.
+//! Queue of the trials that the threads run. The queue hands tasks out in their order.
 
 use std::ops::Range;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -7,17 +7,19 @@ use std::time::Duration;
 use crate::cell::BLOCK;
 use crate::cell::Task;
 
-/// Approximate time of a job's trials: long compared with the work of the queue, short compared with a run.
+/// Intended time for the trials of a job. It is long compared with the overhead of the queue and short compared with a
+/// run.
 pub const JOB: Duration = Duration::from_millis(4);
 /// Largest number of blocks in a job.
 const MAX_BLOCKS: u64 = 64;
-/// Number of jobs by which fast threads may be ahead of a slow thread.
+/// Number of jobs by which fast threads may be ahead of the slowest thread. It limits how many results wait in memory
+/// for the results before them.
 const AHEAD: u64 = 512;
-/// The same number for cells whose trials a rule may end.
+/// Number of jobs by which fast threads may be ahead, for cells that a rule may end early.
 const AHEAD_WITH_RULE: u64 = 128;
 
-/// Experiment of a cell, or the error of setting it up. The first thread that needs it sets it up; the last user drops
-/// it.
+/// Experiment of a cell, or the error if it cannot be set up. The first thread that needs the experiment sets it up,
+/// and the last user drops it.
 pub(crate) type Experiment<T, E> = OnceLock<Result<T, Mutex<Option<E>>>>;
 
 /// Work for one thread.
@@ -27,9 +29,9 @@ pub(crate) struct Job<T, E> {
     pub(crate) pieces: Vec<Piece<T, E>>,
 }
 
-/// Trials of a task: all of them, whole blocks, or some within one block.
+/// Consecutive trials of a task: all trials, whole blocks of trials, or some trials of one block.
 pub(crate) struct Piece<T, E> {
-    /// Number of the task.
+    /// Index of the task.
     pub(crate) number: u64,
     pub(crate) task: Task,
     pub(crate) trials: Range<u64>,
@@ -37,13 +39,13 @@ pub(crate) struct Piece<T, E> {
 }
 
 impl<T, E> Piece<T, E> {
-    /// Whether the piece holds all trials of the task.
+    /// Whether the piece contains all trials of the task.
     pub(crate) fn is_whole(&self) -> bool {
         self.trials == (0..self.task.trials)
     }
 }
 
-/// Queue of the tasks that have not been run yet.
+/// Queue of the tasks that still have trials to hand out.
 pub(crate) struct Queue<T, E, F> {
     tasks: u64,
     task: F,
@@ -51,22 +53,22 @@ pub(crate) struct Queue<T, E, F> {
     changed: Condvar,
 }
 
-/// Task that is being handed out, the next of its trials to hand out, and its experiment.
+/// Task whose trials are being handed out, the number of its next trial, and the experiment of its cell.
 type OpenTask<T, E> = (Task, u64, Arc<Experiment<T, E>>);
 
 struct State<T, E> {
     open: Option<OpenTask<T, E>>,
-    /// Number of the open task, or of the next.
+    /// Index of the task that is being handed out, or of the next task.
     next: u64,
-    /// Number of jobs handed out, and number of those whose results have been passed on.
+    /// Two numbers of jobs: the jobs that were handed out, and the jobs whose results were passed on.
     jobs: [u64; 2],
     is_stopped: bool,
-    /// Time per trial in the last job, s; `None` before the first job has ended, or without a clock.
+    /// Time per trial in the last job, s; `None` before the end of the first job, or without a clock.
     trial_s: Option<f64>,
 }
 
 impl<T, E> State<T, E> {
-    /// Number of jobs by which fast threads may be ahead.
+    /// Number of jobs by which fast threads may be ahead of the slowest thread.
     fn max_ahead(&self) -> u64 {
         let has_rule = self.open.as_ref().is_some_and(|(task, ..)| task.may_stop);
         if has_rule { AHEAD_WITH_RULE } else { AHEAD }
@@ -74,7 +76,7 @@ impl<T, E> State<T, E> {
 }
 
 impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
-    /// Queue of this many tasks.
+    /// A queue of `tasks` tasks. The function `task` returns the task with a given index.
     pub(crate) fn new(tasks: u64, task: F) -> Self {
         Self {
             tasks,
@@ -90,7 +92,8 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         }
     }
 
-    /// The next job; `None` if no trials are left. `has_clock` is whether jobs are timed.
+    /// The next job; `None` if no trials are left. With `has_clock`, the size of a job is chosen from the measured time
+    /// per trial.
     pub(crate) fn job(&self, has_clock: bool) -> Option<Job<T, E>> {
         let mut state = self.state();
         while !state.is_stopped && state.jobs[0] >= state.jobs[1] + state.max_ahead() {
@@ -120,7 +123,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         (!pieces.is_empty()).then_some(Job { number, pieces })
     }
 
-    /// The next trials of a task that fit into the time left. The first piece of a job may take longer.
+    /// The next trials of a task that fit into the remaining time. The first piece of a job may take longer.
     fn piece(
         &self,
         state: &mut State<T, E>,
@@ -136,14 +139,14 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         let end = task.trials;
         let fitting = match (has_clock, state.trial_s) {
             (false, _) => MAX_BLOCKS * BLOCK,
-            // A single trial, to measure its time.
+            // The first job has a single trial, to measure the time per trial.
             (true, None) => 1,
             (true, Some(trial_s)) => (*left_s / trial_s).clamp(0.0, 1e18) as u64,
         };
         let block_end = (start - start % BLOCK).saturating_add(BLOCK).min(end);
         let to_block = block_end - start;
-        // The end of a task with a rule is not known in advance. Threads share only the last task; some of its trials
-        // may be beyond its end.
+        // The queue cannot predict at which trial a rule will end a task. Therefore one thread runs all trials of such
+        // a task. Only the last task is shared by all threads, although some of its trials may then be beyond its end.
         let is_last = has_clock && state.next + 1 == self.tasks;
         let is_whole = task.may_stop && !is_last && start == 0;
         let taken = if is_whole {
@@ -154,7 +157,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
             let blocks = (fitting / BLOCK).clamp(1, MAX_BLOCKS);
             (end - start).min(blocks * BLOCK)
         } else if is_first {
-            // A multiple of 8, because up to 8 trials run side by side.
+            // The number of trials is a multiple of 8, because up to 8 trials are run together.
             let whole = if fitting > 8 {
                 fitting - fitting % 8
             } else {
@@ -183,7 +186,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         })
     }
 
-    /// Stores the time of a job's trials.
+    /// Stores the time per trial, computed from the time of a job.
     pub(crate) fn set_time(&self, trials: u64, time: Duration) {
         if trials > 0 {
             let trial_s = time.as_secs_f64() / trials as f64;
@@ -197,13 +200,14 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         self.changed.notify_all();
     }
 
-    /// Ends the queue: it hands out no more jobs.
+    /// Stops the queue, so that it hands out no more jobs.
     pub(crate) fn stop(&self) {
         self.state().is_stopped = true;
         self.changed.notify_all();
     }
 
-    /// State. Every change is a single step, so that the state is valid even if another thread panicked.
+    /// Locks the state. If another thread panicked, the state is still valid, because every change of the state is a
+    /// single step.
     fn state(&self) -> MutexGuard<'_, State<T, E>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

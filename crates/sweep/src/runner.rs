@@ -1,4 +1,4 @@
-//! Worker threads, and runs of cells on them.
+//! Worker threads, and functions that run cells on them.
 
 use std::convert::Infallible;
 use std::error::Error as _;
@@ -15,16 +15,17 @@ use crate::cell::{Cell, Task, Trial};
 use crate::stream::{Sweep, SweepOutput};
 use crate::summary::CellStatistics;
 
-/// Returns the time since a computation began. It must advance: measurements with a clock that stands still never end.
+/// Returns the time since a computation began. The time must advance: with a clock that stands still, measurements
+/// never end.
 pub type Clock<'a> = dyn Fn() -> Duration + 'a;
 
 /// Settings of a run. They do not change its results.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RunOptions {
-    /// Worker threads; by default one per processor.
+    /// Number of worker threads; by default one per processor.
     pub threads: Option<NonZeroUsize>,
-    /// Whether threads run only whole blocks of trials. Then no clock is read, and the division of the trials among the
-    /// threads depends only on the number of threads.
+    /// Whether threads run only whole blocks of trials. If so, no clock is read, and the distribution of the trials
+    /// over the threads depends only on the number of threads.
     pub whole_blocks: bool,
 }
 
@@ -36,13 +37,13 @@ pub struct NoThreads {
     source: rayon::ThreadPoolBuildError,
 }
 
-/// Reason why a sweep stopped before its end; `E` is the error of setting up a cell.
+/// Reason why a sweep stopped before its end. `E` is the type of error of setting up a cell.
 #[derive(Debug, Error)]
 pub enum SweepError<E> {
     /// The operating system could not start the threads.
     #[error(transparent)]
     NoThreads(#[from] NoThreads),
-    /// Error of the first cell that could not be set up.
+    /// A cell could not be set up. If this is so for several cells, the error is about the first of them.
     #[error("{0}")]
     SetUp(E),
     /// The caller cancelled the run.
@@ -50,10 +51,10 @@ pub enum SweepError<E> {
     Cancelled,
 }
 
-/// Worker threads for any number of runs, one after another.
+/// Worker threads. They can be used for any number of runs, one after another.
 #[derive(Debug)]
 pub struct Runner {
-    /// `None` on a platform without threads: there the calling thread does the work.
+    /// The thread pool; `None` on a platform without threads, where the calling thread does the work.
     pool: Option<rayon::ThreadPool>,
     whole_blocks: bool,
 }
@@ -83,7 +84,7 @@ impl Runner {
     /// after each block, with the number of trials in it.
     ///
     /// # Panics
-    /// If a trial or `progress` panics.
+    /// Panics if a trial or `progress` panics.
     pub fn run(&self, cells: &[Cell], progress: &(dyn Fn(u64) + Sync)) -> Vec<CellStatistics> {
         let mut all = Vec::with_capacity(cells.len());
         let mut take = |_, output| {
@@ -93,7 +94,7 @@ impl Runner {
             ControlFlow::Continue(())
         };
         let never = AtomicBool::new(false);
-        // This run is never cancelled and its cells are set up, so there is no error.
+        // Ignore the result: this run cannot fail, because it is never cancelled and its cells are already set up.
         let _ = self.stream(&Cells(cells), &never, progress, &mut take);
         all
     }
@@ -105,8 +106,8 @@ impl Runner {
         NonZeroUsize::new(threads).unwrap_or(NonZeroUsize::MIN)
     }
 
-    /// Calls `check` with each number below `count` on these threads. Returns the error of the smallest number that has
-    /// one.
+    /// Calls `check` on these threads with each number below `count`. If some calls fail, returns the error of the call
+    /// with the smallest number.
     ///
     /// ```
     /// use palpate_sweep::{RunOptions, Runner};
@@ -119,7 +120,7 @@ impl Runner {
     /// ```
     ///
     /// # Errors
-    /// The error of the smallest number that has one.
+    /// The error of the failed call with the smallest number.
     pub fn check<E: Send>(
         &self,
         count: usize,
@@ -130,7 +131,7 @@ impl Runner {
         error.map_or(Ok(()), Err)
     }
 
-    /// Calls `of` with each number below `count` on these threads. Returns the results in the order of the numbers.
+    /// Calls `of` on these threads with each number below `count`. Returns the results in the order of the numbers.
     ///
     /// ```
     /// use palpate_sweep::{RunOptions, Runner};
@@ -144,12 +145,12 @@ impl Runner {
         self.install(|| all().map(&of).collect())
     }
 
-    /// Whether time may be measured. A platform without threads may have no clock.
+    /// Whether time may be measured. A platform without threads may not have a clock.
     pub(crate) fn has_clock(&self) -> bool {
         self.pool.is_some() && !self.whole_blocks
     }
 
-    /// Calls `work` once on every thread.
+    /// Calls `work` once on each thread.
     pub(crate) fn everywhere(&self, work: impl Fn() + Sync) {
         match &self.pool {
             Some(pool) => {
@@ -159,7 +160,7 @@ impl Runner {
         }
     }
 
-    /// Calls `work` on one of these threads, so that its parallel iterators use all of them.
+    /// Calls `work` on one of these threads, so that parallel iterators in `work` use all of these threads.
     pub(crate) fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         match &self.pool {
             Some(pool) => pool.install(work),
@@ -168,7 +169,7 @@ impl Runner {
     }
 }
 
-/// Cells that are set up, as a sweep.
+/// Cells that are already set up, as a [`Sweep`].
 struct Cells<'a>(&'a [Cell<'a>]);
 
 impl<'a> Sweep for Cells<'a> {
@@ -199,7 +200,8 @@ impl<'a> Sweep for Cells<'a> {
     }
 }
 
-/// Whether the platform has no threads at all. Otherwise it has no thread to spare.
+/// Whether the error means that the platform has no threads. Otherwise, the operating system could not start another
+/// thread.
 fn has_no_threads(error: &rayon::ThreadPoolBuildError) -> bool {
     let cause = error
         .source()

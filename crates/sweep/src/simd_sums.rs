@@ -1,6 +1,6 @@
 //! Sums over the observations of a quantity, with the widest vector instructions of the processor.
 //!
-//! Every sum consists of [`LANES`] partial sums, so that vectors of any width give the same bits.
+//! Every sum consists of [`LANES`] partial sums. Therefore vectors of any width give the same result to the last bit.
 
 use palpate_statistics::HALF_WIDTHS;
 use pulp::{Arch, Simd, WithSimd, bytemuck};
@@ -8,8 +8,8 @@ use pulp::{Arch, Simd, WithSimd, bytemuck};
 use crate::column::UNREPORTED;
 use crate::moments::LANES;
 
-/// Whether all errors of the estimates are finite, and all standard deviations finite and at least 0. May return
-/// `false` for valid observations whose sum overflows.
+/// Whether all observations are valid: the errors of the estimates are finite, and the standard deviations are finite
+/// and at least 0. The result may be `false` for valid observations if their sum overflows.
 pub(crate) fn are_sound(estimates: &[f64], truth: f64, stds: &[f64]) -> bool {
     Arch::new().dispatch(AreSound {
         estimates,
@@ -29,7 +29,7 @@ impl WithSimd for AreSound<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> bool {
-        // The sum is finite only if all its terms are finite.
+        // If one term is not finite, its sum is not finite, so only the sums are tested.
         let (mut sums, mut lowest) = ([0.0; LANES], [0.0; LANES]);
         let (chunks, rest) = self.estimates.as_chunks::<LANES>();
         for chunk in chunks.iter().map(<[f64; LANES]>::as_slice).chain([rest]) {
@@ -48,7 +48,8 @@ impl WithSimd for AreSound<'_> {
     }
 }
 
-/// Observations of some trials. All three slices have the same length; a missing standard deviation is [`UNREPORTED`].
+/// Observations of one quantity in some trials. All three slices have the same length; a missing standard deviation is
+/// [`UNREPORTED`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Observed<'a> {
     pub(crate) estimates: &'a [f64],
@@ -56,30 +57,30 @@ pub(crate) struct Observed<'a> {
     pub(crate) stds: &'a [f64],
 }
 
-/// Sums over observations. Sums of squares cannot be used near the limits of the floating-point range.
+/// Sums over observations. Numbers near the limits of the floating-point range make the sums of squares invalid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Totals {
     /// Smallest and largest true value.
     pub(crate) truths: [f64; 2],
     /// Smallest and largest error.
     pub(crate) errors: [f64; 2],
-    /// Sums of (estimate − first estimate) and of its square.
+    /// Sum of (estimate − first estimate), and sum of its square.
     pub(crate) of_estimates: [f64; 2],
-    /// Sums of (error − first error) and of its square.
+    /// Sum of (error − first error), and sum of its square.
     pub(crate) of_errors: [f64; 2],
     /// Sum of (|error| − |first error|).
     pub(crate) of_magnitudes: f64,
-    /// Sums of (error² − first error²) and of its square.
+    /// Number of standard deviations that were reported. The next field is their sum.
     pub(crate) of_squares: [f64; 2],
     /// Number of standard deviations that were reported, and their sum.
     pub(crate) reported: u64,
     pub(crate) stds: f64,
-    /// Numbers of errors within the 50, 80 and 95 % intervals.
+    /// Number of errors within the 50, 80 and 95 % intervals.
     pub(crate) covered: [u64; 3],
 }
 
 impl Totals {
-    /// Totals of observations; `None` without observations. Writes their errors into `errors`.
+    /// Sums over the observations; `None` without observations. The errors of the observations are written to `errors`.
     pub(crate) fn of(observed: Observed<'_>, errors: &mut Vec<f64>) -> Option<Self> {
         errors.resize(observed.estimates.len(), 0.0);
         let first = [*observed.estimates.first()?, *observed.truths.first()?];
@@ -91,33 +92,33 @@ impl Totals {
     }
 }
 
-/// Whether an error lies within the 50, 80 and 95 % intervals that follow from a standard deviation.
+/// Whether an error is within the 50, 80 and 95 % intervals of an estimate with this standard deviation.
 pub(crate) fn is_covered(error: f64, std: f64) -> [bool; 3] {
     HALF_WIDTHS.map(|half_width| error.abs() <= half_width * std)
 }
 
 struct TotalsOf<'a> {
     observed: Observed<'a>,
-    /// First estimate and first truth.
+    /// First estimate, and first true value.
     first: [f64; 2],
     errors: &'a mut [f64],
 }
 
-/// Number of sums.
+/// Number of sums in [`Parts`].
 const SUMS: usize = 12;
 
-/// Partial sums of [`Totals`]. Its methods are always inlined, because vector instructions would otherwise be function
-/// calls.
+/// Partial sums of [`Totals`]. The methods are always inlined, because each vector instruction would otherwise be a
+/// function call.
 struct Parts<S: Simd> {
     simd: S,
-    /// First estimate, its error, and the magnitude and square of that error.
+    /// First estimate, first error, and the absolute value and the square of the first error.
     estimate: S::f64s,
     error: S::f64s,
     size: S::f64s,
     square: S::f64s,
     half_widths: [S::f64s; 3],
     sums: [[S::f64s; LANES]; SUMS],
-    /// Smallest and largest truth and error.
+    /// Smallest values so far: of the true values, and of the errors. The next field has the largest values.
     low: [[S::f64s; LANES]; 2],
     high: [[S::f64s; LANES]; 2],
 }
@@ -149,7 +150,7 @@ impl<S: Simd> Parts<S> {
         }
     }
 
-    /// 1 if an error of magnitude `size` is at most `half_width` standard deviations, else 0.
+    /// 1 if an error with the absolute value `size` is at most `half_width` standard deviations, otherwise 0.
     #[inline(always)]
     fn holds(&self, half_width: S::f64s, std: S::f64s, size: S::f64s) -> S::f64s {
         let simd = self.simd;
@@ -157,7 +158,7 @@ impl<S: Simd> Parts<S> {
         simd.select_f64s(is_held, simd.splat_f64s(1.0), simd.splat_f64s(0.0))
     }
 
-    /// Adds observations (estimates, truths and standard deviations), and writes their errors.
+    /// Adds observations (estimates, true values and standard deviations) and writes their errors to `errors`.
     #[inline(always)]
     fn add(&mut self, observed: [&[f64; LANES]; 3], errors: &mut [f64; LANES]) {
         let simd = self.simd;
@@ -202,7 +203,7 @@ impl<S: Simd> Parts<S> {
     }
 
     fn totals(&self) -> Totals {
-        // Adding 0.0 turns −0 into 0.
+        // Add 0.0, because this converts −0 to 0.
         let range = |place: usize| {
             let fold = |lanes: &[S::f64s; LANES], of: fn(f64, f64) -> f64| {
                 lanes_of::<S>(lanes).into_iter().reduce(of).unwrap_or(0.0) + 0.0
@@ -243,7 +244,7 @@ impl WithSimd for TotalsOf<'_> {
             parts.add([estimates, truths, stds], errors);
         }
         if !last_errors.is_empty() {
-            // Fill the last vector with values that add nothing to the sums.
+            // Fill the last vector with values that do not change the sums.
             let [estimate, truth] = self.first;
             let mut filled = [estimate, truth, UNREPORTED].map(|value| [value; LANES]);
             let last = [last_estimates, last_truths, last_stds];
@@ -258,7 +259,7 @@ impl WithSimd for TotalsOf<'_> {
     }
 }
 
-/// Copies the [`LANES`] numbers out of the vectors that hold them. The rest of the array is unused.
+/// Copies the [`LANES`] numbers out of the vectors. The rest of the array is unused.
 #[inline(always)]
 fn lanes_of<S: Simd>(vectors: &[S::f64s; LANES]) -> [f64; LANES] {
     let mut lanes = [0.0; LANES];

@@ -1,30 +1,32 @@
-//! Squared errors by trial, and the standard error of an rms error.
+//! Sums of the squared errors of each trial. The standard error of an rms error is computed from them.
 
 use crate::moments::{exponent, is_ordinary, largest, power_of_two, sum};
 
-/// Means and scatter of the number of observations of a trial and of the sum of their squared errors.
+/// Mean and scatter over the trials of two numbers: a trial's number of observations, and the sum of its squared
+/// errors.
 ///
-/// The observations of one trial are not independent, so the standard error of a mean square follows from the scatter
-/// between trials. If squares of the squares would overflow or vanish, they are in units of a power of two.
+/// The observations of one trial are not independent, so the standard error of a mean square is computed from the
+/// scatter between trials. If the fourth powers of errors would overflow or underflow, errors are stored in units of a
+/// power of two.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct TrialSquares {
-    /// Trials that made an observation.
+    /// Number of trials that made an observation.
     trials: u64,
-    /// Exponent of the unit 2^exponent of errors.
+    /// Exponent of the unit 2^exponent in which errors are stored.
     exponent: i32,
-    /// Mean sum of squared errors of a trial.
+    /// Mean over the trials of the sum of squared errors.
     square: f64,
-    /// Mean number of observations of a trial.
+    /// Mean over the trials of the number of observations.
     count: f64,
-    /// Sums over trials of the products of the differences to these means.
+    /// Sums over the trials of the products of the deviations of these two numbers from their means.
     square_square: f64,
     square_count: f64,
     count_count: f64,
 }
 
 impl TrialSquares {
-    /// Squares of finite errors, each from a different trial. `plain` holds the sums of (error² − first error²) and
-    /// of its square.
+    /// Squared errors, each from a different trial. The errors are finite. `plain` contains the sum of (error² − first
+    /// error²), and the sum of the squares of these differences.
     pub(crate) fn of_each(errors: &[f64], plain: [f64; 2]) -> Self {
         let Some(&first) = errors.first() else {
             return Self::default();
@@ -54,7 +56,7 @@ impl TrialSquares {
         }
     }
 
-    /// Squares of one trial with `count` observations and the root mean square error `rms`.
+    /// Squared errors of one trial with `count` observations and the root mean square error `rms`.
     pub(crate) fn of_trial(count: u64, rms: f64) -> Self {
         let exponent = exponent(rms);
         let rms = rms * power_of_two(-exponent);
@@ -68,7 +70,7 @@ impl TrialSquares {
         }
     }
 
-    /// Adds the trials of `other`, which follow the trials in these sums.
+    /// Adds the trials of `other`, which come after the trials that are already included.
     pub(crate) fn merge(&mut self, other: &Self) {
         if other.trials == 0 {
             return;
@@ -94,7 +96,7 @@ impl TrialSquares {
         self.trials = trials;
     }
 
-    /// Changes the unit to 2^exponent, which must be at least the present unit.
+    /// Changes the unit to 2^exponent, which must be at least the current unit.
     fn rescale(&mut self, exponent: i32) {
         let factor = power_of_two(self.exponent - exponent);
         let squared = factor * factor;
@@ -104,7 +106,8 @@ impl TrialSquares {
         self.square_count *= squared;
     }
 
-    /// Standard error of the rms error: to first order, as for a ratio of two means. `None` for fewer than two trials.
+    /// Standard error of the rms error, to first order. It is computed like the standard error of a ratio of two means.
+    /// `None` for fewer than two trials.
     pub(crate) fn std_of_rms(&self) -> Option<f64> {
         let freedom = self.trials.checked_sub(1).filter(|&freedom| freedom > 0)?;
         let mean_square = self.square / self.count;
@@ -142,7 +145,7 @@ mod tests {
         sums(errors).squares
     }
 
-    /// Sums of squares over trials. Each range in `trials` has the places of one trial's errors.
+    /// Sums of squares over trials. Each range in `trials` contains the indices of one trial's errors.
     fn of_trials(errors: &[f64], trials: impl IntoIterator<Item = Range<usize>>) -> TrialSquares {
         let mut all = TrialSquares::default();
         for places in trials {
@@ -160,7 +163,7 @@ mod tests {
         let together = of_trials(&thrice, places).std_of_rms().unwrap();
         assert_relative_eq!(together, once, max_relative = 1e-14);
         assert!(each(&thrice).std_of_rms().unwrap() < 0.6 * once);
-        // If trials differ only in the number of their observations, the mean square has no error.
+        // These trials differ only in the number of their observations, so the mean square has no scatter.
         let alike = of_trials(&[2.0; 9], [0..1, 1..4, 4..5, 5..9]);
         assert!(alike.std_of_rms().unwrap() < 1e-15, "{alike:?}");
     }

@@ -1,4 +1,4 @@
-//! Sweeps that return results in the order of their tasks while later tasks still run.
+//! Sweeps that return results in the order of their tasks while later tasks are still running.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -13,29 +13,29 @@ use crate::runner::{Runner, SweepError};
 use crate::summary::CellStatistics;
 use crate::trial_record::{Record, TrialObservations};
 
-/// Tasks, the experiments of their cells, and the result of each task.
+/// The tasks of a sweep, the experiments of their cells, and the results of the tasks.
 pub trait Sweep: Sync {
-    /// Experiment of a cell.
+    /// Type of a cell's experiment.
     type Trial: Trial + Send;
-    /// Result of a task.
+    /// Type of a task's result.
     type Result: Send;
-    /// Error of setting up an experiment.
+    /// Type of error if an experiment cannot be set up.
     type Error: Send;
 
     /// Number of tasks.
     fn tasks(&self) -> u64;
 
-    /// Task of this number.
+    /// The task with this index.
     fn task(&self, number: u64) -> Task;
 
-    /// Sets up the experiment of a cell. It is called on any thread before the first trial of the cell, and must not
-    /// wait for the threads of the run.
+    /// Sets up the experiment of a cell. It may be called on any thread, before the first trial of the cell. It must
+    /// not wait for the threads of the run.
     ///
     /// # Errors
-    /// Reason why the cell cannot be run; it ends the run.
+    /// Reason why the cell cannot be run. The error ends the run.
     fn set_up(&self, cell: usize) -> Result<Self::Trial, Self::Error>;
 
-    /// Rule that may end the cell of a task with `may_stop`. Without a rule all its trials are run.
+    /// Rule that may end a task early, if the task has `may_stop`. Without a rule, all trials of the task are run.
     fn stopping_rule(&self, trial: &Self::Trial) -> Option<StoppingRule> {
         let _ = trial;
         None
@@ -46,8 +46,8 @@ pub trait Sweep: Sync {
         false
     }
 
-    /// Appends the row of trial `number` to `text`, from its observations or the kind of its failure. It is called on
-    /// any thread, in the order of the trials of a task.
+    /// Appends a row for trial `number` to `text`, made from the trial's observations or from the kind of its failure.
+    /// It may be called on any thread; the trials of a task are passed in order.
     fn add_trial_row(
         &self,
         trial: &Self::Trial,
@@ -58,26 +58,26 @@ pub trait Sweep: Sync {
         let _ = (trial, number, observed, text);
     }
 
-    /// Computes the result of a cell. Called on any thread.
+    /// Computes the result of a cell from its statistics. It may be called on any thread.
     fn finish(&self, cell: usize, trial: &Self::Trial, statistics: CellStatistics) -> Self::Result;
 }
 
-/// Piece of a sweep's output.
+/// A part of a sweep's output.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SweepOutput<R> {
     /// Rows of the next trials of a task.
     TrialRows(String),
-    /// Result of a task, after all rows of its trials.
+    /// Result of a task. It follows all rows of the task's trials.
     Result(R),
 }
 
 impl Runner {
     /// Runs the tasks of a sweep and passes their results to `take`, one at a time in the order of the tasks. The run
-    /// ends early if another thread sets `cancelled` or `take` breaks. Each thread calls `progress` with the number of
-    /// trials that it has run since its last call.
+    /// ends early if another thread sets `cancelled`, or if `take` returns `Break`. Each thread calls `progress` with
+    /// the number of trials that it has run since its last call.
     ///
-    /// Memory holds only the experiments in use and the results that wait for an earlier result. It does not grow with
-    /// the number of tasks or trials. Results do not depend on the division of the trials among threads.
+    /// Only experiments that are in use, and results that wait for an earlier result, are in memory. So the memory does
+    /// not grow with the number of tasks or trials. The results do not depend on which thread runs which trials.
     ///
     /// ```
     /// use std::convert::Infallible;
@@ -124,11 +124,11 @@ impl Runner {
     /// ```
     ///
     /// # Errors
-    /// [`SweepError::SetUp`] of the first cell that cannot be set up, after the results before it;
-    /// [`SweepError::Cancelled`], also if `take` breaks.
+    /// [`SweepError::SetUp`] of the first cell that cannot be set up; `take` receives the results before it first.
+    /// [`SweepError::Cancelled`] if the run was cancelled or `take` returned `Break`.
     ///
     /// # Panics
-    /// If a trial, `progress` or `take` panics.
+    /// Panics if a trial, `progress` or `take` panics.
     pub fn stream<S: Sweep>(
         &self,
         sweep: &S,
@@ -163,7 +163,7 @@ impl Runner {
     }
 }
 
-/// The threads of a run.
+/// Data that the threads of a run share.
 struct Crew<'a, S: Sweep, F> {
     sweep: &'a S,
     queue: &'a Queue<S::Trial, S::Error, F>,
@@ -175,37 +175,37 @@ struct Crew<'a, S: Sweep, F> {
 
 /// Results that have not been passed to `take` yet.
 struct Line<'a, S: Sweep> {
-    /// Results of jobs that wait for an earlier one.
+    /// Results that wait for the results of an earlier job, by the number of their job.
     waiting: BTreeMap<u64, Vec<Ran<S>>>,
-    /// Number of the job whose results come next.
+    /// Number of the job whose results will be passed on next.
     head: u64,
     open: Option<Open>,
-    /// Number of tasks whose results have been passed on.
+    /// Number of tasks whose results were passed on.
     tasks: u64,
     failed: Option<S::Error>,
     take: &'a mut (dyn FnMut(u64, SweepOutput<S::Result>) -> ControlFlow<()> + Send),
 }
 
-/// Task whose first trials have been run.
+/// A task of which only some trials have been run.
 #[derive(Default)]
 struct Open {
-    /// Trials of the completed blocks.
+    /// Statistics of the trials in completed blocks.
     cell: Partial,
     /// Trials of the block that is not complete yet.
     block: Slice,
 }
 
-/// Trials of a task that have been run.
+/// The results of some consecutive trials of a task.
 struct Ran<S: Sweep> {
-    /// Number of the task.
+    /// Index of the task.
     number: u64,
     task: Task,
-    /// Number of the trial after its last trial.
+    /// Number of the last of these trials plus 1.
     end: u64,
-    /// Experiment; `None` if the task is complete and no longer needs it.
+    /// The experiment of the cell; `None` if the task is complete and its experiment is no longer needed.
     experiment: Option<Arc<Experiment<S::Trial, S::Error>>>,
     sums: Sum<S::Result>,
-    /// Rows of the trials.
+    /// Rows of these trials as text.
     text: String,
 }
 
@@ -213,11 +213,11 @@ enum Sum<R> {
     Whole(R),
     Blocks(Partial),
     Slice(Slice),
-    /// The experiment could not be set up.
+    /// The experiment of the cell could not be set up.
     Failed,
 }
 
-/// Ends the run of all threads if one of them panics.
+/// A guard that ends the run of all threads if one of them panics.
 struct Fuse<'a, T, E, F: Fn(u64) -> Task>(&'a Queue<T, E, F>);
 
 impl<T, E, F: Fn(u64) -> Task> Drop for Fuse<'_, T, E, F> {
@@ -242,7 +242,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
                 None => break,
             }
         }
-        // This thread drops its results. Stop the queue, because other threads may wait for them.
+        // This thread drops its results, and other threads may wait for these results, so the queue must be stopped.
         if self.is_cancelled() {
             self.queue.stop();
         }
@@ -252,7 +252,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Runs the trials of a job; `None` if the run was cancelled meanwhile.
+    /// Runs the trials of a job. Returns `None` if the run was cancelled before their end.
     fn run(&self, job: Job<S::Trial, S::Error>, record: &mut Record) -> Option<Vec<Ran<S>>> {
         let mut all = Vec::with_capacity(job.pieces.len());
         let mut trials = 0;
@@ -270,7 +270,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
                 }
                 Err(_) => Sum::Failed,
             };
-            // If the run was cancelled meanwhile, some trials of the piece are missing.
+            // If the run was cancelled, some trials of the piece may be missing.
             if self.is_cancelled() {
                 return None;
             }
@@ -304,7 +304,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
     }
 
     /// Runs the trials of a piece, and appends their rows to `text` if the sweep writes rows. If a rule ends the task,
-    /// `ran` becomes the number of trials before its end.
+    /// `ran` is set to the number of trials up to this end.
     fn sum(
         &self,
         piece: &Piece<S::Trial, S::Error>,
@@ -358,7 +358,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         Sum::Whole(self.sweep.finish(task.cell, trial, blocks.statistics()))
     }
 
-    /// Adds the results of a job to the line, and passes on all results that are next in order.
+    /// Stores the results of a job, and passes on all results that are next in order.
     fn pass_on(&self, number: u64, ran: Vec<Ran<S>>) {
         let line = self.line.lock();
         let mut line = line.unwrap_or_else(PoisonError::into_inner);
@@ -375,7 +375,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
             }
             line.head += 1;
         }
-        // A rule may have ended the last task before its last trial.
+        // Stop the queue here too, because a rule may have ended the last task before its last trial.
         if line.tasks == self.sweep.tasks() {
             self.queue.stop();
         }
@@ -386,12 +386,12 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
 }
 
 impl<S: Sweep> Line<'_, S> {
-    /// Adds the next trials.
+    /// Adds the results of the next trials, in order.
     fn put(&mut self, sweep: &S, ran: Ran<S>) -> ControlFlow<()> {
         if self.failed.is_some() {
             return ControlFlow::Break(());
         }
-        // These trials are beyond the end of a task that a rule ended.
+        // These trials are beyond the end of their task, which a rule has ended already.
         if ran.number < self.tasks {
             return ControlFlow::Continue(());
         }

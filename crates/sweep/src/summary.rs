@@ -23,9 +23,9 @@ use crate::sums::Sums;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellStatistics {
-    /// Trials run, failed ones included.
+    /// Number of trials that were run, including failed trials.
     pub trials: u64,
-    /// Failures, one entry per kind, ordered by kind.
+    /// Failures, one entry per kind, sorted by kind.
     pub failures: Vec<Failure>,
     /// Statistics of each quantity, in the order of the trial's quantities.
     pub quantities: Vec<Summary>,
@@ -40,11 +40,11 @@ impl CellStatistics {
 
 /// Statistics of one quantity over the observations of the trials that succeeded.
 ///
-/// An error is estimate − truth. Every number is finite, and in the quantity's unit or a ratio. A statistic is `None`
-/// if it is undefined (without observations, all are) or beyond the range of `f64`. For numbers of any size, the
-/// rounding error of means, rms values and standard deviations is at most 1e-13 of the mean magnitude of the summarised
-/// numbers. For standard deviations, it is also at most 1e-12 of the result. Results below 1e-308 are multiples of the
-/// smallest double.
+/// An error is the estimate minus the true value. Every number is finite; it is in the quantity's unit or is a ratio. A
+/// statistic is `None` if it is undefined or beyond the range of `f64`; without observations, all statistics are
+/// undefined. The rounding error of means, rms values and standard deviations is at most 1e-13 of the mean absolute
+/// value of the summarised numbers, for numbers of any size. For standard deviations, the rounding error is also at
+/// most 1e-12 of the result. Results below 1e-308 are multiples of the smallest double.
 ///
 /// ```
 /// use palpate_sweep::{Cell, Observation, Record, RunOptions, Runner, Trial};
@@ -72,23 +72,23 @@ pub struct Summary {
     pub truth: Option<f64>,
     /// Mean estimate.
     pub mean: Option<f64>,
-    /// Sample standard deviation of the estimates (divided by n − 1); `None` for fewer than two.
+    /// Sample standard deviation of the estimates, with the divisor n − 1; `None` for fewer than two estimates.
     pub std: Option<f64>,
     /// Mean error.
     pub bias: Option<f64>,
-    /// Root of the mean squared error.
+    /// Root-mean-square error.
     pub rms_error: Option<f64>,
-    /// Standard error of `rms_error`, to first order from the scatter of the squared errors between trials. The
-    /// observations of one trial count as one. `None` for fewer than two trials.
+    /// Standard error of `rms_error`, to first order, computed from the scatter of the squared errors between trials.
+    /// Several observations of one trial count as one. `None` for fewer than two trials.
     pub rms_error_std: Option<f64>,
-    /// Mean magnitude of the error.
+    /// Mean absolute error.
     pub mean_abs_error: Option<f64>,
-    /// `rms_error` over the magnitude of the true value; `None` if the true value is 0 or varies.
+    /// `rms_error` divided by the absolute value of the true value; `None` if the true value is 0 or varies.
     pub relative_rms_error: Option<f64>,
-    /// `mean_abs_error` over the magnitude of the true value; `None` if the true value is 0 or varies.
+    /// `mean_abs_error` divided by the absolute value of the true value; `None` if the true value is 0 or varies.
     pub relative_mean_abs_error: Option<f64>,
-    /// 5 % quantile of the estimates; `None` if the true value varies. Its distance to the true value is accurate to
-    /// 0.4 %.
+    /// 5 % quantile of the estimates; `None` if the true value varies. Its difference from the true value has a
+    /// relative error of at most 0.4 %.
     ///
     /// Quantiles are interpolated linearly between order statistics, the usual definition (type 7).
     pub q05: Option<f64>,
@@ -96,14 +96,15 @@ pub struct Summary {
     pub q50: Option<f64>,
     /// 95 % quantile of the estimates, with the accuracy of `q05`.
     pub q95: Option<f64>,
-    /// Mean of the reported standard deviations; `None` if none was reported.
+    /// Mean of the reported standard deviations; `None` if no standard deviation was reported.
     pub mean_reported_std: Option<f64>,
-    /// Share of the 50 % intervals that hold the true value. An interval is estimate ± 0.67 std, unless the trial
-    /// reports its own coverage (`interval_holds`). `None` if no trial reported either.
+    /// Share of the 50 % intervals that contain the true value. An interval is estimate ± 0.67 std, unless the trial
+    /// reports its own coverage (`interval_holds`). `None` if no trial reported a standard deviation or its own
+    /// coverage.
     pub coverage50: Option<f64>,
-    /// Share of the 80 % intervals that hold the true value, estimate ± 1.28 std; otherwise as `coverage50`.
+    /// Share of the 80 % intervals (estimate ± 1.28 std) that contain the true value. Defined like `coverage50`.
     pub coverage80: Option<f64>,
-    /// Share of the 95 % intervals that hold the true value, estimate ± 1.96 std; otherwise as `coverage50`.
+    /// Share of the 95 % intervals (estimate ± 1.96 std) that contain the true value. Defined like `coverage50`.
     pub coverage95: Option<f64>,
 }
 
@@ -145,25 +146,26 @@ fn finite(value: Option<f64>) -> Option<f64> {
     value.filter(|value| value.is_finite())
 }
 
-/// Failure kind of a trial that recorded an estimate, truth, error or standard deviation that is NaN or infinite.
+/// Kind of failure of a trial that recorded an estimate, true value, error or standard deviation that is NaN or
+/// infinite.
 pub const NOT_FINITE: &str = "not-finite";
-/// Failure kind of a trial that recorded a standard deviation below zero.
+/// Kind of failure of a trial that recorded a negative standard deviation.
 pub(crate) const NEGATIVE_STD: &str = "negative-std";
-/// Failure kind of a trial that recorded a quantity outside `0..Trial::quantities()`.
+/// Kind of failure of a trial that recorded a quantity outside of `0..Trial::quantities()`.
 pub(crate) const UNKNOWN_QUANTITY: &str = "unknown-quantity";
 
 /// All failures of one kind in a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Failure {
-    /// Stable kebab-case name of the kind.
+    /// Name of the kind of failure. The name is stable and in kebab case.
     pub kind: &'static str,
-    /// Number of trials that failed with this kind.
+    /// Number of trials with a failure of this kind.
     pub count: u64,
-    /// Smallest number of a trial that failed with this kind.
+    /// Number of the first trial with a failure of this kind.
     pub first_trial: u64,
 }
 
-/// Failures by kind, in no particular order until [`Failures::sorted`].
+/// Failures of each kind. They are unordered until [`Failures::sorted`] is called.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Failures(Vec<Failure>);
 
@@ -182,7 +184,7 @@ impl Failures {
         other.0.into_iter().for_each(|failure| self.add(failure));
     }
 
-    /// Failures ordered by kind.
+    /// The failures, sorted by kind.
     pub(crate) fn sorted(mut self) -> Vec<Failure> {
         self.0.sort_by_key(|failure| failure.kind);
         self.0

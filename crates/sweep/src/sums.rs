@@ -4,8 +4,8 @@ use crate::moments::Moments;
 use crate::simd_sums::{Observed, Totals, is_covered};
 use crate::squares::TrialSquares;
 
-/// Sums over the observations of one quantity. They determine all its statistics except the quantiles, and are merged
-/// in the order of the trials.
+/// Sums over the observations of one quantity. All statistics except the quantiles are computed from them. They are
+/// merged in the order of the trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sums {
     /// Smallest and largest true value.
@@ -14,22 +14,22 @@ pub(crate) struct Sums {
     range: [f64; 2],
     pub(crate) estimates: Moments,
     pub(crate) errors: Moments,
-    /// Mean magnitude of the errors.
+    /// Mean absolute error.
     magnitude: f64,
     pub(crate) squares: TrialSquares,
-    /// Moments of the mean estimate of each trial, and of the mean magnitude of its errors.
+    /// Two kinds of moments over the trials: of each trial's mean estimate, and of each trial's mean absolute error.
     pub(crate) by_trial: [Moments; 2],
-    /// Number of observations with a standard deviation, and the mean of these standard deviations.
+    /// Number of observations with a standard deviation. The next field is the mean of these standard deviations.
     reported: u64,
     std: f64,
     /// Number of observations that have intervals.
     intervals: u64,
-    /// Numbers of observations whose intervals of 50, 80 and 95 % hold the true value.
+    /// Number of observations whose 50, 80 and 95 % intervals contain the true value.
     covered: [u64; 3],
 }
 
 impl Sums {
-    /// Sums over observations, each from a different trial. Writes their errors into `errors`.
+    /// Sums over observations that are each from a different trial. Writes the errors of the observations to `errors`.
     pub(crate) fn of(observed: Observed<'_>, errors: &mut Vec<f64>) -> Self {
         let Some(totals) = Totals::of(observed, errors) else {
             return Self::default();
@@ -63,7 +63,7 @@ impl Sums {
         }
     }
 
-    /// Sums of the same observations if one trial made all of them.
+    /// The same sums, if one trial made all of these observations.
     pub(crate) fn of_trial(self) -> Self {
         let means = [self.estimates.mean(), Some(self.magnitude)];
         Self {
@@ -73,7 +73,8 @@ impl Sums {
         }
     }
 
-    /// Counts the coverage `holds` that a trial reports, instead of the coverage from `std`.
+    /// Replaces the coverage that was computed from `std` by `holds`, the coverage that a trial reports for its own
+    /// intervals.
     pub(crate) fn replace_coverage(&mut self, error: f64, std: f64, holds: [bool; 3]) {
         self.intervals += u64::from(std < 0.0);
         let verdicts = holds.into_iter().zip(is_covered(error, std));
@@ -83,7 +84,7 @@ impl Sums {
         }
     }
 
-    /// Adds the sums of the next trials.
+    /// Adds the sums of the trials that come next.
     pub(crate) fn merge(&mut self, other: &Self) {
         let (count, more) = (self.errors.count(), other.errors.count());
         if more == 0 {
@@ -120,30 +121,31 @@ impl Sums {
         (self.errors.count() > 0 && least == most).then_some(least)
     }
 
-    /// Mean magnitude of the error; `None` without observations.
+    /// Mean absolute error; `None` without observations.
     pub(crate) fn mean_magnitude(&self) -> Option<f64> {
         (self.errors.count() > 0).then_some(self.magnitude)
     }
 
-    /// Mean of the standard deviations that were reported; `None` without any.
+    /// Mean of the reported standard deviations; `None` if no standard deviation was reported.
     pub(crate) fn mean_std(&self) -> Option<f64> {
         (self.reported > 0).then_some(self.std)
     }
 
-    /// Shares of the intervals of 50, 80 and 95 % that hold the true value; `None` without intervals.
+    /// Shares of the 50, 80 and 95 % intervals that contain the true value; `None` without intervals.
     pub(crate) fn coverages(&self) -> [Option<f64>; 3] {
         let share =
             |covered: u64| (self.intervals > 0).then(|| covered as f64 / self.intervals as f64);
         self.covered.map(share)
     }
 
-    /// `error` moved to the nearest number between the smallest and the largest error.
+    /// Limits `error` to the range from the smallest to the largest observed error.
     pub(crate) fn clamp(&self, error: f64) -> f64 {
         error.max(self.range[0]).min(self.range[1])
     }
 }
 
-/// Mean of numbers: `plain`, or the sum of number / count if `plain` overflowed. This sum overflows only by rounding.
+/// Mean of numbers. If the usual mean `plain` is finite, it is returned. Otherwise the mean is the sum of number /
+/// count, which cannot overflow except by rounding.
 fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
     match plain.is_finite() {
         true => plain,
@@ -151,7 +153,7 @@ fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
     }
 }
 
-/// Weighted mean of two means by their counts. Both means are at least 0.
+/// Mean of two means, weighted by their counts. Both means are 0 or positive.
 fn toward(mean: f64, other: f64, [count, more]: [u64; 2]) -> f64 {
     mean + (other - mean) * (more as f64 / (count + more).max(1) as f64)
 }

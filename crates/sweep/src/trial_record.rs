@@ -1,4 +1,4 @@
-//! Observations of trials, until a block of trials is summed up.
+//! Records the observations of trials until a block of trials is summed up.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use crate::column::Column;
 use crate::simd_sums::are_sound;
 use crate::summary::{NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 
-/// Estimate of one quantity by one trial, and the true value, both in the quantity's unit.
+/// Estimate of one quantity in one trial, and the true value, both in the quantity's unit.
 ///
 /// ```
 /// use palpate_sweep::{Cell, Observation, Record, RunOptions, Runner, Trial};
@@ -31,19 +31,19 @@ use crate::summary::{NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
-    /// The estimate.
+    /// The estimated value.
     pub estimate: f64,
-    /// The true value; may differ from one observation to the next.
+    /// The true value, which may differ between observations.
     pub truth: f64,
-    /// Standard deviation that the estimator reports, at least 0; `None` if it reports none.
+    /// Standard error that the estimator reports, at least 0; `None` if it reports none.
     pub std: Option<f64>,
-    /// Whether the estimator's own 50, 80 and 95 % intervals hold the true value; `None` if its intervals are estimate
-    /// ± 0.67, 1.28 and 1.96 std.
+    /// Whether the estimator's own 50, 80 and 95 % intervals contain the true value. `None` if its intervals are the
+    /// estimate ± 0.67, 1.28 and 1.96 `std`.
     pub interval_holds: Option<[bool; 3]>,
 }
 
 impl Observation {
-    /// An estimate without a standard deviation.
+    /// An estimate without a standard error.
     #[inline]
     pub const fn plain(estimate: f64, truth: f64) -> Self {
         Self {
@@ -54,13 +54,13 @@ impl Observation {
         }
     }
 
-    /// An exact value: it is not estimated and has no error.
+    /// An exact value, that is, a quantity that is computed and not estimated. Its error is 0.
     #[inline]
     pub const fn exact(value: f64) -> Self {
         Self::plain(value, value)
     }
 
-    /// Whether the error is finite and the standard deviation, if any, is finite and at least 0.
+    /// Whether the error is finite, and the standard error is missing or is finite and at least 0.
     #[inline]
     pub(crate) fn is_sound(&self) -> bool {
         let sound_std = |std| (0.0..f64::INFINITY).contains(&std);
@@ -68,25 +68,25 @@ impl Observation {
     }
 }
 
-/// Observations of one quantity by trials that ran together, one per trial; see [`Observation`].
+/// Observations of one quantity in trials that were run together, one per trial; see [`Observation`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observations<'a> {
     /// The estimates, one per trial.
     pub estimates: &'a [f64],
-    /// The true value, the same in all trials.
+    /// The true value, which is the same in all trials.
     pub truth: f64,
-    /// Standard deviations that the estimator reports, one per trial; `None` if it reports none.
+    /// Standard errors that the estimator reports, one per trial; `None` if it reports none.
     pub stds: Option<&'a [f64]>,
 }
 
 impl Observations<'_> {
-    /// Number of trials that have an estimate and, if any are reported, a standard deviation.
+    /// Number of trials that have an estimate. If standard errors are reported, each of these trials has one.
     pub(crate) fn len(&self) -> usize {
         let stds = self.stds.map_or(usize::MAX, <[f64]>::len);
         self.estimates.len().min(stds)
     }
 
-    /// Number of sound observations before the first that is not, at most `count`.
+    /// Number of valid observations before the first invalid one, at most `count`.
     pub(crate) fn sound(&self, count: usize) -> usize {
         let estimates = &self.estimates[..count];
         let stds = self.stds.map_or(&[][..], |stds| &stds[..count]);
@@ -106,23 +106,24 @@ impl Observations<'_> {
     }
 }
 
-/// Collector of the observations of trials. Each [`Trial`](crate::Trial) records its observations in it.
+/// Recorder to which each [`Trial`](crate::Trial) adds its observations.
 #[derive(Debug, Default)]
 pub struct Record {
     columns: Vec<Column>,
     rejection: Option<&'static str>,
 }
 
-/// Observations of one trial that succeeded.
+/// Observations of one successful trial.
 #[derive(Debug)]
 pub struct TrialObservations<'a> {
     columns: &'a [Column],
-    /// Places of its observations in each column.
+    /// Indices of the trial's observations in each column.
     places: Vec<Range<usize>>,
 }
 
 impl TrialObservations<'_> {
-    /// Observations of a quantity, in the order of recording; empty if the quantity was not observed.
+    /// Observations of a quantity in the order in which the trial recorded them; empty if it did not observe the
+    /// quantity.
     pub fn of(&self, quantity: usize) -> impl Iterator<Item = Observation> {
         let column = self.columns.get(quantity).zip(self.places.get(quantity));
         let observations =
@@ -163,11 +164,11 @@ impl Record {
         }
     }
 
-    /// Records the observations of trials that ran together and succeeded: one of each of the first `Q` quantities in
-    /// every trial.
+    /// Records the observations of successful trials that were run together. Each trial has one observation of each of
+    /// the first `Q` quantities.
     ///
-    /// Returns the number of recorded trials: all trials before the first one that [`Record::observe`] would fail, or
-    /// that lacks a quantity.
+    /// Returns the number of trials that were recorded. These are all trials before the first trial for which
+    /// [`Record::observe`] would fail, or in which a quantity is missing.
     pub fn observe_together<const Q: usize>(
         &mut self,
         observations: &[Observations<'_>; Q],
@@ -185,12 +186,13 @@ impl Record {
         count
     }
 
-    /// Prepares for trials that observe this many quantities. Earlier observations must have been summed up.
+    /// Prepares the record for trials that observe this number of quantities. Earlier observations must have been
+    /// summed up.
     pub(crate) fn set_quantities(&mut self, quantities: usize) {
         self.columns.resize_with(quantities, Column::default);
     }
 
-    /// Result of the last trial; an error if the trial recorded an invalid value.
+    /// Result of the last trial. It is an error if the trial failed or recorded an invalid value.
     pub(crate) fn verdict(&mut self, result: Result<(), &'static str>) -> Result<(), &'static str> {
         let rejection = self.rejection.take();
         result.and_then(|()| rejection.map_or(Ok(()), Err))
@@ -207,7 +209,8 @@ impl Record {
         self.columns.iter_mut().for_each(Column::forget);
     }
 
-    /// Runs one trial, passes its observations to `read`, and drops them. The record is empty before and after.
+    /// Runs one trial, passes its observations to `read`, and drops them. The record is empty before and after this
+    /// call.
     pub(crate) fn single_trial<T>(
         &mut self,
         trial: &dyn Trial,
@@ -232,8 +235,8 @@ impl Record {
         self.columns.iter().map(Column::len).collect()
     }
 
-    /// Passes the observations of each trial to `read`. `before` holds the lengths of the columns before these trials,
-    /// each of which made the same number of observations.
+    /// Passes the observations of each trial to `read`. `before` contains the lengths of the columns before the first
+    /// of these trials. All these trials made the same number of observations.
     pub(crate) fn pass_on(
         &self,
         trials: Range<u64>,
@@ -256,7 +259,7 @@ impl Record {
         }
     }
 
-    /// The observations of each quantity.
+    /// The stored observations, with one column for each quantity.
     pub(crate) fn columns(&mut self) -> &mut [Column] {
         &mut self.columns
     }
@@ -302,7 +305,7 @@ mod tests {
         result
     }
 
-    /// Sums up the observations, and returns their number for each quantity.
+    /// Sums up the observations, and returns the number of observations of each quantity.
     fn counts(record: &mut Record) -> Vec<u64> {
         let sums = |column: &mut Column| column.sum_up(&mut Histogram::default());
         let counts = record.columns().iter_mut().map(sums);

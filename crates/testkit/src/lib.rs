@@ -1,5 +1,6 @@
-//! Frames whose true markers are returned with them, for tests, benches and measurements of tracking. The frames are
-//! drawn in another way than `palpate-chromatouch` renders frames, so that tracking has an independent reference.
+//! Draws frames of markers and returns them with the true features of the markers, for tests, benchmarks and
+//! measurements of the tracker. The drawing method differs from the renderer of `palpate-chromatouch`, so the frames
+//! are an independent reference.
 //!
 //! ```
 //! let (frame, truth) = palpate_testkit::dark(200, 1);
@@ -10,14 +11,14 @@
 
 use image::RgbImage;
 
-/// True features of a pair of discs, or of a single disc.
+/// True features of a marker, which is a pair of discs or a single disc.
 #[derive(Clone, Copy, Debug)]
 pub struct Truth {
-    /// Centroid, px.
+    /// True centroid of the marker, px.
     pub centroid_px: [f64; 2],
-    /// Hue, turns.
+    /// True hue of the marker, turns.
     pub hue_turns: f64,
-    /// Size in a bright frame, px²; 0 in a dark one.
+    /// Size in a bright frame, px²; 0 in a dark frame.
     pub size_px2: f64,
 }
 
@@ -45,12 +46,12 @@ impl Random {
     }
 }
 
-/// Hue of a colour as in HSV, turns.
+/// Hue (HSV) of a colour, in turns.
 pub fn hue(light: [f64; 3]) -> f64 {
     let least = light.into_iter().fold(f64::INFINITY, f64::min);
     let [red, green, blue] = light.map(|one| one - least);
     let sixths = if blue == 0.0 {
-        // From red over yellow to green.
+        // The hue is between red and green, by way of yellow.
         if red >= green {
             green / red
         } else {
@@ -70,7 +71,7 @@ pub fn hue(light: [f64; 3]) -> f64 {
     sixths / 6.0
 }
 
-/// The colour of a hue in turns with saturation 0.8 and value 1.
+/// The colour with this hue (in turns), saturation 0.8 and value 1.
 fn colour(hue: f64) -> [f64; 3] {
     [0.0, 4.0, 2.0].map(|shift| {
         let ramp = ((6.0 * hue + shift).rem_euclid(6.0) - 3.0).abs() - 1.0;
@@ -78,7 +79,8 @@ fn colour(hue: f64) -> [f64; 3] {
     })
 }
 
-/// Share of each pixel near a disc that the disc covers, by 8 × 8 sample points per pixel: (column, row, share).
+/// The pixels near a disc, each as (column, row, covered share). The share is estimated with 8 × 8 sample points per
+/// pixel.
 fn covered(disc: [f64; 2], radius: f64, size: usize) -> Vec<(usize, usize, f64)> {
     let bounds = |at: f64| {
         let first = (at - radius - 2.0).max(0.0) as usize;
@@ -98,7 +100,7 @@ fn covered(disc: [f64; 2], radius: f64, size: usize) -> Vec<(usize, usize, f64)>
     pixels
 }
 
-/// Converts a plane of colours to bytes, with normal noise of standard deviation `noise`.
+/// Converts an image to bytes, and adds normal noise with the standard deviation `noise`, in grey levels of 255.
 fn bytes(plane: &[[f64; 3]], size: usize, noise: f64, random: &mut Random) -> RgbImage {
     let mut frame = RgbImage::new(size as u32, size as u32);
     for (pixel, colour) in frame.pixels_mut().zip(plane) {
@@ -108,8 +110,9 @@ fn bytes(plane: &[[f64; 3]], size: usize, noise: f64, random: &mut Random) -> Rg
     frame
 }
 
-/// Frame of 77 discs of random hues on a dark ground with uneven illumination. The noise has a standard deviation of 3
-/// of 255 levels. Outside a circle around the middle, of radius 0.48 × `size`, there is clutter.
+/// A frame of 77 discs of random hues on a dark background with uneven illumination. The noise has a standard deviation
+/// of 3 grey levels, of 255. Outside of a circle around the middle with the radius 0.48 × `size`, there is random
+/// clutter.
 pub fn dark(size: usize, seed: u64) -> (RgbImage, Vec<Truth>) {
     let mut random = Random(seed);
     let n = size as f64;
@@ -148,30 +151,30 @@ pub fn dark(size: usize, seed: u64) -> (RgbImage, Vec<Truth>) {
     (bytes(&plane, size, 3.0, &mut random), truth)
 }
 
-/// Settings by which a bright frame is drawn.
+/// Settings of a frame with a bright background.
 #[derive(Clone, Copy, Debug)]
 pub struct Bright {
-    /// Side of the frame, px.
+    /// Side length of the frame, px.
     pub size: usize,
     /// Diameter of a disc, px.
     pub disc_px: f64,
-    /// Distance of the two discs of a marker, in diameters.
+    /// Distance between the two discs of a marker, in diameters of a disc.
     pub apart: f64,
     /// Standard deviation of the blur, px.
     pub blur_px: f64,
-    /// Share of light that is lost at the rim.
+    /// Share of light that is lost at the rim of the image.
     pub falloff: f64,
-    /// Standard deviation of the noise, of 255 levels.
+    /// Standard deviation of the noise, in grey levels of 255.
     pub noise: f64,
 }
 
-/// Light that passes a magenta disc.
+/// Shares of red, green and blue light that a magenta disc transmits.
 pub const MAGENTA: [f64; 3] = [0.95, 0.25, 0.85];
-/// Light that passes a yellow disc.
+/// Shares of red, green and blue light that a yellow disc transmits.
 pub const YELLOW: [f64; 3] = [0.98, 0.9, 0.1];
 
-/// Frame of markers at `places` on a white ground. Each marker is a magenta and a yellow disc, displaced from each
-/// other in a random direction.
+/// A frame of markers at `places` on a white background. Each marker consists of a magenta and a yellow disc, which are
+/// displaced from each other in a random direction.
 pub fn bright(how: Bright, places: &[[f64; 2]], seed: u64) -> (RgbImage, Vec<Truth>) {
     let Bright { size, disc_px, .. } = how;
     let mut random = Random(seed);
@@ -221,7 +224,7 @@ pub fn bright(how: Bright, places: &[[f64; 2]], seed: u64) -> (RgbImage, Vec<Tru
     (bytes(&lit, size, how.noise, &mut random), truth)
 }
 
-/// A Gaussian blur, along rows first.
+/// Blurs an image with a Gaussian, first along rows and then along columns.
 fn blur(plane: &[[f64; 3]], size: usize, std: f64) -> Vec<[f64; 3]> {
     if std == 0.0 {
         return plane.to_vec();
@@ -253,8 +256,8 @@ fn blur(plane: &[[f64; 3]], size: usize, std: f64) -> Vec<[f64; 3]> {
     pass(&across, size, |at, size| at / size)
 }
 
-/// Places of a sensor's markers: one in the middle and rings around it, `spacing` px apart, in a frame with `size` px a
-/// side.
+/// Places of a sensor's markers: one in the middle, and rings around it at distances of `spacing` px, in a frame with a
+/// side of `size` px.
 pub fn rings(size: usize, spacing: f64, rings: usize) -> Vec<[f64; 2]> {
     let middle = 0.5 * (size as f64 - 1.0);
     let mut places = vec![[middle + 0.3, middle - 0.2]];

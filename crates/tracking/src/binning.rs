@@ -1,12 +1,12 @@
-//! A frame at a lower resolution: sums over squares of pixels. The search for markers uses it.
+//! A frame at a lower resolution, as sums over square bins of pixels. The search for markers uses it.
 
 use image::RgbImage;
 
-/// The largest side of a square: the sum of 16² bytes still fits into 16 bits.
+/// Largest side of a bin, px. The sum of 16² bytes still fits into 16 bits.
 pub(crate) const LARGEST_BIN: usize = 16;
 
-/// Sums of red, green and blue over squares of `bin` by `bin` pixels, row by row. Remaining pixels at the right and at the
-/// bottom are ignored.
+/// Sums of red, green and blue over bins of `bin` by `bin` pixels, row by row. Pixels at the right and at the bottom
+/// that fill no complete bin are ignored.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BinnedFrame {
     pub(crate) width: usize,
@@ -17,7 +17,7 @@ pub(crate) struct BinnedFrame {
 }
 
 impl BinnedFrame {
-    /// Reads a frame that holds at least one square.
+    /// Reads a frame, which must contain at least one bin.
     pub(crate) fn read(&mut self, frame: &RgbImage, bin: usize) {
         let row = frame.width() as usize * 3;
         self.bin = bin;
@@ -34,7 +34,7 @@ impl BinnedFrame {
                 }
             }
             match bin {
-                // A square of constant size is summed faster.
+                // The size of the bin is a compile-time constant, because the loop over a bin is then faster.
                 1 => add_row::<1>(&self.columns, &mut self.sums),
                 2 => add_row::<2>(&self.columns, &mut self.sums),
                 3 => add_row::<3>(&self.columns, &mut self.sums),
@@ -47,7 +47,7 @@ impl BinnedFrame {
         }
     }
 
-    /// Pixels in a square.
+    /// Number of pixels in a bin.
     pub(crate) fn pixels(&self) -> usize {
         self.bin * self.bin
     }

@@ -1,4 +1,4 @@
-//! Calibration: from changes of markers' images to displacements.
+//! Calibration: converts changes of the markers' images to displacements.
 
 mod error;
 mod lateral;
@@ -12,7 +12,7 @@ pub use normal::{MarkerGain, NormalCalibration, NormalFrom, NormalPoint};
 
 use crate::Change;
 
-/// Converts changes of markers to displacements.
+/// Converts changes of the markers' images to displacements of the markers.
 ///
 /// ```
 /// use palpate_tracking::{Calibration, Change, NormalCalibration, NormalFrom, NormalPoint};
@@ -39,12 +39,12 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// A calibration of normal displacements, of tangential displacements, or of both. `markers` is the number of
-    /// markers that the sensor shows at rest, if it is available.
+    /// A calibration for normal displacements, for tangential displacements, or for both. `markers` is the number of
+    /// markers that the sensor shows at rest; `None` if it is not known.
     ///
     /// # Errors
-    /// [`CalibrationError::TooFewPoints`] without both parts, [`CalibrationError::OutOfRange`] for a number that is not finite
-    /// or a slope of 0.
+    /// [`CalibrationError::TooFewPoints`] if both parts are missing; [`CalibrationError::OutOfRange`] for a number that
+    /// is not finite, or for a slope of 0.
     pub fn new(
         normal: Option<NormalCalibration>,
         lateral: Option<LateralCalibration>,
@@ -64,12 +64,12 @@ impl Calibration {
         })
     }
 
-    /// The part of normal displacements.
+    /// The calibration for normal displacements, if there is one.
     pub const fn normal_part(&self) -> Option<&NormalCalibration> {
         self.normal.as_ref()
     }
 
-    /// The part of tangential displacements.
+    /// The calibration for tangential displacements, if there is one.
     pub const fn lateral_part(&self) -> Option<&LateralCalibration> {
         self.lateral.as_ref()
     }
@@ -79,11 +79,12 @@ impl Calibration {
         self.markers
     }
 
-    /// Checks the number of markers that a sensor shows at rest. It may differ by a tenth, because some markers may be hidden. It
-    /// may not differ if the markers' own slopes are used, because these belong to marker indices.
+    /// Checks the number of markers that a sensor shows at rest. It may differ by 10 % from the number in the
+    /// calibration, because some markers may be hidden. If markers have their own slopes, it must be equal, because
+    /// these slopes are stored by marker index.
     ///
     /// # Errors
-    /// [`CalibrationError::AnotherLayout`].
+    /// [`CalibrationError::AnotherLayout`] if the number of markers does not fit.
     pub fn fits(&self, found: usize) -> Result<(), CalibrationError> {
         let Some(calibrated) = self.markers else {
             return Ok(());
@@ -96,13 +97,15 @@ impl Calibration {
         Ok(())
     }
 
-    /// The inward displacement of a marker, length; `None` without a calibration, or if the change is not finite.
+    /// The inward displacement of a marker, length. `None` without a calibration for normal displacements, or if the
+    /// change is not finite.
     pub fn normal(&self, marker: usize, change: &Change) -> Option<f64> {
         self.normal.as_ref()?.read(marker, change)
     }
 
-    /// The displacement along the skin, length, of a marker with the inward displacement `normal`. `shift_px` is the
-    /// shift along the axes at the marker's place: f times the angle, px. `None` as in [`Calibration::normal`].
+    /// The displacement of a marker along the skin (length). `normal` is the marker's inward displacement. `shift_px`
+    /// is the shift of its image along the axes at the marker's place, that is, the focal length f times the angle of
+    /// the shift, px. `None` without a calibration for tangential displacements, or if a number is not finite.
     pub fn tangential(&self, shift_px: [f64; 2], normal: f64) -> Option<[f64; 2]> {
         self.lateral.as_ref()?.read(shift_px, normal)
     }

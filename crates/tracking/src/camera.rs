@@ -1,4 +1,4 @@
-//! The camera: from pixels to directions.
+//! The camera model: converts pixels to directions.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -6,13 +6,13 @@ use nalgebra::Vector3;
 
 use crate::{CalibrationError, Change, Marker, Track};
 
-/// An equidistant fisheye camera, r = f θ, in the centre of a spherical sensor, with its axis through the apex. With
-/// odd terms, r = f (θ + k3 θ³ + k5 θ⁵).
+/// An equidistant fisheye camera in the centre of a spherical sensor, with its axis through the apex. It images a polar
+/// angle θ at the distance r = f θ from the image's centre; with odd terms, at r = f (θ + k3 θ³ + k5 θ⁵).
 ///
-/// A place is a direction from the centre, given by its logarithm map from the apex in radians: √(x² + y²) is the angle
-/// from the apex, and (x, y) is the direction from the apex to the place. Image columns increase along x, rows
-/// against y. Displacements of a place are along the axes at the apex, parallel-transported to the place along the
-/// meridian.
+/// A place is a direction from the centre. Its two coordinates are the logarithm map from the apex, in radians: √(x² +
+/// y²) is the angle from the apex, and (x, y) points from the apex to the place. Image columns increase along x, and
+/// image rows increase along −y. The components of a displacement are along the axes of the apex, parallel-transported
+/// along the meridian to the place.
 ///
 /// ```
 /// use palpate_tracking::Equidistant;
@@ -27,12 +27,12 @@ use crate::{CalibrationError, Change, Marker, Track};
 pub struct Equidistant {
     centre_px: [f64; 2],
     px_per_rad: f64,
-    /// Odd terms beyond r = f θ, if there are any.
+    /// The odd terms in θ³ and θ⁵ of the lens, if it has any.
     terms: Option<OddTerms>,
 }
 
 impl Equidistant {
-    /// A camera that shows the apex at `centre_px`, with f = `px_per_rad`.
+    /// A camera without odd terms that shows the apex at `centre_px` and has the focal length f = `px_per_rad`.
     ///
     /// # Errors
     /// [`CalibrationError::OutOfRange`] unless the centre lies within ±1e12 px and `px_per_rad` between 1e-6 and 1e12.
@@ -61,8 +61,8 @@ impl Equidistant {
         Err(CalibrationError::out_of_range(what, value, needed))
     }
 
-    /// This camera with odd terms, r = f (θ + k3 θ³ + k5 θ⁵). Points beyond the angle up to which r increases are not valid
-    /// places.
+    /// This camera with odd terms in its lens, r = f (θ + k3 θ³ + k5 θ⁵). Image points beyond the angle at which r
+    /// stops increasing are not valid places.
     ///
     /// # Errors
     /// [`CalibrationError::OutOfRange`] unless `k3` and `k5` lie between -100 and 100.
@@ -81,7 +81,7 @@ impl Equidistant {
         })
     }
 
-    /// Scale f of r = f θ, px per radian; with odd terms, the scale in the middle of the image.
+    /// Focal length f in r = f θ, px per radian. With odd terms, it is the scale in the middle of the image.
     pub const fn px_per_rad(&self) -> f64 {
         self.px_per_rad
     }
@@ -106,10 +106,11 @@ impl Equidistant {
         }
     }
 
-    /// Great-circle displacement of a place, rad along the axes at rest; 0 if a point is not a valid place.
+    /// Great-circle displacement from one image point to another, rad, along the axes at the first place; 0 if a point
+    /// is not a valid place.
     ///
-    /// Pixels over f are this displacement only along the radius of the image. Across the radius, the image is stretched by
-    /// θ/sin θ.
+    /// The distance in pixels divided by f equals this displacement only along the radius of the image. Perpendicular
+    /// to the radius, the image is stretched by the factor θ/sin θ.
     fn shift(&self, rest_px: [f64; 2], pressed_px: [f64; 2]) -> [f64; 2] {
         match (self.finite_place(rest_px), self.finite_place(pressed_px)) {
             (Some(rest), Some(pressed)) => great_circle(rest, pressed),
@@ -117,8 +118,8 @@ impl Equidistant {
         }
     }
 
-    /// Change of a tracked marker, without the stretching of the image. The shift is f times the angle. The
-    /// growth is half the change of the logarithm of the solid angle.
+    /// Change of a tracked marker, corrected for the distortion of the image. The shift is f times the angle of the
+    /// displacement. The growth is half the change of the logarithm of the marker's solid angle.
     pub fn change(&self, track: &Track) -> Option<Change> {
         let (rest, pressed) = (track.rest?, track.pressed?);
         let change = track.change()?;
@@ -139,15 +140,16 @@ impl Equidistant {
         Some(change).filter(Change::is_finite)
     }
 
-    /// Factor by which the image enlarges areas at this angle from its middle, relative to its middle.
+    /// Factor by which the image enlarges an area at this angle from the camera's axis, compared with an area on the
+    /// axis.
     fn stretching(&self, angle: f64) -> f64 {
         let [even, slope] = self.terms.map_or([1.0; 2], |terms| terms.stretches(angle));
         stretching(angle) * (even * slope)
     }
 }
 
-/// Factor θ/sin θ by which an equidistant image enlarges areas at this angle from its middle. Beyond a right angle it stays
-/// constant.
+/// Factor θ/sin θ by which an equidistant image enlarges an area at this angle from the camera's axis. Beyond a right
+/// angle, the factor stays constant.
 fn stretching(angle: f64) -> f64 {
     let angle = angle.min(FRAC_PI_2);
     if angle < 1e-8 {
@@ -157,7 +159,7 @@ fn stretching(angle: f64) -> f64 {
     }
 }
 
-/// The direction of a place, and the apex's axes transported to it.
+/// The direction of a place, and the axes of the apex after parallel transport to this place.
 fn frame([x, y]: [f64; 2]) -> [Vector3<f64>; 3] {
     let angle = libm::hypot(x, y);
     let [along_x, along_y] = if angle > 0.0 {
@@ -175,11 +177,11 @@ fn frame([x, y]: [f64; 2]) -> [Vector3<f64>; 3] {
     ]
 }
 
-/// The logarithm map of a place from another, rad along the axes of the latter.
+/// Great-circle displacement from one place to another (logarithm map), rad, along the axes at `from`.
 pub(crate) fn great_circle(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     let [start, x_axis, y_axis] = frame(from);
     let [end, ..] = frame(to);
-    // The chord is exact even if it is short.
+    // Use the chord, because it is accurate even if it is short.
     let chord = end - start;
     let [x, y] = [chord.dot(&x_axis), chord.dot(&y_axis)];
     let across = libm::hypot(x, y);
@@ -191,12 +193,13 @@ pub(crate) fn great_circle(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// Smallest slope dr/dθ of a lens, relative to that on its axis. If it is smaller, angles cannot be determined.
+/// Smallest allowed slope dr/dθ of a lens, relative to its slope on the axis. If the slope is smaller, angles cannot be
+/// determined from distances.
 const MIN_SLOPE: f64 = 0.01;
-/// Largest number of Newton steps. A step that would leave the bracket is replaced by a bisection.
+/// Maximum number of Newton steps. A step that would leave the bracket is replaced by a bisection.
 const MAX_STEPS: usize = 64;
 
-/// Odd terms of a fisheye: r = f (θ + k3 θ³ + k5 θ⁵).
+/// The odd terms of a fisheye lens, r = f (θ + k3 θ³ + k5 θ⁵), with k3 and k5 of any finite size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct OddTerms {
     k3: f64,
@@ -206,7 +209,7 @@ struct OddTerms {
 }
 
 impl OddTerms {
-    /// Terms of any finite size.
+    /// The terms with these coefficients, which may have any finite size.
     fn new(k3: f64, k5: f64) -> Self {
         let terms = Self {
             k3,
@@ -219,8 +222,8 @@ impl OddTerms {
         }
     }
 
-    /// Angle up to which the slope is at least [`MIN_SLOPE`]: from the smaller positive root of 5 k5 u² + 3 k3 u + 1 −
-    /// `MIN_SLOPE`, where u = θ².
+    /// Largest angle up to which the slope is at least [`MIN_SLOPE`]. It follows from the smallest positive root of 5
+    /// k5 u² + 3 k3 u + 1 − `MIN_SLOPE`, where u = θ².
     fn first_root(self) -> f64 {
         let (square, linear, constant) = (5.0 * self.k5, 3.0 * self.k3, 1.0 - MIN_SLOPE);
         let inside = linear * linear - 4.0 * square * constant;
@@ -233,7 +236,8 @@ impl OddTerms {
         positive.fold(PI * PI, f64::min).sqrt().min(PI)
     }
 
-    /// r / (f θ) and r′ / f at an angle.
+    /// The ratios r / (f θ) and r′ / f at an angle θ, where r is the distance from the image's centre and r′ its
+    /// derivative.
     fn stretches(self, angle: f64) -> [f64; 2] {
         let square = angle.min(self.max_angle).powi(2);
         let term =
@@ -241,7 +245,7 @@ impl OddTerms {
         [term(1.0, 1.0), term(3.0, 5.0)]
     }
 
-    /// The angle at the distance r / f from the middle of the image; `None` beyond the largest valid distance.
+    /// The angle θ at which r / f equals `scaled`; `None` beyond the largest distance of a valid place.
     fn angle(self, scaled: f64) -> Option<f64> {
         let (mut low, mut high) = (0.0, self.max_angle);
         let distance = |angle: f64| angle * self.stretches(angle)[0];
@@ -289,8 +293,8 @@ mod tests {
         let along = camera.shift(rest, [rest[0] + 2.3, rest[1]]);
         assert_relative_eq!(along[0], 0.01, epsilon = 1e-12);
         assert_relative_eq!(along[1], 0.0, epsilon = 1e-12);
-        // A place 1 rad from the apex lies on a circle of radius sin 1, not 1, so that a pixel around the axis is a
-        // smaller angle.
+        // A place at 1 rad from the apex lies on a circle of radius sin 1 instead of 1. Therefore one pixel
+        // perpendicular to the image's radius corresponds to a smaller angle.
         let across = camera.shift(rest, [rest[0], rest[1] - 1e-3]);
         assert_relative_eq!(
             across[1],
@@ -310,8 +314,8 @@ mod tests {
                 let place = camera.place([319.5 + radius * along, 319.5 - radius * up]);
                 assert_relative_eq!(place[0], angle * along, epsilon = 1e-12);
                 assert_relative_eq!(place[1], angle * up, epsilon = 1e-12);
-                // Ratio of an area in the image to its area on the sphere. The slope along the radius is a finite
-                // difference.
+                // Ratio of an area in the image to the corresponding area on the sphere. The slope along the image's
+                // radius is a finite difference.
                 let more = 1e-6;
                 let distance = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
                 if angle > 0.0 {
@@ -324,8 +328,8 @@ mod tests {
         assert_eq!(camera().with_odd_terms([0.0; 2]).expect("none"), camera());
         assert!(camera().with_odd_terms([f64::NAN, 0.0]).is_err());
         assert!(camera().with_odd_terms([0.0, 1e9]).is_err());
-        // The slope 1 − 3 θ² falls to 0.01 at 0.574 rad, 0.385 f from the middle. Points farther out are not valid
-        // places.
+        // The slope 1 − 3 θ² decreases to 0.01 at θ = 0.574 rad, where r is 0.385 f. Points farther from the middle are
+        // not valid places.
         let folded = camera()
             .with_odd_terms([-1.0, 0.0])
             .expect("terms in range");
@@ -341,7 +345,7 @@ mod tests {
         let back = camera.shift(point, apex);
         for axis in 0..2 {
             assert_relative_eq!(there[axis], camera.place(point)[axis], epsilon = 1e-14);
-            // Along a meridian the transported axes do not turn.
+            // Along a meridian, the transported axes do not rotate.
             assert_relative_eq!(back[axis], -there[axis], epsilon = 1e-14);
         }
         assert_eq!(camera.shift(point, point), [0.0, 0.0]);
@@ -350,7 +354,7 @@ mod tests {
     #[test]
     fn a_marker_that_only_moves_outward_does_not_grow() {
         let camera = camera();
-        // Image areas of one solid angle at 0.5 and 0.8 rad from the axis.
+        // Two images of a marker with the same solid angle, at 0.5 and 0.8 rad from the axis.
         let marker = |angle: f64| Marker {
             centroid_px: [319.5 + 230.0 * angle, 319.5],
             hue_turns: 0.9,

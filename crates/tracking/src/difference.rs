@@ -1,23 +1,23 @@
-//! Picture of the difference between two frames.
+//! An image of the difference between two frames.
 
 use std::num::NonZeroU8;
 
 use image::{Rgb, RgbImage};
 use thiserror::Error;
 
-/// Two frames of different sizes.
+/// The two frames have different sizes.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error("the frame at rest has {} x {} px, the pressed one {} x {}", rest[0], rest[1], pressed[0], pressed[1])]
 pub struct SizesDiffer {
-    /// Width and height at rest, px.
+    /// Width and height of the rest frame, px.
     pub rest: [u32; 2],
-    /// Width and height pressed, px.
+    /// Width and height of the pressed frame, px.
     pub pressed: [u32; 2],
 }
 
-/// Picture of the signed difference between the green channels of two frames, on white. Magenta absorbs green light.
-/// Where the pressed frame has more green light, the picture is green; where it has less, the picture is magenta, as in
-/// Fig. 7b of the 2020 paper. A difference of `full_levels` (of 255) or more has the full colour.
+/// Image of the signed difference between the green channels of two frames, on white, as in Fig. 7b of the 2020 paper.
+/// Where the pressed frame has more green light, the image is green. Where it has less, the image is magenta, because
+/// magenta absorbs green light. A difference of `full_levels` grey levels (of 255) or more has the full colour.
 ///
 /// ```
 /// use std::num::NonZeroU8;
@@ -36,7 +36,7 @@ pub struct SizesDiffer {
 /// ```
 ///
 /// # Errors
-/// [`SizesDiffer`].
+/// [`SizesDiffer`] if the frames have different sizes.
 pub fn difference(
     rest: &RgbImage,
     pressed: &RgbImage,

@@ -4,34 +4,34 @@ use palpate_statistics::Number;
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Reason why no markers can be found in a frame.
+/// Reason for which no markers can be found in a frame.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum TrackingError {
     /// The frame has no pixels.
     #[error("the frame has no pixels: {width} by {height}")]
     EmptyImage {
-        /// Columns.
+        /// Number of columns.
         width: u32,
-        /// Rows.
+        /// Number of rows.
         height: u32,
     },
     /// The frame, or its part inside the image circle, is too small for a marker.
-    #[error("{width} by {height} px are too few: at least {least} by {least} are needed")]
+    #[error("the frame has {width} by {height} px; at least {least} by {least} are needed")]
     TooSmall {
-        /// Columns.
+        /// Number of columns.
         width: u32,
-        /// Rows.
+        /// Number of rows.
         height: u32,
         /// Smallest allowed number of columns and of rows.
         least: u32,
     },
     /// The frame is larger than the limit.
-    #[error("{width} by {height} px are too many: at most {most} by {most} are read")]
+    #[error("the frame has {width} by {height} px; at most {most} by {most} are accepted")]
     TooLarge {
-        /// Columns.
+        /// Number of columns.
         width: u32,
-        /// Rows.
+        /// Number of rows.
         height: u32,
         /// Largest allowed number of columns and of rows.
         most: u32,
@@ -43,28 +43,28 @@ pub enum TrackingError {
         x_px = Number(*x_px), y_px = Number(*y_px), radius_px = Number(*radius_px)
     )]
     MaskOutside {
-        /// Column of the centre.
+        /// Column of the circle's centre.
         x_px: f64,
-        /// Row of the centre.
+        /// Row of the circle's centre.
         y_px: f64,
-        /// Radius.
+        /// Radius of the circle.
         radius_px: f64,
     },
     /// No shape in the frame has the size, form and colour of a marker.
     #[error(
-        "no markers: {shapes} shape(s) differ from the ground, none with the size, form and colour \
-         of a marker: are colours swapped?"
+        "no markers: {shapes} shape(s) differ from the background, but none has the size, form \
+         and colour of a marker: are colours swapped?"
     )]
     NoMarkers {
         /// Number of connected shapes that were examined.
         shapes: usize,
     },
     /// The frame has more shapes than a sensor has markers: it is noisy, or it is not a frame of a sensor.
-    #[error("{shapes} shapes differ from the ground; at most {most} are allowed")]
+    #[error("{shapes} shapes differ from the background; at most {most} are allowed")]
     TooMany {
         /// Number of shapes.
         shapes: usize,
-        /// Largest allowed number.
+        /// Largest allowed number of shapes.
         most: usize,
     },
 }

@@ -1,4 +1,4 @@
-//! The field of displacement over the skin, from the displacements of its markers.
+//! The displacement field of the skin, interpolated between the displacements of the markers.
 
 use palpate_statistics::Number;
 use spade::{DelaunayTriangulation, FloatTriangulation, HasPosition, Point2, Triangulation};
@@ -6,26 +6,28 @@ use thiserror::Error;
 
 use crate::camera::great_circle;
 
-/// A place of the skin and its displacement.
+/// A place on the skin and its displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Displaced {
     /// The place at rest: its logarithm map from the apex, rad.
     pub place: [f64; 2],
-    /// Displacement along the skin, length, along the axes of the apex transported along the meridian to the place.
+    /// Displacement along the skin (length). Its components are along the axes of the apex, parallel-transported along
+    /// the meridian to the place.
     pub tangential: [f64; 2],
     /// Inward displacement, length.
     pub normal: f64,
 }
 
-/// Reason why a field of displacement is impossible.
+/// Reason why a displacement field cannot be computed.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum FieldError {
     /// There are no markers.
     #[error("a field needs at least one marker")]
     NoMarkers,
-    /// A number of a marker is not finite or too large, or its place is not on the sphere.
+    /// A number of a marker is not finite or too large, or the marker's place is more than half a turn from the apex.
     #[error(
-        "marker {marker} (counting from 0): a displacement is not finite, or beyond 1e100, or its place more than half a turn from the apex"
+        "marker {marker} (counting from 0): its displacement is not finite or beyond 1e100, or \
+         its position is more than half a turn from the apex"
     )]
     OutOfRange {
         /// Index of the marker.
@@ -43,14 +45,14 @@ pub enum FieldError {
         value = Number(*value)
     )]
     BadFilter {
-        /// Standard deviation, rad.
+        /// Standard deviation of the filter, rad.
         value: f64,
     },
 }
 
-/// Field of displacements: those of the markers, and natural-neighbour interpolation between them over the map of
-/// places. The interpolation is continuous, and smooth except at the markers. There is no displacement outside the
-/// markers' convex hull.
+/// The displacement field of the skin. Between the markers, the displacements are interpolated by natural neighbours.
+/// The interpolation is continuous everywhere, and smooth except at the markers. Outside of the convex hull of the
+/// markers, there is no displacement.
 ///
 /// ```
 /// use palpate_tracking::{Displaced, Field};
@@ -89,10 +91,10 @@ impl HasPosition for Site {
 }
 
 impl Field {
-    /// The field of these markers.
+    /// The displacement field that interpolates between these markers.
     ///
     /// # Errors
-    /// [`FieldError`] without markers, for numbers out of range and for two markers in one place.
+    /// [`FieldError`] if there are no markers, if a number is out of range, or if two markers have the same place.
     pub fn new(markers: &[Displaced]) -> Result<Self, FieldError> {
         if markers.is_empty() {
             return Err(FieldError::NoMarkers);
@@ -127,13 +129,14 @@ impl Field {
         })
     }
 
-    /// The markers.
+    /// The markers between which the field is interpolated.
     pub fn markers(&self) -> &[Displaced] {
         &self.markers
     }
 
-    /// Field with each displacement replaced by a weighted mean over all markers. The weights are a Gaussian of the
-    /// great-circle distance with the standard deviation `std_rad`; 0 does not change the field.
+    /// The field in which the displacement of each marker is replaced by a weighted mean over all markers. The weights
+    /// are a Gaussian function of the great-circle distance, with the standard deviation `std_rad`. If `std_rad` is 0,
+    /// the field does not change.
     ///
     /// # Errors
     /// [`FieldError::BadFilter`] unless `std_rad` is finite and at least 0.
@@ -173,7 +176,7 @@ impl Field {
 
     /// Interpolation weights of the markers at a point; empty outside their convex hull.
     fn weights(&self, point: Point2<f64>) -> Vec<(usize, f64)> {
-        // The triangulation of a single marker has no edges.
+        // A single marker is treated separately, because its triangulation has no edges.
         if let [marker] = self.markers[..] {
             let is_there = site(marker.place) == point;
             return is_there.then_some((0, 1.0)).into_iter().collect();
@@ -183,8 +186,8 @@ impl Field {
         natural.get_weights(point, &mut weights);
         let is_mean = |(_, weight): &(_, f64)| (-1e-6..=1.0 + 1e-6).contains(weight);
         if !weights.iter().all(is_mean) {
-            // In very thin triangles the circumcircle overflows; then the weights are the barycentric ones of the
-            // triangle.
+            // In a very thin triangle, the computation of the circumcircle overflows. The weights are then the
+            // barycentric weights of the triangle.
             let corners = self.triangulation.barycentric();
             corners.get_weights(point, &mut weights);
         }
@@ -195,8 +198,8 @@ impl Field {
             .collect()
     }
 
-    /// Displacements on a grid of `count` by `count` places over the rectangle around all markers, row by row, with
-    /// increasing y. Places outside the convex hull are omitted.
+    /// Displacements on a grid of `count` by `count` places, which covers the bounding rectangle of the markers, row by
+    /// row with increasing y. Places outside the convex hull are omitted.
     pub fn grid(&self, count: usize) -> Vec<Displaced> {
         let [columns, rows] = [0, 1].map(|axis| self.steps(axis, count));
         let places = rows
@@ -213,7 +216,7 @@ impl Field {
         let middle = 0.5 * (low + high);
         match count {
             1 => vec![middle],
-            // This form of linear interpolation gives both ends exactly.
+            // This form of linear interpolation returns both ends exactly.
             _ => (0..count)
                 .map(|step| step as f64 / (count as f64 - 1.0))
                 .map(|share| low * (1.0 - share) + high * share)
@@ -221,7 +224,7 @@ impl Field {
         }
     }
 
-    /// Weighted mean of the markers' displacements, at a place.
+    /// The displacement at `place`: the weighted mean of the markers' displacements.
     fn mean(&self, place: [f64; 2], weights: impl Iterator<Item = (usize, f64)>) -> Displaced {
         let mut sum = [0.0; 4];
         for (marker, weight) in weights {
@@ -242,9 +245,10 @@ impl Field {
         }
     }
 
-    /// Mean outward displacement of the skin around a contact: away from the marker with the largest normal displacement,
-    /// over the other markers, weighted by their inward displacement. Skin that moves outward under a press slips on the
-    /// object, or is pushed aside by it. `None` if no other marker was displaced inward.
+    /// Mean displacement of the skin away from the centre of the contact. The centre is the marker with the largest
+    /// normal displacement. The mean is over the other markers, weighted by their inward displacement. If the skin
+    /// moves outward during a press, it slips on the object, or the object pushes it aside. `None` if no other marker
+    /// was displaced inward.
     pub fn outward(&self) -> Option<f64> {
         let normals = self.markers.iter().map(|marker| marker.normal).enumerate();
         let (centre, largest) = normals.fold((0, f64::NEG_INFINITY), |best, one| {
@@ -269,7 +273,7 @@ impl Field {
     }
 }
 
-/// A place as a point of the triangulation, which rejects very small coordinates: they become 0.
+/// A place as a point of the triangulation. Very small coordinates become 0, because the triangulation rejects them.
 fn site(place: [f64; 2]) -> Point2<f64> {
     let [x, y] = place.map(|one| if one.abs() < 1e-30 { 0.0 } else { one });
     Point2::new(x, y)
@@ -280,7 +284,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// A 5 x 5 grid of places with equal displacements.
+    /// A 5 x 5 grid of places without displacement.
     fn still() -> Vec<Displaced> {
         let place = |index: i32| [index % 5, index / 5].map(|step| f64::from(step) * 0.1 - 0.2);
         (0..25)
@@ -300,7 +304,8 @@ mod tests {
             assert_relative_eq!(marker.normal, 0.3, epsilon = 1e-15);
             assert_relative_eq!(marker.tangential[1], -0.2, epsilon = 1e-15);
         }
-        // A spike in the middle is spread by the kernel: 1 at itself, e^-1/2 at four neighbours, e^-1 at four more, …
+        // The filter spreads the displacement of a single marker in the middle. The weights are 1 for the marker
+        // itself, e^-1/2 for its four neighbours, e^-1 for the next four, and so on.
         let mut spike = still;
         spike.iter_mut().for_each(|marker| marker.normal = 0.0);
         spike[12].normal = 1.0;
@@ -338,7 +343,8 @@ mod tests {
         assert_relative_eq!(mean, (0.5 * 0.2 - 0.25 * 0.1) / 0.75, max_relative = 1e-12);
     }
 
-    /// A few markers, markers on a line, and markers nearly in one place have a field, if only on a small hull.
+    /// Few markers, markers on a line, and markers that are almost at the same place also form a field, although only
+    /// on a small convex hull.
     #[test]
     fn thin_fields() {
         let of = |x: f64, y: f64| Displaced {

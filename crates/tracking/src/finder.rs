@@ -1,4 +1,4 @@
-//! Search for the markers of a frame.
+//! Finds the markers in a frame.
 
 use image::RgbImage;
 
@@ -12,40 +12,42 @@ use crate::selection::{self, Selection};
 use crate::shapes::{Shape, shapes};
 use crate::{Ground, Marker, Mask, TrackingError};
 
-/// The markers of a frame.
+/// The result of a search for the markers of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The image circle; if it was neither set nor found, a circle around the whole frame.
+    /// The image circle. If it was neither given by the caller nor found in the frame, it is a circle around the whole
+    /// frame.
     pub mask: Mask,
-    /// Background of the markers.
+    /// Whether the background of the markers is bright or dark.
     pub ground: Ground,
-    /// The complete markers, from the middle of the circle outward.
+    /// The markers that are completely visible, sorted by their distance from the middle of the circle.
     pub markers: Vec<Marker>,
-    /// Errors of each of these markers, from the noise of the frame's pixels.
+    /// Standard errors and covariances of each marker in `markers`, computed from the noise of the frame's pixels.
     pub errors: Vec<MarkerErrors>,
-    /// Markers that the circle or the frame cuts off, in the same order. Only their visible part is measured.
+    /// Markers that the circle or the frame cuts off, sorted by their distance from the middle of the circle. Only
+    /// their visible part is measured.
     pub cut: Vec<Marker>,
 }
 
 impl Found {
-    /// Errors of a marker, if it is one of the complete markers.
+    /// Errors of a marker; `None` if it is not one of the completely visible markers of this frame.
     pub fn errors_of(&self, marker: &Marker) -> Option<MarkerErrors> {
         let place = self.markers.iter().position(|one| one == marker)?;
         self.errors.get(place).copied()
     }
 }
 
-/// Smallest side of a frame, px.
+/// Smallest width and height of a frame, px.
 const MIN_SIDE: u32 = 16;
-/// Largest side of a frame, px.
+/// Largest width and height of a frame, px.
 const MAX_SIDE: u32 = 32_768;
-/// Number of squares across the image circle that is enough to find markers.
+/// Number of bins across the image circle that is enough to find markers.
 const SQUARES_PER_CIRCLE: f64 = 256.0;
-/// Largest number of shapes.
+/// Largest number of shapes in a frame.
 const MAX_SHAPES: usize = 16_384;
 
-/// Finds the markers of frames, from a fiftieth to an eighth of the image circle's diameter wide. It reuses its memory for
-/// frames of the same size.
+/// Finds the markers of frames. The diameter of a marker may be from 1/50 to 1/8 of the image circle's diameter. The
+/// finder reuses its memory for frames of the same size.
 ///
 /// ```
 /// use image::{Rgb, RgbImage};
@@ -70,9 +72,10 @@ pub struct Finder {
 }
 
 impl Finder {
-    /// A finder for this image circle and this background. The default estimates both from the frame: the circle is the rim
-    /// where the colour of the frame's corners ends, if it is at least roughly a circle, otherwise the whole frame; the ground
-    /// is bright if the darkest green and blue are farther from their median than the brightest colours.
+    /// A finder for this image circle and this background. If an argument is `None`, it is estimated from the frame.
+    /// The circle is fitted to the rim, which is where the colour of the frame's corners ends. If the rim is not
+    /// approximately a circle, the whole frame is used. The background counts as bright if the darkest green and blue
+    /// values are farther from the median than the brightest values are.
     pub fn new(circle: Option<Mask>, ground: Option<Ground>) -> Self {
         Self {
             circle,
@@ -84,7 +87,7 @@ impl Finder {
     /// Finds the markers of a frame.
     ///
     /// # Errors
-    /// - [`TrackingError::EmptyImage`], [`TrackingError::TooSmall`], [`TrackingError::TooLarge`] for frames that are not
+    /// - [`TrackingError::EmptyImage`], [`TrackingError::TooSmall`], [`TrackingError::TooLarge`] unless the frame is
     ///   from 16 to 32,768 px wide and high,
     /// - [`TrackingError::MaskOutside`] for a circle without a positive radius or with its centre outside the frame,
     /// - [`TrackingError::NoMarkers`] if no shape is a marker,
@@ -130,7 +133,7 @@ impl Finder {
         Ok(found)
     }
 
-    /// Half the side of the top-hat's structuring element, in squares.
+    /// Half the side of the structuring element of the top-hat transform, in bins.
     fn half(&self, mask: &Mask, frame: &RgbImage) -> usize {
         let circle = (2.0 * mask.radius_px).min(f64::from(frame.width().min(frame.height())));
         let half = (circle / 16.0 / self.mask.frame.bin as f64).ceil() as usize;
@@ -146,7 +149,7 @@ impl Finder {
         )
     }
 
-    /// Measures the selected shapes and keeps the markers among them.
+    /// Measures the selected shapes, and keeps only those that are markers.
     fn measure(
         &mut self,
         frame: &RgbImage,
@@ -198,7 +201,7 @@ impl Finder {
     }
 }
 
-/// Side of the squares of the search, px.
+/// Side of a bin for the search, px.
 fn bin(circle_px: f64) -> usize {
     ((circle_px / SQUARES_PER_CIRCLE) as usize)
         .clamp(1, LARGEST_BIN.min(circle_px as usize / 16).max(1))

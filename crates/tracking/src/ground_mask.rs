@@ -1,5 +1,5 @@
-//! The ground of a frame at lower resolution: which squares show the sensor, its top-hat transform, and which squares show
-//! the ground between the markers.
+//! The background of a frame at lower resolution. It consists of the bins that show the sensor, the top-hat transform
+//! of the frame, and the bins that show the background between the markers.
 
 use crate::Mask;
 use crate::binning::BinnedFrame;
@@ -7,33 +7,33 @@ use crate::image_circle::Rim;
 use crate::opening::Opening;
 use crate::selection::Selection;
 
-/// Width of the outer band of the circle in which the rim may lie, as a share of the radius.
+/// Width of the outer band of the image circle in which the rim may lie, relative to the radius.
 const RIM_BAND: f64 = 0.08;
-/// Smallest contrast of markers, in standard deviations of the ground's top-hat.
+/// Smallest contrast of markers, in standard deviations of the background's top-hat values.
 const MIN_CONTRAST_STDS: f64 = 4.0;
-/// Smallest contrast of markers, of 255.
+/// Smallest contrast of markers, in grey levels; full light is 255.
 const MIN_CONTRAST: f64 = 10.0;
-/// Smallest brightness of a ground, of 255, on which dark markers can be found.
+/// Smallest brightness of a background on which dark markers can be found, in grey levels; full light is 255.
 const MIN_GROUND_BRIGHTNESS: usize = 12;
 
-/// Background of the markers.
+/// Brightness of the background, which determines whether the markers are darker or brighter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Ground {
-    /// Dark markers on a bright ground: they absorb light.
+    /// The markers are dark on a bright background: they absorb light.
     Bright,
-    /// Bright markers on a dark ground: they add light.
+    /// The markers are bright on a dark background: they add light.
     Dark,
 }
 
-/// A frame at lower resolution, and planes of the same size.
+/// A frame at lower resolution, and masks and images of the same size.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct GroundMask {
     pub(crate) frame: BinnedFrame,
-    /// Squares that show the sensor.
+    /// Whether each bin shows the sensor.
     pub(crate) inside: Vec<bool>,
-    /// Top-hat transform: brightness of each square above that of the ground around it.
+    /// Top-hat transform of the frame: brightness of each bin above the brightness of the background around it.
     pub(crate) top_hat: Vec<u8>,
-    /// Squares of the ground: not of a marker and not near one.
+    /// Whether each bin shows the background, that is, neither a marker nor a place near a marker.
     pub(crate) is_ground: Vec<bool>,
     middles: Vec<bool>,
     plane: Vec<u8>,
@@ -41,7 +41,8 @@ pub(crate) struct GroundMask {
 }
 
 impl GroundMask {
-    /// Marks the squares that show the sensor: within the rim if there is one, otherwise within the circle.
+    /// Marks the bins that show the sensor. If the rim was found, they are the bins inside the rim, otherwise the bins
+    /// inside the circle.
     pub(crate) fn set_inside(&mut self, mask: &Mask, rim: Option<&Rim>) {
         let circle = mask.coarse(self.frame.bin);
         let band = RIM_BAND * circle.radius_px;
@@ -58,11 +59,11 @@ impl GroundMask {
         }
     }
 
-    /// Estimates whether the ground is bright or dark.
+    /// Estimates whether the background is bright or dark.
     pub(crate) fn estimate_ground(&self) -> Ground {
         let (mut dark, mut bright) = ([0; 256], [0; 256]);
         let share = share_of(self.frame.pixels());
-        // Every third square is enough.
+        // Every third bin is enough for the estimate.
         let squares = self.frame.sums.iter().zip(&self.inside).step_by(3);
         for (colour, _) in squares.filter(|(_, inside)| **inside) {
             let [red, green, blue] = colour.map(&share);
@@ -78,8 +79,8 @@ impl GroundMask {
         }
     }
 
-    /// Sets the plane in which markers are bright. On a dark ground it is the brightest colour. On a bright ground it is the
-    /// inverse of the darker one of green and blue.
+    /// Computes the image in which markers are bright. On a dark background, it is the brightest of the three colours.
+    /// On a bright background, it is the inverse of the smaller of green and blue.
     fn set_plane(&mut self, ground: Ground) {
         let share = share_of(self.frame.pixels());
         let sums = self.frame.sums.iter();
@@ -94,8 +95,8 @@ impl GroundMask {
         }
     }
 
-    /// Sets the top-hat, with a structuring element of `2 half + 1` squares a side. On a bright ground it is relative to the
-    /// ground's light.
+    /// Computes the top-hat transform, with a structuring element of `2 half + 1` bins a side. On a bright background,
+    /// the result is divided by the brightness of the background.
     pub(crate) fn set_top_hat(&mut self, ground: Ground, mask: &Mask, half: usize) {
         self.set_plane(ground);
         let size = [self.frame.width, self.frame.height];
@@ -119,7 +120,7 @@ impl GroundMask {
             }));
     }
 
-    /// The classes of ground and markers in the top-hat, if their contrast is large enough.
+    /// The two classes of the top-hat values, background and markers; `None` if their contrast is too small.
     pub(crate) fn classes(&self) -> Option<Classes> {
         let mut histogram = [0u32; 256];
         let squares = self.top_hat.iter().zip(&self.inside);
@@ -133,7 +134,7 @@ impl GroundMask {
         is_clear.then_some(classes)
     }
 
-    /// Marks the squares of the ground: not of a marker and not near one.
+    /// Marks the bins that show the background, that is, neither a marker nor a place near a marker.
     pub(crate) fn set_is_ground(&mut self, limit: u8, selection: &Selection) {
         self.is_ground.clear();
         self.is_ground.extend(
@@ -154,7 +155,7 @@ impl GroundMask {
         }
     }
 
-    /// First and last pixel that show the sensor, for each row of the frame.
+    /// First and last pixel that show the sensor, for each row of the full-resolution frame.
     pub(crate) fn rows(&self, height: usize) -> Vec<(i32, i32)> {
         let bin = self.frame.bin;
         let mut rows = Vec::with_capacity(height);
@@ -173,14 +174,14 @@ impl GroundMask {
     }
 }
 
-/// The mean of a sum over `pixels` bytes.
+/// Returns a function that divides a sum over `pixels` bytes by their number.
 fn share_of(pixels: usize) -> impl Fn(u16) -> u8 {
     let scale = 65_536_u32.div_ceil(pixels as u32);
     move |sum| ((u32::from(sum) * scale) >> 16).min(255) as u8
 }
 
-/// Factors, in 65,536ths, that turn a difference into a share of the ground's light, for each brightness of the ground; 0 if
-/// it is too dark.
+/// For each brightness of the background, the factor that converts a difference to a share of the background's light,
+/// in units of 1/65,536. The factor is 0 if the background is too dark.
 fn scales() -> [u32; 256] {
     std::array::from_fn(|light| {
         if light < MIN_GROUND_BRIGHTNESS {
@@ -191,22 +192,22 @@ fn scales() -> [u32; 256] {
     })
 }
 
-/// Two classes of pixels and the limit between them.
+/// Two classes of pixels, background and markers, and the limit that separates them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Classes {
-    /// Pixels above this value belong to markers.
+    /// Limit between the classes. Pixels above this value belong to markers.
     pub(crate) limit: u8,
-    /// Mean of the ground.
+    /// Mean of the background pixels.
     pub(crate) ground: f64,
-    /// Standard deviation of the ground.
+    /// Standard deviation of the background pixels.
     pub(crate) ground_std: f64,
-    /// Mean of the markers.
+    /// Mean of the marker pixels.
     pub(crate) markers: f64,
 }
 
 impl Classes {
-    /// The classes with the largest variance between them (Otsu, 1979). The limit is moved half way between their means.
-    /// `None` if all values are equal.
+    /// The two classes for which the variance between the classes is largest (Otsu, 1979). The limit is then moved to
+    /// the middle between their means. `None` if all values are equal.
     pub(crate) fn of(histogram: &[u32; 256]) -> Option<Self> {
         let count: f64 = histogram.iter().map(|&count| f64::from(count)).sum();
         let sum: f64 = weighted(histogram);
@@ -252,7 +253,7 @@ fn weighted(histogram: &[u32]) -> f64 {
         .sum()
 }
 
-/// The value below which a share of the counts lies.
+/// The value below which the share `share` of the counts lies.
 pub(crate) fn quantile(histogram: &[u32; 256], share: f64) -> u8 {
     let count: u64 = histogram.iter().map(|&count| u64::from(count)).sum();
     let wanted = share * count as f64;

@@ -3,26 +3,28 @@
 use crate::TrackingError;
 use crate::binning::BinnedFrame;
 
-/// The image circle of a camera. Pixels whose middle is in it show the sensor.
+/// The image circle of a camera. A pixel shows the sensor if its middle is inside the circle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mask {
-    /// Column and row of its centre, px; the middle of the first pixel is (0, 0).
+    /// Column and row of the circle's centre, px; the middle of the first pixel is (0, 0).
     pub centre_px: [f64; 2],
-    /// Its radius, px.
+    /// Radius of the circle, px.
     pub radius_px: f64,
 }
 
-/// Smallest share of a rim's points that must be on one circle.
+/// Smallest share of the rim's points that must lie on one circle.
 const MIN_POINTS_ON_CIRCLE: f64 = 0.5;
-/// Smallest share of the circle's part within the frame along which the rim must be visible.
+/// Smallest share of the circle along which the rim must be visible. Parts of the circle outside of the frame do not
+/// count.
 const MIN_VISIBLE: f64 = 0.8;
-/// Length of the steps along the circle, in squares. A step is visible if it has a point of the rim.
+/// Length of the steps along the circle, in bins. A step counts as visible if it contains a point of the rim.
 const STEP: f64 = 4.0;
-/// Largest distance of a point from its circle: in squares, plus a share of the radius.
+/// Largest distance of a point from its circle. It is the first number, in bins, plus the second number times the
+/// radius.
 const MAX_DISTANCE: [f64; 2] = [1.5, 0.01];
-/// Number of tried circles through three points.
+/// Number of circles that are tried. Each goes through three points of the rim.
 const TRIES: usize = 64;
-/// Largest number of points used.
+/// Largest number of rim points that are used.
 const MAX_POINTS: usize = 256;
 
 impl Mask {
@@ -35,7 +37,8 @@ impl Mask {
         }
     }
 
-    /// Fails unless the centre is in a frame of this size and the radius is positive and finite.
+    /// Returns the circle if its centre is in a frame of this size and its radius is positive and finite; otherwise an
+    /// error.
     pub(crate) fn check(self, width: u32, height: u32) -> Result<Self, TrackingError> {
         let [x, y] = self.centre_px;
         let within = (0.0..f64::from(width)).contains(&x) && (0.0..f64::from(height)).contains(&y);
@@ -50,8 +53,8 @@ impl Mask {
         }
     }
 
-    /// First column, and one past the last, of the pixels of a row that are in the circle reduced by `less` px, in a frame of
-    /// `width` columns.
+    /// First column and end column (exclusive) of the pixels of a row that are inside the circle, in a frame of `width`
+    /// columns. The radius of the circle is reduced by `less` px.
     pub(crate) fn columns(&self, row: f64, less: f64, width: usize) -> (usize, usize) {
         let radius = self.radius_px - less;
         let across = radius * radius - (row - self.centre_px[1]).powi(2);
@@ -68,7 +71,7 @@ impl Mask {
         }
     }
 
-    /// The circle in squares of `bin` pixels a side.
+    /// The circle in units of bins of `bin` pixels a side.
     pub(crate) fn coarse(&self, bin: usize) -> Self {
         let bin = bin as f64;
         Self {
@@ -77,7 +80,8 @@ impl Mask {
         }
     }
 
-    /// Marks the pixels, of a frame of `size` columns and rows, that are in the circle reduced by `less` px.
+    /// Marks the pixels that are inside the circle, in a frame of `size` columns and rows. The radius of the circle is
+    /// reduced by `less` px.
     pub(crate) fn fill(&self, less: f64, size: [usize; 2], inside: &mut Vec<bool>) {
         inside.clear();
         inside.resize(size[0] * size[1], false);
@@ -87,7 +91,8 @@ impl Mask {
         }
     }
 
-    /// The circle on which the rim lies, if the rim is visible nearly all around. A ring of markers has gaps and is no rim.
+    /// The circle on which the rim lies, if the rim is visible along most of it. A ring of markers has gaps and is not
+    /// accepted.
     pub(crate) fn fit(rim: &Rim, binned: &BinnedFrame) -> Option<Self> {
         let points = rim.points();
         let circle = Circle::through_most(&points)?;
@@ -113,8 +118,8 @@ struct Circle {
 }
 
 impl Circle {
-    /// The circle on which most points lie, fitted to these points by least squares. `None` if they are less than half
-    /// of all.
+    /// The circle on which most of the points lie, fitted to these points by least squares. `None` if fewer than half
+    /// of the points lie on it.
     fn through_most(points: &[[f64; 2]]) -> Option<Self> {
         let points: Vec<[f64; 2]> = points
             .iter()
@@ -126,7 +131,8 @@ impl Circle {
             return None;
         }
         let near = |circle: &Self| points.iter().filter(|point| circle.holds(point)).count();
-        // Three points that are far apart in the list. The choice is fixed, so that every run gives the same result.
+        // Each attempt uses three points that are far apart in the list. The choice is not random, so that every run
+        // gives the same result.
         let (_, best) = (0..TRIES)
             .filter_map(|attempt| {
                 let at = |share: f64| points[((share * count as f64) as usize) % count];
@@ -150,7 +156,7 @@ impl Circle {
             < MAX_DISTANCE[0] + MAX_DISTANCE[1] * self.radius
     }
 
-    /// Share of the circle within a frame of this size along which there are points on it.
+    /// Share of the circle that is covered by points. Parts of the circle outside of a frame of this size do not count.
     fn visible_share(&self, points: &[[f64; 2]], size: [f64; 2]) -> f64 {
         use std::f64::consts::TAU;
         let steps = (TAU * self.radius / STEP).ceil().max(8.0);
@@ -177,7 +183,7 @@ impl Circle {
         if within > 0.0 { count / within } else { 0.0 }
     }
 
-    /// Least squares of `x² + y² = 2 a x + 2 b y + c`: the algebraic fit, exact through three points.
+    /// Least-squares fit of `x² + y² = 2 a x + 2 b y + c` (algebraic circle fit). It is exact for three points.
     fn fit(points: &[[f64; 2]]) -> Option<Self> {
         let count = points.len() as f64;
         let middle = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / count);
@@ -205,16 +211,17 @@ impl Circle {
     }
 }
 
-/// The rim: first and last square, in each row and each column, that does not have the colour of the frame's corners.
+/// The rim of the visible part of the sensor: in each row and in each column, the first and the last bin whose colour
+/// differs from the frame's corners.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rim {
     rows: Vec<Option<[usize; 2]>>,
     columns: Vec<Option<[usize; 2]>>,
 }
 
-/// Largest difference of colour between the corners, of 255.
+/// Largest colour difference between the corners, in grey levels; full light is 255.
 const MAX_CORNER_DIFFERENCE: f64 = 16.0;
-/// Smallest difference that counts as another colour, of 255.
+/// Smallest difference at which a colour counts as another colour, in grey levels; full light is 255.
 const MIN_DIFFERENCE: f64 = 8.0;
 
 impl Rim {
@@ -240,7 +247,7 @@ impl Rim {
         })
     }
 
-    /// Whether a square is beyond the rim along its row or its column.
+    /// Whether a bin is outside of the rim along its row or its column.
     pub(crate) fn excludes(&self, x: usize, y: usize) -> bool {
         let beyond = |ends: &Option<[usize; 2]>, at: usize| {
             ends.is_none_or(|[first, last]| at < first || at > last)
@@ -248,7 +255,7 @@ impl Rim {
         beyond(&self.rows[y], x) || beyond(&self.columns[x], y)
     }
 
-    /// Points of the rim, in squares. At the border of the frame the rim is cut off and has no points.
+    /// Points of the rim, in bins. Where the frame's border cuts off the rim, there are no points.
     pub(crate) fn points(&self) -> Vec<[f64; 2]> {
         let across = self.rows.iter().enumerate().filter_map(|(y, ends)| {
             let [left, right] = ends.as_ref()?;
@@ -276,7 +283,7 @@ impl Rim {
     }
 }
 
-/// The corners' colour, in sums over squares, and the largest difference of their squares from it.
+/// The colour of the corners, as sums over bins. Also the largest difference between a corner bin and this colour.
 fn corner_colour(binned: &BinnedFrame) -> Option<([f64; 3], f64)> {
     let (width, height) = (binned.width, binned.height);
     let side = (width.min(height) / 40).max(2);
@@ -324,7 +331,7 @@ fn mean(values: &[[f64; 3]]) -> [f64; 3] {
         .map(|colour| values.iter().map(|value| value[colour]).sum::<f64>() / values.len() as f64)
 }
 
-/// The largest difference of the three colours.
+/// The largest of the absolute differences in red, green and blue.
 fn away(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a.iter()
         .zip(b)

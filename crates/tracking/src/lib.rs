@@ -1,4 +1,5 @@
-//! From camera frames of colour markers to the displacements of the markers. It does not depend on how frames are made.
+//! Finds colour markers in camera frames and converts their changes to displacements. The crate does not depend on how
+//! the frames are made.
 
 mod binning;
 mod calibration;

@@ -1,11 +1,12 @@
-//! The ground's light over a frame: a polynomial of degree four for each colour, fitted between the markers.
+//! The light of the background as a function of the position in the frame. For each colour, it is a polynomial of
+//! degree four that is fitted to the area between the markers.
 
 use nalgebra::{SMatrix, SVector};
 
 use crate::binning::BinnedFrame;
 use crate::image_circle::Mask;
 
-/// Powers of x and y up to a total degree of four.
+/// Powers of x and y in the polynomial, up to a total degree of four.
 const POWERS: [(i32, i32); 15] = [
     (0, 0),
     (1, 0),
@@ -23,37 +24,40 @@ const POWERS: [(i32, i32); 15] = [
     (1, 3),
     (0, 4),
 ];
-/// Side of the patches over which the ground is averaged before the fit, in squares.
+/// Side of the patches over which the background is averaged before the fit, in bins.
 const PATCH: usize = 8;
-/// Weight of the regularisation, relative to that of the patches. It limits the polynomial where there is no ground.
+/// Weight of the regularisation, relative to the weight of the patches. The regularisation limits the polynomial in
+/// areas where no background is visible.
 const REGULARISATION: f64 = 1e-7;
-/// Largest deviation of a patch from the fitted light, in standard deviations.
+/// Largest deviation of a patch from the fitted light, in standard deviations. Patches with a larger deviation are
+/// rejected.
 const MAX_DEVIATION: f64 = 3.0;
 
 type Terms = SVector<f64, 15>;
 
-/// The ground's colours, 0 to 255, as a function of the place in the frame.
+/// The colours of the background, 0 to 255, as a function of the position in the frame.
 #[derive(Clone, Debug)]
 pub(crate) struct Lighting {
     centre: [f64; 2],
     radius: f64,
     /// Coefficients of the polynomial of each colour (red, green, blue), in the order of [`POWERS`].
     terms: [Terms; 3],
-    /// Standard deviation of the noise of a pixel's colour, of 255.
+    /// Standard deviation of the noise of a pixel's colour, in grey levels; full light is 255.
     pub(crate) noise: f64,
 }
 
-/// Value, slopes and second derivatives of a colour of the ground at a place.
+/// One colour of the background at a place: its value, slopes and second derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Local {
     value: f64,
     slope: [f64; 2],
-    /// Second derivatives xx, xy and yy; the first and the last are halved.
+    /// Second derivatives with respect to xx, xy and yy. The derivatives xx and yy are halved.
     bend: [f64; 3],
 }
 
 impl Local {
-    /// The polynomial in x along the row `dy` below the place: its constant, linear and quadratic term.
+    /// The polynomial in x along the row that is `dy` rows below the place: its constant, linear and quadratic
+    /// coefficients.
     pub(crate) fn row(&self, dy: f64) -> [f32; 3] {
         [
             (self.value + dy * (self.slope[1] + dy * self.bend[2])) as f32,
@@ -63,7 +67,7 @@ impl Local {
     }
 }
 
-/// Averages of the ground over one square.
+/// Averages of the background over one patch.
 struct Patch {
     count: f64,
     terms: Terms,
@@ -71,7 +75,7 @@ struct Patch {
 }
 
 impl Lighting {
-    /// Fits the light to the squares for which `ground` is true.
+    /// Fits the light to the bins for which `ground` is true, that is, which show the background.
     pub(crate) fn fit(binned: &BinnedFrame, ground: &[bool], mask: &Mask) -> Self {
         let mut lighting = Self {
             centre: mask.centre_px,
@@ -99,7 +103,7 @@ impl Lighting {
         lighting
     }
 
-    /// The ground at a place of the frame.
+    /// Value and derivatives of one colour of the background at a place in the frame.
     pub(crate) fn about(&self, place: [f64; 2], colour: usize) -> Local {
         let [x, y] = [0, 1].map(|axis| (place[axis] - self.centre[axis]) / self.radius);
         let power = |base: f64, power: i32| match power {
@@ -153,7 +157,7 @@ impl Lighting {
             .sums
             .chunks_exact(binned.width)
             .zip(ground.chunks_exact(binned.width));
-        // Every second row is enough.
+        // Every second row is enough for the fit.
         for (y, (colours, ground)) in rows.enumerate().skip(1).step_by(2) {
             let stripes = colours
                 .chunks(PATCH)
@@ -220,7 +224,7 @@ impl Lighting {
         }
     }
 
-    /// Deviation of a patch from the fitted light, in standard deviations of its mean.
+    /// Deviation of a patch from the fitted light, in standard deviations of the patch's mean.
     fn deviation(&self, patch: &Patch) -> f64 {
         let square: f64 = [0, 1, 2]
             .map(|colour| (self.terms[colour].dot(&patch.terms) - patch.colour[colour]).powi(2))
@@ -230,8 +234,8 @@ impl Lighting {
     }
 }
 
-/// The standard deviation of a pixel's noise, from the median difference of neighbouring ground squares. For three independent
-/// normal colours, this median is 1.5382 √2 standard deviations of one colour.
+/// Standard deviation of a pixel's noise, from the median difference between neighbouring background bins. For three
+/// independent normally distributed colours, this median is 1.5382 √2 standard deviations of one colour.
 fn noise(binned: &BinnedFrame, ground: &[bool]) -> f64 {
     let mut differences: Vec<i32> = Vec::new();
     let rows = binned

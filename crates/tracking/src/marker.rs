@@ -1,24 +1,25 @@
-//! A marker in a frame, and its change between two frames.
+//! A marker in a frame, and its change between a rest frame and a pressed frame.
 
 use strum::IntoStaticStr;
 
-/// A marker in a frame. The middle of the first pixel has the coordinates (0, 0). x counts columns to the right, y counts
-/// rows downward.
+/// A marker in a frame. In its coordinates, the middle of the first pixel is (0, 0); x counts columns to the right and
+/// y counts rows downward.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Marker {
-    /// Centroid of the marker's contrast to the ground, px.
+    /// Centroid of the marker's contrast to the background, px.
     pub centroid_px: [f64; 2],
-    /// Hue in turns, from 0 (red) to below 1: the HSV hue of the sum of its pixels' light. So each pixel is weighted by its
-    /// chroma.
+    /// Hue of the marker, in turns, from 0 (red) to below 1: the HSV hue of the summed light of its pixels. Each pixel
+    /// is thereby weighted by its chroma.
     pub hue_turns: f64,
-    /// Mean of the HSV hues of its pixels, in turns, without unwrapping: red is both 0 and 1. Only pixels with a
-    /// saturation above 1/4 count; without any it is `hue_turns`.
+    /// Mean of the HSV hues of the marker's pixels, in turns. It is not cyclic: the hue of red is both 0 and 1. Only
+    /// pixels with a saturation above 1/4 count; if there are none, the mean is `hue_turns`.
     pub mean_hue_turns: f64,
-    /// Size as total contrast to the ground, px². On a bright ground it is the sum over the pixels of the absorbed shares of
-    /// green and of blue light: a disc that absorbs all of one colour has its area. On a dark ground it is the sum of the
-    /// shares of full scale that the marker adds to its strongest colour.
+    /// Size: the total contrast to the background, px². On a bright background, it is the sum over all pixels of the
+    /// absorbed share of green light plus the absorbed share of blue light. The size of a disc that absorbs all light
+    /// of one colour equals its area. On a dark background, it is the sum of the light that the marker adds to its
+    /// strongest colour, as a share of full scale.
     pub size_px2: f64,
-    /// Number of pixels of its shape.
+    /// Number of pixels of the marker's shape.
     pub pixels: u32,
 }
 
@@ -26,20 +27,20 @@ pub struct Marker {
 #[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Status {
-    /// Found again in the pressed frame.
+    /// The marker was found again in the pressed frame.
     Tracked,
-    /// Not found again.
+    /// The marker was not found again in the pressed frame.
     Lost,
-    /// Merged with another marker in the pressed frame.
+    /// In the pressed frame, the marker and another marker form one shape.
     Merged,
-    /// Split into pieces in the pressed frame.
+    /// In the pressed frame, the marker is split into several shapes.
     Split,
-    /// Found only in the pressed frame.
+    /// The marker was found only in the pressed frame.
     New,
 }
 
 impl Status {
-    /// The stable name.
+    /// The stable name of the status in files.
     pub fn name(self) -> &'static str {
         self.into()
     }
@@ -48,9 +49,9 @@ impl Status {
 /// A marker in a rest frame and in a pressed frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Track {
-    /// The marker at rest; `None` for a new one.
+    /// The marker in the rest frame; `None` for a new marker.
     pub rest: Option<Marker>,
-    /// The marker in the pressed frame; `None` for a lost one.
+    /// The marker in the pressed frame; `None` for a lost marker.
     pub pressed: Option<Marker>,
     /// Status of the marker.
     pub status: Status,
@@ -61,14 +62,14 @@ pub struct Track {
 pub struct Change {
     /// Shift of the centroid, px.
     pub shift_px: [f64; 2],
-    /// Change of the hue of the summed light, turns, from -0.5 to below 0.5.
+    /// Change of the hue of the marker's summed light, turns, from -0.5 to below 0.5.
     pub hue_turns: f64,
-    /// Change of the logarithm of the marker's diameter: half the change of the logarithm of its size.
+    /// Change of the logarithm of the marker's diameter, that is, half the change of the logarithm of its size.
     pub growth: f64,
 }
 
 impl Track {
-    /// The change of a tracked marker; `None` for other statuses, or if a number is not finite.
+    /// The change of a marker with the status `Tracked`. `None` for other statuses, or if a number is not finite.
     ///
     /// ```
     /// use palpate_tracking::{Marker, Status, Track};
@@ -78,7 +79,7 @@ impl Track {
     /// let track = Track { rest: Some(rest), pressed: Some(pressed), status: Status::Tracked };
     /// let change = track.change().ok_or("not tracked")?;
     /// assert_eq!(change.shift_px, [3.0, -4.0]);
-    /// // Hues are cyclic: from 0.95 to 0.05 is a tenth of a turn forward.
+    /// // Hues are cyclic: the change from 0.95 to 0.05 is a tenth of a turn forward.
     /// assert!((change.hue_turns - 0.1).abs() < 1e-12);
     /// assert_eq!(change.growth, 0.0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -97,7 +98,7 @@ impl Track {
         Some(change).filter(Change::is_finite)
     }
 
-    /// Change of the mean hue of a tracked marker, turns, without unwrapping.
+    /// Change of the mean hue of a tracked marker, turns; the mean is not cyclic. `None` for other statuses.
     pub fn mean_hue_change(&self) -> Option<f64> {
         let (rest, pressed) = self.rest.zip(self.pressed)?;
         let change = pressed.mean_hue_turns - rest.mean_hue_turns;
@@ -106,7 +107,7 @@ impl Track {
 }
 
 impl Change {
-    /// Whether all of its numbers are finite.
+    /// Whether all numbers of the marker are finite.
     pub(crate) fn is_finite(&self) -> bool {
         let [x, y] = self.shift_px;
         [x, y, self.hue_turns, self.growth]

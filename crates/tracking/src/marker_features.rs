@@ -1,22 +1,24 @@
-//! Centroid, hue and size of a marker, and their errors, from the sums over its window.
+//! Centroid, hue and size of a marker, and their standard errors. They are computed from sums over the marker's window
+//! of pixels.
 
 use crate::measure::{PixelErrors, Sums};
 use crate::{Ground, Marker};
 use palpate_statistics::hue_turns;
 
-/// The first and the last hue of markers on a bright ground, turns: from magenta over red to yellow.
+/// Range of hues of markers on a bright background, in turns: from magenta over red to yellow.
 const MAGENTA_TO_YELLOW: [f64; 2] = [0.75, 0.22];
-/// Smallest chroma of markers on a bright ground, relative to the absorbed green and blue light; it excludes grey dust. Pure
-/// magenta and pure yellow have 1, magenta over yellow has 1/2.
+/// Smallest chroma of markers on a bright background, relative to the absorbed green and blue light. The limit excludes
+/// grey dust. This ratio is 1 for pure magenta and pure yellow, and 1/2 where magenta lies over yellow.
 const MIN_CHROMA: f64 = 0.2;
-/// Relative standard deviation of the light of a pixel on a marker's edge, times the marker's radius in px. The pixel grid
-/// crosses the edge differently at every place, and a pixel's light counts at its middle. The value was measured on
-/// discs of 8 to 26 px radius, with pixels that integrate the light of their squares.
+/// Relative standard deviation of the light of a pixel on a marker's edge, multiplied by the marker's radius in px. The
+/// light varies because the edge crosses the pixel grid differently at every place, and because the light of a pixel is
+/// assigned to its middle. The value was measured on discs of 8 to 26 px radius, with pixels that integrate the light
+/// over their area.
 const EDGE_PX: f64 = 0.067;
-/// Share of that variance that is common to all colours.
+/// Share of the variance of edge pixels that all colours have in common.
 const COMMON_SHARE: f64 = 0.5;
 
-/// The marker with these sums; `None` if its hue or a number is out of range.
+/// The marker with these sums; `None` if its hue is not that of a marker or a number is out of range.
 pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marker> {
     let weights = weights(sums, ground);
     let light = dot(weights, sums.light);
@@ -46,12 +48,12 @@ pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marke
 pub(crate) fn weights(sums: &Sums, ground: Ground) -> [f64; 3] {
     match ground {
         Ground::Bright => [0.0, 1.0, 1.0],
-        // If all pixels are equally noisy, weights in proportion to the light are optimal.
+        // If all pixels have the same noise, weights that are proportional to the light are optimal.
         Ground::Dark => sums.light.map(|light| light.max(0.0)),
     }
 }
 
-/// The HSV hue of the summed light, in turns, and its chroma.
+/// The HSV hue of the summed light, in turns, and the chroma of this light.
 pub(crate) fn hue(light: [f64; 3], ground: Ground) -> (f64, f64) {
     let sign = match ground {
         Ground::Bright => -1.0,
@@ -67,16 +69,18 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Errors of a marker in a frame. They come from the noise of the pixels, estimated on the ground, from rounding to whole
-/// levels, from the fitted light of the ground, and from the pixel grid at the marker's edge.
+/// Errors of a marker's centroid, hue and size in a frame. They have four causes: the noise of the pixels (estimated
+/// from the background), the rounding of pixels to whole levels, the error of the fitted light of the background, and
+/// the pixel grid at the marker's edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MarkerErrors {
-    /// Covariance of both coordinates of the centroid, px, the hue of the summed light, turns, and the natural logarithm of the size.
+    /// Covariance of both coordinates of the centroid, px, the hue of the summed light, turns, and the natural
+    /// logarithm of the size.
     pub covariance: [[f64; 4]; 4],
 }
 
 impl MarkerErrors {
-    /// Errors of the mean over several frames with these errors.
+    /// Errors of the mean over `frames` frames, each of which has these errors.
     pub fn averaged(&self, frames: u32) -> Self {
         let share = f64::from(frames.max(1)).recip();
         Self {
@@ -103,7 +107,7 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
         }
     });
     let [cx, cy] = [0, 1].map(|axis| marker.centroid_px[axis] - sums.middle[axis]);
-    // Sums over the window of the pixels' offsets from the centroid, and of their squares.
+    // Sums over the pixels of the window: of the offsets from the centroid, and of the products of these offsets.
     let first = [x - count * cx, y - count * cy];
     let second = [
         xx - 2.0 * cx * x + count * cx * cx,
@@ -111,12 +115,12 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
         yy - 2.0 * cy * y + count * cy * cy,
     ];
     let edge_px = std::f64::consts::TAU * radius_px;
-    // Derivatives with respect to the common error of all colours of an edge pixel.
+    // Derivatives of centroid, hue and size with respect to an error of an edge pixel that is the same in all colours.
     let mut edge_slopes = [0.0; 3];
     let mut covariance = [[0.0; 4]; 4];
     for colour in 0..3 {
-        // Derivatives of centroid, hue and size with respect to a pixel's share of this colour; for the centroid per px of
-        // offset.
+        // Derivatives of centroid, hue and size with respect to a pixel's share of this colour. The derivative of the
+        // centroid is per px of the offset of the pixel.
         let place = weights[colour] / light;
         let turn = hue_slope(sums.hue_light, ground, colour);
         let size = match ground {
@@ -145,7 +149,7 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
         add(2, 2, turn * turn * one);
         add(2, 3, turn * size * one);
         add(3, 3, size * size * one);
-        // The common error of all pixels.
+        // The error that all pixels of the window have in common.
         let all = [numbers[0], numbers[1], turn * count, size * count];
         for row in 0..4 {
             for column in row..4 {
@@ -168,7 +172,7 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
     MarkerErrors { covariance }
 }
 
-/// Mean share of light that a marker of this radius absorbs or adds.
+/// Mean share of light that each pixel of a marker of this radius absorbs or adds.
 fn share(light: f64, radius_px: f64) -> f64 {
     (light / (std::f64::consts::PI * radius_px * radius_px)).clamp(-1.0, 1.0)
 }

@@ -1,38 +1,40 @@
-//! Matching of the markers in a rest frame with those in a pressed frame.
+//! Matches the markers of a rest frame with the markers of a pressed frame.
 //!
-//! Neighbours move alike. First, markers are matched that are mutually nearest, within half the distance to the next marker.
-//! Then matches are removed that moved differently from their neighbours, and each marker is searched where its matched
-//! neighbours predict it. This is repeated until nothing changes.
+//! The method uses that neighbouring markers move similarly. In the first step, two markers are matched if each is the
+//! nearest marker to the other, and their distance is below half the distance to the next marker. In the second step,
+//! matches are removed whose displacement differs from the displacement of their neighbours, and each marker is
+//! searched where its matched neighbours predict it. The second step is repeated until nothing changes.
 
 use crate::{Marker, Status, Track};
 
-/// Largest distance of a first match, in distances to the next marker.
+/// Largest distance of a first match, relative to the distance to the next marker.
 const FIRST_GATE: f64 = 0.5;
-/// Largest distance of a marker from its predicted place, in distances to the next marker.
+/// Largest distance of a marker from its predicted place, relative to the distance to the next marker.
 const GATE: f64 = 0.3;
 /// Number of neighbours that predict a marker's place.
 const PREDICTORS: usize = 6;
 /// Largest number of iterations.
 const MAX_ITERATIONS: usize = 8;
-/// Largest relative difference between the size of a merged marker and the sum of the two sizes.
+/// Largest relative difference between the size of a merged marker and the sum of the sizes of its parts.
 const SIZE_GATE: f64 = 0.3;
-/// Largest distance of two merging markers, or of the pieces of a split marker, in distances to the next marker.
+/// Largest distance between two merging markers or between the pieces of a split marker, relative to the distance to
+/// the next marker.
 const REACH: f64 = 1.5;
 
-/// Matches the markers of a rest frame with those of a pressed frame. Returns one track for each marker at rest, in their
-/// order, then one track for each new marker, in the order of the pressed markers.
+/// Matches the markers of a frame at rest with the markers of a pressed frame. Returns one track for each marker at
+/// rest, in the order of these markers, followed by one track for each new marker, in the order of the pressed markers.
 ///
-/// Markers are matched if they move less than about a third of the distance to the next one, or further if all markers around
-/// them move alike. A merged marker is the pressed marker of both of its tracks. The pieces of a split marker are combined
-/// in its track: common centroid and total size. Markers that are not finite match nothing. The time grows with the
-/// product of the two numbers of markers.
+/// Markers are matched if they move by less than about a third of the distance to the next marker, or farther if all
+/// markers around them move in the same way. A merged marker is the pressed marker of both of its tracks. The pieces of
+/// a split marker are combined in its track, with their common centroid and total size. Markers with numbers that are
+/// not finite are not matched. The computing time is proportional to the product of the two numbers of markers.
 ///
 /// ```
 /// use palpate_tracking::{Marker, Status, match_markers};
 ///
 /// let marker = |x: f64| Marker { centroid_px: [x, 50.0], hue_turns: 0.05, mean_hue_turns: 0.1, size_px2: 300.0, pixels: 300 };
 /// let rest = [20.0, 60.0, 100.0].map(marker);
-/// // Two move by 3 px; the third is lost.
+/// // Two markers move by 3 px; the third is lost.
 /// let pressed = [23.0, 63.0].map(marker);
 /// let tracks = match_markers(&rest, &pressed);
 /// let fates: Vec<Status> = tracks.iter().map(|track| track.status).collect();
@@ -55,11 +57,11 @@ pub fn match_markers(rest: &[Marker], pressed: &[Marker]) -> Vec<Track> {
 struct Matching<'a> {
     rest: &'a [Marker],
     pressed: &'a [Marker],
-    /// Distance from each marker at rest to its nearest neighbour, px.
+    /// Distance from each marker of the rest frame to its nearest neighbour, px.
     spacing: Vec<f64>,
-    /// Neighbours of each marker at rest, nearest first.
+    /// Neighbours of each marker of the rest frame, nearest first.
     around: Vec<Vec<usize>>,
-    /// Pressed marker of each marker at rest.
+    /// For each marker of the rest frame, the index of the pressed marker that is matched to it.
     pairs: Vec<Option<usize>>,
 }
 
@@ -78,7 +80,7 @@ impl<'a> Matching<'a> {
                 next.fold(f64::INFINITY, f64::min)
             })
             .collect();
-        // A marker without neighbours uses a typical spacing of markers of its size.
+        // For markers without near neighbours, limit the spacing to a typical value for markers of this size.
         for (spacing, marker) in spacing.iter_mut().zip(rest) {
             *spacing = spacing.min(8.0 * marker.size_px2.max(0.0).sqrt());
         }
@@ -91,13 +93,14 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Matches markers that are mutually nearest.
+    /// Matches pairs of markers in which each is the nearest marker to the other.
     fn match_nearest(&mut self) {
         let places: Vec<[f64; 2]> = self.rest.iter().map(|marker| marker.centroid_px).collect();
         self.pair(&places, FIRST_GATE);
     }
 
-    /// Matches markers at rest, expected at `places`, with pressed markers within `gate` spacings.
+    /// Matches markers of the rest frame with pressed markers. Each marker is expected at its place in `places`, and
+    /// may be matched within `gate` times its spacing.
     fn pair(&mut self, places: &[[f64; 2]], gate: f64) {
         let away = |at: usize, other: usize| distance(places[at], self.pressed[other].centroid_px);
         let closest = |count: usize, away: &dyn Fn(usize) -> f64| {
@@ -118,7 +121,8 @@ impl<'a> Matching<'a> {
         self.pairs = pairs;
     }
 
-    /// Removes matches that moved differently from their neighbours, and matches all markers at their predicted places.
+    /// Removes matches whose displacement differs from the displacement of their neighbours. Then matches all markers
+    /// again at their predicted places.
     fn match_predicted(&mut self) {
         let is_outlier = |at: usize| {
             let moves = self.displacement(at).zip(self.expected_move(at));
@@ -138,7 +142,7 @@ impl<'a> Matching<'a> {
         Some([0, 1].map(|axis| pressed[axis] - rest[axis]))
     }
 
-    /// Displacement that the neighbours predict: the median of their displacements along each axis.
+    /// Displacement that the neighbours predict, that is, the median of their displacements along each axis.
     fn expected_move(&self, at: usize) -> Option<[f64; 2]> {
         let moves: Vec<[f64; 2]> = self.around[at]
             .iter()
@@ -188,7 +192,7 @@ impl<'a> Matching<'a> {
         tracks
     }
 
-    /// Finds lost markers that form one pressed marker together with another.
+    /// Finds lost markers that form one shape in the pressed frame together with another marker.
     fn merge(&self, places: &[[f64; 2]], tracks: &mut [Track], used: &mut [bool]) {
         for at in 0..self.rest.len() {
             if tracks[at].status != Status::Lost {
@@ -214,7 +218,7 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// The unmatched pressed marker closest to the middle of two places.
+    /// The unmatched pressed marker that is closest to the middle of two places.
     fn closest_free(&self, places: &[[f64; 2]], parts: [usize; 2], used: &[bool]) -> Option<usize> {
         let middle = [0, 1].map(|axis| 0.5 * (places[parts[0]][axis] + places[parts[1]][axis]));
         (0..self.pressed.len())
@@ -225,7 +229,7 @@ impl<'a> Matching<'a> {
             .map(|(other, _)| other)
     }
 
-    /// Finds markers whose pieces are two pressed markers.
+    /// Finds lost markers that appear as two pieces in the pressed frame.
     fn split(&self, places: &[[f64; 2]], tracks: &mut [Track], used: &mut [bool]) {
         for at in 0..self.rest.len() {
             let reach = REACH * self.spacing[at];
@@ -264,7 +268,7 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Whether a marker has the total size and the common centroid of two parts.
+    /// Whether the size of `whole` equals the total size of the two parts, and its centroid their common centroid.
     fn is_sum(&self, parts: &[([f64; 2], f64); 2], whole: &Marker, spacing: f64) -> bool {
         let size = parts[0].1 + parts[1].1;
         let centre = [0, 1]
@@ -276,7 +280,7 @@ impl<'a> Matching<'a> {
     }
 }
 
-/// Combines two pieces to one marker.
+/// Combines two pieces into one marker.
 fn combine(pieces: [Marker; 2]) -> Marker {
     let [a, b] = pieces;
     let size_px2 = a.size_px2 + b.size_px2;
@@ -297,7 +301,7 @@ fn pairs_of(items: &[usize]) -> impl Iterator<Item = [usize; 2]> {
     (0..items.len()).flat_map(move |a| (a + 1..items.len()).map(move |b| [items[a], items[b]]))
 }
 
-/// The `count` nearest other markers.
+/// Indices of the `count` other markers that are nearest to this marker.
 fn nearest(markers: &[Marker], marker: &Marker, count: usize) -> Vec<usize> {
     let mut others: Vec<(usize, f64)> = markers
         .iter()

@@ -1,5 +1,5 @@
-//! Measurement of a marker: sums over its window. They are linear in the pixels, so blur, noise, partly covered pixels and
-//! uneven light cause no bias.
+//! Measures markers by sums over windows of pixels. The sums are linear in the pixels, so blur, noise, partly covered
+//! pixels and uneven light cause no bias.
 
 use image::RgbImage;
 use palpate_statistics::saturated_hue;
@@ -8,67 +8,71 @@ use crate::Ground;
 use crate::lighting::{Lighting, Local};
 use crate::shapes::{Shape, Window};
 
-/// Width of the ring around a window in which the ground is measured, px.
+/// Width of the ring in which the background is measured, px. The ring surrounds the window of a marker.
 const RING_PX: i32 = 4;
-/// A marker ends where its signal falls below this share of the markers' mean signal.
+/// Share of the markers' mean signal. A marker ends where its signal falls below this share.
 const END_SIGNAL: f64 = 0.004;
-/// Distance from a shape within which saturated pixels belong to its marker, px.
+/// Largest distance between a shape and a saturated pixel that belongs to its marker, px.
 const HUE_REACH_PX: i32 = 2;
-/// Number of markers on which the reach is measured.
+/// Number of markers with which the program measures how far markers extend beyond their shape.
 const SAMPLE_SIZE: usize = 12;
-/// Smallest brightness of the ground by which light is divided, of 255.
+/// Smallest brightness of the background by which light is divided, in grey levels; full light is 255.
 const MIN_BRIGHTNESS: f32 = 8.0;
-/// Largest relative difference of a ground pixel from the fitted light.
+/// Largest relative difference between a background pixel and the fitted light. Pixels with a larger difference are not
+/// used.
 const MAX_DIFFERENCE: f64 = 0.15;
 
-/// Sums over a window of the shares of light that a marker absorbs from a bright ground or adds to a dark one.
+/// Sums over the pixels of a window. The light of a pixel is the share that a marker absorbs from a bright background
+/// or adds to a dark background.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     /// Number of pixels.
     pub(crate) count: f64,
-    /// Sum of the offsets of the pixels from `middle`, px.
+    /// Sum of the offsets of the pixels from the point `middle`, px.
     pub(crate) place: [f64; 2],
-    /// Sums of the pixels' shares of red, green and blue: of the absorbed ground light, or of the added full scale.
+    /// Sum of each colour over the pixels. On a bright background, it is the absorbed share of the background's light;
+    /// on a dark background, the added light as a share of full scale.
     pub(crate) light: [f64; 3],
-    /// First moment of each colour channel about `middle`, px: the sum of shares times offsets.
+    /// First moment of each colour about the point `middle`, px, that is, the sum of the shares times the offsets.
     pub(crate) moment: [[f64; 2]; 3],
-    /// Sums of red, green and blue over the pixels that determine the hue. On a bright ground these are all pixels. On a dark
-    /// ground they are the shape's pixels, because the others only add noise.
+    /// Sums of red, green and blue over the pixels that determine the hue. On a bright background, these are all pixels
+    /// of the window. On a dark background, they are the pixels of the shape, because the other pixels only add noise.
     pub(crate) hue_light: [f64; 3],
     /// Mean hue of the saturated pixels, turns; `None` if there are none.
     pub(crate) mean_hue: Option<f64>,
-    /// Origin of the offsets, px.
+    /// Origin from which offsets are measured, px.
     pub(crate) middle: [f64; 2],
-    /// Errors of the summed pixels.
+    /// Variances of the summed pixels, for the errors of the marker.
     pub(crate) errors: PixelErrors,
 }
 
-/// Errors of the pixels of a window.
+/// Variances of the pixels of a window, and the sums from which the errors of the marker are computed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PixelErrors {
-    /// Sums over the window's pixels of 1, x, y, x², xy and y², relative to the sums' `middle`.
+    /// Sums over the pixels of the window of 1, x, y, x², xy and y². The offsets x and y are relative to the `middle`
+    /// of the sums.
     pub(crate) window: [f64; 6],
-    /// Variance of each colour of a pixel, squared shares.
+    /// Variance of each colour of a pixel, in squared shares of light.
     pub(crate) pixel: [f64; 3],
-    /// Variance of the common error of all pixels of the window, squared shares.
+    /// Variance of the error that all pixels of the window have in common, in squared shares of light.
     pub(crate) common: [f64; 3],
-    /// Radius of a circle of the marker's area, px.
+    /// Radius of a circle that has the area of the marker, px.
     pub(crate) radius_px: f64,
 }
 
-/// A frame with its ground.
+/// A frame with its background.
 pub(crate) struct Scene<'a> {
     pub(crate) frame: &'a RgbImage,
     pub(crate) ground: Ground,
-    /// First and last column that show the sensor, for each row.
+    /// First and last column that show the sensor, for each row of the frame.
     pub(crate) rows: &'a [(i32, i32)],
     pub(crate) lighting: &'a Lighting,
     pub(crate) bin: usize,
-    /// A marker's diameter, px.
+    /// Diameter of a typical marker, px.
     pub(crate) diameter_px: f64,
 }
 
-/// A shape with its windows and neighbours.
+/// A shape with its windows and its neighbours.
 struct Patch {
     middle: [f64; 2],
     radius: f64,
@@ -79,26 +83,27 @@ struct Patch {
     local: [Local; 3],
 }
 
-/// Use of the pixels that are also in a neighbour's window.
+/// Rule for pixels that are also in the window of a neighbouring marker.
 #[derive(Clone, Copy, PartialEq)]
 enum Contested {
-    /// Pixels in two windows belong to the nearer marker.
+    /// A pixel in two windows belongs to the nearer marker.
     Nearest,
-    /// Pixels in two windows count for neither marker.
+    /// A pixel in two windows belongs to neither marker.
     Nobody,
 }
 
-/// Relative difference of the ground around a marker from the fitted light.
+/// Relative difference between the background around a marker and the fitted light.
 #[derive(Clone, Copy, Default)]
 struct Offset {
     share: [f64; 3],
     variance: [f64; 3],
-    /// Variance of the difference after shrinkage.
+    /// Variance of the error that remains in the difference after shrinkage.
     left: [f64; 3],
 }
 
 impl Scene<'_> {
-    /// Sums of each shape, corrected for the ground around it.
+    /// Sums over the window of each shape. They are corrected for the difference between the background around the
+    /// shape and the fitted light.
     pub(crate) fn measure(&self, shapes: &[Shape]) -> Vec<Sums> {
         let mut patches: Vec<Patch> = shapes.iter().map(|shape| self.patch(shape)).collect();
         let reach = self.reach(&mut patches);
@@ -140,7 +145,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Grows the windows and finds the neighbours.
+    /// Enlarges the windows by `reach` px, and finds the neighbours of each marker.
     fn grow(&self, patches: &mut [Patch], reach: i32) {
         for patch in patches.iter_mut() {
             patch.window = patch.hull.grown(reach, self.rows);
@@ -166,7 +171,8 @@ impl Scene<'_> {
         }
     }
 
-    /// Distance in px that a marker extends beyond its shape: where the mean signal of many markers ends.
+    /// Distance by which markers extend beyond their shapes, px. It is the distance at which the mean signal of several
+    /// markers ends.
     fn reach(&self, patches: &mut [Patch]) -> i32 {
         let most = (0.4 * self.diameter_px).clamp(4.0, 16.0) as i32;
         self.grow(patches, most);
@@ -208,8 +214,8 @@ impl Scene<'_> {
             .max(2)
     }
 
-    /// Calls `pixel` with the offset from the middle and the shares of light, for each pixel of `outer` that is not in `inner`
-    /// and does not belong to a neighbour.
+    /// Calls `pixel` for each pixel of `outer` that is not in `inner` and does not belong to a neighbour. The arguments
+    /// are the offset from the middle and the shares of light.
     fn for_each_pixel(
         &self,
         patches: &[Patch],
@@ -261,7 +267,8 @@ impl Scene<'_> {
         }
     }
 
-    /// Shares of the ground's red, green and blue light that a pixel absorbs, or shares of full scale that it adds.
+    /// For each of red, green and blue, the share of the background's light that a pixel absorbs, or the light that it
+    /// adds as a share of full scale.
     fn shares(&self, value: [u8; 3], light: &[[f32; 3]; 3], dx: f32) -> [f32; 3] {
         let ground = light.map(|[constant, linear, square]| constant + dx * (linear + dx * square));
         match self.ground {
@@ -313,7 +320,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Plain mean of the hues of the saturated pixels in and around a shape.
+    /// Mean of the hues, in turns, of the saturated pixels in and around a shape; the mean is not cyclic.
     fn mean_hue(&self, patch: &Patch) -> Option<f64> {
         let width = self.frame.width() as usize;
         let window = patch.hull.grown(HUE_REACH_PX, self.rows);
@@ -334,7 +341,8 @@ impl Scene<'_> {
         (count > 0.0).then(|| sum / count)
     }
 
-    /// The sums of the colours over the shape alone, and its number of pixels.
+    /// Sums of the colours over the pixels of the shape alone, without its surroundings. Also the number of these
+    /// pixels.
     fn core(&self, patches: &[Patch], at: usize) -> ([f64; 3], f64) {
         let mut sums = [0.0f32; 4];
         self.for_each_pixel(
@@ -353,7 +361,8 @@ impl Scene<'_> {
         ([red, green, blue], count)
     }
 
-    /// Difference of the ground in the ring around a window. The second pass rejects pixels that differ too much.
+    /// Difference between the fitted light and the background in the ring around a window. A second pass rejects pixels
+    /// that differ too much from the mean of the first pass.
     fn offset(&self, patches: &[Patch], at: usize) -> Offset {
         let patch = &patches[at];
         let mut ring: Vec<[f32; 3]> = Vec::new();
@@ -405,7 +414,7 @@ impl Scene<'_> {
     }
 
     fn errors(&self, patch: &Patch, offset: &Offset) -> PixelErrors {
-        // Rounding to whole levels alone has a variance of 1/12.
+        // The noise cannot be less than the rounding error of whole levels, whose variance is 1/12.
         let noise = self.lighting.noise.max(1.0 / 12.0_f64.sqrt());
         PixelErrors {
             window: patch.window.moments(patch.middle),
@@ -421,7 +430,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Corrects the sums for the difference of the ground.
+    /// Corrects the sums for the difference between background and fitted light.
     fn correct(&self, sums: &mut Sums, offset: &Offset) {
         for (colour, &share) in offset.share.iter().enumerate() {
             let scale = match self.ground {
@@ -438,7 +447,8 @@ impl Scene<'_> {
 }
 
 impl Patch {
-    /// Whether a pixel is nearer to this marker than to another, in units of their radii.
+    /// Whether a pixel is nearer to this marker than to `other`. The distances are relative to the radii of the
+    /// markers.
     fn is_nearer(&self, other: &Self, [x, y]: [i32; 2]) -> bool {
         let [mine, theirs] = [self, other].map(|patch| {
             let [dx, dy] = [
@@ -451,8 +461,8 @@ impl Patch {
     }
 }
 
-/// Shrinks each difference by the ratio of true spread to total variance (empirical Bayes). In an evenly lit frame, the fitted
-/// light is much more exact than a few pixels.
+/// Multiplies each difference by the ratio of its true variance to its total variance (empirical Bayes shrinkage). The
+/// reason is that in an evenly lit frame, the fitted light is much more accurate than a few pixels.
 fn shrink(offsets: &mut [Offset]) {
     for colour in 0..3 {
         let (mut square, mut noise, mut count) = (0.0, 0.0, 0.0);

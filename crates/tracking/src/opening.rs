@@ -1,10 +1,10 @@
-//! The morphological opening of a plane of bytes by a square. The top-hat transform needs it.
+//! Morphological opening of a grey image by a square, which is a part of the top-hat transform.
 //!
-//! The minimum over `n` neighbours follows from the minima over `n/2` of them. So the window is doubled until two overlapping
-//! windows cover `n`. Passes along columns and along rows both compare a shifted plane with itself, so that no plane is
-//! transposed and every pass uses whole vectors.
+//! The minimum over `n` neighbours can be computed from two minima over `n/2` neighbours. So the window is doubled
+//! until two overlapping windows cover `n` pixels. Along columns and along rows, the image is compared with a shifted
+//! copy of itself. No transposition is needed, and all operations use whole vectors.
 
-/// Buffers of the opening.
+/// Buffers that the opening reuses.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Opening {
     here: Vec<u8>,
@@ -13,8 +13,9 @@ pub(crate) struct Opening {
 }
 
 impl Opening {
-    /// The opening of `plane`, with rows of `width` bytes, by a square of `2 half + 1` pixels a side. The middle of the square
-    /// stays where `middles` is true. Pixels with `inside` false do not limit the square; the result there is meaningless.
+    /// The opening of the grey image `plane`, whose rows have `width` bytes, by a square of `2 half + 1` pixels a side.
+    /// The middle of the square is only placed where `middles` is true. Pixels for which `inside` is false do not limit
+    /// the square, and the result there is meaningless.
     pub(crate) fn open(
         &mut self,
         plane: &[u8],
@@ -38,7 +39,7 @@ impl Opening {
         &self.here
     }
 
-    /// Replaces `here` by the extremes over squares.
+    /// Replaces each pixel by the minimum or maximum over a square around it.
     fn pass<E: Extreme>(&mut self, width: usize, half: usize) {
         let pitch = width + 2 * half;
         self.padded.clear();
@@ -61,8 +62,8 @@ impl Opening {
     }
 }
 
-/// Replaces every element of `line` by the extreme of itself and the next `window - 1` elements at a distance of `stride`. Drops
-/// the last `stride (window - 1)` elements, which have no such followers.
+/// Replaces every element of `line` by the minimum or maximum of itself and of the next `window - 1` elements at
+/// distances of `stride`. Removes the last `stride (window - 1)` elements, which have too few elements after them.
 fn slide<E: Extreme>(line: &mut Vec<u8>, spare: &mut Vec<u8>, stride: usize, window: usize) {
     let mut have = 1;
     while have < window {
@@ -106,8 +107,8 @@ impl Extreme for Greatest {
 mod tests {
     use super::*;
 
-    /// The definition: at each place the maximum, over squares with an allowed middle that contain the place, of the minimum
-    /// inside the square.
+    /// The opening by its definition. At each place, it is the maximum over all squares that have an allowed middle and
+    /// contain the place. The value of a square is the minimum inside it.
     fn by_definition(
         plane: &[u8],
         width: usize,

@@ -1,41 +1,41 @@
-//! Selection of the shapes that may be markers by size and form, and separation of markers that touch.
+//! Selects the shapes that may be markers, by their size and form, and separates markers that touch.
 
 use crate::shapes::{Run, Shape, join};
 
 /// Shapes that may be markers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Selection {
-    /// Complete shapes.
+    /// Completely visible shapes.
     pub(crate) whole: Vec<Shape>,
-    /// Shapes that the circle or the frame cuts off.
+    /// Shapes that are cut off by the circle or the frame.
     pub(crate) cut: Vec<Shape>,
-    /// Diameter of a typical marker, in squares.
+    /// Diameter of a typical marker, in bins.
     pub(crate) diameter: f64,
 }
 
-/// Smallest area of a shape, squares.
+/// Smallest area of a shape, in bins (the squares of pixels over which the frame is summed).
 const MIN_AREA: usize = 9;
-/// Smallest and largest area of a complete marker, in areas of a typical one.
+/// Smallest and largest area of a complete marker, relative to the area of a typical marker.
 const AREAS: [f64; 2] = [0.3, 3.0];
-/// Smallest visible area of a cut-off marker, in areas of a typical one.
+/// Smallest visible area of a cut-off marker, relative to the area of a typical marker.
 const MIN_CUT_AREA: f64 = 0.1;
-/// Shapes above this area, in areas of a typical marker, are split if possible.
+/// Area relative to a typical marker above which a shape is split, if possible.
 const SPLIT_AREA: f64 = 1.6;
 /// Largest ratio of a marker's length to its width.
 const MAX_ELONGATION: f64 = 3.0;
-/// Smallest share of its ellipse that a marker fills.
+/// Smallest ratio of a marker's area to the area of the ellipse with the same second moments.
 const MIN_FILL: f64 = 0.7;
-/// Pixels above this share of a shape's 90 % quantile belong to markers; pixels below it may be shade only.
+/// Share of the 90 % quantile of a shape's values. Pixels above it belong to markers; pixels below it may be shade.
 const STEEP: f64 = 0.6;
 
 impl Selection {
-    /// All shapes, the complete ones first.
+    /// All shapes: first the complete ones, then those that are cut off.
     pub(crate) fn shapes(&self) -> impl Iterator<Item = &Shape> {
         self.whole.iter().chain(&self.cut)
     }
 }
 
-/// Selects among the shapes of `top_hat` above `limit`.
+/// Selects the shapes that may be markers. `shapes` are the connected pixels whose value in `top_hat` is above `limit`.
 pub(crate) fn select(
     shapes: Vec<Shape>,
     top_hat: &[u8],
@@ -48,7 +48,8 @@ pub(crate) fn select(
         .into_iter()
         .filter(sized)
         .partition(|shape| is_cut(shape, width, inside));
-    // Near the rim the light often drops steeply. The shade there joins the markers in it into one shape.
+    // Near the rim, the light often decreases steeply. The shade there connects several markers to one shape, so use
+    // only the steep parts of such shapes.
     let steep: Vec<Shape> = dim
         .iter()
         .flat_map(|shape| steep(shape, top_hat, width))
@@ -86,7 +87,8 @@ pub(crate) fn select(
     }
 }
 
-/// The median area of the shapes that may be markers, weighted by area so that specks have little weight.
+/// Typical area of a marker. It is the median area of the shapes that may be markers, weighted by area so that specks
+/// have little influence.
 fn typical_area(shapes: &[Shape]) -> Option<f64> {
     let mut areas: Vec<usize> = shapes
         .iter()
@@ -124,8 +126,9 @@ fn is_cut(shape: &Shape, width: usize, inside: &[bool]) -> bool {
     })
 }
 
-/// Splits a shape into the pieces of at least `least` pixels into which a higher limit divides it. Pixels between the pieces
-/// go to the nearest piece. Returns the shape itself if no limit divides it.
+/// Splits a shape into the pieces that remain above a higher limit and have at least `least` pixels each. Pixels
+/// between the pieces are assigned to the nearest piece. If no limit separates the shape into several pieces, returns
+/// the shape itself.
 fn split(shape: Shape, plane: &[u8], width: usize, limit: u8, least: usize) -> Vec<Shape> {
     let greatest = shape.values(plane, width).max().unwrap_or(0);
     let step = (greatest.saturating_sub(limit) / 16).max(1);
@@ -145,7 +148,7 @@ fn split(shape: Shape, plane: &[u8], width: usize, limit: u8, least: usize) -> V
     vec![shape]
 }
 
-/// The pieces of a shape above a share of its 90 % quantile: the shape without the shade around it.
+/// The pieces of a shape whose values are above a share of its 90 % quantile. This removes the shade around a marker.
 fn steep(shape: &Shape, plane: &[u8], width: usize) -> Vec<Shape> {
     let mut values: Vec<u8> = shape.values(plane, width).collect();
     let high = values.len() * 9 / 10;
@@ -166,7 +169,7 @@ fn above(shape: &Shape, plane: &[u8], width: usize, limit: u8) -> Vec<Run> {
     runs
 }
 
-/// Adds the next pixel, in the order of rows and columns.
+/// Appends the next pixel in the order of rows and columns, either to the last run or as a new run.
 fn push_pixel(runs: &mut Vec<Run>, row: usize, column: usize) {
     match runs.last_mut() {
         Some(last) if last.row == row && last.last + 1 == column => last.last = column,
@@ -178,7 +181,8 @@ fn push_pixel(runs: &mut Vec<Run>, row: usize, column: usize) {
     }
 }
 
-/// Assigns every pixel of the shape to the piece with the nearest middle, where distances are relative to the piece's radius.
+/// Assigns every pixel of the shape to the nearest piece. The distance from the middle of a piece is divided by the
+/// radius of the piece.
 fn assign_pixels(shape: &Shape, pieces: &[Shape]) -> Vec<Shape> {
     let middles: Vec<([f64; 2], f64)> = pieces
         .iter()

@@ -1,6 +1,6 @@
-//! Connected shapes in a plane, as runs of pixels in rows, and the windows of pixels around them.
+//! Connected shapes in a grey image, stored as runs of pixels in rows, and the windows of pixels around them.
 
-/// Neighbouring pixels in a row: the columns from `first` to `last`, both included.
+/// Consecutive pixels in a row: the columns from `first` to `last`, both included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Run {
     pub(crate) row: usize,
@@ -14,19 +14,20 @@ impl Run {
     }
 }
 
-/// Pixels that are connected over edges or corners: at least one run, in the order of rows and columns.
+/// Pixels that are connected over edges or corners. They are stored as at least one run; the runs are sorted by rows
+/// and columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Shape {
     pub(crate) runs: Vec<Run>,
 }
 
-/// Second moments of a shape.
+/// Form of a shape, from its second moments.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Form {
     pub(crate) middle: [f64; 2],
-    /// Length over width of the ellipse with the same second moments.
+    /// Ratio of length to width of the ellipse with the same second moments.
     pub(crate) elongation: f64,
-    /// Area of the shape over that of the ellipse with the same second moments.
+    /// Area of the shape divided by the area of the ellipse with the same second moments.
     pub(crate) fill: f64,
 }
 
@@ -35,7 +36,7 @@ impl Shape {
         self.runs.iter().map(Run::len).sum()
     }
 
-    /// Values of its pixels in a plane.
+    /// Values of the shape's pixels in a grey image.
     pub(crate) fn values(&self, plane: &[u8], width: usize) -> impl Iterator<Item = u8> {
         let runs = self.runs.iter();
         runs.flat_map(move |run| &plane[run.row * width + run.first..][..run.len()])
@@ -59,7 +60,7 @@ impl Shape {
             area += length;
             x += length * middle;
             y += length * row;
-            // The second moment of a run of pixels, each a square of side 1.
+            // Second moment of a run of pixels, where each pixel is a square of side 1.
             xx += length * (middle * middle + length * length / 12.0);
             xy += length * middle * row;
             yy += length * (row * row + 1.0 / 12.0);
@@ -80,8 +81,8 @@ impl Shape {
     }
 }
 
-/// The shapes of the pixels above `limit` in a plane, in the order of their first pixels; `None` if there are more than
-/// `most`.
+/// The shapes of connected pixels whose value in the grey image `plane` is above `limit`, sorted by their first pixels.
+/// `None` if there are more than `most` shapes.
 pub(crate) fn shapes(plane: &[u8], width: usize, limit: u8, most: usize) -> Option<Vec<Shape>> {
     let mut runs = Vec::new();
     for (row, line) in plane.chunks_exact(width).enumerate() {
@@ -90,7 +91,7 @@ pub(crate) fn shapes(plane: &[u8], width: usize, limit: u8, most: usize) -> Opti
     join(&runs, most)
 }
 
-/// Number of bytes that are skipped at once if none is above the limit.
+/// Number of bytes that are skipped together if none of them is above the limit.
 const STRETCH: usize = 32;
 
 fn runs_of(line: &[u8], row: usize, limit: u8, runs: &mut Vec<Run>) {
@@ -125,12 +126,13 @@ fn runs_of(line: &[u8], row: usize, limit: u8, runs: &mut Vec<Run>) {
     }
 }
 
-/// Joins runs, sorted by rows and columns, that touch over edges or corners.
+/// Joins runs that touch over edges or corners into shapes. The runs must be sorted by rows and columns.
 pub(crate) fn join(runs: &[Run], most: usize) -> Option<Vec<Shape>> {
     let mut parents: Vec<usize> = (0..runs.len()).collect();
     let mut above = 0;
     for (at, run) in runs.iter().enumerate() {
-        // `above` only moves forward: a run that ends left of this run also ends left of all later runs in this row.
+        // `above` never decreases, because a run of the row above that ends left of this run also ends left of all
+        // later runs in this row.
         while above < at
             && (runs[above].row + 1 < run.row
                 || runs[above].row + 1 == run.row && runs[above].last + 1 < run.first)
@@ -167,13 +169,14 @@ fn find(parents: &mut [usize], mut at: usize) -> usize {
     at
 }
 
-/// Makes the earlier of two roots the root of both.
+/// Joins two trees of the union-find forest. The earlier of their roots becomes the root of both.
 fn unite(parents: &mut [usize], a: usize, b: usize) {
     let (a, b) = (find(parents, a), find(parents, b));
     parents[a.max(b)] = a.min(b);
 }
 
-/// A window of pixels: first and last column of each row, starting at row `top`. If the first is larger, the row is empty.
+/// A window of pixels: the first and the last column of each row, starting at row `top`. If the first column is larger
+/// than the last, the row is empty.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Window {
     pub(crate) top: i32,
@@ -181,7 +184,7 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// The pixels of a shape, whose squares have `bin` pixels a side, with the gaps in its rows filled.
+    /// The pixels of a shape that was found in bins of `bin` pixels a side, with the gaps in its rows filled.
     pub(crate) fn hull(shape: &Shape, bin: usize) -> Self {
         let (top, bottom) = (shape.first_row(), shape.last_row());
         let mut hull = vec![(i32::MAX, i32::MIN); bottom - top + 1];
@@ -199,7 +202,7 @@ impl Window {
         }
     }
 
-    /// All pixels within `reach` px of this window that are between the first and last column in `rows`.
+    /// All pixels within `reach` px of this window that lie between the first and last column in `rows`.
     pub(crate) fn grown(&self, reach: i32, rows: &[(i32, i32)]) -> Self {
         let top = (self.top - reach).max(0);
         let bottom = (self.top + self.rows.len() as i32 + reach).min(rows.len() as i32);
@@ -223,7 +226,7 @@ impl Window {
         Self { top, rows: grown }
     }
 
-    /// Sums over its pixels of 1, x, y, x², xy and y², with the pixel at `middle` at (0, 0).
+    /// Sums over the window's pixels of 1, x, y, x², xy and y², where x and y are relative to `middle`.
     pub(crate) fn moments(&self, middle: [f64; 2]) -> [f64; 6] {
         let mut sums = [0.0; 6];
         for (row, &(first, last)) in (self.top..).zip(&self.rows) {
@@ -233,7 +236,7 @@ impl Window {
             let y = f64::from(row) - middle[1];
             let count = f64::from(last - first + 1);
             let mean = 0.5 * f64::from(first + last) - middle[0];
-            // Variance of consecutive integers.
+            // The mean square of consecutive integers is the square of their mean plus their variance.
             let squares = count * (mean * mean + (count * count - 1.0) / 12.0);
             let terms = [1.0, mean, y, squares / count, mean * y, y * y];
             for (sum, term) in sums.iter_mut().zip(terms) {

@@ -1,4 +1,5 @@
-//! Builds the programs of the peers: a virtual environment and compiled programs under the target directory.
+//! Builds the programs that palpate is compared with: a virtual Python environment, and compiled programs under the
+//! target directory.
 
 use std::env;
 use std::ffi::OsString;
@@ -13,36 +14,36 @@ use crate::python;
 
 /// List of the Python packages of the peers.
 const REQUIREMENTS: &str = "xtask/peers/requirements.txt";
-/// Variables that keep libraries from using several cores.
+/// Environment variables that keep libraries from using several cores.
 const ONE_THREAD: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"];
 
-/// Kind of a peer's program.
+/// Kind of program.
 pub(crate) enum Kind {
-    /// A script in xtask/peers/.
+    /// A Python script in xtask/peers/.
     Python(&'static str),
-    /// A group of tasks of xtask/peers/python_package.py, which also times palpate for Python.
+    /// A group of tasks in xtask/peers/python_package.py, which also measures palpate for Python.
     Package(&'static str),
-    /// A source file in xtask/peers/, compiled by g++.
+    /// A C++ source file in xtask/peers/, compiled with g++.
     Cpp(&'static str),
-    /// A package in xtask/peers/.
+    /// A Rust package in xtask/peers/.
     Rust(&'static str),
 }
 
-/// Reason why a peer is not available on this machine.
+/// Reason why a program cannot run on this machine.
 pub(crate) struct Absent(pub(crate) String);
 
 pub(crate) struct PeerPrograms<'s> {
     shell: &'s Shell,
     sources: PathBuf,
     directory: PathBuf,
-    /// The interpreter with the pinned packages, or the reason why there is none.
+    /// The Python interpreter with the pinned packages, or the reason why there is none.
     python: Result<PathBuf, String>,
 }
 
-/// A peer that can be run.
+/// A program that can be run.
 pub(crate) struct Peer {
     command: Vec<OsString>,
-    /// Group of tasks, if the program has several.
+    /// Group of tasks to run, if the program has several groups.
     group: Option<&'static str>,
 }
 
@@ -56,7 +57,7 @@ impl From<Vec<OsString>> for Peer {
 }
 
 impl Peer {
-    /// Runs the peer on one core and reads the figures that it prints.
+    /// Runs the program on one core, and reads the times and errors that it prints.
     pub(crate) fn figures(&self, shell: &Shell, core: &str, inputs: &Path) -> Result<Vec<Figure>> {
         let Self { command, group } = self;
         let mut run = cmd!(shell, "taskset -c {core} {command...} {inputs} {group...}").quiet();
@@ -68,7 +69,7 @@ impl Peer {
 }
 
 impl<'s> PeerPrograms<'s> {
-    /// Prepares the Python environment of the scripts.
+    /// Prepares the Python environment for the scripts.
     pub(crate) fn new(shell: &'s Shell, directory: &Path) -> Self {
         let sources = shell.current_dir().join("xtask").join("peers");
         let python = python::environment(shell, &directory.join("venv"), REQUIREMENTS);
@@ -83,7 +84,8 @@ impl<'s> PeerPrograms<'s> {
     /// Builds a peer.
     ///
     /// # Errors
-    /// If the peer cannot be built. A program that this machine lacks is not an error.
+    /// An error if the peer cannot be built. If this machine lacks a required program, the result is [`Absent`] and not
+    /// an error.
     pub(crate) fn make(&self, kind: &Kind) -> Result<Result<Peer, Absent>> {
         match kind {
             Kind::Python(script) => Ok(match &self.python {
@@ -103,7 +105,7 @@ impl<'s> PeerPrograms<'s> {
         }
     }
 
-    /// Compiles with all optimisations for this machine, as a user would.
+    /// Compiles a program with all optimisations for this machine, as a user would do.
     fn compile(&self, source: &str) -> Result<Result<Peer, Absent>> {
         let shell = self.shell;
         let header = "#include <boost/numeric/odeint.hpp>";
@@ -149,7 +151,7 @@ impl<'s> PeerPrograms<'s> {
                     .strip_suffix('"')
                     .map(str::to_owned)
             })
-            .context("the peer's package has no name")?;
+            .context("the Cargo.toml of the peer program has no package name")?;
         let program = release.join(format!("{name}{}", env::consts::EXE_SUFFIX));
         Ok(Ok(Peer::from(vec![program.into()])))
     }

@@ -1,4 +1,4 @@
-//! Times and errors of peers and of palpate, and the table that compares them.
+//! Times and errors of palpate and of the other programs, and the table that compares them.
 
 use std::fmt;
 
@@ -16,7 +16,7 @@ pub(crate) struct Figure {
 }
 
 impl Figure {
-    /// Reads lines of JSON.
+    /// Reads lines of JSON, one per task.
     pub(crate) fn read(lines: &str) -> Result<Vec<Figure>> {
         let lines = lines.lines().filter(|line| !line.trim().is_empty());
         let figure =
@@ -25,7 +25,8 @@ impl Figure {
     }
 }
 
-/// Median time and median error of each peer on each task, in the order of their first figures.
+/// Median time and median error of each program on each task. They are in the order in which programs and tasks first
+/// appear.
 pub(crate) fn medians(figures: Vec<Figure>) -> Vec<Figure> {
     let mut medians: Vec<Figure> = Vec::new();
     for figure in &figures {
@@ -47,7 +48,7 @@ pub(crate) fn medians(figures: Vec<Figure>) -> Vec<Figure> {
     medians
 }
 
-/// Comparison of a peer with a rung of palpate on the same task.
+/// Comparison of another program with a model of palpate on the same task.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Row {
     peer: Figure,
@@ -57,14 +58,14 @@ pub(crate) struct Row {
     verdict: Verdict,
 }
 
-/// Outcome of a row against the target.
+/// Result of a comparison with the required ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// Fast enough, and not less accurate.
+    /// Palpate is fast enough, and not less accurate.
     Met,
-    /// Not less accurate, but not fast enough.
+    /// Palpate is not less accurate, but not fast enough.
     Short,
-    /// Less accurate: the ratio does not count.
+    /// Palpate is less accurate, so its time is not compared with the required ratio.
     ErrsMore,
 }
 
@@ -93,7 +94,7 @@ const HEADER: [&str; 12] = [
     "machine",
 ];
 
-/// Comparisons of every peer with every rung of palpate, task by task.
+/// Comparisons of every other program with every model of palpate, task by task.
 pub(crate) fn rows(
     peers: &[Figure],
     ours: &[Figure],
@@ -151,7 +152,7 @@ pub(crate) fn render(rows: &[Row]) -> String {
     text
 }
 
-/// The rows as the table to commit.
+/// The rows as CSV, in the form that is committed.
 pub(crate) fn csv(rows: &[Row], machine: &str) -> Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(HEADER)?;
@@ -181,7 +182,7 @@ pub(crate) fn csv(rows: &[Row], machine: &str) -> Result<String> {
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
-/// The committed table, with the rows of the measured tasks replaced by the new rows.
+/// The committed table, in which the rows of the measured tasks are replaced by new rows.
 pub(crate) fn merged(committed: &str, measured: &str) -> Result<String> {
     let read = |text: &str| -> Result<Vec<csv::StringRecord>> {
         let mut reader = csv::Reader::from_reader(text.as_bytes());
@@ -198,7 +199,7 @@ pub(crate) fn merged(committed: &str, measured: &str) -> Result<String> {
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
-/// Text of a value with four digits; further digits are noise.
+/// A value as text with four digits, because further digits are only noise.
 fn four_digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     if rounded != 0.0 && !(1e-4..1e7).contains(&rounded.abs()) {
@@ -233,7 +234,7 @@ mod tests {
         assert_eq!(verdict(figure("a", 0.1, 0.1001), 0.0), Verdict::ErrsMore);
         assert_eq!(verdict(figure("a", 0.1, 0.1001), 0.01), Verdict::Met);
         assert_eq!(verdict(figure("a", 0.1, 0.1011), 0.01), Verdict::ErrsMore);
-        // A NaN is not equal to any error.
+        // NaN counts as a larger error than any number.
         assert_eq!(verdict(figure("a", 0.1, f64::NAN), 0.0), Verdict::ErrsMore);
     }
 

@@ -1,43 +1,45 @@
-//! Exploration of a range: a scan, then closer values around each crossing of the limit.
+//! Exploration of a range: scans the range, then tests more values around each crossing of the limit.
 
 use super::limits::{Effort, FIRST, MAX_LOOKS, Rules, SCANNED};
 use super::points::{Point, Points};
 use super::span::Span;
 use super::{Curves, ScoreRequest};
 
-/// Values that a search may test.
+/// The values that a search may test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum SearchRange {
-    /// Numbers of a range.
+    /// A range; the search may test all numbers in it.
     Span(Span),
-    /// This many listed values, which are tested independently.
+    /// A list of values, with this number of values. They are tested independently of each other.
     Listed(usize),
 }
 
 /// Reason why a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EndReason {
-    /// Every gap is small enough, and the side of every tested value is decided.
+    /// Every gap is small enough, and every tested value outside of the gaps is known to meet or miss the target.
     Known,
-    /// The largest number of trials, or of tests of values, was reached.
+    /// The search reached its largest number of trials, or of tests of values.
     Trials,
-    /// The time was used up.
+    /// The time budget was used up.
     Time,
 }
 
-/// Share of the time for the exploration; the rest is for the verification.
+/// Share of the time budget for the exploration; the remaining time is for the verification.
 const EXPLORATION_SHARE: f64 = 0.6;
-/// Growth of the number of trials at an undecided value, and the largest growth at a crossing. If there is not enough
-/// time, the growth is halved, down to the smallest growth.
+/// Factor by which the number of trials at an undecided value is increased.
 const GROWTH: f64 = 4.0;
+/// Largest such factor at a crossing of the limit.
 const MOST_GROWTH: f64 = 16.0;
+/// Smallest factor. If there is not enough time, the factor is halved down to this value.
 const LEAST_GROWTH: f64 = 1.5;
-/// Neighbours within a crossing are bisected if their distance is above this share of the crossing's width.
+/// Largest distance between neighbouring values within a crossing, as a share of the crossing's width. If the distance
+/// is larger, a value between them is tested.
 const MAX_SPACING: f64 = 0.34;
-/// Intended width of the values that stay undecided, as a share of the gap.
+/// Intended width of the range of values that remain undecided, relative to the allowed gap.
 const UNDECIDED_SHARE: f64 = 0.6;
 
-/// Tests values until the limits of the target are located closely enough.
+/// Tests values until the crossings of the limit are located accurately enough.
 pub(super) fn explore<C: Curves + ?Sized>(
     curves: &mut C,
     among: SearchRange,
@@ -50,7 +52,8 @@ pub(super) fn explore<C: Curves + ?Sized>(
         SearchRange::Span(span) => span.spread(SCANNED, rules.gap),
         SearchRange::Listed(count) => (0..count).map(|place| place as f64).collect(),
     };
-    // Two rounds, because only the second one measures the time of trials without the time of setting up scenes.
+    // The first round also includes the time of setting up the scenes. The second round measures the time of the trials
+    // alone.
     for trials in [FIRST / 2, FIRST] {
         let mut asks: Vec<ScoreRequest> = Vec::new();
         for &value in &values {
@@ -96,7 +99,7 @@ pub(super) fn explore<C: Curves + ?Sized>(
     }
 }
 
-/// Requests scores, and stores them.
+/// Requests the scores of some cells and values, and stores them.
 fn request<C: Curves + ?Sized>(
     curves: &mut C,
     points: &mut Points,
@@ -109,7 +112,8 @@ fn request<C: Curves + ?Sized>(
     Ok(())
 }
 
-/// Whether a value of a span is undecided outside of the small gaps, or a gap is too large.
+/// Whether more tests are needed, because a gap is too large, or because a value outside of the small gaps is
+/// undecided.
 fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
     stretches(points, rules)
         .into_iter()
@@ -119,11 +123,12 @@ fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
         })
 }
 
-/// Part of the tested values, in which a side or a crossing is undecided.
+/// Tested values in a row that need more tests.
 enum Stretch {
-    /// First and last undecided value. The values beside them are on the same side, or the range ends there.
+    /// The first and the last of several consecutive undecided values. The decided values on both sides of them are on
+    /// the same side of the target, or the range ends there.
     Open(usize, usize),
-    /// Two values on different sides. All values between them are undecided.
+    /// Two values on different sides of the target; all tested values between them are undecided.
     Crossing(usize, usize),
 }
 
@@ -154,7 +159,7 @@ fn stretches(points: &Points, rules: &Rules) -> Vec<Stretch> {
     stretches
 }
 
-/// Whether the ends of a crossing are close enough.
+/// Whether the two ends of a crossing are close enough to each other.
 fn is_known(crossing: &[Point], span: &Span, rules: &Rules) -> bool {
     let [low, .., high] = crossing else {
         return true;
@@ -163,7 +168,7 @@ fn is_known(crossing: &[Point], span: &Span, rules: &Rules) -> bool {
     is_close || crossing.len() == 2 && span.between(low.value, high.value, rules.gap).is_none()
 }
 
-/// Requests of the next round, in which the number of trials grows at most by the factor `growth`.
+/// Requests of the next round. The number of trials at a value is multiplied at most by `growth`.
 fn round(points: &Points, among: SearchRange, rules: &Rules, growth: f64) -> Vec<ScoreRequest> {
     let mut asks = Vec::new();
     let all = &points.points;
@@ -189,8 +194,8 @@ fn round(points: &Points, among: SearchRange, rules: &Rules, growth: f64) -> Vec
     asks
 }
 
-/// Adds requests within a crossing: values between distant neighbours or, if there are none, more trials of the
-/// undecided values.
+/// Adds requests within a crossing. If neighbouring values are too far apart, these are values between them. Otherwise,
+/// they are more trials at the undecided values.
 fn closer(
     crossing: &[Point],
     span: &Span,
@@ -228,8 +233,8 @@ fn closer(
     let (Some(first), Some(last)) = (open.first(), open.last()) else {
         return;
     };
-    // Number of trials at which the undecided values fit into the gap. Their width decreases with the root of this
-    // number.
+    // Factor on the number of trials that makes the undecided range small enough for the gap. The width of the
+    // undecided range is inversely proportional to the square root of the number of trials.
     let spacing = wide / (crossing.len() - 1) as f64;
     let open_wide = share(last) - share(first) + spacing;
     let gap = wide * rules.gap / span.gap(low.value, high.value);

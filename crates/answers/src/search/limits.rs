@@ -1,42 +1,42 @@
-//! Limits of a search: the scores that its answer must reach, and its budget of trials and time.
+//! Limits of a search: the scores that an answer requires, and the budgets of trials and time.
 
 use std::time::Duration;
 
 use palpate_statistics::score_of_tail;
 use palpate_sweep::Clock;
 
-/// Share of the error probability for the exploration. The exploration decides the sides of values between verified
-/// ends.
+/// Share of the error probability for the exploration. The exploration decides about values between the verified ends
+/// of ranges.
 const EXPLORATION_SHARE: f64 = 0.2;
 /// Largest number of tests of values in a search.
 pub(super) const MAX_LOOKS: usize = 400;
-/// Number of values in the scan: 16 + 1, so that the ends, the middle, the quarters and so on are among them.
+/// Number of values in the first scan. The 16 + 1 values include the ends, the middle and the quarters of the range.
 pub(super) const SCANNED: usize = 17;
 /// Number of trials of each cell in the first test of a value.
 pub(super) const FIRST: u64 = 64;
-/// Number of attempts to verify a side.
+/// Maximum number of attempts to verify an end of a range.
 pub(super) const ATTEMPTS: u32 = 5;
-/// Number of trials that verify a side, relative to the number that found it.
+/// Number of trials in a verification, as a multiple of the number of trials with which the search found the value.
 pub(super) const FRESH: f64 = 2.0;
 
 /// Scores and numbers of trials that a search requires.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rules {
-    /// Probability that anything in the answer is wrong.
+    /// Probability that any part of the answer is wrong.
     wrong: f64,
-    /// Largest gap that may stay between values that meet the target and values that miss it.
+    /// Largest gap that may remain between values that meet the target and values that miss it.
     pub(super) gap: f64,
     /// Largest number of trials of a cell at one value.
     pub(super) most_trials: u64,
-    /// Smallest score of all cells at a value that meets the target.
+    /// Score that all cells must reach at a value that meets the target.
     pub(super) meets: f64,
-    /// Largest score (negative) of one cell and condition at a value that misses the target.
+    /// Negative score. A value misses the target if the score of one condition in one cell is below it.
     pub(super) misses: f64,
 }
 
 impl Rules {
     pub(super) fn new(gap: f64, most_trials: u64, wrong: f64, cells: usize) -> Self {
-        // No score is high enough for a probability of NaN, 0 or less.
+        // If the probability is NaN, 0 or negative, no score is high enough.
         let wrong = if wrong > 0.0 { wrong.min(1.0) } else { 0.0 };
         let of_look = EXPLORATION_SHARE * wrong / MAX_LOOKS as f64;
         let conditions = 2 * cells.max(1);
@@ -49,8 +49,8 @@ impl Rules {
         }
     }
 
-    /// Score that verifies one of `sides` sides in an attempt. Attempts count from 0; each gets half the error
-    /// probability of the attempt before.
+    /// Score that verifies one end of a range, if `sides` ends must be verified. Attempts are counted from 0. Each
+    /// attempt has half the error probability of the previous attempt.
     pub(super) fn verifies(&self, sides: usize, attempt: u32) -> f64 {
         let wrong = (1.0 - EXPLORATION_SHARE) * self.wrong / sides.max(1) as f64;
         let half = (0..=attempt).fold(wrong, |wrong, _| 0.5 * wrong);
@@ -58,11 +58,11 @@ impl Rules {
     }
 }
 
-/// Time and trials of a search, and its budget.
+/// The time and the trials that a search has used so far, and its time budget.
 pub(super) struct Effort<'a> {
     clock: &'a Clock<'a>,
     budget: Option<Duration>,
-    /// Time of the last round, and its number of trials.
+    /// Duration of the last round, and number of its trials.
     last: (Duration, u64),
 }
 
@@ -75,7 +75,7 @@ impl<'a> Effort<'a> {
         }
     }
 
-    /// Calls `work`, which runs this many trials, and stores its time.
+    /// Calls `work`, which runs `trials` trials, and stores the time that it takes.
     pub(super) fn timed<R>(&mut self, trials: u64, work: impl FnOnce() -> R) -> R {
         if self.budget.is_none() {
             return work();
@@ -88,7 +88,7 @@ impl<'a> Effort<'a> {
         done
     }
 
-    /// Whether this many trials are expected to end within this share of the budget.
+    /// Whether `trials` trials are expected to end within this share of the budget.
     pub(super) fn allows(&self, trials: u64, share: f64) -> bool {
         self.budget.is_none_or(|budget| {
             let after = (self.clock)().as_secs_f64() + self.seconds(trials);
@@ -96,7 +96,7 @@ impl<'a> Effort<'a> {
         })
     }
 
-    /// Share of this many trials that fits into the remaining time, at most 1.
+    /// Share of `trials` for which the remaining time is enough, at most 1.
     pub(super) fn part(&self, trials: u64) -> f64 {
         self.budget.map_or(1.0, |budget| {
             let left = budget.saturating_sub((self.clock)()).as_secs_f64();

@@ -1,26 +1,26 @@
-//! Values that a search has tested, with the scores of their cells.
+//! The values that a search has tested, with the scores of their cells.
 
 use super::limits::Rules;
 use super::{ScoreRequest, Scores};
 
-/// Side of its target on which a value lies.
+/// Side of the target on which a value lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// All cells meet the target.
     Meets,
-    /// Some cell misses it.
+    /// At least one cell misses the target.
     Misses,
 }
 
-/// Tested values, ascending.
+/// Tested values, in ascending order.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Points {
     pub(super) points: Vec<Point>,
-    /// Number of tests of values. All requests for one value in one round count as one test.
+    /// Number of tests of values. All requests for one value in the same round count as one test.
     pub(super) looks: usize,
 }
 
-/// Tested value.
+/// A tested value and the scores of its cells.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
     pub(super) value: f64,
@@ -30,7 +30,7 @@ pub(super) struct Point {
 /// Scores of a cell at a value.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CellScores {
-    /// Number of trials requested.
+    /// Number of trials that were requested for the cell.
     pub(super) trials: u64,
     scores: Scores,
 }
@@ -42,7 +42,7 @@ impl CellScores {
 }
 
 impl Point {
-    /// Cell and condition with the smallest score.
+    /// Index of the cell, and index of the condition, that have the smallest score.
     pub(super) fn worst(&self) -> (usize, usize) {
         let all = self.cells.iter().enumerate().flat_map(|(cell, look)| {
             let scores = look.scores.into_iter().enumerate();
@@ -58,7 +58,7 @@ impl Point {
         scores.fold(f64::INFINITY, f64::min)
     }
 
-    /// Side of the target on which the value lies; `None` if undecided.
+    /// Side of the target on which the value lies; `None` if it is undecided.
     pub(super) fn side(&self, rules: &Rules) -> Option<Side> {
         match self.score() {
             score if score >= rules.meets => Some(Side::Meets),
@@ -67,13 +67,13 @@ impl Point {
         }
     }
 
-    /// Largest number of trials of a cell.
+    /// Largest number of trials of any cell at this value.
     pub(super) fn trials(&self) -> u64 {
         let trials = self.cells.iter().map(|cell| cell.trials);
         trials.max().unwrap_or(0)
     }
 
-    /// Adds requests for `factor` times the trials in the cells for which the value is undecided.
+    /// Adds requests for `factor` times as many trials in the cells for which the value is undecided.
     pub(super) fn grown(&self, factor: f64, rules: &Rules, asks: &mut Vec<ScoreRequest>) {
         for (cell, look) in self.cells.iter().enumerate() {
             if look.score() < rules.meets && look.trials < rules.most_trials {
@@ -90,7 +90,7 @@ impl Point {
 }
 
 impl Points {
-    /// Number of additional trials for some requests.
+    /// Number of additional trials that these requests need.
     pub(super) fn added(&self, asks: &[ScoreRequest]) -> u64 {
         let added = asks.iter().map(|ask| {
             let known = self.points.iter().find(|point| point.value == ask.value);
@@ -124,7 +124,7 @@ impl Points {
                     },
                 );
             }
-            // A score of NaN counts as 0, which decides nothing.
+            // A score of NaN is replaced by 0, which decides nothing.
             let scores = scores.map(|score| if score.is_nan() { 0.0 } else { score });
             if let Some(cell) = self.points[place].cells.get_mut(ask.cell) {
                 *cell = CellScores {
@@ -135,7 +135,7 @@ impl Points {
         }
     }
 
-    /// Sides of all values.
+    /// Side of the target for each value.
     pub(super) fn sides(&self, rules: &Rules) -> Vec<Option<Side>> {
         self.points.iter().map(|point| point.side(rules)).collect()
     }

@@ -1,6 +1,6 @@
-//! Range of a field that a search explores.
+//! The range of a field that a search explores.
 
-/// Range of a field.
+/// A range of a field's values.
 ///
 /// ```
 /// use palpate_sweep::Span;
@@ -14,23 +14,23 @@
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
-    /// Least value.
+    /// Smallest value of the range.
     pub from: f64,
-    /// Largest value.
+    /// Largest value of the range.
     pub to: f64,
-    /// Whether values are spaced by ratios: true if both ends are positive and their ratio exceeds 8.
+    /// Whether values are spaced by ratios. This is the case if both ends are positive and their ratio exceeds 8.
     pub is_log: bool,
-    /// Whether only whole numbers are values.
+    /// Whether all values must be whole numbers.
     pub is_whole: bool,
 }
 
-/// Ratio of the ends above which values are spaced by ratios.
+/// Ratio of the two ends of a range above which values are spaced by ratios.
 const MIN_LOG_RATIO: f64 = 8.0;
-/// Resolution of the values: the gap divided by this.
+/// Number of possible values in a gap. Values are rounded to steps of the gap divided by this number.
 const STEPS_PER_GAP: f64 = 8.0;
 
 impl Span {
-    /// Range between two finite numbers, `from` ≤ `to`, of all numbers or of the whole numbers.
+    /// A range of all numbers, or of whole numbers, between two finite numbers with `from` ≤ `to`.
     pub(crate) fn new(from: f64, to: f64, is_whole: bool) -> Self {
         Self {
             from,
@@ -40,8 +40,8 @@ impl Span {
         }
     }
 
-    /// Distance of two values, `low` ≤ `high`: relative to the first if values are spaced by ratios, otherwise to half
-    /// the range.
+    /// Distance between two values, `low` ≤ `high`. If values are spaced by ratios, it is relative to `low`, otherwise
+    /// relative to half the range.
     pub(crate) fn gap(&self, low: f64, high: f64) -> f64 {
         let gap = match self.is_log {
             true => high / low - 1.0,
@@ -50,11 +50,11 @@ impl Span {
         if gap.is_nan() { 0.0 } else { gap }
     }
 
-    /// Position of a value between the ends, 0 to 1.
+    /// Position of a value in the range, from 0 (lower end) to 1 (upper end).
     pub(super) fn share(&self, value: f64) -> f64 {
         let share = match self.is_log {
             true => libm::log(value / self.from) / libm::log(self.to / self.from),
-            // Halves, whose difference is finite.
+            // Halve the numbers first, because the difference of the halves is always finite.
             false => (0.5 * value - 0.5 * self.from) / (0.5 * self.to - 0.5 * self.from),
         };
         if share.is_nan() {
@@ -64,7 +64,7 @@ impl Span {
         }
     }
 
-    /// Value at a position, rounded to as many digits as gaps of this size need.
+    /// Value at a position from 0 to 1. It is rounded to as many digits as gaps of size `gap` need.
     pub(super) fn at(&self, share: f64, gap: f64) -> f64 {
         let mix = |a: f64, b: f64| a * (1.0 - share) + b * share;
         let value = match self.is_log {
@@ -81,9 +81,11 @@ impl Span {
         rounded(value, size / STEPS_PER_GAP).clamp(self.from, self.to)
     }
 
-    /// `count` values spread evenly over the range, including both ends, rounded to as many digits as gaps of this size
-    /// need. A range with fewer than 2 `count` whole numbers returns all of them; a range without a whole number
-    /// returns none.
+    /// Returns `count` values that are spread evenly over the range, including both ends. The values between the ends
+    /// are rounded; the rounding step is at most an eighth of a gap of size `gap`.
+    ///
+    /// If only whole numbers are allowed, the values are rounded to whole numbers. A range that contains at most
+    /// `2 * count` whole numbers returns all of them, and a range that contains none returns an empty list.
     ///
     /// ```
     /// use palpate_sweep::Span;
@@ -112,15 +114,15 @@ impl Span {
         values
     }
 
-    /// Value midway between two values, rounded to as many digits as gaps of this size need; `None` if no rounded value
-    /// lies between them.
+    /// Value in the middle between two values, rounded to as many digits as gaps of size `gap` need. `None` if no
+    /// rounded value lies between them.
     pub(crate) fn between(&self, low: f64, high: f64, gap: f64) -> Option<f64> {
         let middle = 0.5 * self.share(low) + 0.5 * self.share(high);
         Some(self.at(middle, gap)).filter(|value| low < *value && *value < high)
     }
 }
 
-/// Number rounded to the decimal place of `step`.
+/// The number, rounded to the decimal place of `step`.
 fn rounded(value: f64, step: f64) -> f64 {
     let place = |number: f64| {
         let text = format!("{:e}", number.abs());

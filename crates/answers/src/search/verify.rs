@@ -1,36 +1,37 @@
-//! Verification of the runs of a search with fresh trials.
+//! Verifies with fresh trials the ranges that a search has found.
 
 use super::explore::SearchRange;
 use super::limits::{ATTEMPTS, Effort, FRESH, Rules};
 use super::points::{Points, Side};
 use super::{Curves, ScoreRequest};
 
-/// Neighbouring values that lie on one side of the target.
+/// A range of neighbouring values that are on the same side of the target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run {
-    /// Smallest verified value, or the lower end of the range.
+    /// Smallest verified value, or the lower end of the explored range.
     pub from: f64,
-    /// Largest verified value, or the upper end of the range.
+    /// Largest verified value, or the upper end of the explored range.
     pub to: f64,
-    /// Side on which they lie.
+    /// Side of the target on which the values lie.
     pub side: Side,
 }
 
-/// Neighbouring values on one side, before they are verified.
+/// A range of neighbouring values on the same side, before it is verified.
 struct Candidate {
     first: usize,
     last: usize,
     side: Side,
 }
 
-/// End of a run that must be verified.
+/// An end of a range, at which a value must be verified.
 struct End {
     run: usize,
     kind: Kind,
-    /// Values to try one after the other, from the crossing inwards.
+    /// Indices of the values that are tried one after the other. The first one is next to the crossing, and the others
+    /// are further inside the range.
     places: Vec<usize>,
     attempt: u32,
-    /// The verified value.
+    /// Index of the value at which the end was verified.
     verified: Option<usize>,
 }
 
@@ -38,12 +39,13 @@ struct End {
 enum Kind {
     Low,
     High,
-    /// The run fills the whole range. The value with the smallest score represents it.
+    /// The range has no ends, because it covers the whole explored range. Therefore the value with the smallest score
+    /// is verified.
     Weakest,
 }
 
-/// Verifies the ends of all runs. An end that fails is moved away from the crossing and verified there. Returns the
-/// verified runs, and the number of ends that were moved or dropped.
+/// Verifies the ends of all ranges. If fresh trials do not confirm an end, it is moved inwards and verified there.
+/// Returns the verified ranges, and the number of ends that were moved or dropped.
 pub(super) fn verify<C: Curves + ?Sized>(
     curves: &mut C,
     points: &Points,
@@ -104,16 +106,17 @@ pub(super) fn verify<C: Curves + ?Sized>(
     Ok((verified_runs(points, &found, &ends), narrowed))
 }
 
-/// Value at which an end is verified in the next attempt.
+/// Index of the value at which an end is verified in the next attempt.
 fn place_of(end: &End) -> usize {
     end.places[end.attempt as usize]
 }
 
-/// Requests that verify an end: for all cells if it meets the target, otherwise for the cell with the smallest score.
+/// Requests for the verification of an end. If the range meets the target, all cells are requested, otherwise only the
+/// cell with the smallest score.
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];
-    // The weakest value cannot be moved: it gets more trials instead.
+    // The value with the smallest score cannot be moved, so the next attempt tests it with more trials.
     let again = match end.kind {
         Kind::Weakest => FRESH * f64::from(end.attempt + 1),
         Kind::Low | Kind::High => FRESH,
@@ -130,7 +133,8 @@ fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<Sc
     }
 }
 
-/// Runs of neighbouring values on one side. Listed values have no neighbours.
+/// The ranges of neighbouring values on the same side of the target. Listed values have no neighbours, so each of them
+/// is a range of its own.
 fn candidates(points: &Points, among: SearchRange, rules: &Rules) -> Vec<Candidate> {
     let mut found: Vec<Candidate> = Vec::new();
     for (place, side) in points.sides(rules).into_iter().enumerate() {
@@ -168,7 +172,7 @@ fn ends(points: &Points, found: &[Candidate], among: SearchRange, rules: &Rules)
             continue;
         };
         let value = |place: usize| points.points[place].value;
-        // The places are at least half a gap from each other.
+        // Consecutive values to try are at least half a gap apart.
         let apart = |places: &mut dyn Iterator<Item = usize>| {
             let mut kept: Vec<usize> = Vec::new();
             for place in places {
@@ -199,7 +203,7 @@ fn ends(points: &Points, found: &[Candidate], among: SearchRange, rules: &Rules)
     ends
 }
 
-/// Runs between verified ends.
+/// The ranges between the ends that were verified.
 fn verified_runs(points: &Points, found: &[Candidate], ends: &[End]) -> Vec<Run> {
     let value = |place: usize| points.points[place].value;
     let run = |(number, found): (usize, &Candidate)| {

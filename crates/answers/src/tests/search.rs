@@ -1,4 +1,4 @@
-//! Searches along curves whose crossings have closed forms, with the noise of real trials.
+//! Searches along curves that cross the target at known values, with the noise of real trials.
 
 use std::collections::HashMap;
 use std::convert::Infallible;
@@ -40,7 +40,7 @@ fn normal(index: u64) -> f64 {
     (-2.0 * libm::log(radius)).sqrt() * libm::cos(std::f64::consts::TAU * angle)
 }
 
-/// Trials whose error is a normal number times `scale`, and which fail with the probability `fails`.
+/// A trial whose error is a normal number times `scale`, and which fails with the probability `fails`.
 struct Noisy {
     seed: u64,
     scale: f64,
@@ -69,14 +69,14 @@ impl Trial for Noisy {
     }
 }
 
-/// Scale and share of failures at a value.
+/// Scale of the errors and share of failures, as a function of the searched value.
 type Curve = fn(f64) -> (f64, f64);
 
-/// Curve of the rms error of such trials. The target is an rms error of at most 1 and at most 5 % failures.
+/// Curve of the rms error of such trials. The target is an rms error of at most 1 with at most 5 % failures.
 struct Noise<'a> {
     runner: &'a Runner,
     seed: u64,
-    /// Scale and share of failures at a value, in each cell.
+    /// Scale of the errors and share of failures in each cell.
     cells: Vec<Curve>,
     known: HashMap<(u64, usize, bool), Batches>,
     trials: u64,
@@ -93,7 +93,7 @@ impl<'a> Noise<'a> {
         }
     }
 
-    /// Whether all cells meet the target at a value.
+    /// Whether all cells meet the target at this value.
     fn meets(&self, value: f64) -> bool {
         self.cells.iter().all(|cell| {
             let (scale, fails) = cell(value);
@@ -158,7 +158,7 @@ fn span(from: f64, to: f64) -> SearchRange {
     SearchRange::Span(Span::new(from, to, false))
 }
 
-/// Sides of the runs, and whether the ends of all runs are right.
+/// Side of the target for each range of values that was found, and whether both ends of each range are on that side.
 fn sides(found: &SearchResult, curve: &Noise<'_>) -> (Vec<Side>, bool) {
     let right = |run: &Run| {
         let is = run.side == Side::Meets;
@@ -189,7 +189,7 @@ fn a_crossing_is_bracketed_closely_and_rightly() {
         most = most.max(curve.trials);
     }
     assert!(right >= 29, "{right} of 30 are right");
-    // If many ends were narrowed, the exploration would decide sides too early.
+    // If many ranges had to be narrowed, the search would decide too early during its exploration.
     assert!(narrowed <= 6, "{narrowed} of 30 were narrowed");
     assert!(most < 2_000_000, "{most} trials");
 }
@@ -228,7 +228,7 @@ fn every_crossing_is_found() {
 #[test]
 fn failures_belong_to_the_target() {
     let runner = runner(2);
-    // Errors are always small, so only the failures can miss the target.
+    // The errors are always small, so that only failures can cause a miss of the target.
     let curve: Curve = |x| (0.1, x);
     let mut curve = Noise::new(&runner, 2, &[curve]);
     let found = searched(&mut curve, span(0.001, 1.0), MOST);
@@ -259,7 +259,7 @@ fn the_worst_cell_decides() {
     let misses = |looked: &&TestedValue| looked.side == Some(Side::Misses);
     let mut missing = found.tested.iter().filter(misses);
     assert!(missing.all(|looked| looked.worst == 2));
-    // Cells that cannot change the side get no more trials.
+    // Cells that cannot change the decision get no further trials.
     let easy = curve
         .known
         .iter()
@@ -279,7 +279,7 @@ fn all_or_nothing_and_a_single_value() {
         let mut curve = Noise::new(&runner, 5, &[|x| (x, 0.0)]);
         let found = searched(&mut curve, span(from, to), MOST);
         assert_eq!(found.runs, [Run { from, to, side }]);
-        // Fresh trials verified it.
+        // The result was verified with fresh trials.
         assert!(curve.known.keys().any(|(_, _, fresh)| *fresh));
     }
 }
@@ -312,7 +312,7 @@ fn whole_numbers_and_lists() {
 
 #[test]
 fn fresh_trials_that_disagree_narrow_the_answer() {
-    /// Fresh trials meet the target below `fresh_below`, the others below 1.
+    /// Fresh trials meet the target at values below `fresh_below`, all other trials at values below 1.
     struct Disagreeing {
         fresh_below: f64,
     }
@@ -344,7 +344,7 @@ fn fresh_trials_that_disagree_narrow_the_answer() {
     let moved = found(0.9);
     assert_eq!((moved.narrowed, moved.runs.len()), (1, 2));
     assert!(moved.runs[0].to < 0.9 && moved.runs[1].from < 1.05);
-    // No value meets the target in fresh trials, so the search drops the range of values that seemed to meet it.
+    // Fresh trials meet the target at no value, so that the search drops the range of values that seemed to meet it.
     let lost = found(0.0);
     assert_eq!((lost.narrowed, lost.runs.len()), (1, 1));
     assert_eq!(lost.runs[0].side, Side::Misses);
@@ -353,7 +353,7 @@ fn fresh_trials_that_disagree_narrow_the_answer() {
 #[test]
 fn a_budget_ends_the_search_and_leaves_time_to_verify() {
     let runner = runner(1);
-    // A trial takes a microsecond.
+    // Each trial takes one microsecond.
     let trials = AtomicU64::new(0);
     struct Timed<'a>(Noise<'a>, &'a AtomicU64);
     impl Curves for Timed<'_> {
@@ -396,7 +396,7 @@ fn a_budget_ends_the_search_and_leaves_time_to_verify() {
     assert!(gaps[0].0 > gaps[1].0 && gaps[1].0 > gaps[2].0, "{gaps:?}");
 }
 
-/// Meets its target below 1; its scores grow with the number of trials.
+/// A curve that meets its target at values below 1. Its scores grow with the number of trials.
 struct BelowOne;
 
 impl Curves for BelowOne {

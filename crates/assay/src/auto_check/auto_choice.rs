@@ -1,4 +1,4 @@
-//! Random scenes with the models that `auto` chooses, and the computations whose costs are compared.
+//! Random scenes, the models that `auto` chooses for them, and the computations whose costs are compared.
 
 use std::hint::black_box;
 
@@ -12,9 +12,9 @@ use crate::timing::Evaluation;
 
 /// Number of scenes of each kind.
 pub const SCENES: u64 = 50;
-/// Largest ratio of the cost of the chosen model to that of the cheapest adequate model.
+/// Largest allowed ratio of the chosen model's cost to the cost of the cheapest model within the tolerance.
 pub(super) const MAX_COST_RATIO: f64 = 2.0;
-/// A roll with this many times the evaluations of the contact equations costs more for certain.
+/// Ratio of evaluations of the contact equations above which one roll certainly costs more than another.
 const MAX_EVALUATION_RATIO: usize = 3;
 
 /// A random scene with the model that `auto` chose, and the models that it could have chosen.
@@ -22,24 +22,24 @@ const MAX_EVALUATION_RATIO: usize = 3;
 pub struct AutoChoice {
     /// Kind of the scene.
     pub kind: Kind,
-    /// Number of the scene among those of its kind.
+    /// Number of the scene among the scenes of its kind.
     pub number: u64,
     study: Study,
-    /// All models for the scene, with their errors against an independent computation.
+    /// All models for the scene, with their errors relative to an independent reference.
     pub models: Vec<CompetingModel>,
     /// Index in `models` of the model that `auto` chose.
     pub(super) taken: usize,
-    /// Name of the reference for the errors.
+    /// Name of the reference method, whose results are used as true values.
     pub truth: &'static str,
     /// Tolerance of `auto`.
     pub tolerance: f64,
 }
 
 impl AutoChoice {
-    /// The choice on the scene of a kind with this number.
+    /// The choice of `auto` on the scene with this kind and number.
     ///
     /// # Errors
-    /// If the scene cannot be set up, or its model is not `auto`.
+    /// An error if the scene cannot be set up, or its model is not `auto`.
     pub fn new(kind: Kind, number: u64) -> Result<Self> {
         let name = format!("{}-{number}.toml", kind.name());
         let study = config::parse(&name, &config_text(kind, number))?;
@@ -67,26 +67,26 @@ impl AutoChoice {
         &self.models[self.taken].rung
     }
 
-    /// Whether the chosen model errs by at most the tolerance.
+    /// Whether the error of the chosen model is within the tolerance of `auto`.
     pub fn errs_within(&self) -> bool {
         self.is_adequate(self.taken)
     }
 
-    /// Number of other models within the tolerance.
+    /// Number of other models whose error is within the tolerance.
     pub fn competitors(&self) -> usize {
         let others = (0..self.models.len()).filter(|place| *place != self.taken);
         others.filter(|place| self.is_adequate(*place)).count()
     }
 
-    /// Whether the reference is another method than the chosen model.
+    /// Whether the reference uses a different method from the chosen model.
     pub fn has_independent_truth(&self) -> bool {
         let method = |name: &str| name.split([' ', ',', ':']).next().map(str::to_owned);
         method(&self.taken().name) != method(self.truth)
     }
 
-    /// Whether the chosen model is cheap enough, as far as this can be checked without counting instructions: a roll
-    /// evaluates the contact equations at most twice as often as any other adequate model. For glides and presses no earlier
-    /// method of the ladder is adequate.
+    /// Whether the chosen model seems cheap enough. Without counting instructions, this can only be checked
+    /// approximately. A roll must evaluate the contact equations at most twice as often as any other model within the
+    /// tolerance. For glides and presses, the errors of all cheaper models must exceed the tolerance.
     pub fn seems_cheap(&self) -> bool {
         let evaluations = |place: usize| self.models[place].evaluations.unwrap_or(0) as f64;
         let taken = evaluations(self.taken);
@@ -103,7 +103,8 @@ impl AutoChoice {
         matches!(self.models[place].rung.accuracy, palpate::Accuracy::Error(error) if error <= self.tolerance)
     }
 
-    /// Indices of the models whose instructions are counted: the chosen one, and the adequate ones that may be cheaper.
+    /// Indices of the models whose instructions are counted. They are the chosen model, and the models within the
+    /// tolerance that may be cheaper.
     pub(super) fn counted(&self) -> impl Iterator<Item = usize> {
         let taken = self.models[self.taken].evaluations;
         (0..self.models.len()).filter(move |&place| {
@@ -113,12 +114,12 @@ impl AutoChoice {
         })
     }
 
-    /// An evaluation of each counted model.
+    /// The computations of the counted models.
     pub(super) fn evaluations(&self) -> Result<Vec<Evaluation>> {
         self.counted().map(|place| self.evaluation(place)).collect()
     }
 
-    /// Evaluation of the scene's true values by the model at index `place` of `models`.
+    /// The evaluation that computes the scene's true values with the model that has the index `place` in `models`.
     fn evaluation(&self, place: usize) -> Result<Evaluation> {
         let rung = &self.models[place].rung;
         let mut run = truth(&self.study, rung)?;
@@ -128,10 +129,10 @@ impl AutoChoice {
     }
 }
 
-/// Computation that can be repeated; returns its number of contacts or markers.
+/// A computation that can be repeated. It returns its number of contacts or markers.
 type Computation = Box<dyn FnMut() -> Result<usize>>;
 
-/// Computes the true values of the first cell's scene by a rung, and nothing else.
+/// The computation of the true values of the first cell's scene with the model `rung`. It contains no other work.
 fn truth(study: &Study, rung: &Rung) -> Result<Computation> {
     let scene = &study.config.scene;
     match (scene.with_model(&rung.model), &rung.model) {
@@ -151,7 +152,7 @@ fn truth(study: &Study, rung: &Rung) -> Result<Computation> {
     }
 }
 
-/// Rolls of all probes.
+/// Computes the rolls of all probes.
 fn rolls(scene: Scene) -> Result<Computation> {
     let Scene::Roll(scene) = scene else {
         bail!("the scene is not a roll");
@@ -165,7 +166,7 @@ fn rolls(scene: Scene) -> Result<Computation> {
     }))
 }
 
-/// A contact and the displacements of the markers.
+/// Computes the contact of a press and the displacements of the markers.
 fn press(config: &PressConfig, model: &PressModelConfig) -> Result<Computation> {
     let (body, markers) = (body(config, model)?, markers(config)?);
     let object_curvature = curvature(config)?;

@@ -1,4 +1,4 @@
-//! Configs of random scenes: shapes, sizes, motions and tolerances over wide ranges.
+//! Configs of random scenes. Their shapes, sizes, motions and tolerances are drawn from wide ranges.
 
 use palpate_sensing::{Channel, Stream};
 
@@ -18,10 +18,10 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All kinds.
+    /// All kinds of scenes.
     pub const ALL: [Self; 3] = [Self::Roll, Self::Glide, Self::Press];
 
-    /// Name of the kind in configs.
+    /// Name of this kind in configs.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Roll => "roll",
@@ -31,7 +31,7 @@ impl Kind {
     }
 }
 
-/// Config of a scene.
+/// Config of the scene with this kind and number, as text.
 pub fn config_text(kind: Kind, number: u64) -> String {
     let draws = Draws(Stream::new(SEED + kind as u64, number, Channel::Position));
     let scene = match kind {
@@ -45,7 +45,8 @@ pub fn config_text(kind: Kind, number: u64) -> String {
     )
 }
 
-/// An object that a probe of radius `r` touches at one point, and the largest distance of a contact from its middle.
+/// An object that a probe of radius `r` touches at one point, as config text. Also the largest allowed distance of a
+/// contact from the object's middle.
 fn object(draws: &mut Draws, kind: usize, r: f64) -> (String, f64) {
     let size = r * draws.log_between(0.5, 30.0);
     match kind {
@@ -93,8 +94,8 @@ fn object(draws: &mut Draws, kind: usize, r: f64) -> (String, f64) {
     }
 }
 
-/// Most rolls need an integrator: objects with a closed form are rarer, and some rolls start beside the apex, spin, or
-/// consist of several pieces.
+/// Config of a roll. Most of these rolls need an integrator, because only a few objects have a closed form, and because
+/// some rolls start beside the apex, have spin, or consist of several motions.
 fn roll(mut draws: Draws) -> String {
     const KINDS: [usize; 12] = [0, 1, 2, 3, 4, 4, 4, 5, 6, 6, 6, 7];
     let radius = draws.log_between(1e-2, 1e2);
@@ -112,7 +113,8 @@ fn roll(mut draws: Draws) -> String {
         0 => format!(", spin_rad_per_s = {:e}", turn * draws.between(-1.0, 1.0)),
         _ => String::new(),
     };
-    // Noise that is drawn at instants divides the motion into pieces. The checked rolls have no noise.
+    // Noise that is drawn at several instants divides a roll into several motions, although the check itself uses rolls
+    // without noise.
     let noise = match draws.index(4) {
         0 => format!(
             "noise = {{ angular_velocity = {{ kind = \"gaussian\", fraction = 0.01, when = \"per-instant\", \
@@ -149,8 +151,8 @@ fn glide(mut draws: Draws) -> String {
     )
 }
 
-/// Presses from wide ones in thick layers, for which the cheapest rung is adequate, to ones that the base of a thin layer
-/// dominates.
+/// Config of a press. For some presses, on thick layers, the cheapest model is accurate enough. For others, the rigid
+/// base of a thin layer dominates the contact.
 fn press(mut draws: Draws) -> String {
     let radius = draws.log_between(1.0, 1e2);
     let size = radius * draws.log_between(1.0, 30.0);
@@ -168,7 +170,7 @@ fn press(mut draws: Draws) -> String {
     let layer = match draws.index(3) {
         0 => format!("poisson = {}, ", draws.between(0.3, 0.5)),
         _ => {
-            // The layer must be thicker than the press is deep.
+            // The layer must be thicker than the indentation and must contain the markers.
             let least = depth.max(2.0 * indentation).max(0.1 * radius);
             let thickness = draws.log_between(least, radius);
             format!("thickness = {thickness:e}, ")

@@ -1,4 +1,5 @@
-//! Models that `auto` could have chosen, more than a ladder lists, and their errors against independent references.
+//! Models that `auto` could have chosen, and their errors relative to independent references. There are more settings
+//! than in the list of models of `palpate check`.
 
 use anyhow::{Result, bail};
 use nalgebra::Point3;
@@ -15,29 +16,29 @@ use palpate_study::config::{
 use crate::contact_reference::{tip_on_ellipsoid, tip_on_quadric, tip_on_waves};
 use crate::paraboloid_reference::{Body, ParaboloidPress};
 
-/// Numbers of steps of RK4.
+/// Numbers of steps of RK4 that are compared.
 const STEPS: [u32; 19] = [
     1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 32, 40, 48, 56, 64,
 ];
-/// Negative decimal exponents of the tolerances of DOP853 and of Newton's method.
+/// Negative decimal exponents of the tolerances of DOP853 and of Newton's method: 1 means 0.1.
 const TOLERANCES: std::ops::RangeInclusive<i32> = 1..=13;
-/// Largest difference between equal distances from the contact, relative to the sensor's radius.
+/// Difference below which two distances from the contact count as equal, relative to the sensor's radius.
 const DISTANCE_TOLERANCE: f64 = 1e-9;
 
-/// A model that `auto` could choose.
+/// A model that `auto` could have chosen.
 #[derive(Debug)]
 pub struct CompetingModel {
     /// Name of the model, and its error.
     pub rung: Rung,
-    /// Number of evaluations of the contact equations by a roll; `None` for other scenes.
+    /// Number of evaluations of the contact equations in a roll; `None` for other scenes.
     pub evaluations: Option<usize>,
 }
 
-/// All models for a scene, and the index of the one that `auto` chose.
+/// All models for a scene, and the index of the model that `auto` chose.
 pub(super) struct CompetingModels {
     pub(super) all: Vec<CompetingModel>,
     pub(super) taken: usize,
-    /// Name of the reference for the errors.
+    /// Name of the reference.
     pub(super) truth: &'static str,
 }
 
@@ -96,14 +97,14 @@ fn roll_models(study: &Study) -> Result<CompetingModels> {
     })
 }
 
-/// Reference for rolls. It computes in the charts of both bodies, with coordinates, metrics and Christoffel symbols; the
-/// models under test use a normal and a shape operator in space.
+/// Reference for rolls. It uses Montana's equations in the charts of both bodies, with coordinates, metrics and
+/// Christoffel symbols. The models under test use other quantities: a normal and a shape operator in 3D.
 const TRUE_ROLL: Model = Model::Dop853 {
     tolerance: Model::SMALLEST_TOLERANCE,
     chart: Chart::Montana(HeldAxis::Transported),
 };
 
-/// End points of each roll on the object and on the probe.
+/// Last contact of each roll: the point on the object, and the point on the probe.
 fn ends(roller: &Roller, model: Model, rolls: Rolls<'_>) -> Result<Vec<Point3<f64>>> {
     let radius = roller.probe().radius();
     let roller = roller.on(model, rolls)?;
@@ -115,7 +116,7 @@ fn ends(roller: &Roller, model: Model, rolls: Rolls<'_>) -> Result<Vec<Point3<f6
     Ok(ends)
 }
 
-/// Smallest initial distance of a contact per radian.
+/// Length scale of the contact: the smallest initial displacement of the contact per radian of rolling.
 fn length_scale(roller: &Roller) -> Result<f64> {
     let first = roller.first_contact();
     let (_, curvature) = roller
@@ -126,14 +127,14 @@ fn length_scale(roller: &Roller) -> Result<f64> {
     Ok(1.0 / (1.0 / roller.probe().radius() + sharpest))
 }
 
-/// The largest distance between two points of a pair.
+/// The largest distance between the two points of a pair.
 fn farthest<'a>(pairs: impl Iterator<Item = (&'a Point3<f64>, &'a Point3<f64>)>) -> f64 {
     pairs.fold(0.0, |most: f64, (one, other)| {
         most.max((one - other).norm())
     })
 }
 
-/// Config of a rolling model.
+/// Config of a model of rolls.
 fn named(model: Model) -> Result<RollModelConfig> {
     let chart = config::Chart::Free;
     Ok(match model {
@@ -148,8 +149,8 @@ fn named(model: Model) -> Result<RollModelConfig> {
     })
 }
 
-/// The reference for Newton's method is the offset surface or the closed form, and that for the closed form is Newton's
-/// method.
+/// Models of a glide. The reference for Newton's method is the offset surface or the closed form. The reference for the
+/// closed form is Newton's method.
 fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels> {
     let newton = |tolerance| GlideModelConfig::Newton { tolerance };
     let mut models = vec![GlideModelConfig::ClosedForm {}];
@@ -210,7 +211,8 @@ fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels
     })
 }
 
-/// Contacts of the fingers, finger by finger; `None` on objects for which a rung has a closed form.
+/// Contacts of all fingers, computed from the closed form of the offset surface. `None` for objects on which a tested
+/// model has a closed form itself.
 fn true_touches(config: &GlideConfig, tip: f64) -> Option<Vec<Point3<f64>>> {
     let touch: Box<dyn Fn([f64; 2]) -> [f64; 3]> = match &config.object {
         &ObjectConfig::Ellipsoid { semi_axes } => {
@@ -235,7 +237,7 @@ fn true_touches(config: &GlideConfig, tip: f64) -> Option<Vec<Point3<f64>>> {
     Some(centres.map(|centre| Point3::from(touch(centre))).collect())
 }
 
-/// The reference for all rungs is a quadrature.
+/// Models of a press. The reference for all of them is a quadrature.
 fn press_models(config: &PressConfig, ladder: &Ladder) -> Result<CompetingModels> {
     let PressProbeConfig::MarkerSphere {
         radius,
@@ -287,7 +289,7 @@ fn press_models(config: &PressConfig, ladder: &Ladder) -> Result<CompetingModels
     })
 }
 
-/// Distances of the markers from the contact, each once.
+/// All different distances of the markers from the contact.
 fn distances(config: &PressConfig) -> Result<Vec<f64>> {
     let markers = markers(config)?;
     let mut distances = markers.distances([0.0; 2]);
@@ -297,7 +299,7 @@ fn distances(config: &PressConfig) -> Result<Vec<f64>> {
     Ok(distances)
 }
 
-/// Soft body of a rung.
+/// The soft body of a model.
 pub(super) fn body(config: &PressConfig, model: &PressModelConfig) -> Result<press::Body> {
     let PressProbeConfig::MarkerSphere { marker_depth, .. } = config.probe;
     Ok(match *model {
@@ -324,7 +326,7 @@ pub(super) fn curvature(config: &PressConfig) -> Result<f64> {
     })
 }
 
-/// Markers of the published sensor.
+/// Markers in the layout of the published sensor, on a skin with the config's radius.
 pub(super) fn markers(config: &PressConfig) -> Result<Markers> {
     let PressProbeConfig::MarkerSphere { radius, .. } = config.probe;
     let places = Layout::published().places(radius)?;

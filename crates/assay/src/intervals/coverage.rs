@@ -1,4 +1,4 @@
-//! Counts over the trials of a scene, and the score of a family.
+//! Counts over the trials of a scene, and the score of a family, which is computed from them.
 
 use std::collections::BTreeMap;
 
@@ -6,10 +6,10 @@ use palpate_statistics::HALF_WIDTHS;
 
 use super::random_scene::RandomScene;
 
-/// Error of presses that no press of the assumed body explains. It counts as a warning.
+/// Kind of error of a press whose readings the assumed soft body cannot explain. It counts as a warning.
 const REJECTED: &str = "other-body";
 
-/// Numbers of trials by the names of their warnings or errors.
+/// Number of trials for each kind of warning or error.
 type NameCounts = BTreeMap<&'static str, f64>;
 
 /// Counts over the trials of a scene.
@@ -17,16 +17,17 @@ type NameCounts = BTreeMap<&'static str, f64>;
 pub(super) struct SceneCoverage {
     trials: f64,
     estimates: f64,
-    /// Trials with a warning.
+    /// Number of trials with a warning.
     warned: f64,
     warnings: NameCounts,
     failures: NameCounts,
-    /// Of each counted quantity: number of estimates, and of intervals of 50, 80 and 95 % that contain the true value.
+    /// For each counted quantity: the number of estimates, and how many of the 50, 80 and 95 % intervals contain the
+    /// true value.
     quantities: Vec<(f64, [f64; 3])>,
 }
 
 impl SceneCoverage {
-    /// Runs a trial of a scene and counts it.
+    /// Runs a trial of a scene and adds its result to the counts.
     pub(super) fn add(&mut self, scene: &RandomScene, trial: u64) {
         let mut hits: Vec<(usize, [bool; 3])> = Vec::new();
         let warnings = scene.trial(trial, &mut |quantity, outcome| {
@@ -43,7 +44,8 @@ impl SceneCoverage {
         self.count(warnings, &hits);
     }
 
-    /// Counts a trial with these warnings or this error, and the intervals of quantities that contain the true value.
+    /// Adds the result of a trial to the counts: its warnings or its error, and for each quantity whether its intervals
+    /// contain the true value.
     fn count(
         &mut self,
         warnings: Result<Vec<&'static str>, &'static str>,
@@ -83,7 +85,7 @@ impl SceneCoverage {
     }
 }
 
-/// Coverage and warnings of a family, over all its scenes.
+/// Coverage and warnings of a family, computed from all its scenes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Score {
     pub(super) scenes: usize,
@@ -91,9 +93,9 @@ pub(super) struct Score {
     /// Share of trials without an estimate.
     pub(super) failed: f64,
     pub(super) failures: String,
-    /// Coverage of 50, 80 and 95 % intervals of the quantity with the lowest coverage.
+    /// Coverage of the 50, 80 and 95 % intervals, for the quantity with the lowest coverage.
     pub(super) coverage: [f64; 3],
-    /// Lowest coverage of 95 % intervals in a scene.
+    /// Coverage of the 95 % intervals, for the scene with the lowest coverage.
     pub(super) lowest: f64,
     /// Share of estimates with a warning.
     pub(super) warned: f64,
@@ -138,7 +140,7 @@ impl Score {
         }
     }
 
-    /// Columns of the table.
+    /// The score as columns of the table.
     pub(super) fn columns(&self) -> [(&'static str, String); 10] {
         let [half, most, all] = self.coverage;
         [
@@ -177,7 +179,8 @@ mod tests {
         scene.count(Err("other-body"), &[]);
         scene.count(Err("no-contact"), &[]);
         let score = Score::new(&[scene]);
-        // Of the second quantity, one of two estimates and of four trials.
+        // The second quantity has the lower coverage. In four trials it has two estimates, and one of their 95 %
+        // intervals contains the true value.
         assert_eq!((score.coverage, score.lowest), ([0.0, 0.0, 0.25], 0.25));
         assert_eq!((score.failed, score.warned), (0.5, 0.667));
         assert_eq!(score.failures, "no-contact 0.25 other-body 0.25");

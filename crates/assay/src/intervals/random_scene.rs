@@ -1,4 +1,4 @@
-//! A random scene of a family.
+//! A random scene of a family of scenes.
 
 use std::f64::consts::TAU;
 
@@ -12,25 +12,26 @@ use serde_json::json;
 
 use crate::random_draws::Draws;
 
-/// Field whose range limits the curvature of surfaces with waves or, if it can be negative, of balls and dishes.
+/// Name of the field that limits the curvature of random surfaces: of surfaces with waves or, if its range contains
+/// negative values, of balls and dishes.
 const CURVATURE: &str = "scene.object.curvature";
-/// Fields with integers.
+/// Fields whose values are integers.
 const INTEGERS: [&str; 2] = ["scene.motion.contacts_per_finger", "scene.sensor.size_px"];
-/// Graph of a quadric with two waves.
+/// Formula of a surface that is a quadric with two waves.
 const WAVES: &str = "a*x*x + b*x*y + c*y*y + p*sin(k*x + l*y + f) + q*sin(m*x + n*y + g)";
-/// Smallest and largest wave number, per distance between the outermost fingers.
+/// Smallest and largest wave number, in units of 1 / (distance between the outermost fingers).
 const WAVE_NUMBERS: [f64; 2] = [1.2, 4.8];
 
-/// A random scene, and its quantities whose interval coverage is measured.
+/// A random scene, and the quantities for which the coverage of intervals is measured.
 pub(super) struct RandomScene {
     scene: Scene,
     flaw: PressFlaw,
-    /// Indices of the quantities.
+    /// Indices of the quantities for which the coverage is measured.
     pub(super) quantities: Vec<usize>,
 }
 
 impl RandomScene {
-    /// The scene with this number of the family with these cells.
+    /// The scene with this number of a family. `cells` are the columns and cells of the family's row in the table.
     pub(super) fn new(cells: &[(&str, &str)], seed: u64, number: u64) -> Result<Self> {
         let mut draws = Draws(Stream::new(seed, number, Channel::PadOffset));
         let mut max_curvature = None;
@@ -66,7 +67,7 @@ impl RandomScene {
         })
     }
 
-    /// Runs a trial, and returns the names of its estimate's warnings.
+    /// Runs a trial and returns the names of the estimate's warnings.
     ///
     /// # Errors
     /// The name of the failure.
@@ -82,7 +83,8 @@ impl RandomScene {
     }
 }
 
-/// Flaw of a press with this description: `outlier of 8 standard deviations`. Other flaws are in the scene.
+/// The flaw of a press that this text describes, for example `outlier of 8 standard deviations`. Flaws of other kinds
+/// are already part of the scene.
 fn press_flaw(flaw: &str, scene: &SceneConfig) -> PressFlaw {
     let SceneConfig::Press(press) = scene else {
         return PressFlaw::default();
@@ -104,7 +106,7 @@ fn press_flaw(flaw: &str, scene: &SceneConfig) -> PressFlaw {
     }
 }
 
-/// Value of a field. Positive numbers, and curvatures relative to the probe's, have a uniform logarithm.
+/// Random value of a field. Positive numbers, and curvatures relative to the probe's, have a uniform logarithm.
 fn value(draws: &mut Draws, field: &str, [low, high]: [f64; 2]) -> f64 {
     match field {
         _ if INTEGERS.contains(&field) => draws.between(low, high + 1.0).floor(),
@@ -114,7 +116,8 @@ fn value(draws: &mut Draws, field: &str, [low, high]: [f64; 2]) -> f64 {
     }
 }
 
-/// A quadric with two waves. Second derivatives of the quadric and of each wave are at most half of `max`.
+/// A quadric with two waves, as a config value. The second derivatives of the quadric and of each wave are at most half
+/// of `max`.
 fn waves(draws: &mut Draws, max: f64) -> serde_json::Value {
     let second = 0.5 * max;
     let [a, b, c] = [(); 3].map(|()| 0.5 * draws.between(-second, second));

@@ -1,4 +1,4 @@
-//! Contact with a bonded layer, with lengths in units of its thickness.
+//! Contact with a bonded layer. Lengths are in units of the layer's thickness.
 //!
 //! ```text
 //! φ(t) − (2/π) ∫₀^α φ(s) ∫₀^∞ g(k) cos kt cos ks dk ds = (2/π)(D − t²),   φ(α) = 0
@@ -13,21 +13,21 @@ use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 
 use super::quadrature::{NEGLIGIBLE, PHASE, abel, around, on_panels, over, sum};
 
-/// Largest number of steps of the secant method; about eight are usual.
+/// Maximum number of steps of the secant method; usually about eight are needed.
 const MAX_STEPS: usize = 60;
 
-/// A contact.
+/// A contact with the layer.
 #[derive(Debug)]
 pub(super) struct Layer {
     pub(super) thickness: f64,
-    /// Radius of the contact, α.
+    /// Radius α of the contact area.
     pub(super) contact: f64,
-    /// Indentation over relative curvature, D.
+    /// Indentation divided by relative curvature; its symbol is D.
     indentation: f64,
     nodes: Vec<Node>,
 }
 
-/// A node t of the quadrature over the contact.
+/// A node of the quadrature over the contact, at the position t.
 #[derive(Debug)]
 struct Node {
     place: f64,
@@ -37,11 +37,11 @@ struct Node {
 }
 
 impl Layer {
-    /// The contact with this D; lengths in their own unit.
+    /// The contact for this ratio D of indentation to relative curvature. The arguments are in the same unit of length.
     pub(super) fn at_indentation(thickness: f64, indentation_over_curvature: f64) -> Result<Self> {
         let wanted = indentation_over_curvature / (thickness * thickness);
         let solve = |contact: f64| Self::with_radius(thickness, contact);
-        // log D is almost linear in log α.
+        // Use logarithms in the secant method, because log D is almost a linear function of log α.
         let [mut before, mut here] = [solve(wanted.sqrt())?, solve(1.2 * wanted.sqrt())?];
         for _ in 0..MAX_STEPS {
             let slope = libm::log(here.contact / before.contact)
@@ -59,7 +59,7 @@ impl Layer {
         }
     }
 
-    /// The contact with this radius α.
+    /// The contact for this radius α.
     fn with_radius(thickness: f64, contact: f64) -> Result<Self> {
         let intervals = 2 * (12.0 + 8.0 * contact).ceil() as usize;
         let places: Vec<[f64; 2]> = over(0.0, contact, intervals).collect();
@@ -95,7 +95,7 @@ impl Layer {
         })
     }
 
-    /// Q(k).
+    /// The Hankel transform Q(k) of the pressure.
     fn transform(&self, k: f64) -> f64 {
         let nodes = self.nodes.iter();
         nodes
@@ -103,7 +103,7 @@ impl Layer {
             .sum()
     }
 
-    /// φ at a place: the polynomial through the Chebyshev nodes.
+    /// The function φ at the position t. It is interpolated by the polynomial through the Chebyshev nodes.
     fn phi(&self, t: f64) -> f64 {
         let last = self.nodes.len() - 1;
         let (mut sum, mut weights) = (0.0, 0.0);
@@ -124,8 +124,8 @@ impl Layer {
         sum / weights
     }
 
-    /// Inward (normal) and outward (radial) displacements per unit relative curvature. Each is the sum of the
-    /// displacement of a half-space under the same pressure and the effect of the core.
+    /// Inward (normal) and outward (radial) displacements per unit of relative curvature, for each of these distances.
+    /// Each is the displacement of a half-space under the same pressure, plus the effect of the rigid core.
     pub(super) fn field(&self, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
         let waves = |k: f64| core_effect(k, depth).map(|share| share * self.transform(k));
         let reach = NEGLIGIBLE / (2.0 - depth);
@@ -139,8 +139,8 @@ impl Layer {
             .collect()
     }
 
-    /// On a half-space: ∫ cos kt e^{−kz} J₀(kr) dk = Re 1/ρ and ∫ k cos kt e^{−kz} J₁(kr) dk = Re r/ρ³ with
-    /// ρ² = r² + (z + it)².
+    /// Displacements of a half-space, from ∫ cos kt e^{−kz} J₀(kr) dk = Re 1/ρ and ∫ k cos kt e^{−kz} J₁(kr) dk = Re
+    /// r/ρ³ with ρ² = r² + (z + it)².
     fn solid(&self, depth: f64, r: f64) -> [f64; 2] {
         if depth == 0.0 {
             return [abel(|t| self.phi(t), self.contact, r), 0.0];
@@ -158,7 +158,7 @@ impl Layer {
     }
 }
 
-/// End of the range in which g is not negligible.
+/// Wavenumber beyond which g is negligible.
 fn reach() -> f64 {
     0.6 * NEGLIGIBLE
 }
@@ -167,13 +167,14 @@ fn panel(distance: f64) -> f64 {
     (PHASE / distance).min(1.0)
 }
 
-/// g: reduction of a half-space's surface displacement by the core, relative to it.
+/// The function g(k): the reduction of the surface displacement by the core, relative to the surface displacement of a
+/// half-space with the same pressure.
 fn reflected(k: f64) -> f64 {
     let q = libm::exp(-2.0 * k);
     2.0 * q * (1.0 + q + 2.0 * k + 2.0 * k * k) / (1.0 + q * q + 4.0 * k * k * q + 2.0 * q)
 }
 
-/// N and R minus those of a half-space.
+/// The kernels N and R, minus their values for a half-space.
 fn core_effect(k: f64, depth: f64) -> [f64; 2] {
     if depth == 0.0 {
         return [-reflected(k), shares(k, 0.0)[1]];
@@ -183,13 +184,14 @@ fn core_effect(k: f64, depth: f64) -> [f64; 2] {
     [normal - (1.0 + kz) * decay, radial - kz * decay]
 }
 
-/// N and R, with e^{H} and e^{x} factored out of every hyperbolic function.
+/// The kernels N and R. The factors e^{H} and e^{x} are taken out of every hyperbolic function to avoid overflow.
 fn shares(k: f64, depth: f64) -> [f64; 2] {
     let (h, x) = (k, k * (1.0 - depth));
     let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));
     let [cosh_h, sinh_h] = [0.5 * (1.0 + q), 0.5 * (1.0 - q)];
     let [cosh_x, sinh_x] = [0.5 * (1.0 + p), 0.5 * (1.0 - p)];
-    // cosh H sinh x − sinh H cosh x = (q − p)/2 and cosh H cosh x − sinh H sinh x = (q + p)/2.
+    // With q = e^{−2H} and p = e^{−2x}, the scaled functions satisfy cosh H sinh x − sinh H cosh x = (q − p)/2 and
+    // cosh H cosh x − sinh H sinh x = (q + p)/2. The last term of `normal` and of `radial` uses these equations.
     let normal = cosh_h * (sinh_x - x * cosh_x) + h * sinh_h * sinh_x + 0.5 * h * x * (q - p);
     let radial = (h - x) * cosh_h * sinh_x + 0.5 * h * x * (q + p);
     let scale = libm::exp(-h * depth) / (cosh_h * cosh_h + h * h * q);

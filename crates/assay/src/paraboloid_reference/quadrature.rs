@@ -1,11 +1,11 @@
-//! Clenshaw–Curtis quadrature: exact to rounding for functions that are smooth on each panel.
+//! Clenshaw–Curtis quadrature. It is exact up to rounding errors for functions that are smooth on each panel.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Intervals between the nodes of a panel.
+/// Number of intervals between the nodes of a panel.
 const INTERVALS: usize = 24;
 
-/// Nodes in decreasing order and weights on [−1, 1], with both ends; `intervals` is even.
+/// Nodes (in decreasing order) and weights on [−1, 1], including both ends. `intervals` must be even.
 fn clenshaw_curtis(intervals: usize) -> Vec<[f64; 2]> {
     let n = intervals as f64;
     let node = |j: usize| {
@@ -22,14 +22,14 @@ fn clenshaw_curtis(intervals: usize) -> Vec<[f64; 2]> {
     (0..=intervals).map(node).collect()
 }
 
-/// Nodes and weights on an interval, in increasing order.
+/// Nodes (in increasing order) and weights on an interval.
 pub(super) fn over(from: f64, to: f64, intervals: usize) -> impl Iterator<Item = [f64; 2]> {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     let nodes = clenshaw_curtis(intervals).into_iter().rev();
     nodes.map(move |[node, weight]| [middle + half * node, half * weight])
 }
 
-/// Nodes and weights from 0 to `reach`, on panels of at most this length.
+/// Nodes and weights from 0 to `reach`, on panels that are at most `panel` long.
 pub(super) fn on_panels(reach: f64, panel: f64) -> impl Iterator<Item = [f64; 2]> {
     let count = (reach / panel).ceil().max(1.0) as usize;
     let width = reach / count as f64;
@@ -44,7 +44,8 @@ pub(super) fn on_panels(reach: f64, panel: f64) -> impl Iterator<Item = [f64; 2]
     })
 }
 
-/// Nodes and weights from 0 to `end`, for functions that vary over `width` near a place: the panels grow from there.
+/// Nodes and weights from 0 to `end`, for functions that vary over a length of `width` near `place`. Panels farther
+/// from this place are longer.
 pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [f64; 2]> {
     let mut bounds = vec![0.0, end, place];
     let mut reach = width;
@@ -61,12 +62,13 @@ pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [
         .flat_map(|[from, to]| over(from, to, INTERVALS))
 }
 
-/// Exponent p of the largest negligible factor e⁻ᵖ.
+/// Exponent p from which on a factor e⁻ᵖ is negligible.
 pub(super) const NEGLIGIBLE: f64 = 30.0;
-/// Largest phase over one panel, rad.
+/// Largest change of the phase over one panel, rad.
 pub(super) const PHASE: f64 = 12.0;
 
-/// Displacement of a half-space's surface at distance r: ∫ φ(t)/√(r² − t²) dt from 0 to min(a, r).
+/// Displacement of a half-space's surface at the distance r from the middle of a contact of radius a. It is the
+/// integral of φ(t)/√(r² − t²) from 0 to min(a, r), where φ is the auxiliary function of the pressure.
 pub(super) fn abel(phi: impl Fn(f64) -> f64, a: f64, r: f64) -> f64 {
     let most = if r > a { libm::asin(a / r) } else { FRAC_PI_2 };
     over(0.0, most, 48)
@@ -74,7 +76,8 @@ pub(super) fn abel(phi: impl Fn(f64) -> f64, a: f64, r: f64) -> f64 {
         .sum()
 }
 
-/// Inward (J₀) and outward (J₁) sums over wavenumbers up to `reach`, of functions that are smooth over the width `smooth`.
+/// Integrals over wavenumbers up to `reach`: the inward integral with J₀, and the outward integral with J₁. The
+/// functions must be smooth over a width of `smooth`.
 pub(super) fn sum(
     reach: f64,
     smooth: f64,

@@ -1,4 +1,4 @@
-//! Tasks with the contacts of EP2: fits, maps, and estimates from recorded glides.
+//! Tasks that use contacts of EP2: fits, maps, and estimates from recorded glides.
 
 use std::borrow::Cow;
 use std::hint::black_box;
@@ -13,18 +13,18 @@ use crate::workloads::ep2_contacts;
 
 /// Number of places along a side of the map.
 const SIDE: usize = 30;
-/// Number of intervals of the peer's spline, which has six knots.
+/// Number of intervals along each side of the peer's spline, which has six inner knots.
 const INTERVALS: usize = 7;
 
-/// Name of a rung, its method, and a function that drops the parts of a fit that the peer does not compute.
+/// Name of a model, its method, and a function that removes those parts of a fit that the peer does not compute.
 type MethodRung = (&'static str, Box<dyn Method>, fn(Fit) -> Fit);
 
-/// Every method on all patches of few contacts: curvatures without standard deviations, like the peer, and once with them.
-/// The first pass of the two-pass method is the peer's smoothing spline.
+/// Runs every method on all patches with few contacts: once without standard errors, like the peer, and once with
+/// standard errors. The first pass of the two-pass method is the same smoothing spline as the peer's.
 pub(super) fn few() -> Result<Vec<Figure>> {
     let one_pass = TwoPass {
         passes: Passes::One,
-        // The weights of the peer are per unit of length.
+        // The weights in the peer's fit are per unit of length, so use this unit.
         unit_length: Some(1.0),
         ..TwoPass::default()
     };
@@ -80,7 +80,7 @@ pub(super) fn few() -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// The penalised spline without its uncertainty.
+/// The penalised spline without standard errors.
 struct Estimate(Penalised);
 
 impl Method for Estimate {
@@ -89,7 +89,7 @@ impl Method for Estimate {
     }
 }
 
-/// The penalised spline on many contacts.
+/// Runs the penalised spline on many contacts.
 pub(super) fn many() -> Result<Vec<Figure>> {
     let contacts = ep2_contacts::many(MANY);
     let method = Penalised {
@@ -115,7 +115,8 @@ fn positions(contacts: &[Contact]) -> Vec<[f64; 3]> {
     contacts.iter().map(position).collect()
 }
 
-/// Surface through the points and its curvatures over the map, as Python computes them for a map.
+/// Fits a surface to the points, and computes its curvatures over a map. It makes the same calls as Python code that
+/// computes a map.
 fn estimate_recorded(points: &[[f64; 3]]) -> Result<Vec<Curvature>, RecordedError> {
     let readings = GlideRecording::new(points, None, None, None)?;
     let fitted = GlideFitResult::new(Cow::Owned(readings), &GlideOptions::default())?;
@@ -124,13 +125,13 @@ fn estimate_recorded(points: &[[f64; 3]]) -> Result<Vec<Curvature>, RecordedErro
     Ok(curvatures)
 }
 
-/// Relative errors of the mean curvatures over a map of few contacts.
+/// Relative errors of the mean curvatures over a map, for few contacts.
 fn map_errors(map: &[Curvature]) -> impl Iterator<Item = f64> {
     map.iter()
         .map(|curvature| curvature.mean * ep2_contacts::RADIUS - 1.0)
 }
 
-/// Estimates from recorded glides with few contacts and many.
+/// Runs estimates from recorded glides with few and with many contacts.
 pub(super) fn recorded() -> Result<Vec<Figure>> {
     const RUNG: &str = "palpate in Rust";
     let few: Vec<_> = (0..PATCHES)

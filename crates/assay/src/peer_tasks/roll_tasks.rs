@@ -11,16 +11,18 @@ use crate::workloads::unit_rolls::{self, Chart, Ep1, Model, motion, paraboloid, 
 
 const LONG_RAD: f64 = 6.0;
 const SHORT_RAD: f64 = 0.1;
-/// Tolerances of DOP853, loosest first.
+/// Tolerances of DOP853, largest first.
 const TOLERANCES: [f64; 16] = [
     1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 3e-9, 1e-9, 3e-10, 1e-10, 3e-11, 1e-11, 3e-12, 1e-12, 3e-13,
     1e-13, 3e-14,
 ];
-/// Largest error of a task without a stated one.
+/// Largest allowed error of tasks for which no error is stated.
 const DEFAULT_ERROR: f64 = 1e-12;
+/// Number of trials whose time is measured.
 const TRIALS: u64 = 1 << 17;
 
-/// Rolls by 6 rad: by an integrator whose error is at most that of the task in `error_at_most`, and by the cheapest rung.
+/// Rolls by 6 rad. They are computed with an integrator whose error is at most the value for the task in
+/// `error_at_most`, and with the cheapest model.
 pub(super) fn long(error_at_most: &[(String, f64)]) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (name, object) in [("sphere", sphere()?), ("paraboloid", paraboloid()?)] {
@@ -34,7 +36,7 @@ pub(super) fn long(error_at_most: &[(String, f64)]) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Rolls by 0.1 rad by the cheapest rung.
+/// Rolls by 0.1 rad with the cheapest model.
 pub(super) fn short() -> Result<Vec<Figure>> {
     let objects = [("sphere", sphere()?), ("paraboloid", paraboloid()?)];
     let roll = |(name, object)| {
@@ -44,7 +46,7 @@ pub(super) fn short() -> Result<Vec<Figure>> {
     objects.into_iter().map(roll).collect()
 }
 
-/// The closed form or the meridian.
+/// A roller with the cheapest model: the closed form or the meridian model.
 fn cheapest(object: &Shape, angle_rad: f64) -> Result<Roller> {
     let model = Model::Auto {
         tolerance: 1e-13,
@@ -53,7 +55,7 @@ fn cheapest(object: &Shape, angle_rad: f64) -> Result<Roller> {
     roller(object.clone(), model, angle_rad)
 }
 
-/// DOP853 with the loosest tolerance whose error is at most `error_at_most`.
+/// A roller with DOP853. It uses the largest tolerance for which the error is at most `error_at_most`.
 fn integrator(object: &Shape, error_at_most: f64) -> Result<Roller> {
     for tolerance in TOLERANCES {
         let model = Model::Dop853 {
@@ -77,7 +79,7 @@ fn figure(task: &str, roller: Roller, angle_rad: f64) -> Result<Figure> {
     }))
 }
 
-/// Trials of EP1: without statistics, like the peer, and with the statistics of the runner.
+/// Trials of EP1. They are run without statistics, like the peer, and with the statistics of the sweep runner.
 pub(super) fn ep1() -> Result<Vec<Figure>> {
     const TASK: &str = "EP1 trial, 8 probes";
     let [alone, whole] = [Ep1::new(Ep1::UNIFORM)?, Ep1::new(Ep1::UNIFORM)?];

@@ -1,4 +1,4 @@
-//! Ladder of EP2: methods, their knots and the number of contacts.
+//! The ladder of EP2. Its rungs differ in method, knots and number of contacts.
 
 use anyhow::Result;
 use palpate_scene::Scene;
@@ -6,23 +6,27 @@ use palpate_scene::Scene;
 use super::ladder::{Ladder, RungError};
 use super::scene_trials::{Choice, Measure, outcomes, root_mean, scenes};
 
-/// Numbers of contacts of each of the three fingers.
+/// Number of contacts of each of the three fingers.
 const CONTACTS: [u32; 4] = [5, 10, 30, 100];
-/// Largest number of contacts of a finger for two-pass, which takes seconds with more.
+/// Largest number of contacts per finger for the two-pass method. With more contacts, the method takes several seconds.
 const MAX_OF_TWO_PASS: u32 = 30;
-/// Numbers of knot intervals along each side of the penalised spline.
+/// Number of knot intervals along each side for the penalised spline.
 const INTERVALS: [u32; 4] = [2, 4, 6, 8];
-/// Numbers of contacts of each finger for these numbers of intervals.
+/// Numbers of contacts per finger for which the numbers of knot intervals are varied.
 const CONTACTS_OF_INTERVALS: [u32; 3] = [10, 30, 100];
-/// Smoothing factors of both passes of two-pass: it adds knots until the residuals are this small. The default is 1000.
+/// Smoothing factors of both passes of the two-pass method. The method adds knots until the residuals are below a limit
+/// that is proportional to this factor. The default is 1000.
 const SMOOTHINGS: [f64; 2] = [300.0, 3000.0];
+/// Index of the Gaussian curvature in the quantities.
 const GAUSSIAN: usize = 0;
+/// Index of the mean curvature in the quantities.
 const MEAN: usize = 1;
+/// Number of trials over which the error is averaged.
 const TRIALS: u64 = 40;
-/// Number of trials for the mean cost.
+/// Number of trials over which the cost is averaged.
 const TIMED: u32 = 2;
 
-/// Common lines of the scenes. Each rung adds motion, estimator and grid.
+/// The lines of config that all scenes share. Each rung adds the motion, the estimator and the grid.
 const COMMON: &str = r#"
 kind = "glide"
 probe = { kind = "point" }
@@ -61,7 +65,7 @@ evaluate = {{ grid = 15, half_width = 1.0, gaussian_threshold = 0.005, mean_thre
     )
 }
 
-/// Rungs of the fit: method, knots and number of contacts.
+/// The ladder of fits. Its rungs differ in method, knots and number of contacts.
 pub(super) fn fits() -> Ladder {
     let methods = [
         ("quadric", r#"{ kind = "quadric" }"#),
@@ -107,12 +111,12 @@ pub(super) fn fits() -> Ladder {
     }
 }
 
-/// Sums of squares over the places of a trial.
+/// Sums of squares over all places of a trial.
 #[derive(Default)]
 struct Squares {
     gaussian: f64,
     mean: f64,
-    /// Σ C² and Σ C⁴ of the true curvedness C: C² = 2H² − K.
+    /// Σ C² and Σ C⁴ of the true curvedness C. The curvedness is computed from C² = 2H² − K.
     curvedness: [f64; 2],
 }
 
@@ -126,7 +130,8 @@ impl Squares {
         self.curvedness[1] += square * square;
     }
 
-    /// Squares of rms ΔH over rms C and of rms ΔK over rms C².
+    /// Squares of two relative errors. The first is rms ΔH divided by rms C, the second is rms ΔK divided by rms C². C
+    /// is the true curvedness.
     fn shares(&self) -> [f64; 2] {
         [
             self.mean / self.curvedness[0],
@@ -135,7 +140,8 @@ impl Squares {
     }
 }
 
-/// The larger of rms ΔH over rms C and rms ΔK over rms C², over trials with the same true values.
+/// The larger of two relative errors: rms ΔH divided by rms C, and rms ΔK divided by rms C², where C is the true
+/// curvedness. All trials must have the same true values.
 fn larger(trials: &[Squares]) -> Result<RungError> {
     let [mean, gaussian] = [0, 1].map(|which| {
         let shares = trials.iter().map(|squares| squares.shares()[which]);
@@ -170,7 +176,7 @@ mod tests {
 
     #[test]
     fn errors_are_relative_to_the_curvedness() {
-        // A sphere of radius 2: H = 1/2, K = 1/4, C² = 1/4.
+        // For a sphere of radius 2, the curvatures are H = 1/2 and K = 1/4, so C² = 1/4.
         let mut squares = Squares::default();
         squares.add([0.25, 0.25], [0.55, 0.5]);
         assert!((larger(&[squares]).unwrap().error - 0.1).abs() < 1e-12);

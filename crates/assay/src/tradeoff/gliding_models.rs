@@ -1,4 +1,4 @@
-//! Ladder of gliding: models for the contact of a round tip.
+//! The ladder of gliding. It compares models that find the contact of a round tip.
 
 use anyhow::{Context, Result};
 use nalgebra::Point3;
@@ -10,25 +10,27 @@ use super::ladder::{Ease, Ladder, Rung, SceneRungs};
 use super::scene_trials::at_least_rounding;
 use crate::contact_reference::{tip_on_ball, tip_on_ellipsoid, tip_on_quadric};
 
-/// Decimal exponents of the tolerances of Newton's method.
+/// Decimal exponents of the tolerances of Newton's method that are compared.
 const TOLERANCES: [i32; 7] = [-1, -2, -3, -5, -7, -10, -13];
 /// Number of contacts along a finger's path.
 const PLACES: u32 = 32;
+/// Radius of the ball.
 const BALL: f64 = 5.0;
+/// Coefficient a of the saddle z = a (x² − y²).
 const SADDLE: f64 = 0.1;
-/// Semi-axes of the ellipsoid. Its sharp end has a radius of 0.2.
+/// Semi-axes of the ellipsoid. The radius of curvature at its sharp end is 0.2.
 const SEMI_AXES: [f64; 3] = [5.0, 1.0, 1.0];
 
-/// Straight path of a finger over an object.
+/// A straight path of a finger over an object.
 #[derive(Clone, Copy)]
 struct Path {
     ease: Ease,
     scene: &'static str,
     object: fn() -> Result<Shape>,
     tip_radius: f64,
-    /// Places of the tip's centre at the ends.
+    /// Positions of the tip's centre at both ends of the path, in the xy plane.
     ends: [[f64; 2]; 2],
-    /// The contact below a place of the tip's centre.
+    /// Computes the true contact point (x, y, z) of a tip whose centre is at this position in the xy plane.
     truth: fn(tip_radius: f64, centre: [f64; 2]) -> [f64; 3],
 }
 
@@ -79,7 +81,7 @@ impl Path {
             (name, Some(tolerance), TouchModel::Newton { tolerance })
         }));
         let rungs = models.into_iter().filter_map(|(name, setting, model)| {
-            // Not every object has a closed form.
+            // Skip a model that has no closed form for this object.
             let glider = self.glider(model).ok()?;
             let (path, errs) = (*self, glider.clone());
             let rung = Rung::new(

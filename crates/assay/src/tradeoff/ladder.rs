@@ -1,4 +1,4 @@
-//! Ladders: rungs that answer the same question about a scene, with different costs and errors.
+//! Ladders. The rungs of a ladder answer the same question about a scene, with different costs and errors.
 
 use anyhow::Result;
 
@@ -7,9 +7,9 @@ use crate::timing::Evaluation;
 /// Difficulty of a scene for the rungs of a ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ease {
-    /// A scene for which the cheapest rungs are accurate.
+    /// A scene on which even the cheapest rungs are accurate.
     Easy,
-    /// A scene like those of most users.
+    /// A scene similar to the scenes of most users.
     Typical,
     /// A scene on which some rungs fail.
     Hard,
@@ -26,17 +26,17 @@ impl Ease {
     }
 }
 
-/// The rungs of one choice of the user, on three scenes.
+/// A ladder: the rungs from which a user can choose, on three scenes.
 pub(super) struct Ladder {
-    /// Name in the tables: lower-case words with hyphens.
+    /// Name of the ladder in the tables: lower-case words with hyphens.
     pub(super) name: &'static str,
-    /// The question, in one line.
+    /// The question that the rungs answer, in one line.
     pub(super) title: &'static str,
-    /// Definition of the error: the quantity and the scale.
+    /// Definition of the error: its quantity, and the scale to which it is relative.
     pub(super) error: &'static str,
-    /// The evaluation whose cost is measured, in words.
+    /// Description of the evaluation whose cost is measured.
     pub(super) evaluation: &'static str,
-    /// Three scenes: easy, typical and hard.
+    /// Three scenes: an easy, a typical and a hard scene.
     pub(super) scenes: Vec<SceneRungs>,
 }
 
@@ -44,15 +44,15 @@ pub(super) struct Ladder {
 pub(super) struct SceneRungs {
     /// Difficulty of the scene.
     pub(super) ease: Ease,
-    /// The scene in a few words.
+    /// Short description of the scene.
     pub(super) scene: String,
-    /// In the order of the ladder.
+    /// The rungs, in the order of the ladder.
     pub(super) rungs: Vec<Rung>,
 }
 
 #[cfg(test)]
 impl SceneRungs {
-    /// Errors of all rungs.
+    /// Computes the errors of all rungs.
     pub(super) fn errors(self) -> Vec<f64> {
         let errors = self.rungs.into_iter().map(|rung| (rung.error)());
         errors.map(|error| error.unwrap().error).collect()
@@ -63,7 +63,7 @@ impl SceneRungs {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RungError {
     pub(super) error: f64,
-    /// Standard deviation of the error over sets of trials; `None` without trials.
+    /// Standard error of the error; `None` if the error is not computed from trials.
     pub(super) std: Option<f64>,
 }
 
@@ -73,15 +73,15 @@ impl From<f64> for RungError {
     }
 }
 
-/// One answer to the question of a ladder.
+/// A rung: one way to answer the question of a ladder, such as a model with a setting.
 pub(super) struct Rung {
     /// Name of the rung, with its setting.
     pub(super) name: String,
-    /// Setting of the rung if it is a number: steps, a tolerance, a pitch.
+    /// Setting of the rung if it is a number, for example a number of steps, a tolerance or a pitch.
     pub(super) setting: Option<f64>,
-    /// Computes the error. It runs once, and not in the process that counts instructions.
+    /// Computes the error. It is called once, and not in the process that counts instructions.
     pub(super) error: Box<dyn FnOnce() -> Result<RungError>>,
-    /// Work whose cost is measured. The first run sets up everything that it needs.
+    /// The computation whose cost is measured. Its first run sets up everything that it needs.
     pub(super) evaluation: Evaluation,
 }
 
@@ -101,7 +101,7 @@ impl Rung {
         }
     }
 
-    /// Adds the setting.
+    /// Sets the setting of the rung.
     #[must_use]
     pub(super) fn set(mut self, setting: impl Into<Option<f64>>) -> Self {
         self.setting = setting.into();

@@ -1,4 +1,4 @@
-//! Tables of the measured ladders.
+//! Writes the tables of the measured ladders.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use super::pareto_front::{CostError, answer, pareto};
 use crate::csv_table::{self, Column, or_empty};
 use crate::timing::Spread;
 
-/// Target errors, in words and as numbers. The tables have the cheapest rung for each.
+/// Target errors as text and as numbers. The tables contain the cheapest rung that meets each target.
 const TARGETS: [(&str, f64); 4] = [
     ("10 %", 0.1),
     ("1 %", 0.01),
@@ -17,7 +17,8 @@ const TARGETS: [(&str, f64); 4] = [
     ("1e-6", 1e-6),
 ];
 
-/// Measurements of a ladder on one scene.
+/// Measured costs and errors, on one scene, of all models or settings that answer the same question (the rungs of a
+/// ladder).
 pub(super) struct MeasuredScene {
     pub(super) ladder: &'static str,
     pub(super) title: &'static str,
@@ -28,7 +29,7 @@ pub(super) struct MeasuredScene {
     pub(super) rungs: Vec<MeasuredRung>,
 }
 
-/// Measurements of one rung.
+/// Measured cost and error of one model or setting of a ladder.
 pub(super) struct MeasuredRung {
     pub(super) name: String,
     pub(super) setting: Option<f64>,
@@ -49,7 +50,8 @@ impl MeasuredRung {
     }
 }
 
-/// Writes `ladders.csv` (a description of the ladders, and the machine), `rungs.csv` and `answers.csv` to a folder.
+/// Writes three tables to a folder: `ladders.csv` (a description of the ladders, and the machine), `rungs.csv` and
+/// `answers.csv`.
 pub(super) fn write(measured: &[MeasuredScene], machine: &str, folder: &Path) -> Result<()> {
     write_ladders(measured, machine, folder)?;
     write_rungs(measured, folder)?;
@@ -122,7 +124,7 @@ fn write_answers(measured: &[MeasuredScene], folder: &Path) -> Result<()> {
     csv_table::write(&folder.join("answers.csv"), rows)
 }
 
-/// Median and quartiles with their significant digits.
+/// Median and quartiles as columns, rounded to their significant digits.
 pub(super) fn nanoseconds(spread: &Spread) -> [Column; 3] {
     let digits = if spread.median < 100.0 { 1 } else { 0 };
     [

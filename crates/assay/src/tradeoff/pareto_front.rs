@@ -1,21 +1,21 @@
-//! Pareto front of rungs, and the rung for a target error.
+//! The Pareto front of a ladder's rungs, and the recommended rung for a target error.
 
-/// Cost and error of a rung; smaller is better in both.
+/// Cost and error of a rung. Smaller values are better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CostError {
-    /// Instructions, or nanoseconds if instructions are not counted.
+    /// Number of instructions, or nanoseconds if instructions are not counted.
     pub(super) cost: f64,
     /// Relative error.
     pub(super) error: f64,
 }
 
-/// Largest ratio of two costs that count as equal.
+/// Largest ratio of two costs at which they count as equal.
 const EQUAL_COST_RATIO: f64 = 1.02;
-/// Errors below this one are due to rounding and count as equal.
+/// Errors below this value are due to rounding, so all of them count as equal.
 const ROUNDING: f64 = 1e-14;
 
-/// Whether each rung is on the Pareto front: no other rung is better in cost or error without being worse in the other. Of
-/// rungs that are equal in both, only the first is on the front.
+/// Whether each rung is on the Pareto front. A rung is on the front if no other rung is better in cost or error without
+/// being worse in the other. If several rungs have equal cost and error, only the first of them is on the front.
 pub(super) fn pareto(rungs: &[CostError]) -> Vec<bool> {
     let beats = |a: usize, b: usize| {
         let ([a_cost, b_cost], [a_error, b_error]) = (
@@ -35,7 +35,7 @@ pub(super) fn pareto(rungs: &[CostError]) -> Vec<bool> {
         .collect()
 }
 
-/// The cheapest rung on the front with an error of at most `target`.
+/// Index of the cheapest rung on the front whose error is at most `target`.
 pub(super) fn answer(rungs: &[CostError], target: f64) -> Option<usize> {
     let on_front = pareto(rungs);
     let adequate = |rung: &usize| on_front[*rung] && rungs[*rung].error <= target;

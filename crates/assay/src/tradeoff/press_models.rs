@@ -1,4 +1,4 @@
-//! Ladder of presses: models of the soft body.
+//! The ladder of press models. It compares models of the soft body.
 
 use std::cell::OnceCell;
 
@@ -11,13 +11,16 @@ use crate::paraboloid_reference::{self, ParaboloidPress, largest_error};
 
 /// Radius of the sensor, mm.
 const RADIUS: f64 = 20.0;
+/// Poisson's ratio of the soft body.
 const POISSON: f64 = 0.5;
-/// Number of distances from the contact at which displacements are computed: that of a sensor's markers.
+/// Number of distances from the contact at which displacements are computed. It equals the number of markers of the
+/// published sensor.
 const PLACES: usize = 77;
-/// Largest of these distances, mm.
+/// Largest distance from the contact at which displacements are computed, mm.
 const REACH: f64 = 20.0;
 
-/// Factors on the number of quadrature nodes of contacts that are solved instead of interpolated, with their names.
+/// Factors by which the number of quadrature nodes is multiplied, with their names. They apply to contacts that are
+/// solved directly instead of interpolated.
 const RESOLUTIONS: [(&str, f64); 5] = [
     (" × 1/4", 0.25),
     (" × 3/8", 0.375),
@@ -26,7 +29,7 @@ const RESOLUTIONS: [(&str, f64); 5] = [
     ("", 1.0),
 ];
 
-/// A press on a layer.
+/// A press onto a layer.
 #[derive(Clone, Copy)]
 struct Press {
     ease: Ease,
@@ -74,7 +77,8 @@ pub(super) fn ladder() -> Ladder {
     }
 }
 
-/// Displacements inward and outward.
+/// Inward displacement (along the normal) and outward displacement (along the skin, away from the contact), for each
+/// distance from the contact.
 type Profile = Vec<[f64; 2]>;
 
 impl Press {
@@ -150,7 +154,7 @@ impl Press {
             .collect())
     }
 
-    /// True displacements, by quadrature.
+    /// Reference displacements, computed by quadrature.
     fn truth(&self) -> Result<Profile> {
         let layer = paraboloid_reference::Body::Layer {
             thickness: self.thickness,

@@ -1,10 +1,11 @@
-//! Ladders of presses: sensors and estimators.
+//! The ladders of press sensors and of press estimators.
 
 use super::ladder::{Ease, Ladder};
 use super::scene_trials::{Choice, Measure, Template, relative_rms, scenes};
 
-/// Index of the quantity whose error counts.
+/// Index of the quantity whose error is measured, the effective radius.
 const EFFECTIVE_RADIUS: usize = 1;
+/// Sides of the rendered frames, px.
 const SIZES_PX: [u32; 3] = [265, 640, 1024];
 
 const SENSOR_COMMON: &str = r#"
@@ -39,7 +40,7 @@ motion = { indentation = 0.3 }
     ),
 ];
 
-/// Names and noise of the sensors without frames.
+/// Names and noise of the sensors that are simulated without rendered frames.
 const WITHOUT_PIXELS: [(&str, &str); 2] = [
     (
         "direct",
@@ -50,13 +51,15 @@ const WITHOUT_PIXELS: [(&str, &str); 2] = [
         r#"hue = { kind = "gaussian", std = 1e-4 }, centroid = { kind = "gaussian", std = 0.01 }, size = { kind = "gaussian", std = 4e-4 }"#,
     ),
 ];
+/// Noise of the sensors with frames.
 const PIXEL_NOISE: &str = r#"pixel = { kind = "gaussian", std = 2.0 }"#;
+/// Calibration of the camera sensors.
 const CALIBRATION: &str = "calibration = { indentation = 1.4 }";
-/// Calibration with few presses, for timing: it is faster, and a press costs the same.
+/// Calibration with few presses, which is used to measure the time. Its set-up is faster, and a press costs the same.
 const SHORT_CALIBRATION: &str = "calibration = { indentation = 1.4, presses = 2, rest_frames = 1 }";
 
-/// Rungs of a press sensor: displacements, projected markers, frames. Each rung has its own noise, given in the text of the
-/// ladder's error, so their errors do not compare cameras.
+/// The ladder of press sensors: direct displacements, projected markers, and rendered frames. Each rung has its own
+/// noise, which the description of the ladder's error states. Therefore the errors are no comparison of real cameras.
 pub(super) fn sensors() -> Ladder {
     let mut choices: Vec<Choice> = WITHOUT_PIXELS
         .iter()
@@ -126,14 +129,14 @@ model = { kind = "bonded-layer", thickness = 5.0 }
     ),
 ];
 
-/// Name, kind, and further settings of the estimators.
+/// Name, kind and further settings of each estimator.
 const ESTIMATORS: [(&str, &str, &str); 3] = [
     ("Gaussian", "gaussian", ""),
     ("half-space", "half-space", ""),
     ("layer", "bonded-layer", ", thickness = $layer"),
 ];
 
-/// Rungs of the press estimators.
+/// The ladder of press estimators.
 pub(super) fn estimators() -> Ladder {
     let measure = Measure {
         error: |scene, trials| relative_rms(scene, EFFECTIVE_RADIUS, trials),
@@ -154,7 +157,7 @@ pub(super) fn estimators() -> Ladder {
 }
 
 fn estimator_choices(ease: Ease) -> Vec<Choice> {
-    // For the half-space, a layer as thick as the sensor's radius.
+    // In the easy scene, the layer is as thick as the sensor's radius, so it is nearly a half-space.
     let thickness = match ease {
         Ease::Easy => "20.0",
         Ease::Typical => "10.0",

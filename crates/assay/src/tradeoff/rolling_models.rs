@@ -1,4 +1,4 @@
-//! Ladder of rolling: models of a roll.
+//! The ladder of rolling. It compares models of a roll.
 
 use std::cell::OnceCell;
 use std::f64::consts::FRAC_PI_6;
@@ -21,12 +21,12 @@ const RADIUS: f64 = 1.0;
 const BALL: f64 = 5.0;
 /// Coefficient c of the paraboloid z = −c r².
 const PARABOLOID: f64 = 0.2;
-/// Largest difference between two independent references, relative to the length of the path.
+/// Largest allowed difference between two independent references, relative to the length of the contact's path.
 const MAX_DIFFERENCE: f64 = 1e-12;
 /// Initial direction of the contact, rad.
 const DIRECTION: f64 = FRAC_PI_6;
 
-/// A roll and its true end.
+/// A roll and the true contact at its end.
 struct Roll {
     ease: Ease,
     scene: &'static str,
@@ -34,7 +34,7 @@ struct Roll {
     at: (f64, f64),
     angle: f64,
     truth: fn(&Roll) -> Result<RollEnd>,
-    /// The true end, computed at first use.
+    /// The true contact at the end of the roll. It is computed when it is needed for the first time.
     end: OnceCell<RollEnd>,
 }
 
@@ -86,7 +86,7 @@ impl Roll {
             .filter_map(|(name, setting, model)| {
                 let roller = roll.roller(model).ok()?;
                 let motion = roll.motion();
-                // A chart may end before the roll does.
+                // Skip a model in charts if a chart ends before the roll does.
                 roller.roll(&[motion]).ok()?;
                 let (same, errs) = (Rc::clone(&roll), roller.clone());
                 let rung = Rung::new(
@@ -160,8 +160,9 @@ fn models() -> Vec<(String, Option<f64>, Model)> {
     models
 }
 
-/// Reference without a closed form: RK4 on Montana's equations in the charts of both surfaces, extrapolated from two numbers
-/// of steps (Richardson). The chart-free rungs use other equations. DOP853 on the same equations must agree.
+/// Reference for objects without a closed form: RK4 on Montana's equations in the charts of both surfaces, extrapolated
+/// from two numbers of steps (Richardson). It is independent of the chart-free models, which use other equations.
+/// DOP853 on the same equations must agree with it.
 fn in_charts(roll: &Roll) -> Result<RollEnd> {
     const STEPS: usize = 3000;
     let chart = Chart::Montana(HeldAxis::Transported);

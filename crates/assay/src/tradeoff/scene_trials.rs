@@ -1,4 +1,4 @@
-//! Rungs that are scenes of a config: cost and error of their trials.
+//! Rungs that are scenes of a config. The cost and the error of their trials are measured.
 
 use std::cell::OnceCell;
 
@@ -9,20 +9,21 @@ use palpate_sweep::Observation;
 
 use super::ladder::{Ease, Rung, RungError, SceneRungs};
 
-/// Placeholder in a scene's text for the lines of a rung.
+/// Placeholder in a scene's text that is replaced by the lines of a rung.
 const RUNG: &str = "$rung";
 
-/// Text of a scene with a placeholder for the rung.
+/// Text of a scene with a placeholder for the lines of a rung.
 pub(super) struct Template {
     pub(super) ease: Ease,
-    /// The scene in a few words.
+    /// Short description of the scene.
     pub(super) scene: &'static str,
-    /// TOML of `[scene]` with the placeholder `$rung`.
+    /// TOML text of `[scene]` with the placeholder `$rung`.
     pub(super) text: String,
 }
 
 impl Template {
-    /// An easy, a typical and a hard scene, from their common lines and from the words and lines of each.
+    /// An easy, a typical and a hard scene. Each of them consists of the `common` lines and of its own lines. `own`
+    /// contains the description and the own lines of each scene.
     pub(super) fn all(common: &str, own: [(&'static str, &str); 3]) -> Vec<Self> {
         let eases = [Ease::Easy, Ease::Typical, Ease::Hard];
         let scenes = eases.into_iter().zip(own);
@@ -36,7 +37,7 @@ impl Template {
     }
 }
 
-/// An easy, a typical and a hard scene with the same rungs; `common` and `own` as in [`Template::all`].
+/// An easy, a typical and a hard scene with the same rungs. `common` and `own` are as in [`Template::all`].
 pub(super) fn scenes(
     common: &str,
     own: [(&'static str, &str); 3],
@@ -48,12 +49,12 @@ pub(super) fn scenes(
     templates.iter().map(stage).collect()
 }
 
-/// Text of a rung, which replaces `$rung`.
+/// A rung, with the text that replaces `$rung`.
 pub(super) struct Choice {
     pub(super) name: String,
     pub(super) setting: Option<f64>,
     pub(super) text: String,
-    /// Text of a scene that is timed instead: its trials cost the same, but its setup is faster.
+    /// Text of another scene whose cost is measured instead. Its trials cost the same, but its set-up is faster.
     pub(super) evaluated: Option<String>,
 }
 
@@ -75,14 +76,14 @@ impl Choice {
     }
 }
 
-/// Measurement of a rung.
+/// Description of how a rung is measured.
 #[derive(Clone, Copy)]
 pub(super) struct Measure {
     /// Computes the error from this number of trials.
     pub(super) error: fn(&Scene, trials: u64) -> Result<RungError>,
-    /// Number of trials for the error.
+    /// Number of trials from which the error is computed.
     pub(super) trials: u64,
-    /// Number of trials for the mean cost.
+    /// Number of trials over which the cost is averaged.
     pub(super) timed: u32,
 }
 
@@ -110,15 +111,15 @@ impl Template {
     }
 }
 
-/// The scene of a text with one cell.
+/// The scene of a config text that has only one cell.
 pub(super) fn scene_of(text: &str) -> Result<Scene> {
     let study = format!("name = \"rung\"\nseed = 1996\ntrials = 1\n[scene]\n{text}");
     let study = config::parse("rung", &study).with_context(|| text.to_owned())?;
     study.estimable_scene(0).with_context(|| text.to_owned())
 }
 
-/// Runs trials of the scene of a text, which is set up in the first run. An invalid scene costs nothing, so the caller must
-/// check it with [`scene_of`].
+/// A function that runs trials of the scene of a config text. The first call sets the scene up. If the scene is
+/// invalid, the function does nothing, so the caller must check it with [`scene_of`] first.
 pub(super) fn evaluated(text: String, trials: u32) -> impl FnMut() -> Option<f64> + 'static {
     let scene = OnceCell::new();
     move || {
@@ -127,7 +128,8 @@ pub(super) fn evaluated(text: String, trials: u32) -> impl FnMut() -> Option<f64
     }
 }
 
-/// Runs trials as a study does, and adds up their estimates. The cost of failed trials counts.
+/// Runs trials in the same way as a study, and returns the sum of their estimates. The cost of failed trials is
+/// included.
 pub(super) fn run(scene: &Scene, trials: u32) -> f64 {
     let trials = u64::from(trials);
     let mut sum = 0.0;
@@ -140,13 +142,13 @@ pub(super) fn run(scene: &Scene, trials: u32) -> f64 {
         _ => 0,
     };
     for trial in together..trials {
-        // A failed trial has no estimate.
+        // A failed trial has no estimate to add.
         let _ = scene.trial(trial, |_, outcome| sum += outcome.estimate);
     }
     sum
 }
 
-/// Root mean square of the relative error of one quantity. The relative error of a failed trial is 1.
+/// Root mean square of the relative errors of one quantity. The relative error of a failed trial is 1.
 pub(super) fn relative_rms(scene: &Scene, quantity: usize, trials: u64) -> Result<RungError> {
     let truth = scene
         .truth(quantity)
@@ -163,8 +165,8 @@ pub(super) fn relative_rms(scene: &Scene, quantity: usize, trials: u64) -> Resul
     root_mean(&squares.collect::<Vec<f64>>())
 }
 
-/// Root mean square r of N errors, from their squares, with its standard error s/√N/(2r), where s is the standard deviation
-/// of the squares.
+/// Root mean square r of N errors, which are given as their squares. Its standard error is s/√N/(2r), where s is the
+/// standard deviation of the squares.
 pub(super) fn root_mean(squares: &[f64]) -> Result<RungError> {
     ensure!(!squares.is_empty(), "no trials");
     let count = squares.len() as f64;
@@ -177,8 +179,8 @@ pub(super) fn root_mean(squares: &[f64]) -> Result<RungError> {
     Ok(RungError { error, std })
 }
 
-/// Outcomes of each trial, with the indices of their quantities. A failed trial has estimates of 0, so its relative error
-/// is 1.
+/// Observations of each trial, each with the index of its quantity. In a failed trial, all estimates are 0, so the
+/// relative error is 1.
 pub(super) fn outcomes(scene: &Scene, trials: u64) -> Result<Vec<Vec<(usize, Observation)>>> {
     let attempts = (0..scene.trials(trials)).map(|trial| {
         let mut outcomes = Vec::new();
@@ -197,7 +199,7 @@ pub(super) fn outcomes(scene: &Scene, trials: u64) -> Result<Vec<Vec<(usize, Obs
         .collect())
 }
 
-/// The error, but at least a rounding unit: smaller errors are not significant.
+/// The error, or the rounding error of a double if this is larger, because smaller errors are not significant.
 pub(super) fn at_least_rounding(error: f64) -> Result<f64> {
     if error.is_finite() {
         Ok(error.max(f64::EPSILON))
@@ -212,7 +214,7 @@ mod tests {
 
     #[test]
     fn a_root_mean_square_has_the_standard_error_of_its_trials() {
-        // Squares 1 and 9: mean 5, s = √32, r = √5; s/√2/(2r) = 2/√5.
+        // For the squares 1 and 9, the mean is 5, s = √32 and r = √5, so the standard error s/√2/(2r) is 2/√5.
         let rms = root_mean(&[1.0, 9.0]).unwrap();
         assert!((rms.error - 5_f64.sqrt()).abs() < 1e-15);
         assert!((rms.std.unwrap() - 2.0 / 5_f64.sqrt()).abs() < 1e-15);

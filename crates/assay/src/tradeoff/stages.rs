@@ -1,4 +1,4 @@
-//! Cost of each stage of a scene: a scene costs only what its stages need.
+//! Measures the cost of each stage of a scene. This shows that a scene costs only what its stages need.
 
 use std::path::Path;
 use std::time::Duration;
@@ -10,15 +10,15 @@ use super::scene_trials::evaluated;
 use crate::csv_table::{self, Column};
 use crate::timing::Evaluation;
 
-/// Number of trials for the mean cost.
+/// Number of trials over which the cost is averaged.
 const TRIALS: u32 = 4;
 
-/// A base scene and its stages.
+/// A base scene, and the stages that are added to it one by one.
 struct StagedScene {
     kind: &'static str,
-    /// Common TOML of `[scene]`, one key per line.
+    /// TOML lines of `[scene]` that all stages share, one key per line.
     base: &'static str,
-    /// Names of the stages, with the keys that each adds or replaces.
+    /// Names of the stages, with the keys that each stage adds or replaces.
     stages: &'static [(&'static str, &'static str)],
 }
 
@@ -56,7 +56,7 @@ motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
     },
     StagedScene {
         kind: "glide",
-        // The estimator is the quadric, because its cost does not depend on the readings.
+        // The estimator fits a quadric, because the cost of this fit does not depend on the readings.
         base: r#"
 probe = { kind = "point" }
 object = { kind = "saddle", a = 0.1 }
@@ -124,7 +124,7 @@ noise = {}
     },
 ];
 
-/// A scene with all stages up to one.
+/// A scene with all stages up to and including one stage.
 pub(super) struct Stage {
     kind: &'static str,
     name: &'static str,
@@ -150,13 +150,13 @@ pub(super) fn stages() -> Vec<Stage> {
 }
 
 impl Stage {
-    /// Trials of the stage.
+    /// The evaluation that runs trials of the scene up to this stage.
     pub(super) fn evaluation(&self) -> Evaluation {
         Evaluation::new(self.name, evaluated(self.text.clone(), TRIALS)).evaluations_per_run(TRIALS)
     }
 }
 
-/// Times the stages and writes `stages.csv` to a folder.
+/// Measures the times of the stages and writes `stages.csv` to a folder.
 pub(super) fn write(
     stages: &[Stage],
     instructions: Option<&[u64]>,

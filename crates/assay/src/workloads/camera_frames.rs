@@ -1,4 +1,4 @@
-//! Frames of a camera with 77 markers: projection, rendering, detection and matching.
+//! Workloads with frames of a camera and 77 markers: projection, rendering, detection and matching.
 
 use std::hint::black_box;
 
@@ -14,13 +14,13 @@ use super::marker_presses::SKIN;
 use crate::accuracy::rms;
 use crate::timing::Evaluation;
 
-/// Seed of the frames with discs of random hues.
+/// Seed of the frame that contains discs with random hues.
 const FRAME: u64 = 11;
 
-/// The published sensor without blemishes, its discs misaligned by up to 0.3 of their diameter.
+/// The published sensor with ideal images. Its discs are misaligned by up to 0.3 of their diameter.
 ///
 /// # Errors
-/// If the sensor is invalid.
+/// An error if the sensor is invalid.
 pub fn optics(size_px: u32) -> Result<Optics> {
     let discs = Discs {
         magenta: 2.0,
@@ -41,7 +41,7 @@ pub fn optics(size_px: u32) -> Result<Optics> {
     )?)
 }
 
-/// Motions of 77 markers, decreasing from the first to the last.
+/// Motions of the 77 markers. They decrease from the first marker to the last.
 pub fn motions() -> Vec<Option<MarkerMotion>> {
     let disc = |normal, along| DiscMotion {
         normal,
@@ -57,13 +57,13 @@ pub fn motions() -> Vec<Option<MarkerMotion>> {
 
 /// A disc in a frame.
 pub struct Disc {
-    /// Centroid, px.
+    /// Centroid of the disc in the frame, px.
     pub centroid_px: [f64; 2],
-    /// Hue, turns.
+    /// Hue of the disc, turns.
     pub hue_turns: f64,
 }
 
-/// 77 discs of random hues on a dark ground.
+/// A frame with 77 discs of random hues on a dark background.
 pub fn frame(size_px: usize) -> (RgbImage, Vec<Disc>) {
     let (frame, truth) = palpate_testkit::dark(size_px, FRAME);
     let discs = truth.into_iter().map(|one| Disc {
@@ -73,7 +73,7 @@ pub fn frame(size_px: usize) -> (RgbImage, Vec<Disc>) {
     (frame, discs.collect())
 }
 
-/// A finder with the image circle of [`frame`].
+/// A finder that uses the image circle of the frames from [`frame`].
 ///
 pub fn finder(size_px: usize) -> Finder {
     let mask = Mask {
@@ -83,8 +83,8 @@ pub fn finder(size_px: usize) -> Finder {
     Finder::new(Some(mask), None)
 }
 
-/// Root mean square errors of the centroid (px) and the hue (turns) of the markers nearest to the discs; infinite without a
-/// marker.
+/// Root-mean-square errors of the centroid (px) and of the hue (turns). Each disc is compared with the nearest marker
+/// that was found. If no marker was found, the errors are infinite.
 pub fn errors(found: &[Marker], discs: &[Disc]) -> [f64; 2] {
     let off = |disc: &Disc| {
         let off_px = |marker: &Marker| {
@@ -101,10 +101,10 @@ pub fn errors(found: &[Marker], discs: &[Disc]) -> [f64; 2] {
     [0, 1].map(|which| rms(off.iter().map(|one| one[which])))
 }
 
-/// Projection of 77 markers.
+/// The workload that projects 77 markers.
 ///
 /// # Errors
-/// If the sensor is invalid.
+/// An error if the sensor is invalid.
 pub fn projection(name: &str) -> Result<Evaluation> {
     let (optics, motions) = (optics(640)?, motions());
     optics.project(&motions)?;
@@ -113,10 +113,10 @@ pub fn projection(name: &str) -> Result<Evaluation> {
     }))
 }
 
-/// Rendering of a frame of 77 markers.
+/// The workload that renders a frame of 77 markers.
 ///
 /// # Errors
-/// If the sensor is invalid.
+/// An error if the sensor is invalid.
 pub fn rendering(name: &str, size_px: u32) -> Result<Evaluation> {
     let (optics, motions) = (optics(size_px)?, motions());
     optics.render(&motions, None)?;
@@ -125,10 +125,10 @@ pub fn rendering(name: &str, size_px: u32) -> Result<Evaluation> {
     }))
 }
 
-/// Detection of the markers in a frame.
+/// The workload that detects the markers in a frame.
 ///
 /// # Errors
-/// If they are not found.
+/// An error if the markers are not found.
 pub fn detection(name: &str, size_px: usize) -> Result<Evaluation> {
     let (frame, _) = frame(size_px);
     let mut finder = finder(size_px);
@@ -138,10 +138,10 @@ pub fn detection(name: &str, size_px: usize) -> Result<Evaluation> {
     }))
 }
 
-/// Matching of the markers of a frame with themselves.
+/// The workload that matches the markers of a frame with themselves.
 ///
 /// # Errors
-/// If they are not found.
+/// An error if the markers are not found.
 pub fn matching(name: &str, size_px: usize) -> Result<Evaluation> {
     let found = finder(size_px).find(&frame(size_px).0)?.markers;
     Ok(Evaluation::new(name, move || {

@@ -1,4 +1,4 @@
-//! Contacts for EP2.
+//! Workloads with contacts for EP2.
 
 use std::hint::black_box;
 
@@ -10,16 +10,16 @@ use palpate_sensing::{Channel, Stream};
 use crate::accuracy::rms;
 use crate::timing::Evaluation;
 
-/// Radius of the sphere with few contacts.
+/// Radius of the sphere on which the few contacts lie.
 pub const RADIUS: f64 = 5.0;
 const SEED: u64 = 1;
-/// Largest error of a coordinate of few contacts: 5 % of the finger distance.
+/// Largest error of a coordinate of the few contacts: 5 % of the distance between fingers.
 const MAX_ERROR_OF_FEW: f64 = 0.05;
-/// Largest error of a height of many contacts.
+/// Largest error of a height of the many contacts.
 const MAX_ERROR_OF_MANY: f64 = 0.02;
 
-/// Ten contacts of each of three fingers at y = −1, 0 and 1 on a sphere about the origin, with uniform errors of each
-/// coordinate.
+/// Ten contacts of each of three fingers. The fingers move along y = −1, 0 and 1 on a sphere that is centred at the
+/// origin. Each coordinate has a uniform error.
 pub fn few(trial: u64) -> Vec<Contact> {
     let mut noise = Stream::new(SEED, trial, Channel::Position);
     let mut contacts = Vec::new();
@@ -34,7 +34,7 @@ pub fn few(trial: u64) -> Vec<Contact> {
     contacts
 }
 
-/// Contacts at random places of z = 0.2 sin 2x cos 2y, with uniform errors of the heights.
+/// Contacts at random places of the surface z = 0.2 sin 2x cos 2y. Each height has a uniform error.
 pub fn many(count: usize) -> Vec<Contact> {
     let mut noise = Stream::new(SEED, 0, Channel::Position);
     let mut uniform = |most: f64| most * noise.symmetric_uniform();
@@ -47,15 +47,15 @@ pub fn many(count: usize) -> Vec<Contact> {
         .collect()
 }
 
-/// Patch of contacts, with the normal along z.
+/// A patch that consists of these contacts, with the normal along z.
 ///
 /// # Errors
-/// [`Ep2Error`] if the contacts are not a patch.
+/// [`Ep2Error`] if the contacts do not form a patch.
 pub fn patch(contacts: &[Contact]) -> Result<Patch, Ep2Error> {
     Patch::new(contacts, &Vector3::z())
 }
 
-/// Grid of 30 × 30 places on the sphere with few contacts, over their rectangle without errors.
+/// A grid of 30 × 30 places on the sphere, within the rectangle that the few contacts without errors cover.
 pub fn places_on_sphere() -> Vec<Point3<f64>> {
     let along = |index: usize, end: f64| end * (2.0 * (index as f64) / 29.0 - 1.0);
     let place = |index: usize| {
@@ -65,8 +65,8 @@ pub fn places_on_sphere() -> Vec<Point3<f64>> {
     (0..900).map(place).collect()
 }
 
-/// Grid of 30 × 30 places on the surface with many contacts, each with the true mean curvature. A peak has a positive mean
-/// curvature.
+/// A grid of 30 × 30 places on the surface of the many contacts, each with its true mean curvature. The mean curvature
+/// of a peak is positive.
 fn places_on_waves() -> impl Iterator<Item = (Point3<f64>, f64)> {
     let along = |index: usize, end: f64| end * (2.0 * (index as f64) / 29.0 - 1.0);
     let place = move |index: usize| {
@@ -88,29 +88,29 @@ fn places_on_waves() -> impl Iterator<Item = (Point3<f64>, f64)> {
     (0..900).map(place)
 }
 
-/// Root mean square error of the mean curvature of a fit to many contacts, 1/length.
+/// Root-mean-square error of the mean curvature of a fit to the many contacts, 1/length.
 ///
 /// # Errors
-/// If the fit has no curvature at one of the points.
+/// An error if the fit has no curvature at one of the points.
 pub fn error_on_waves(fit: &Fit) -> Result<f64, Ep2Error> {
     let off = |(place, mean): (Point3<f64>, f64)| Ok(fit.curvature_at(&place)?.mean - mean);
     let errors: Result<Vec<f64>, Ep2Error> = places_on_waves().map(off).collect();
     errors.map(rms)
 }
 
-/// Fit of a method to contacts.
+/// The workload that fits contacts with a method.
 ///
 /// # Errors
-/// If the contacts are not a patch.
+/// An error if the contacts do not form a patch.
 pub fn fit(name: &str, method: impl Method + 'static, contacts: &[Contact]) -> Result<Evaluation> {
     let patch = patch(contacts)?;
     Ok(Evaluation::new(name, move || method.fit(black_box(&patch))))
 }
 
-/// Estimate of the penalised spline from contacts, without its uncertainty.
+/// The workload of an estimate from contacts with the penalised spline, without standard errors.
 ///
 /// # Errors
-/// If the contacts are not a patch.
+/// An error if the contacts do not form a patch.
 pub fn estimate(name: &str, method: Penalised, contacts: &[Contact]) -> Result<Evaluation> {
     let patch = patch(contacts)?;
     Ok(Evaluation::new(name, move || {
@@ -118,10 +118,10 @@ pub fn estimate(name: &str, method: Penalised, contacts: &[Contact]) -> Result<E
     }))
 }
 
-/// Map of a fit with this many places along a side.
+/// The workload that computes the map of a fit with this number of places along each side.
 ///
 /// # Errors
-/// If the method cannot fit the contacts.
+/// An error if the method cannot fit the contacts.
 pub fn map(
     name: &str,
     method: &dyn Method,

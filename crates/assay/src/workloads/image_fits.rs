@@ -1,4 +1,4 @@
-//! Image fits of a press: the images of 77 markers, with uncertain parameters of the sensor.
+//! Workloads of image fits: a press is estimated from the images of 77 markers and uncertain parameters of the sensor.
 
 use std::hint::black_box;
 
@@ -15,26 +15,28 @@ use crate::timing::Evaluation;
 
 /// Depths of the magenta and the yellow discs under the skin, mm.
 const DEPTHS: [f64; 2] = [3.0, 1.0];
-/// Difference of the discs' depths for numerical derivatives, mm.
+/// Step of the discs' depths for derivatives by finite differences, mm.
 const DEPTH_STEP: f64 = 1e-3 * SKIN;
-/// Standard deviations of the parameters of a [`Departure`]: depths, diameters, image centre, pixels per radian, position
-/// and rotation of the camera, colours; 0 for the odd terms of its lens.
+/// Standard deviations of the parameters of a [`Departure`]: depths, diameters, image centre, focal length, position
+/// and rotation of the camera, colours. They are 0 for the odd terms of the lens.
 const DEPARTURE_STDS: [f64; Departure::NUMBERS] = [
     0.03, 0.03, 0.01, 0.01, 0.3, 0.3, 0.002, 0.05, 0.05, 0.05, 0.005, 0.005, 0.005, 0.01, 0.01,
     0.01, 0.01, 0.01, 0.01, 0.0, 0.0,
 ];
-/// Standard deviation of a component of a misalignment, rad: discs of 2 mm, misaligned by up to 0.3 of their diameter.
+/// Standard deviation of a component of a misalignment, rad. The discs have a diameter of 2 mm and are misaligned by up
+/// to 0.3 of their diameter.
 const MISALIGNMENT_STD: f64 = 0.5 * 0.3 * 2.0 / 19.0;
-/// Standard deviations of the tracker: centroid, px; hue, turns; logarithm of the size.
+/// Standard deviations of the tracker's readings: both coordinates of the centroid, px; hue, turns; logarithm of the
+/// size.
 const READING_STDS: [f64; 4] = [0.008, 0.008, 3e-4, 1.5e-3];
 
-/// Makes a body for each depth.
+/// Function that creates a body for each depth.
 pub type Bodies = fn(&[f64]) -> Result<Vec<Body>>;
 
-/// An incompressible half-space at some depths.
+/// Bodies for an incompressible half-space, one for each depth.
 ///
 /// # Errors
-/// If a depth is out of range.
+/// An error if a depth is out of range.
 pub fn half_spaces(depths: &[f64]) -> Result<Vec<Body>> {
     let bodies = depths
         .iter()
@@ -42,37 +44,37 @@ pub fn half_spaces(depths: &[f64]) -> Result<Vec<Body>> {
     bodies.collect()
 }
 
-/// A layer of 5 mm at some depths.
+/// Bodies for a layer with a thickness of 5 mm, one for each depth.
 ///
 /// # Errors
-/// If a depth is out of range.
+/// An error if a depth is out of range.
 pub fn layers(depths: &[f64]) -> Result<Vec<Body>> {
     Ok(Body::bonded_layers(5.0, depths)?)
 }
 
-/// A press with a camera.
+/// A press that a camera observes.
 pub struct CameraPress {
     fit: ImageFit<ImageModel>,
     at_rest: Vec<Option<Seen>>,
     pressed: Vec<Option<Seen>>,
 }
 
-/// Step of an image fit.
+/// A step of an image fit.
 #[derive(Clone, Copy, Debug)]
 pub enum Step {
-    /// Update of the sensor from its frame at rest.
+    /// Update of the sensor's parameters from a frame at rest.
     Rest,
-    /// Fit of the press.
+    /// Fit of the press to the images of the markers.
     Fit,
-    /// Misfits of the fit.
+    /// Tests of the fit for misfits.
     Misfits,
 }
 
 impl CameraPress {
-    /// A press of these bodies.
+    /// A press onto an object, with these soft bodies.
     ///
     /// # Errors
-    /// If there is no such press.
+    /// An error if the press is impossible.
     pub fn new(bodies: Bodies) -> Result<Self> {
         let (nominal, deeper) = pairs(bodies)?;
         let optics = optics(640)?;
@@ -129,7 +131,7 @@ impl CameraPress {
     }
 }
 
-/// Bodies at the depths of the discs, and slightly deeper.
+/// The bodies at the depths of the discs, and at slightly larger depths.
 fn pairs(bodies: Bodies) -> Result<([Body; 2], [Body; 2])> {
     let [magenta, yellow] = DEPTHS;
     let bodies = bodies(&[magenta, yellow, magenta + DEPTH_STEP, yellow + DEPTH_STEP])?;
@@ -139,10 +141,10 @@ fn pairs(bodies: Bodies) -> Result<([Body; 2], [Body; 2])> {
     }
 }
 
-/// One step of the image fit of a press, with an unknown indentation.
+/// The workload of one step of the image fit of a press whose indentation is unknown.
 ///
 /// # Errors
-/// If there is no such press.
+/// An error if the press is impossible.
 pub fn workload(name: &str, bodies: Bodies, step: Step) -> Result<Evaluation> {
     let press = CameraPress::new(bodies)?;
     let rest = press.rest()?;
@@ -163,7 +165,7 @@ pub fn workload(name: &str, bodies: Bodies, step: Step) -> Result<Evaluation> {
 mod tests {
     use super::*;
 
-    /// Image model with numerical derivatives.
+    /// An image model whose derivatives are computed by finite differences.
     #[derive(Clone)]
     struct Differences(ImageModel);
 

@@ -1,4 +1,5 @@
-//! Presses of the published sensor: 77 markers 2 mm under a skin of radius 20 mm.
+//! Workloads with presses of the published sensor, which has 77 markers at a depth of 2 mm under a skin of radius 20
+//! mm.
 
 use std::hint::black_box;
 
@@ -11,19 +12,19 @@ use crate::timing::Evaluation;
 
 /// Radius of the skin, mm.
 pub const SKIN: f64 = 20.0;
-/// Place of the contact, mm from the middle marker.
+/// Position of the contact relative to the middle marker, mm.
 pub const AT: [f64; 2] = [1.5, 1.0];
 /// Curvature of the object, 1/mm.
 pub const OBJECT: f64 = 1.0 / 80.0;
-/// Indentation, mm.
+/// Indentation of the presses, mm.
 pub const INDENTATION: f64 = 1.0;
 const NORMAL_STD: f64 = 0.07;
 const TANGENTIAL_STD: f64 = 0.05;
 
-/// The markers.
+/// The markers of the published sensor.
 ///
 /// # Errors
-/// If the layout is invalid.
+/// An error if the layout is invalid.
 pub fn markers() -> Result<Markers> {
     let places = Layout::published().places(SKIN)?;
     Ok(Markers::new(Skin::new(SKIN)?, &places)?)
@@ -38,7 +39,7 @@ pub struct MarkerReadings {
 }
 
 impl MarkerReadings {
-    /// Readings of these displacements, with the errors of a trial.
+    /// Readings of these displacements in one trial, with random errors.
     pub fn new(moved: &[MarkerDisplacement], trial: u64) -> Self {
         let mut noise = Stream::new(1, trial, Channel::Position);
         let mut off = |value: f64, std: f64| value + std * noise.standard_normal();
@@ -54,7 +55,7 @@ impl MarkerReadings {
         }
     }
 
-    /// Reading for an estimator, with an indentation that has a standard deviation of 0.02 mm.
+    /// The reading in the form that an estimator needs. Its indentation has a standard deviation of 0.02 mm.
     pub fn reading<'a>(&'a self, markers: &'a Markers) -> Reading<'a> {
         Reading {
             markers,
@@ -68,7 +69,7 @@ impl MarkerReadings {
     }
 }
 
-/// The estimator with the stated noise of the markers.
+/// The estimator, with the standard deviations of the markers' readings.
 pub fn fit(body: Body) -> ForwardFit {
     ForwardFit {
         normal_std: Some(NORMAL_STD),
@@ -77,10 +78,10 @@ pub fn fit(body: Body) -> ForwardFit {
     }
 }
 
-/// Displacements of 77 markers by a press of this body.
+/// The workload that computes the displacements of 77 markers in a press on this body.
 ///
 /// # Errors
-/// If there is no such press.
+/// An error if the press is impossible.
 pub fn displacements(name: &str, body: Body) -> Result<Evaluation> {
     let markers = markers()?;
     markers.skin().contact(&body, OBJECT, INDENTATION)?;
@@ -92,10 +93,10 @@ pub fn displacements(name: &str, body: Body) -> Result<Evaluation> {
     }))
 }
 
-/// Fit of a press of this body to readings of 77 markers.
+/// The workload that fits a press on this body to the readings of 77 markers.
 ///
 /// # Errors
-/// If there is no such press.
+/// An error if the press is impossible.
 pub fn fit_workload(name: &str, body: Body) -> Result<Evaluation> {
     let markers = markers()?;
     let contact = markers.skin().contact(&body, OBJECT, INDENTATION)?;

@@ -1,4 +1,4 @@
-//! Rolls of a unit sphere, and trials of EP1.
+//! Workloads with rolls of a sphere of radius 1, and trials of EP1.
 
 use std::hint::black_box;
 use std::num::NonZeroUsize;
@@ -22,13 +22,13 @@ use crate::timing::Evaluation;
 
 /// Rate of every roll, rad/s.
 pub const RATE: f64 = 0.1;
-/// Direction of every roll on the probe, rad.
+/// Direction of every roll, rad.
 pub const DIRECTION: f64 = 0.7;
 
-/// The unit sphere.
+/// A sphere of radius 1 as the object.
 ///
 /// # Errors
-/// If its radius is invalid.
+/// An error if the radius of the sphere is invalid.
 pub fn sphere() -> Result<Shape> {
     Ok(Shape::Sphere(Sphere::new(1.0)?))
 }
@@ -36,7 +36,7 @@ pub fn sphere() -> Result<Shape> {
 /// The paraboloid z = −r².
 ///
 /// # Errors
-/// If its coefficient is invalid.
+/// An error if the coefficient of the paraboloid is invalid.
 pub fn paraboloid() -> Result<Shape> {
     Ok(Shape::Paraboloid(Graph::paraboloid(1.0)?))
 }
@@ -46,10 +46,10 @@ pub fn motion(angle_rad: f64) -> Motion {
     Motion::rolling(DIRECTION, RATE, angle_rad / RATE)
 }
 
-/// A unit sphere on top of an object, for a roll by this angle.
+/// A probe of radius 1 on top of an object, for a roll by this angle.
 ///
 /// # Errors
-/// If the model cannot compute the roll.
+/// An error if the model cannot compute the roll.
 pub fn roller(object: Shape, model: Model, angle_rad: f64) -> Result<Roller> {
     let rolls = [vec![motion(angle_rad)]];
     let rolls = Rolls::exact(&rolls);
@@ -57,11 +57,11 @@ pub fn roller(object: Shape, model: Model, angle_rad: f64) -> Result<Roller> {
     Ok(Roller::new(probe, object, (0.0, 0.0), model, rolls)?)
 }
 
-/// Error of a roll from the top of the unit sphere or the paraboloid: the largest difference between a coordinate of
-/// the contact and its closed form, on the object or on the probe.
+/// Error of a roll that starts at the top of the sphere or the paraboloid. The coordinates of the last contact on the
+/// object and on the probe are compared with closed forms, and the largest difference is returned.
 ///
 /// # Errors
-/// If the object has no closed form, or the roll fails.
+/// An error if the object has no closed form, or the roll fails.
 pub fn error(roller: &Roller, angle_rad: f64) -> Result<f64> {
     let end = match roller.object() {
         Shape::Sphere(ball) => RollEnd::on_ball(ball.radius(), DIRECTION, angle_rad),
@@ -77,16 +77,16 @@ pub fn error(roller: &Roller, angle_rad: f64) -> Result<f64> {
 pub struct Ep1(SceneTrial);
 
 impl Ep1 {
-    /// Uniform errors of each component of a rotation, at most 1 % of it.
+    /// Noise of each component of a rotation: uniform, at most 1 % of the rate.
     pub const UNIFORM: &str =
         "noise = { angular_velocity = { kind = \"uniform\", fraction = 0.01 } }";
-    /// Pads that measure the contact.
+    /// Config of the sensor: pads that measure the contact.
     pub const PADS: &str = "sensor = { kind = \"pads\", pitch = 0.01, offset = \"random\" }";
 
-    /// The trial. `setting` is the rest of the scene in TOML: its noise and its sensor.
+    /// The trial. `setting` is TOML text with the noise or the sensor of the scene.
     ///
     /// # Errors
-    /// If `setting` is invalid.
+    /// An error if `setting` is invalid.
     pub fn new(setting: &str) -> Result<Self> {
         let text = format!(
             "name = \"hot\"\n[scene]\nkind = \"roll\"\nprobe = {{ kind = \"sphere\", radius = 1.0 }}\n\
@@ -98,8 +98,8 @@ impl Ep1 {
         )))
     }
 
-    /// Root mean square of the relative error of the normal curvature, over trials that run side by side as in the runner.
-    /// `None` if some of them cannot.
+    /// Root mean square of the relative error of the normal curvature. The trials run together, as in the sweep runner.
+    /// `None` if some trials cannot run together.
     pub fn relative_rms_error(&self, trials: u64) -> Option<f64> {
         let mut sum = 0.0;
         let computed =
@@ -118,7 +118,7 @@ impl Ep1 {
         Some((sum / trials as f64).sqrt())
     }
 
-    /// Trials without statistics: side by side where possible, the others one by one.
+    /// Runs trials without statistics, several together if possible, otherwise one by one.
     fn run(&self, trials: u64) -> Option<()> {
         let roll = self.roll()?;
         let together = roll.side_by_side(palpate_scene::Arch::new(), 0..trials, |observed| {
@@ -140,7 +140,7 @@ impl Ep1 {
     /// Statistics of `trials` trials on one thread.
     ///
     /// # Errors
-    /// If no thread can be started.
+    /// An error if no thread can be started.
     pub fn statistics(&self, trials: u64) -> Result<CellStatistics> {
         statistics(&self.0, trials)
     }
@@ -157,8 +157,8 @@ fn statistics(trial: &dyn Trial, trials: u64) -> Result<CellStatistics> {
     statistics.into_iter().next().context("no cell")
 }
 
-/// Trial that computes nothing: it observes five quantities with the same nearly uniform errors, so that only the statistics
-/// cost time.
+/// A trial that computes nothing, to measure the cost of the statistics alone. It observes five quantities, all with
+/// the same nearly uniform errors.
 pub struct Statistics;
 
 impl Statistics {
@@ -168,7 +168,7 @@ impl Statistics {
     /// Statistics of `trials` trials on one thread.
     ///
     /// # Errors
-    /// If no thread can be started.
+    /// An error if no thread can be started.
     pub fn of(trials: u64) -> Result<CellStatistics> {
         statistics(&Self, trials)
     }
@@ -181,7 +181,7 @@ impl Trial for Statistics {
 
     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
         for quantity in 0..Self::QUANTITIES {
-            // Multiples of the golden ratio fill an interval evenly.
+            // Multiples of the golden ratio, modulo 1, fill an interval evenly, so use them as errors.
             let step = (trial * 5 + quantity as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11;
             let error = step as f64 / (1u64 << 53) as f64 - 0.5;
             let observation = Observation {
@@ -196,10 +196,10 @@ impl Trial for Statistics {
     }
 }
 
-/// A roll over an object.
+/// The workload of one roll over an object.
 ///
 /// # Errors
-/// If the model cannot compute the roll.
+/// An error if the model cannot compute the roll.
 pub fn roll(name: &str, object: Shape, model: Model, angle_rad: f64) -> Result<Evaluation> {
     let roller = roller(object, model, angle_rad)?;
     let motion = motion(angle_rad);
@@ -208,19 +208,20 @@ pub fn roll(name: &str, object: Shape, model: Model, angle_rad: f64) -> Result<E
     }))
 }
 
-/// Trials of EP1 without statistics.
+/// The workload of trials of EP1 without statistics.
 ///
 /// # Errors
-/// If `setting` is invalid.
+/// An error if `setting` is invalid.
 pub fn trials(name: &str, setting: &str, trials: u64) -> Result<Evaluation> {
     let trial = Ep1::new(setting)?;
     Ok(Evaluation::new(name, move || trial.run(black_box(trials))))
 }
 
-/// Estimate with its p-value from eight recorded rolls, with settings by their keys: the work of a call from Python.
+/// The workload of an estimate with its p-value from eight recorded rolls. The settings are given by their keys, as in
+/// a call from Python.
 ///
 /// # Errors
-/// If the rolls have no estimate.
+/// An error if the estimate fails.
 pub fn recorded(name: &str) -> Result<Evaluation> {
     let rolls = (0..8).map(|roll| {
         let (sine, cosine) = libm::sincos(f64::from(roll) * std::f64::consts::FRAC_PI_4);
@@ -242,15 +243,15 @@ pub fn recorded(name: &str) -> Result<Evaluation> {
     Ok(Evaluation::new(name, estimate))
 }
 
-/// Statistics of trials that compute nothing.
+/// The workload of the statistics alone, with trials that compute nothing.
 pub fn statistics_alone(name: &str, trials: u64) -> Evaluation {
     Evaluation::new(name, move || Statistics::of(black_box(trials)))
 }
 
-/// Readings of a pad array whose pitch is a hundredth of its radius.
+/// The workload of readings of a pad array whose pitch is 1/100 of its radius.
 ///
 /// # Errors
-/// If the array is invalid.
+/// An error if the array is invalid.
 pub fn pads(name: &str, layout: PadLayout, readings: u32) -> Result<Evaluation> {
     let pads = Pads::new(10.0, 0.1, layout, PadOffset::Random, 1.5)?;
     let placement = pads.place(&mut Stream::new(1, 0, Channel::PadOffset));
@@ -262,10 +263,10 @@ pub fn pads(name: &str, layout: PadLayout, readings: u32) -> Result<Evaluation> 
     }))
 }
 
-/// Touches of a round tip on a saddle, side by side.
+/// The workload of contacts of a round tip at successive places of a saddle.
 ///
 /// # Errors
-/// If the tip or the saddle is invalid.
+/// An error if the tip or the saddle is invalid.
 pub fn touches(name: &str, touches: u32) -> Result<Evaluation> {
     let saddle = Shape::Saddle(Graph::saddle(0.1)?);
     let glider = Glider::new(saddle, Fingertip::Sphere { radius: 0.5 })?;

@@ -1,5 +1,6 @@
-//! `auto` errs by at most its tolerance. A test cannot count the instructions of its choice, so these tests compare the
-//! numbers of derivatives of rolls, and the order of the other ladders.
+//! The error of the model that `auto` chooses is at most its tolerance. A test cannot count the instructions that the
+//! chosen model takes; therefore, these tests compare the number of derivatives that rolls need, and the order of the
+//! models for other scenes.
 
 use palpate_assay::auto_check::{AutoChoice, Kind, SCENES};
 use palpate_scene::Scenes;
@@ -25,10 +26,10 @@ fn check(kind: Kind) -> Vec<AutoChoice> {
         })
         .collect();
     assert!(failed.is_empty(), "{}", failed.join("\n"));
-    // More than one rung is chosen.
+    // Several different models are chosen.
     let first = &choices[0].taken().name;
     assert!(choices.iter().any(|choice| choice.taken().name != *first));
-    // Most scenes have several adequate models, and all have an independent reference.
+    // In most scenes, several models meet the tolerance. All scenes have an independent reference.
     let most = |holds: fn(&AutoChoice) -> bool| {
         let count = choices.iter().filter(|choice| holds(choice)).count();
         2 * count > choices.len()
@@ -58,7 +59,8 @@ fn presses_err_within_their_tolerance() {
     check(Kind::Press);
 }
 
-/// A coarser DOP853 takes fewer derivatives, also for noisy rolls, which `auto` does not compare.
+/// With a coarser tolerance, DOP853 needs fewer derivatives. This is also so for noisy rolls, whose models `auto` does
+/// not compare.
 #[test]
 fn a_coarser_integration_of_noisy_rolls_is_no_dearer() {
     for object in [

@@ -1,4 +1,4 @@
-//! Checks of `auto` and of the work of scenes.
+//! Tests of `auto` and of the work that scenes cause.
 #![allow(clippy::unwrap_used)]
 
 mod auto_check;

@@ -1,4 +1,4 @@
-//! Counts of the work of scenes: no scene does unnecessary work.
+//! Counts the work that scenes cause: no scene does unnecessary work.
 
 use palpate_scene::Scenes;
 use palpate_statistics::work::{Tally, counted};
@@ -46,12 +46,12 @@ NOISE
 estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
 "#;
 
-/// Work of the setup of a scene, and of its first trial.
+/// Work of the setup of a scene, and work of its first trial.
 fn work(template: &str, parts: &[(&str, &str)]) -> [Tally; 2] {
     run(template, parts, 1)
 }
 
-/// Work of the setup of a scene, and of this many trials together.
+/// Work of the setup of a scene, and work of its first `trials` trials together.
 fn run(template: &str, parts: &[(&str, &str)], trials: u64) -> [Tally; 2] {
     let text = parts
         .iter()
@@ -81,7 +81,7 @@ const NOISY_RATE: (&str, &str) = (
 
 #[test]
 fn an_ideal_sensor_draws_nothing_and_a_closed_form_steps_no_integrator() {
-    // The four directions are rolled once, though two probes share each.
+    // Two probes roll in each of the four directions, but each direction is rolled only once.
     let rolls = Tally {
         rolls: 4,
         ..Tally::default()
@@ -95,7 +95,7 @@ fn an_ideal_sensor_draws_nothing_and_a_closed_form_steps_no_integrator() {
 #[test]
 fn noise_draws_what_it_needs_and_nothing_else() {
     let [_, trial] = work(ROLL, &[SPHERE, IDEAL, NOISY_RATE]);
-    // Two components of eight probes.
+    // Two numbers are drawn for each of eight probes.
     let expected = Tally {
         draws: 16,
         ..Tally::default()
@@ -108,7 +108,7 @@ fn pads_at_random_draw_their_place_only() {
     let pads = r#"{ kind = "pads", pitch = 0.05, layout = "uniform", offset = "random" }"#;
     let [setup, trial] = work(ROLL, &[SPHERE, ("SENSOR", pads), QUIET]);
     assert_eq!(setup.draws, 0);
-    // Each of the eight rolls draws two coordinates and an angle of the pads.
+    // For each of the eight rolls, two coordinates and an angle of the pads are drawn.
     assert_eq!(trial.draws, 24, "{trial:?}");
     let [_, trial] = work(
         ROLL,
@@ -131,7 +131,7 @@ fn an_object_without_a_closed_form_is_integrated() {
     assert_eq!(trial.draws, 16);
 }
 
-/// Work other than random words.
+/// The work without the number of random words.
 fn without_draws(tally: Tally) -> Tally {
     Tally { draws: 0, ..tally }
 }
@@ -205,7 +205,7 @@ fn only_round_tips_search_for_contacts() {
         r#"noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05, axis = "z" } }"#;
     let [setup, trial] = work(GLIDE, &[point, ("NOISE", noise)]);
     assert_eq!(setup, Tally::default());
-    // A normal number takes one random word, sometimes two.
+    // A normal number needs one random word, and sometimes two.
     assert!((30..=40).contains(&trial.draws), "{trial:?}");
 }
 
@@ -244,8 +244,9 @@ fn a_camera_paints_one_frame_for_each_press_and_draws_only_noise() {
     );
     let noisy = work(PRESS, &[HALF_SPACE, rendered, noise])[1];
     assert_eq!(noisy.frames, 1);
-    // One random word for every two numbers of the 55,155 pixels in the circle. A rest at the end of a row is not used.
+    // One random word is drawn for every two of the three numbers of each of the 55,155 pixels in the circle. Numbers
+    // that remain at the end of a row are not used.
     assert!((82_733..85_000).contains(&noisy.draws), "{noisy:?}");
-    // The true places of the 77 markers are needed to detect wrong matches.
+    // The true positions of the 77 markers are needed to detect wrong matches.
     assert_eq!(noisy.projections, 77);
 }

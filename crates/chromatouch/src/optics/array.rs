@@ -1,4 +1,4 @@
-//! The markers of a sensor, and the directions and angular sizes of their discs after a press.
+//! The markers of a sensor, and the directions and angular radii of their discs after a press.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,13 +11,13 @@ use super::sines::sinc_and_cosine;
 use crate::Discs;
 use crate::layout::{MOST_MARKERS, too_close};
 
-/// Allowed lengths: products of a few of them neither overflow nor underflow.
+/// Allowed lengths: the product of a few such lengths neither overflows nor underflows.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
-/// Smallest ratio of a disc's radius to its distance from the centre.
+/// Smallest ratio of a disc's radius to its distance from the sensor's centre.
 const MIN_HALF_WIDTH: f64 = 1e-9;
 
-/// Depths of the two discs of each marker under the skin, length.
+/// Depths of a marker's two discs under the skin, length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiscDepths {
     /// Depth of the magenta disc.
@@ -26,29 +26,30 @@ pub struct DiscDepths {
     pub yellow: f64,
 }
 
-/// Displacement of one disc in a press; 0 by default.
+/// Displacement of one disc in a press. By default, all components are 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DiscMotion {
     /// Displacement toward the sensor's centre, length.
     pub normal: f64,
-    /// Displacement along the skin: length of the disc's arc around the centre. The components are along the axes of
-    /// the apex after parallel transport along the meridian to the marker.
+    /// Displacement along the skin, that is, the length of the arc around the sensor's centre on which the disc moves.
+    /// The components are along the axes of the apex, parallel-transported along the meridian to the marker.
     pub tangential: [f64; 2],
-    /// Relative increase of the disc's diameter by the strain of the skin; the disc remains a circle.
+    /// Relative increase of the disc's diameter due to the strain of the skin. The disc is assumed to stay a circle.
     pub stretch: f64,
-    /// Relative increase of lengths along the skin around the disc: a misalignment grows by it.
+    /// Relative increase of lengths along the skin around the disc. A misalignment grows by this share.
     pub skin_stretch: f64,
 }
 
 impl DiscMotion {
-    /// Angles of a disc from its marker's place: those of its motion, and its misalignment, which the skin stretches.
+    /// Angles between a disc and the position of its marker: the angles of the disc's motion plus its misalignment,
+    /// which the skin stretches.
     #[inline]
     pub(super) fn moved_offset(&self, moved: [f64; 2], misalignment: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| moved[axis] + misalignment[axis] * (1.0 + self.skin_stretch))
     }
 }
 
-/// Displacements of the two discs of a marker in a press; 0 by default.
+/// Displacements of the two discs of a marker in a press. By default, all components are 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MarkerMotion {
     /// Displacement of the magenta disc.
@@ -57,7 +58,8 @@ pub struct MarkerMotion {
     pub yellow: DiscMotion,
 }
 
-/// The markers of a sensor: two flat discs each, perpendicular to the radius through their centres.
+/// The markers of a sensor. Each marker has two flat discs, which are perpendicular to the sensor's radius through
+/// their centres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerArray {
     radius: f64,
@@ -73,7 +75,7 @@ pub(super) struct Layer {
     name: &'static str,
     /// Distance of the discs from the sensor's centre at rest, length.
     pub(super) distance: f64,
-    /// Radius of a disc, relative to that distance.
+    /// Ratio of a disc's radius to its distance from the sensor's centre.
     half_width: f64,
 }
 
@@ -83,15 +85,15 @@ pub(super) struct Stand {
     pub(super) direction: Vector3<f64>,
     pub(super) x_axis: Vector3<f64>,
     pub(super) y_axis: Vector3<f64>,
-    /// Displacement of the yellow disc from the magenta one along the skin, along both axes, as angles at the centre,
-    /// rad.
+    /// Displacement of the yellow disc relative to the magenta disc along the skin, as angles at the sensor's centre
+    /// along both tangent axes, rad.
     pub(super) misalignment: [f64; 2],
 }
 
-/// Image of a disc on the unit sphere around the centre: all directions within an angle of the direction of its middle.
+/// A disc as viewed from the camera: all directions within an angle from the direction of the disc's middle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
-    /// Unit vector to the middle.
+    /// Unit vector to the middle of the disc.
     pub(super) direction: Vector3<f64>,
     /// Sine of the angular radius, which is less than 90°.
     pub(super) sine: f64,
@@ -99,7 +101,7 @@ pub(super) struct Sight {
     pub(super) cosine: f64,
 }
 
-/// Images of a marker's discs on the unit sphere.
+/// Both discs of a marker as viewed from the camera.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MarkerSight {
     pub(super) magenta: Sight,
@@ -107,13 +109,14 @@ pub(super) struct MarkerSight {
 }
 
 impl MarkerArray {
-    /// Markers at `places` on the skin of a sensor, in the chart coordinates of
+    /// Markers at `places` on the skin of a sensor, which are in the chart coordinates of
     /// [`Layout::places`](crate::Layout::places), with these discs at these depths.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `radius`, `magenta_diameter`, `yellow_diameter`; [`OpticsError::BadDepth`]
-    /// unless each depth is at least 0 and less than the radius; [`OpticsError::OffTheSkin`]; [`OpticsError::TooManyMarkers`];
-    /// [`OpticsError::DiscsOverlap`] if discs of two markers overlap in the view from the centre.
+    /// unless each depth is at least 0 and less than the radius; [`OpticsError::OffTheSkin`];
+    /// [`OpticsError::TooManyMarkers`]; [`OpticsError::DiscsOverlap`] if discs of two markers overlap in the view from
+    /// the centre.
     pub fn new(
         sensor_radius: f64,
         places: &[[f64; 2]],
@@ -169,9 +172,9 @@ impl MarkerArray {
         })
     }
 
-    /// Returns the markers with random misalignments from manufacture, those of trial number `trial`. The yellow disc of each
-    /// marker is displaced along the skin from the magenta one by a vector that is uniform over a circle; the radius of the
-    /// circle is `most` times the yellow diameter. An earlier misalignment is replaced.
+    /// Returns the markers with random misalignments from manufacture, drawn for trial number `trial`. The yellow disc
+    /// of each marker is displaced along the skin relative to the magenta disc. The displacement is uniform over a
+    /// circle, whose radius is `most` times the diameter of the yellow discs. Earlier misalignments are replaced.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless it is from 0 to 1.
@@ -181,8 +184,8 @@ impl MarkerArray {
         let most_rad = most * 2.0 * self.yellow.half_width;
         let mut stream = Stream::new(seed, trial, Channel::Misalignment);
         for stand in &mut self.stands {
-            // A radius r holds a share r² of the circle's area, so the root of a uniform number gives a uniform
-            // density.
+            // The circle of radius r (as a share of the full radius) contains the share r² of the area. So the square
+            // root of a uniform number gives a uniform density.
             let share = 0.5 * (stream.symmetric_uniform() + 1.0);
             let (sine, cosine) = libm::sincos(PI * stream.symmetric_uniform());
             let size = most_rad * share.sqrt();
@@ -191,13 +194,14 @@ impl MarkerArray {
         Ok(self)
     }
 
-    /// Misalignment of each marker: displacement of its yellow disc from the magenta one along the skin, as an angle at the
-    /// sensor's centre, rad, along the axes of the apex transported to the marker.
+    /// Misalignment of each marker: the displacement of its yellow disc relative to its magenta disc along the skin, as
+    /// an angle at the sensor's centre, rad. The components are along the axes of the apex, parallel-transported along
+    /// the meridian to the marker.
     pub fn misalignments(&self) -> Vec<[f64; 2]> {
         self.stands.iter().map(|stand| stand.misalignment).collect()
     }
 
-    /// Returns the markers with these misalignments, rad, see [`MarkerArray::misalignments`]. If there are fewer
+    /// Returns the markers with these misalignments, rad (see [`MarkerArray::misalignments`]). If there are fewer
     /// misalignments than markers, the remaining markers keep theirs.
     ///
     /// # Errors
@@ -216,11 +220,11 @@ impl MarkerArray {
         Ok(self)
     }
 
-    /// Returns the markers with changed discs, magenta and yellow: `deeper` is added to the depths, length; `wider` is
-    /// the relative change of the diameters.
+    /// Returns the markers with changed discs. `deeper` is added to the depths of the magenta and the yellow discs
+    /// (length). `wider` is the relative change of their diameters.
     ///
     /// # Errors
-    /// [`OpticsError::BadDepth`] and [`OpticsError::BadSetting`] as [`MarkerArray::new`].
+    /// [`OpticsError::BadDepth`] and [`OpticsError::BadSetting`], as in [`MarkerArray::new`].
     pub(super) fn remade(mut self, deeper: [f64; 2], wider: [f64; 2]) -> Result<Self, OpticsError> {
         let radius = self.radius;
         let layers = [&mut self.magenta, &mut self.yellow];
@@ -254,7 +258,7 @@ impl MarkerArray {
         self.radius
     }
 
-    /// Place of a marker at rest.
+    /// Position of a marker at rest.
     pub(super) fn stand(&self, marker: usize) -> &Stand {
         &self.stands[marker]
     }
@@ -264,12 +268,12 @@ impl MarkerArray {
         [&self.magenta, &self.yellow]
     }
 
-    /// Distance of the nearer discs from the sensor's centre at rest, length.
+    /// Distance between the sensor's centre and the discs that are nearest to it at rest, length.
     pub(super) fn nearest(&self) -> f64 {
         self.magenta.distance.min(self.yellow.distance)
     }
 
-    /// Images of the discs of one marker after a motion, for a camera with this pose.
+    /// Both discs of one marker after a motion, in the view of a camera with this pose.
     pub(super) fn sight(
         &self,
         marker: usize,
@@ -299,13 +303,13 @@ impl MarkerArray {
 }
 
 impl Layer {
-    /// Image of a disc of the layer, with this offset from its marker's place, rad. The error value is the impossible
-    /// motion.
+    /// A disc of this layer as viewed from the centre. `offset` is its misalignment, rad. If the motion is impossible,
+    /// the error contains the length of the motion.
     #[inline]
     fn sight(&self, stand: &Stand, motion: &DiscMotion, offset: [f64; 2]) -> Result<Sight, f64> {
         let inward = motion.normal / self.distance;
         let [x, y] = motion.tangential.map(|along| along / self.distance);
-        // Both comparisons are false for NaN.
+        // For NaN these comparisons are false, so it is rejected.
         let (shorter, beside) = (inward.abs() < 1.0, x * x + y * y < 1.0);
         if !shorter {
             return Err(motion.normal);
@@ -315,7 +319,7 @@ impl Layer {
         }
         let half_width = self.stretched(motion)?;
         let [x, y] = motion.moved_offset([x, y], offset);
-        // Exponential map from the marker's place.
+        // The direction is computed by the exponential map from the marker's place.
         let (sinc, cosine) = sinc_and_cosine(x * x + y * y);
         let along = stand.x_axis * (x * sinc) + stand.y_axis * (y * sinc);
         let distance = 1.0 - inward;
@@ -327,8 +331,8 @@ impl Layer {
         })
     }
 
-    /// Radius of a disc after a motion, relative to the disc's distance from the centre at rest. The error value is the
-    /// motion of the disc's edge if a stretch is impossible.
+    /// Radius of a disc after a motion, relative to the disc's distance from the centre of the sensor at rest. If the
+    /// stretch is impossible, the error is the motion of the disc's edge.
     #[inline]
     fn stretched(&self, motion: &DiscMotion) -> Result<f64, f64> {
         for stretch in [motion.stretch, motion.skin_stretch] {
@@ -340,14 +344,14 @@ impl Layer {
         Ok(self.half_width * (1.0 + motion.stretch))
     }
 
-    /// Image of a disc for a camera outside the centre, from its image at the centre. It is the circular cap of the
-    /// same solid angle, to first order in the solid angle. The error value is an impossible motion: one that moves the
-    /// disc behind the camera.
+    /// A disc as viewed from a camera outside of the centre, computed from its view from the centre. It is a circular
+    /// cap with the same solid angle, correct to first order in the solid angle. If the motion moves the disc behind
+    /// the camera, the error contains the motion.
     fn seen_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
         let away = self.distance - motion.normal;
         let ray = sight.direction * away - pose.place;
         let distance = ray.norm();
-        // Cosine of the angle between the ray and the disc's normal.
+        // Cosine of the angle between the ray from the camera and the normal of the disc.
         let facing = ray.dot(&sight.direction) / distance;
         let is_before = facing > 0.0;
         if !is_before {
@@ -390,10 +394,10 @@ fn stand(marker: usize, place: [f64; 2], sensor_radius: f64) -> Result<Stand, Op
     })
 }
 
-/// Rejects discs of a layer that overlap in the view from the centre.
+/// Rejects a layer in which discs overlap as viewed from the centre.
 fn apart(stands: &[Stand], layer: Layer) -> Result<(), OpticsError> {
     let directions: Vec<[f64; 3]> = stands.iter().map(|stand| stand.direction.into()).collect();
-    // Two caps of the angular radius α touch if the chord between their middles is 2 sin α.
+    // Two caps with the angular radius α touch if the chord between their middles has the length 2 sin α.
     let reach = 2.0 * layer.half_width / libm::hypot(layer.half_width, 1.0);
     match too_close(&directions, reach, 1e-9) {
         None => Ok(()),

@@ -1,4 +1,4 @@
-//! The camera in the sensor's centre, looking at the apex.
+//! The camera in the sensor's centre. It points to the apex.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -8,10 +8,10 @@ use super::lens::{Lens, Local, cap};
 use super::sines::sinc_and_cosine;
 use super::{OddTerms, OpticsError};
 
-/// Largest number of pixels along a side of a frame.
+/// Largest number of pixels along each side of a frame.
 const LARGEST_FRAME: u32 = 8192;
 
-/// A camera in the sensor's centre, looking at the apex, with a square image.
+/// A camera in the sensor's centre that points to the apex and has a square image.
 ///
 /// Image coordinates are (column, row), px, with (0, 0) in the middle of the first pixel. Columns count to the right,
 /// along the sensor's x axis. Rows count downward, against its y axis.
@@ -32,31 +32,32 @@ const LARGEST_FRAME: u32 = 8192;
 pub struct Camera {
     pub(super) lens: Lens,
     size_px: u32,
-    /// Polar angle of the image circle's rim.
+    /// Polar angle at the rim of the image circle, rad.
     pub(super) rim_rad: f64,
     pub(super) rim_cosine: f64,
     pub(super) px_per_rad: f64,
-    /// Offset of the image circle's centre from the middle of the frame: columns and rows, px.
+    /// Offset of the image circle's centre from the middle of the frame, px: columns to the right, and rows down.
     offset_px: [f64; 2],
 }
 
-/// Direction of the light at a pixel. For a pixel at (x, y) from the image's centre, px, y up, it is the unit vector (x
-/// `lateral_rad`, y `lateral_rad`, `cosine`).
+/// Direction from which the light of a pixel comes. For a pixel at (x, y) px from the image's centre, with y up, it is
+/// the unit vector (x `lateral_rad`, y `lateral_rad`, `cosine`).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ray {
-    /// Angle that the pixel spans around the axis, rad: an arc on the unit sphere, not a difference of azimuths.
+    /// Angle that the pixel covers in the direction around the axis, rad. It is an arc on the unit sphere, not a
+    /// difference of azimuths.
     pub(super) lateral_rad: f64,
     /// Cosine of the polar angle.
     pub(super) cosine: f64,
 }
 
 impl Camera {
-    /// A camera with a square image of `size_px` pixels a side. The image circle is the largest circle in the square;
-    /// its rim shows the directions `field_deg` from the apex.
+    /// A camera with a square image of `size_px` pixels a side. The image circle is the largest circle in the square.
+    /// `field_deg` is the angle between the apex and the directions at its rim.
     ///
     /// # Errors
-    /// [`OpticsError::BadSetting`] for `size_px` unless it is from 1 to 8192, for `field_deg` unless it is
-    /// from 1e-6 to 180, or to 89.9999 through a pinhole, and for `k3` and `k5` unless each is from -100 to 100.
+    /// [`OpticsError::BadSetting`] for `size_px` unless it is from 1 to 8192, for `field_deg` unless it is from 1e-6 to
+    /// 180, or to 89.9999 for a pinhole, and for `k3` and `k5` unless each is from -100 to 100.
     /// [`OpticsError::FoldedLens`] if the distance from the image's centre does not grow with the angle over the whole
     /// field.
     pub fn new(lens: Lens, size_px: u32, field_deg: f64) -> Result<Self, OpticsError> {
@@ -83,13 +84,14 @@ impl Camera {
         })
     }
 
-    /// Returns this camera with the image circle's centre at `offset_px` (columns to the right, rows down) from the
-    /// middle of the frame, and with other pixels per radian. The circle keeps its size, so that the angle at its rim
-    /// changes.
+    /// Returns this camera with the centre of the image circle shifted by `offset_px` (columns to the right, rows down)
+    /// from the middle of the frame, and with another focal length `px_per_rad`. The size of the circle does not
+    /// change, so the angle at its rim changes.
     ///
     /// # Errors
-    /// [`OpticsError::BadSetting`] for `centre_px` unless the centre lies in the frame, and for `px_per_rad` unless it is
-    /// finite and positive, and the rim at most half a turn from the axis.
+    /// [`OpticsError::BadSetting`] with the name `centre_px` if the shifted centre lies outside of the frame. The same
+    /// error with the name `px_per_rad` if the focal length is not positive and finite, or if the lens cannot show the
+    /// rim at an angle of at most 180° from the axis.
     pub fn adjusted(self, offset_px: [f64; 2], px_per_rad: f64) -> Result<Self, OpticsError> {
         for offset in offset_px {
             let good = offset.abs() <= self.rim_px();
@@ -128,12 +130,12 @@ impl Camera {
         })
     }
 
-    /// Returns this camera with other odd terms of its fisheye. The image circle and the pixels per radian at its
-    /// middle do not change, so that the angle at the rim changes.
+    /// Returns this camera with other odd terms of its fisheye lens. The image circle and the focal length do not
+    /// change, so the angle at the rim changes.
     ///
     /// # Errors
-    /// [`OpticsError::BadSetting`] for `k3` unless the lens is a fisheye, for `k3` and `k5` unless each is from -100 to 100, and
-    /// for `px_per_rad` unless the image grows up to its rim.
+    /// [`OpticsError::BadSetting`] for `k3` unless the lens is a fisheye, for `k3` and `k5` unless each is from -100 to
+    /// 100, and for `px_per_rad` unless the distance from the image's centre increases with the angle up to the rim.
     pub(super) fn with_odd_terms(self, terms: OddTerms) -> Result<Self, OpticsError> {
         let is_fisheye = self.lens != Lens::Pinhole;
         OpticsError::unless(
@@ -154,30 +156,30 @@ impl Camera {
         self.lens
     }
 
-    /// Pixels along a side of the image.
+    /// Number of pixels along each side of the image.
     pub const fn size_px(&self) -> u32 {
         self.size_px
     }
 
-    /// Pixels per radian at the image's centre: the focal length, px. For an equidistant fisheye, the radial scale is
-    /// the same everywhere.
+    /// Pixels per radian at the image's centre: the focal length, px. An equidistant fisheye has this radial scale
+    /// everywhere.
     pub const fn px_per_rad(&self) -> f64 {
         self.px_per_rad
     }
 
-    /// Centre of the image circle, on the camera's axis: column and row, px.
+    /// Centre of the image circle, which is on the camera's axis: column and row, px.
     pub fn centre_px(&self) -> [f64; 2] {
         let middle = 0.5 * (f64::from(self.size_px) - 1.0);
         self.offset_px.map(|offset| middle + offset)
     }
 
-    /// Radius of the image circle.
+    /// Radius of the image circle, px.
     pub fn rim_px(&self) -> f64 {
         0.5 * f64::from(self.size_px)
     }
 
-    /// Image coordinates (column, row) of a direction from the sensor's centre, a vector of any length; `None` outside
-    /// the image circle.
+    /// Image coordinates (column, row) of a direction from the sensor's centre, px. The direction may be a vector of
+    /// any length. `None` outside the image circle.
     pub fn image(&self, direction: &Vector3<f64>) -> Option<[f64; 2]> {
         let across = libm::hypot(direction.x, direction.y);
         let polar = libm::atan2(across, direction.z);
@@ -196,12 +198,12 @@ impl Camera {
         Some([column + radius * x, row - radius * y])
     }
 
-    /// Image area, px², of a disc of this angular radius whose middle lies at this polar angle, rad. `None` unless the
+    /// Image area of a disc, px². Its angular radius and the polar angle of its middle are in rad. `None` unless the
     /// whole disc is in the image circle and its angular radius is less than 90°.
     ///
-    /// Exact through a pinhole. Through a fisheye, the solid angle is exact and the scale of the lens is expanded to
-    /// second order in the angular radius α. The relative error is of the order of α⁴, below 1e-5 for α = 0.05 and at
-    /// most 70° from the axis.
+    /// For a pinhole, the area is exact. For a fisheye, the solid angle is exact, but the scale of the lens is expanded
+    /// to second order in the angular radius α. The relative error is of the order of α⁴. For α = 0.05 and up to 70°
+    /// from the axis, it is below 1e-5.
     pub fn disc_area(&self, angular_radius: f64, polar: f64) -> Option<f64> {
         let good = angular_radius > 0.0
             && angular_radius < FRAC_PI_2
@@ -216,7 +218,7 @@ impl Camera {
         Some(cap(self.lens, &local, sine, cosine).area)
     }
 
-    /// Distance of a polar angle in the field from the image's centre, px.
+    /// Distance from the image's centre, px, for a direction at this polar angle.
     pub(super) fn radius(&self, polar: f64) -> f64 {
         match self.lens {
             Lens::Fisheye => self.px_per_rad * polar,
@@ -225,20 +227,22 @@ impl Camera {
         }
     }
 
-    /// Derivatives of the lens at a polar angle, rad, with this sine and cosine.
+    /// The lens and its derivatives at a polar angle (rad). Its sine and cosine are given.
     #[inline]
     pub(super) fn local_at(&self, polar: f64, sine_and_cosine: (f64, f64)) -> Local {
         Local::new(self.lens, self.px_per_rad, polar, sine_and_cosine)
     }
 
-    /// Derivatives of the lens at a direction, a unit vector; those at the rim if the direction lies beyond it.
+    /// The lens and its derivatives at a direction, given as a unit vector. If the direction is beyond the rim, the
+    /// result is for the rim.
     pub(super) fn local(&self, direction: &Vector3<f64>) -> Local {
         let polar = libm::atan2(libm::hypot(direction.x, direction.y), direction.z);
         let polar = polar.min(self.rim_rad).min(PI - 1e-6);
         self.local_at(polar, libm::sincos(polar))
     }
 
-    /// Upper bound of the pixels per radian, in any direction, up to a polar angle in the field.
+    /// Upper bound of the scale in pixels per radian, for all directions in the image, between the axis and a polar
+    /// angle in the field.
     pub(super) fn most_px_per_rad(&self, polar: f64) -> f64 {
         let (sine, cosine) = libm::sincos(polar);
         match self.lens {
@@ -256,7 +260,7 @@ impl Camera {
         }
     }
 
-    /// Lower bound of the pixels per radian, in any direction, anywhere in the field.
+    /// Lower bound of the scale in pixels per radian, for all directions in the image, anywhere in the field.
     pub(super) fn least_px_per_rad(&self) -> f64 {
         match self.lens {
             Lens::Fisheye | Lens::Pinhole => self.px_per_rad,
@@ -264,7 +268,8 @@ impl Camera {
         }
     }
 
-    /// Square of the polar angle, from the square of its distance from the image's centre over the focal length.
+    /// Square of the polar angle, rad². `square` is (r/f)², where r is the distance from the image's centre and f the
+    /// focal length.
     #[inline]
     pub(super) fn polar_square(&self, square: f64) -> f64 {
         match self.lens {
@@ -274,14 +279,15 @@ impl Camera {
         }
     }
 
-    /// Ray of the image point (x, y) from the image's centre, px, y up. Valid a little beyond the image circle.
+    /// Direction of the light at the image point (x, y), px from the image's centre, with y up. Also valid a little
+    /// beyond the image circle.
     #[inline]
     pub(super) fn ray(&self, x: f64, y: f64) -> Ray {
         let [ray] = self.rays(x, y);
         ray
     }
 
-    /// Rays of `N` pixels side by side in a row, the first at (x, y).
+    /// Directions of the light at `N` neighbouring pixels of a row. The first pixel is at (x, y).
     #[inline]
     pub(super) fn rays<const N: usize>(&self, x: f64, y: f64) -> [Ray; N] {
         let rad_per_px = 1.0 / self.px_per_rad;
@@ -308,7 +314,7 @@ impl Camera {
         }
     }
 
-    // The functions of odd lenses are not inlined, so that the pixel loops of the other lenses stay small.
+    // The functions for lenses with odd terms are not inlined, so that the pixel loops for other lenses stay small.
 
     #[inline(never)]
     fn odd_polar_square(&self, terms: OddTerms, square: f64) -> f64 {
@@ -334,7 +340,7 @@ impl Camera {
         1.0 / (self.px_per_rad * terms.slope(polar.min(self.rim_rad).powi(2)))
     }
 
-    /// Angle that a pixel spans in the radial direction, rad.
+    /// Angle that a pixel covers in the radial direction, rad.
     #[inline]
     pub(super) fn radial_rad(&self, ray: &Ray) -> f64 {
         match self.lens {

@@ -1,13 +1,13 @@
-//! Colours of the sensor's parts, and the contribution of each region of a marker to its features.
+//! Colours of the sensor's parts. Also how much each region of a marker contributes to the marker's features.
 
 use palpate_statistics::saturated_hue;
 
 use super::OpticsError;
 
-/// Colours in linear light: red, green, blue.
+/// Colours as linear light; the components are red, green and blue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Colours {
-    /// Light of the lit white layer, relative to full scale.
+    /// Light of the illuminated white layer, relative to full scale.
     pub white: [f64; 3],
     /// Transmittance of a magenta disc.
     pub magenta: [f64; 3],
@@ -15,12 +15,13 @@ pub struct Colours {
     pub yellow: [f64; 3],
     /// Transmittance of a seam.
     pub seam: [f64; 3],
-    /// Light around the image circle, relative to full scale.
+    /// Light outside the image circle, relative to full scale.
     pub outside: [f64; 3],
 }
 
 impl Default for Colours {
-    /// Colours of the frame in the 2020 paper: pink, yellow, orange-red where the discs overlap, and white surroundings.
+    /// Colours of the frame in the 2020 paper: pink and yellow discs, orange-red where the discs overlap, and white
+    /// surroundings.
     fn default() -> Self {
         Self {
             white: [0.96, 0.96, 0.96],
@@ -32,18 +33,20 @@ impl Default for Colours {
     }
 }
 
-/// Contribution of a pixel in one region of a marker to the marker's size and hue.
+/// Contribution of one pixel to the size and the hue of a marker. It depends on the region of the marker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contrast {
-    /// Absorbed share of the white layer's green light plus that of its blue light.
+    /// Sum of the absorbed share of green light and the absorbed share of blue light, relative to the light of the
+    /// white layer.
     pub(super) absorbed: f64,
-    /// Chroma: red − (green + blue)/2 and √3/2 (green − blue).
+    /// Two chroma components of the pixel, computed from its light: red − (green + blue)/2, and √3/2 (green − blue).
     pub(super) chroma: [f64; 2],
-    /// Hue, turns; `None` for a pale colour, which does not count in the mean hue.
+    /// Hue of the colour, turns; `None` for a pale colour, which does not count in the mean hue.
     pub(super) hue_turns: Option<f64>,
 }
 
-/// Contrasts of the three regions of a marker: covered by the magenta disc only, by the yellow disc only, by both.
+/// Contrasts of the three regions of a marker: the region that only the magenta disc covers, the region that only the
+/// yellow disc covers, and their overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contrasts {
     pub(super) magenta: Contrast,

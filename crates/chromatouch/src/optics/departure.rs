@@ -1,13 +1,13 @@
-//! Departures of a sensor from its nominal parameters.
+//! Departures: differences between the parameters of a sensor and their nominal values.
 
 use super::{Camera, Colours, OddTerms, Optics, OpticsError};
 
-/// Differences of a sensor's parameters from their nominal values; 0 by default.
+/// Differences between the parameters of a sensor and their nominal values. By default, all are 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Departure {
-    /// Additional depth of the magenta and of the yellow discs, length.
+    /// Additional depth of the magenta discs and of the yellow discs, length.
     pub depths: [f64; 2],
-    /// Relative difference of the diameters of the magenta and of the yellow discs.
+    /// Relative difference of the diameters of the magenta discs and of the yellow discs.
     pub diameters: [f64; 2],
     /// Shift of the image's centre, px: columns to the right, rows down.
     pub centre_px: [f64; 2],
@@ -15,21 +15,21 @@ pub struct Departure {
     pub px_per_rad: f64,
     /// Shift of the camera, length: along the x and y axes of the apex, and toward the apex.
     pub place: [f64; 3],
-    /// Rotation of the camera about the same axes, rad.
+    /// Rotation of the camera about the same axes as in `place`, rad.
     pub turn_rad: [f64; 3],
     /// Difference of the transmittances of magenta discs for red, green and blue light.
     pub magenta: [f64; 3],
-    /// Difference of the transmittances of yellow discs.
+    /// Difference of the transmittances of yellow discs for red, green and blue light.
     pub yellow: [f64; 3],
     /// Difference of the odd terms k3 and k5 of a fisheye, see [`OddTerms`].
     pub odd_terms: [f64; 2],
 }
 
 impl Departure {
-    /// Number of parameters.
+    /// Number of parameters in a departure.
     pub const NUMBERS: usize = 21;
 
-    /// Departure with these numbers, in the order of the fields.
+    /// The sensor deviation with these numbers, which are in the order of the fields.
     pub const fn of(n: [f64; Self::NUMBERS]) -> Self {
         Self {
             depths: [n[0], n[1]],
@@ -46,7 +46,7 @@ impl Departure {
 }
 
 impl Camera {
-    /// Returns this camera with these numbers added to the odd terms of its lens.
+    /// Returns this camera with `k3` and `k5` added to the odd terms of its lens.
     fn departed(self, [k3, k5]: [f64; 2]) -> Result<Self, OpticsError> {
         if [k3, k5] == [0.0; 2] {
             return Ok(self);
@@ -60,9 +60,9 @@ impl Camera {
 }
 
 impl Optics {
-    /// Returns the optics of a sensor with this departure. Transmittances may lie a little outside the range from 0 to
-    /// 1, because a fit needs features that are smooth at these limits; [`Optics::possible`] limits a departure to
-    /// physical sensors.
+    /// Returns the optics of a sensor with these deviations. Transmittances may be a little outside of the range from 0
+    /// to 1, because a fit needs features that are smooth at these limits. [`Optics::possible`] restricts a sensor
+    /// deviation to physically possible sensors.
     ///
     /// # Errors
     /// [`OpticsError::BadDepth`], [`OpticsError::BadSetting`] and [`OpticsError::FoldedLens`] if no sensor has these
@@ -108,7 +108,7 @@ impl Optics {
         optics.seen_from(self.pose().moved(place, turn_rad))
     }
 
-    /// The nearest departure whose transmittances lie between 0 and 1.
+    /// The nearest sensor deviation whose transmittances lie between 0 and 1.
     pub fn possible(&self, departure: Departure) -> Departure {
         let within = |colour: [f64; 3], more: [f64; 3]| {
             std::array::from_fn(|at| (colour[at] + more[at]).clamp(0.0, 1.0) - colour[at])
@@ -120,9 +120,9 @@ impl Optics {
         }
     }
 
-    /// Returns the optics of this sensor with other misalignments of its markers, rad, see
-    /// [`MarkerArray::misalignments`](super::MarkerArray::misalignments). If there are fewer misalignments than markers, the
-    /// remaining markers keep theirs.
+    /// Returns the optics of this sensor with other misalignments of its markers, rad (see
+    /// [`MarkerArray::misalignments`](super::MarkerArray::misalignments)). If there are fewer misalignments than
+    /// markers, the other markers keep theirs.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless each component is from -1 to 1.

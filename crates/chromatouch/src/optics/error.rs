@@ -7,30 +7,30 @@ use thiserror::Error;
 /// Largest absolute value of an odd term of a lens.
 pub(super) const MOST_TERM: f64 = 100.0;
 
-/// Reason why there is no image of the markers.
+/// Reason why an image of the markers cannot be computed.
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum OpticsError {
     /// A setting is out of its range.
     #[error(transparent)]
     BadSetting(#[from] BadSetting),
-    /// With these odd terms, the distance from the image's centre decreases with the angle within the field, so that
-    /// two angles would have the same image.
+    /// With these odd terms, the distance from the image's centre decreases with the angle in a part of the field. Two
+    /// angles would then have the same image.
     #[error(
-        "with k3 = {} and k5 = {} the image radius grows only up to {reach_deg:.4} degrees from the axis, and \
-         the field ends at {field_deg:.4}; {}",
+        "with k3 = {} and k5 = {} the image radius increases only up to {reach_deg:.4} degrees \
+         from the axis, but the field ends at {field_deg:.4} degrees; {}",
         Number(*k3), Number(*k5), remedy(*least_k3)
     )]
     FoldedLens {
-        /// Term of the third power.
+        /// Coefficient k3 of the third power of the angle.
         k3: f64,
-        /// Term of the fifth power.
+        /// Coefficient k5 of the fifth power of the angle.
         k5: f64,
-        /// Largest angle up to which the image radius grows, degrees.
+        /// Largest angle from the axis up to which the image radius increases, degrees.
         reach_deg: f64,
         /// Angle at the rim of the image circle, degrees.
         field_deg: f64,
-        /// Smallest k3 with which the image radius grows up to the rim.
+        /// Smallest k3 with which the image radius increases up to the rim.
         least_k3: f64,
     },
     /// A disc would lie at or beyond the sensor's centre, or outside its skin.
@@ -39,22 +39,23 @@ pub enum OpticsError {
         depth = Number(*depth), radius = Number(*radius)
     )]
     BadDepth {
-        /// Which disc of a marker.
+        /// Colour of the disc.
         disc: &'static str,
-        /// Its depth, length.
+        /// Depth of the disc under the skin, length.
         depth: f64,
         /// Radius of the skin, length.
         radius: f64,
     },
-    /// A marker would lie half a turn or more from the apex, or its place is not finite.
-    #[error("marker {marker} lies at ({}, {}) from the apex; it must be less than half a turn away, {limit}",
+    /// The distance of a marker from the apex would be half a turn or more, or the marker's place is not finite.
+    #[error("marker {marker} is at ({}, {}) from the apex; its distance must be less than half a \
+         turn, {limit}",
         Number(place[0]), Number(place[1]), limit = Number(*limit))]
     OffTheSkin {
         /// Index of the marker, from 0.
         marker: usize,
-        /// Place of the marker, length.
+        /// Place of the marker in the coordinates of the skin, length.
         place: [f64; 2],
-        /// Half the way around the skin, length.
+        /// Half the circumference of the skin, length.
         limit: f64,
     },
     /// There are more markers than the limit.
@@ -62,35 +63,39 @@ pub enum OpticsError {
     TooManyMarkers {
         /// Number of markers.
         markers: usize,
-        /// Largest allowed number.
+        /// Largest allowed number of markers.
         limit: usize,
     },
-    /// Two discs overlap in the view from the centre.
+    /// The discs of two markers overlap as viewed from the centre of the sensor.
     #[error(
-        "the discs of markers {first} and {second} are {diameter} across and {distance} apart: they would overlap",
+        "the discs of markers {first} and {second} overlap: their diameter is {diameter}, their \
+         distance is {distance}",
         diameter = Number(*diameter), distance = Number(*distance)
     )]
     DiscsOverlap {
-        /// One marker, from 0.
+        /// Index of one marker, from 0.
         first: usize,
-        /// The other.
+        /// Index of the other marker.
         second: usize,
         /// Distance between the centres of their discs, length.
         distance: f64,
-        /// Diameter of those discs, length. Only the discs of the colour with the larger angular size are compared.
+        /// Diameter of these discs, length. Only discs of the colour with the larger angular size are compared.
         diameter: f64,
     },
-    /// The number of motions differs from the number of markers.
-    #[error("there are motions of {motions} markers, and {markers} markers")]
+    /// The number of displacements differs from the number of markers.
+    #[error(
+        "the number of displacements is {motions}; it must be the number of markers, {markers}"
+    )]
     WrongCount {
-        /// Number of motions.
+        /// Number of displacements.
         motions: usize,
         /// Number of markers.
         markers: usize,
     },
-    /// The motion of a disc is as long as its distance from the centre or longer, or is not finite.
+    /// The motion of a disc is not finite, or is at least as long as the disc's distance from the centre.
     #[error(
-        "the {disc} disc of marker {marker} would move by {motion} at {distance} from the centre",
+        "the {disc} disc of marker {marker} would move by {motion}; the motion must be less than \
+         its distance from the centre, {distance}",
         motion = Number(*motion), distance = Number(*distance)
     )]
     ImpossibleMotion {
@@ -131,7 +136,7 @@ impl OpticsError {
     }
 }
 
-/// Advice on the smallest valid k3. It is rounded up, so that the printed value is valid too.
+/// Text with the smallest valid k3. The number is rounded up, so that the displayed value is valid too.
 fn remedy(least_k3: f64) -> String {
     match least_k3 <= MOST_TERM {
         true => format!(

@@ -1,51 +1,53 @@
-//! A lens, and its map around one direction to second order.
+//! A lens, and its expansion to second order about one direction.
 
 use std::f64::consts::TAU;
 
 use super::odd_terms::OddTerms;
 
-/// How a lens maps the angle θ from its axis to the distance r from the image's centre, with the focal length f.
+/// Relation between the angle θ from the lens's axis and the distance r from the image's centre; f is the focal length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens {
-    /// Equidistant: r = f θ.
+    /// Equidistant fisheye: r = f θ.
     Fisheye,
     /// Fisheye with further odd terms: r = f (θ + k3 θ³ + k5 θ⁵).
     Odd(OddTerms),
-    /// r = f tan θ.
+    /// Pinhole: r = f tan θ.
     Pinhole,
 }
 
-/// Derivatives of a lens at a polar angle θ. The lens maps the angle θ from the axis to the distance r(θ) from the
-/// image's centre.
+/// A lens at a polar angle θ. The lens maps θ, the angle from its axis, to the distance r(θ) from the image's centre.
+/// The derivatives are with respect to θ.
 ///
-/// With g = r / sin θ, the scale around the axis, a solid angle dΩ has the image area J dΩ, where J = r′ g.
+/// The scale in the direction around the axis is g = r / sin θ. A solid angle dΩ has the image area J dΩ, where J = r′
+/// g.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Local {
-    /// r, px.
+    /// Distance r from the image's centre, px.
     pub(super) radius: f64,
-    /// r′.
+    /// Derivative r′ of the distance with respect to θ.
     pub(super) radial: f64,
-    /// r″.
+    /// Second derivative r″ of the distance.
     pub(super) radial_slope: f64,
-    /// g.
+    /// Scale g in the direction around the axis.
     pub(super) lateral: f64,
-    /// g′.
+    /// Derivative g′ of this scale.
     pub(super) lateral_slope: f64,
-    /// r′ cot θ − r / sin² θ: second derivative of the radial image coordinate around the axis.
+    /// The expression r′ cot θ − r / sin² θ, which is the second derivative of the radial image coordinate in the
+    /// direction around the axis.
     pub(super) bend: f64,
-    /// J.
+    /// Image area J per solid angle.
     pub(super) area: f64,
-    /// J′.
+    /// Derivative J′ of the image area per solid angle.
     pub(super) area_slope: f64,
-    /// J″.
+    /// Second derivative J″ of the image area per solid angle.
     pub(super) area_curve: f64,
-    /// J′ cot θ: second derivative of J around the axis.
+    /// The expression J′ cot θ, which is the second derivative of J in the direction around the axis.
     pub(super) area_bend: f64,
 }
 
-/// A region of the image: its area, px², and the first moment of the area, px³. The moment is about the image of the
-/// direction at which the lens was expanded. Its components point away from the image's centre and around it, toward
-/// growing azimuth.
+/// A region of the image: its area, px², and the first moment of the area, px³. The moment is relative to the image of
+/// the direction about which the lens was expanded. Its components point away from the image's centre, and around it in
+/// the direction of increasing azimuth.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Region {
     pub(super) area: f64,
@@ -53,7 +55,7 @@ pub(super) struct Region {
 }
 
 impl Lens {
-    /// Fisheye with these odd terms: the equidistant one if both are 0.
+    /// A fisheye with these odd terms; if both are 0, an equidistant fisheye.
     pub fn fisheye(terms: OddTerms) -> Self {
         if terms == OddTerms::default() {
             Self::Fisheye
@@ -62,7 +64,7 @@ impl Lens {
         }
     }
 
-    /// Odd terms of a fisheye; `None` for another lens.
+    /// Odd terms of a fisheye; `None` for a pinhole.
     pub fn odd_terms(self) -> Option<OddTerms> {
         match self {
             Self::Fisheye => Some(OddTerms::default()),
@@ -72,18 +74,18 @@ impl Lens {
     }
 }
 
-/// q = θ / sin θ, the ratio of the scale around the axis to the radial scale of an equidistant lens, and the
-/// derivatives of q.
+/// The function q = θ / sin θ and its derivatives. For an equidistant lens, q is the scale around the axis divided by
+/// the radial scale.
 struct Stretch {
-    /// q.
+    /// Value of q.
     value: f64,
-    /// q′.
+    /// Derivative q′ with respect to θ.
     slope: f64,
-    /// q″.
+    /// Second derivative q″.
     curve: f64,
-    /// q′ cot θ.
+    /// The product q′ cot θ.
     slope_bend: f64,
-    /// cot θ − θ / sin² θ.
+    /// The expression cot θ − θ / sin² θ.
     bend: f64,
 }
 
@@ -91,7 +93,7 @@ impl Stretch {
     #[inline]
     fn new(polar: f64, sine: f64, cosine: f64) -> Self {
         if polar < 0.05 {
-            // Power series; the truncation error is below 1e-13.
+            // Power series in θ²; the truncation error is below 1e-13.
             let square = polar * polar;
             let per_angle = 1.0 / 3.0 + square * (7.0 / 90.0 + square * (31.0 / 2520.0));
             let value =
@@ -118,7 +120,8 @@ impl Stretch {
 }
 
 impl Local {
-    /// Derivatives of a lens of the focal length `focal`, px, at a polar angle, rad, with this sine and cosine.
+    /// The lens and its derivatives at a polar angle (rad) whose sine and cosine are given. `focal` is the focal
+    /// length, px.
     #[inline]
     pub(super) fn new(lens: Lens, focal: f64, polar: f64, (sine, cosine): (f64, f64)) -> Self {
         match lens {
@@ -148,12 +151,14 @@ impl Local {
         }
     }
 
-    /// Let m = r / (f θ) and n = m r′ / f, which are polynomials in u = θ². Then g = f q m and J = f² q n.
+    /// A lens with odd terms. With m = r / (f θ) and n = m r′ / f, which are polynomials in u = θ², the scale is g = f
+    /// q m and the area is J = f² q n.
     fn odd(focal: f64, polar: f64, cosine: f64, stretch: &Stretch, terms: OddTerms) -> Self {
         let OddTerms { k3, k5 } = terms;
         let square = polar * polar;
         let even = terms.stretch(square);
-        // dm/du, and n with its derivatives by u.
+        // The derivative dm/du, and n with its derivatives with respect to u, where m = r / (f θ), n = m r′ / f and u =
+        // θ².
         let per_square = k3 + 2.0 * k5 * square;
         let [once, twice, thrice, fourth] = [
             4.0 * k3,
@@ -169,7 +174,7 @@ impl Local {
             2.0 * polar * n_per_square,
             2.0 * n_per_square + 4.0 * square * n_curve,
         );
-        // θ cot θ.
+        // `cotangent` is the product θ cot θ.
         let cotangent = stretch.value * cosine;
         let area = focal * focal;
         Self {
@@ -209,8 +214,8 @@ impl Local {
     }
 }
 
-/// Image of all directions within an angle α of the direction at which `local` was computed; `sine` and `cosine` are
-/// those of α.
+/// Image of all directions within an angle α of the direction of `local`. `sine` and `cosine` are the sine and cosine
+/// of α.
 #[inline]
 pub(super) fn cap(lens: Lens, local: &Local, sine: f64, cosine: f64) -> Region {
     match lens {
@@ -219,8 +224,8 @@ pub(super) fn cap(lens: Lens, local: &Local, sine: f64, cosine: f64) -> Region {
     }
 }
 
-/// To second order in α, the mean of a function over a cap of height h = 1 − cos α is the function in its middle plus
-/// h/4 times its Laplacian there.
+/// The image of a cap through a fisheye, to second order in its angular radius α. The mean of a function over a cap of
+/// height h = 1 − cos α equals the function in the middle of the cap plus h/4 times its Laplacian there.
 #[inline]
 fn fisheye_cap(local: &Local, sine: f64, cosine: f64) -> Region {
     let height = sine * sine / (1.0 + cosine);
@@ -233,11 +238,12 @@ fn fisheye_cap(local: &Local, sine: f64, cosine: f64) -> Region {
     }
 }
 
-/// The image is exactly an ellipse. With k = sin² α / cos² θ its area is π f² sin² α cos α / (cos² θ (1 − k))^(3/2),
-/// and its middle lies f tan θ / (1 − k) from the image's centre.
+/// The image of a cap through a pinhole, which is exactly an ellipse. The cap has the angular radius α, its middle the
+/// polar angle θ. With k = sin² α / cos² θ, the area of the ellipse is π f² sin² α cos α / (cos² θ (1 − k))^(3/2). The
+/// middle of the ellipse is at the distance f tan θ / (1 − k) from the image's centre.
 #[inline]
 fn pinhole_cap(local: &Local, sine: f64, cosine: f64) -> Region {
-    // The ratio of f / cos² θ and f / cos θ is 1 / cos θ.
+    // The radial scale is f / cos² θ and the lateral scale is f / cos θ, so their ratio is 1 / cos θ.
     let secant = local.radial / local.lateral;
     let share = sine * sine * secant * secant;
     let rest = 1.0 - share;

@@ -1,49 +1,50 @@
-//! Odd terms of a fisheye beyond the equidistant one.
+//! Fisheye lenses with odd terms in addition to the equidistant term.
 
 use std::f64::consts::PI;
 
 use super::error::{MOST_TERM, OpticsError};
 
-/// Smallest slope dr/dθ of a valid lens, relative to its slope on the axis. With a smaller slope, the image does not
-/// resolve angles.
+/// Smallest allowed slope dr/dθ of a lens, relative to its slope on the axis. If the slope is smaller, the image does
+/// not resolve angles.
 const LEAST_SLOPE: f64 = 0.01;
-/// Number of steps of Newton's method. A step that leaves the bracket is replaced by a bisection; this many bisections
-/// reach the last digit of a double.
+/// Maximum number of Newton steps. A step that leaves the bracket is replaced by a bisection. Even if all steps are
+/// bisections, the result is exact to the last digit of a double.
 const STEPS: usize = 64;
 
-/// Odd terms of a fisheye beyond the equidistant one: r = f (θ + k3 θ³ + k5 θ⁵), where θ is the angle from the axis, r
-/// the distance from the image's centre and f the focal length. Both terms are 0 for an equidistant lens. k3 is -1/24
-/// for an equisolid lens, 1/12 for a stereographic one and -1/6 for an orthographic one (Kannala and Brandt, *A generic
-/// camera model*, IEEE Trans. Pattern Anal. Mach. Intell. 28, 2006).
+/// Odd terms of a fisheye, in addition to the equidistant term. The lens is r = f (θ + k3 θ³ + k5 θ⁵), where θ is the
+/// angle from the axis, r the distance from the image's centre and f the focal length. Both coefficients are 0 for an
+/// equidistant lens. k3 is -1/24 for an equisolid, 1/12 for a stereographic and -1/6 for an orthographic lens (Kannala
+/// and Brandt, *A generic camera model*, IEEE Trans. Pattern Anal. Mach. Intell. 28, 2006).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OddTerms {
-    /// Term of the third power, per rad².
+    /// Coefficient k3 of the third power, per rad².
     pub k3: f64,
-    /// Term of the fifth power, per rad⁴.
+    /// Coefficient k5 of the fifth power, per rad⁴.
     pub k5: f64,
 }
 
 impl OddTerms {
-    /// Map of the lens, r / f: distance from the image's centre over the focal length, of an angle from the axis.
+    /// Map of the lens: converts an angle from the axis to the distance from the image's centre, divided by the focal
+    /// length (r / f).
     #[inline]
     pub(super) fn map(self, polar: f64) -> f64 {
         polar * self.stretch(polar * polar)
     }
 
-    /// The map divided by the angle, from the angle's square.
+    /// The map divided by the angle, as a function of the squared angle.
     #[inline]
     pub(super) fn stretch(self, square: f64) -> f64 {
         1.0 + square * (self.k3 + square * self.k5)
     }
 
-    /// Derivative of the map, from the angle's square.
+    /// Derivative of the map with respect to the angle, as a function of the squared angle.
     #[inline]
     pub(super) fn slope(self, square: f64) -> f64 {
         1.0 + square * (3.0 * self.k3 + square * (5.0 * self.k5))
     }
 
-    /// Inverse of [`Self::map`]: the angle from the axis of a distance over the focal length, at least 0. The map must
-    /// grow up to the angle `rim`; beyond it, the map is continued as a straight line.
+    /// Inverse of [`Self::map`]: converts a distance, divided by the focal length, to the angle from the axis, which is
+    /// at least 0. The map must increase up to the angle `rim`. Beyond the rim, it is continued as a straight line.
     #[inline]
     pub(super) fn angle(self, scaled: f64, rim: f64) -> f64 {
         let beyond = scaled - self.map(rim);
@@ -73,10 +74,11 @@ impl OddTerms {
         angle
     }
 
-    /// Largest angle, at most half a turn, up to which the slope of the map is at least [`LEAST_SLOPE`] everywhere.
+    /// Largest angle, at most half a turn, such that the slope of the map is at least [`LEAST_SLOPE`] everywhere up to
+    /// this angle.
     pub(super) fn reach(self) -> f64 {
-        // With u = θ², the slope minus the limit is a u² + b u + c. Its smallest positive root, computed without
-        // cancellation.
+        // With u = θ², the slope minus its limit is the polynomial a u² + b u + c. Its smallest positive root is
+        // computed without cancellation.
         let (a, b, c) = (5.0 * self.k5, 3.0 * self.k3, 1.0 - LEAST_SLOPE);
         let square = b * b - 4.0 * a * c;
         if square < 0.0 {
@@ -100,13 +102,13 @@ impl OddTerms {
         }
     }
 
-    /// Upper bound of the slope, and of the map divided by the angle, between the axis and the angle `rim`.
+    /// Upper bound of the slope of the map, and of the map divided by the angle, between the axis and the angle `rim`.
     pub(super) fn most_slope(self, rim: f64) -> f64 {
         let square = rim * rim;
         1.0 + square * (3.0 * self.k3.max(0.0) + square * (5.0 * self.k5.max(0.0)))
     }
 
-    /// Smallest k3 with which the map grows up to the angle `rim`, for this k5.
+    /// Smallest k3 with which the map increases up to the angle `rim`, for the k5 of this lens.
     fn least_k3(self, rim: f64) -> f64 {
         let (square, constant) = (rim * rim, 1.0 - LEAST_SLOPE);
         let k5 = 5.0 * self.k5;
@@ -115,7 +117,8 @@ impl OddTerms {
         -(constant / at + k5 * at) / 3.0
     }
 
-    /// Returns these terms if they are valid for a lens whose field extends to the angle `rim`, rad.
+    /// Returns these terms if they are valid for a lens whose field extends to the angle `rim`, rad; otherwise an
+    /// error.
     pub(super) fn checked(self, rim: f64) -> Result<Self, OpticsError> {
         for (setting, term) in [("k3", self.k3), ("k5", self.k5)] {
             OpticsError::unless(term.abs() <= MOST_TERM, setting, term, "from -100 to 100")?;
@@ -138,7 +141,7 @@ impl OddTerms {
 mod tests {
     use super::*;
 
-    /// Terms of lenses whose map grows up to 1.5 rad: textbook projections, and terms near their limits.
+    /// Terms of lenses whose map increases up to 1.5 rad: textbook projections, and terms close to their limits.
     const TERMS: [OddTerms; 7] = [
         OddTerms { k3: 0.0, k5: 0.0 },
         OddTerms {
@@ -192,7 +195,8 @@ mod tests {
 
     #[test]
     fn lenses_fold_where_their_slope_ends() {
-        // The slope 1 − 3·0.2 u is 0.01 at u = 1.65; the slope 1 − u + 0.24 u² at its smaller root.
+        // The slope 1 − 0.6 u of the first lens is 0.01 at u = 1.65. The slope 1 − u + 0.24 u² of the second lens is
+        // 0.01 at its smaller root.
         let terms = OddTerms { k3: -0.2, k5: 0.0 };
         assert!((terms.reach() - 1.65_f64.sqrt()).abs() < 1e-15);
         let terms = OddTerms {

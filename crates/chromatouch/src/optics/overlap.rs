@@ -1,8 +1,8 @@
-//! Overlap of two discs in the view from the centre.
+//! Overlap of two discs as viewed from the camera.
 //!
 //! Discs are caps on the sphere of directions. A stereographic projection maps them to circles in a plane. To second
 //! order in the distance p from the point of projection, an area on the sphere is the area in the plane times 1 − p²/2.
-//! The overlap of two circles consists of one segment of each; the moments of a segment have closed forms.
+//! The overlap of two circles consists of one segment of each circle. The moments of a segment have closed forms.
 
 use nalgebra::Vector3;
 
@@ -17,18 +17,20 @@ pub(super) enum Overlap {
     Part(Part),
 }
 
-/// Overlap of two discs whose edges cross, as moments about a direction within it.
+/// Overlap of two discs whose edges cross. Its moments are about a direction inside it.
 pub(super) struct Part {
-    /// Unit vector.
+    /// Unit vector of the direction about which the moments are computed.
     pub(super) direction: Vector3<f64>,
-    /// Unit tangent there, from the middle of the magenta disc to that of the yellow one.
+    /// Unit tangent at this direction. It points from the middle of the magenta disc to the middle of the yellow disc.
     pub(super) axis: Vector3<f64>,
     moments: Moments,
-    /// Half-angles of the two segments that form the overlap: of the magenta disc and of the yellow one.
+    /// Half-angles of the two segments that form the overlap. The first segment belongs to the magenta disc, the second
+    /// to the yellow disc.
     pub(super) angles: [HalfAngle; 2],
 }
 
-/// Moments of an area about a point, along an axis of symmetry and across it.
+/// Moments of an area about a point. The first axis is an axis of symmetry of the area, and the second axis is
+/// perpendicular to it.
 #[derive(Clone, Copy)]
 struct Moments {
     area: f64,
@@ -37,7 +39,8 @@ struct Moments {
     second_across: f64,
 }
 
-/// Half-angle of a segment. `sine` and `cosine` have a common positive factor.
+/// Half-angle of a segment of a circle. `sine` and `cosine` are its sine and cosine, both multiplied by the same
+/// positive factor.
 #[derive(Clone, Copy)]
 pub(super) struct HalfAngle {
     angle: f64,
@@ -54,7 +57,8 @@ impl HalfAngle {
         }
     }
 
-    /// Half-angle with this sine and cosine. A short series is enough if it is near this half-angle.
+    /// Half-angle with this sine and cosine. If it is close to the half-angle `self`, it is computed from `self` by a
+    /// short series.
     fn beside(&self, sine: f64, cosine: f64) -> Self {
         let [across, along] = [
             sine * self.cosine - cosine * self.sine,
@@ -62,7 +66,7 @@ impl HalfAngle {
         ];
         if across.abs() < 1e-3 * along {
             let tangent = across / along;
-            // Series of the arctangent, with a relative error of 1e-13.
+            // The arctangent is computed by its series, with a relative error of 1e-13.
             let step = tangent * (1.0 - tangent * tangent * (1.0 / 3.0 - 0.2 * tangent * tangent));
             return Self {
                 angle: self.angle + step,
@@ -74,7 +78,7 @@ impl HalfAngle {
     }
 }
 
-/// Overlap of the discs of a marker. `near` are the half-angles of both segments of a similar pair; they save time.
+/// Overlap of the discs of a marker. `near` are the half-angles of a similar marker, which save computing time.
 #[inline]
 pub(super) fn overlap(magenta: &Sight, yellow: &Sight, near: Option<&[HalfAngle; 2]>) -> Overlap {
     let step = yellow.direction - magenta.direction;
@@ -100,7 +104,7 @@ pub(super) fn overlap(magenta: &Sight, yellow: &Sight, near: Option<&[HalfAngle;
     Overlap::Part(part(magenta, yellow, &step, square, near))
 }
 
-/// Chord 2 sin(angle/2) of an angle in (−180°, 180°), from its sine and cosine.
+/// Chord 2 sin(angle/2) of an angle between −180° and 180°, computed from the angle's sine and cosine.
 #[inline]
 fn chord_of(sine: f64, cosine: f64) -> f64 {
     sine * (2.0 / (1.0 + cosine)).sqrt()
@@ -115,7 +119,7 @@ fn part(
     near: Option<&[HalfAngle; 2]>,
 ) -> Part {
     let chord = square.sqrt();
-    // A direction about half-way between the two edges of the overlap. It need not be exact.
+    // This direction is about half-way between the two edges of the overlap. It need not be exact.
     let wider = chord_of(magenta.sine, magenta.cosine) - chord_of(yellow.sine, yellow.cosine);
     let share = (0.5 + 0.5 * wider / chord).clamp(0.0, 1.0);
     let rest = 1.0 - share;
@@ -123,7 +127,8 @@ fn part(
     let scale = 1.0 / (1.0 - share * rest * square).sqrt();
     let direction = between * scale;
     let along = step - direction * direction.dot(step);
-    // Sine of the angle between the middles, which `direction` divides into the shares `share` and `rest`.
+    // `sine` is the sine of the angle between the middles of the discs. `direction` divides this angle in the ratio of
+    // `share` to `rest`.
     let sine = chord * (1.0 - 0.25 * square).max(0.0).sqrt();
     let circle = |disc: &Sight, side: f64, away: f64| {
         let cosine = (1.0 - 0.5 * away * square) * scale;
@@ -144,8 +149,9 @@ fn part(
     }
 }
 
-/// Moments of the overlap of two circles that cross each other, each given as (centre on the axis, radius), and the half-angles
-/// of its segments; the second centre is farther along.
+/// Moments of the overlap of two circles whose edges cross, and the half-angles of its two segments. Each circle is
+/// given by the position of its centre on the axis and its radius. The centre of the second circle has the larger
+/// position.
 #[inline]
 fn lens(
     (first, first_radius): (f64, f64),
@@ -172,9 +178,9 @@ fn lens(
     (moments, angles)
 }
 
-/// Moments of a segment of a circle about the circle's centre. The sine and cosine of the half-angle are scaled by the
-/// radius: half the length of the chord, and its distance from the centre. The segment lies at positive coordinates of
-/// the axis.
+/// Moments of a segment of a circle about the circle's centre. The sine and cosine of the half-angle are multiplied by
+/// the radius, so they are half the length of the chord, and the distance of the chord from the centre. The segment
+/// lies at positive coordinates of the axis.
 #[inline]
 fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
     let &HalfAngle {
@@ -183,7 +189,7 @@ fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
         cosine: to_chord,
     } = half_angle;
     let square = radius * radius;
-    // r² sin β cos β, r² sin² β.
+    // The products r² sin β cos β and r² sin² β, where β is the half-angle.
     let (triangle, half_square) = (half * to_chord, half * half);
     let area = square * angle - triangle;
     let fourth = half_square * triangle;
@@ -196,7 +202,7 @@ fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
 }
 
 impl Moments {
-    /// Moments of the mirrored area: the axis points the other way.
+    /// Moments of the mirrored area. For this area, the axis points in the opposite direction.
     fn mirrored(self) -> Self {
         Self {
             first: -self.first,
@@ -204,7 +210,7 @@ impl Moments {
         }
     }
 
-    /// Moments about the origin; these are about a point on the axis.
+    /// Converts moments about `point` on the axis to moments about the origin.
     fn about(self, point: f64) -> Self {
         Self {
             area: self.area,
@@ -216,8 +222,8 @@ impl Moments {
 }
 
 impl Part {
-    /// Image of the area through a lens with these derivatives at the reference direction. The axis of symmetry has the
-    /// components `outward`, away from the lens's axis, and `around`.
+    /// Image of the area through a lens that is expanded about the reference direction. The axis of symmetry has two
+    /// components: `outward`, away from the lens's axis, and `around` it.
     #[inline]
     pub(super) fn seen(&self, local: &Local, [outward, around]: [f64; 2]) -> Region {
         let Moments {

@@ -4,18 +4,18 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::OpticsError;
 
-/// Step of the turn for finite differences, rad.
+/// Step of the camera's rotation for finite differences, rad.
 const TURN: f64 = 1e-5;
 
-/// Pose of a camera: its position and rotation. By default the camera is in the sensor's centre and its axis passes
-/// through the apex.
+/// Pose of a camera: its position and its rotation. By default, the camera is in the sensor's centre, and its axis
+/// passes through the apex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Position from the sensor's centre, length: along the apex's x and y axes, and toward the apex.
+    /// Position relative to the sensor's centre, length: along the apex's x and y axes, and toward the apex.
     pub place: Vector3<f64>,
-    /// Turn of the camera as a rotation vector along the same axes, rad.
+    /// Rotation vector of the camera, rad, along the same axes as `place`.
     turn: Vector3<f64>,
-    /// Rotation from the sensor's axes to the camera's.
+    /// Rotation from the sensor's axes to the camera's axes.
     to_camera: Rotation3<f64>,
 }
 
@@ -26,12 +26,12 @@ impl Default for Pose {
 }
 
 impl Pose {
-    /// A camera at a position, length, with a rotation vector, rad; both are along the apex's x and y axes and toward
-    /// the apex.
+    /// A camera with this position relative to the sensor's centre (length) and this rotation vector (rad). The
+    /// components of both are along the apex's x and y axes and toward the apex.
     pub fn new(place: [f64; 3], turn_rad: [f64; 3]) -> Self {
         let turn = Vector3::from(turn_rad);
         let angle = turn.norm();
-        // Rodrigues' formula with the functions of libm, which give the same result on every host.
+        // Rodrigues' formula, with functions of libm, which give the same result on every computer.
         let (sine, cosine) = libm::sincos(angle);
         let to_camera = if angle > 0.0 {
             let axis = turn / angle;
@@ -49,19 +49,20 @@ impl Pose {
         }
     }
 
-    /// Turn of the camera as a rotation vector, rad.
+    /// Rotation vector of the camera, rad.
     pub fn turn_rad(&self) -> [f64; 3] {
         self.turn.into()
     }
 
-    /// This pose with a small further displacement and turn.
+    /// This pose with a small additional displacement and a small additional rotation.
     pub(super) fn moved(&self, place: [f64; 3], turn_rad: [f64; 3]) -> Self {
         let place = self.place + Vector3::from(place);
         let turn = self.turn + Vector3::from(turn_rad);
         Self::new(place.into(), turn.into())
     }
 
-    /// Returns `None` for the default pose.
+    /// Checks the pose. Returns `None` for the default pose, and an error if the camera is farther than `farthest` from
+    /// the centre or its rotation is out of range.
     pub(super) fn checked(self, farthest: f64) -> Result<Option<Self>, OpticsError> {
         let distance = self.place.norm();
         let good = distance <= farthest;
@@ -79,7 +80,8 @@ impl Pose {
         Ok((!is_central).then_some(self))
     }
 
-    /// Derivatives of the rotation to the camera's axes with respect to the turn of the camera, per rad.
+    /// Derivatives of the rotation matrix `to_camera` with respect to the three components of the rotation vector, per
+    /// rad.
     pub(super) fn per_turn(&self) -> [Matrix3<f64>; 3] {
         std::array::from_fn(|axis| {
             let turned = |step: f64| {
@@ -91,7 +93,7 @@ impl Pose {
         })
     }
 
-    /// Converts a direction from the sensor's axes to the camera's.
+    /// Converts a direction from the sensor's axes to the camera's axes.
     #[inline]
     pub(super) fn turned(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         self.to_camera * direction

@@ -1,4 +1,4 @@
-//! Projection of the markers to their features in the image, without pixels.
+//! Computes the features of the markers in the image without rendering pixels.
 
 use nalgebra::Vector3;
 
@@ -12,18 +12,19 @@ use super::sines::small_angle;
 use super::{Camera, MarkerMotion, Optics, OpticsError, SeenMarker};
 
 impl Optics {
-    /// Features of each marker in the image, in the order of the markers: the limit of a frame without blemishes for small
-    /// pixels. `None` for a marker that has no motion (it is absent), that is not completely in the image circle, or whose
-    /// discs absorb no light.
+    /// Features of each marker in the image, in the order of the markers. They are the limit that a frame without blur,
+    /// uneven light, seams and noise approaches if its pixels are small. `None` for a marker without a motion (it is
+    /// missing), for a marker that is not completely in the image circle, and for a marker whose discs absorb no light.
     ///
-    /// The image of each disc has the accuracy of [`Camera::disc_area`]; the overlap of two discs is computed to second order
-    /// in their angular radius α. The error is of the order of α⁴ relative to the size, and to the focal length for the
-    /// centroid. For the published markers, at most 60° from the apex, it is less than 0.004 px in a frame of 2048 px,
-    /// 2e-5 turns and 2e-4 of the size; through a pinhole it is larger.
+    /// The image of each disc has the accuracy of [`Camera::disc_area`]. The overlap of two discs is computed to second
+    /// order in their angular radius α. The error of the size is of the order of α⁴ relative to the size, and the error
+    /// of the centroid of the order of α⁴ relative to the focal length. For the published markers, at most 60° from the
+    /// apex, the errors are less than 0.004 px in a frame of 2048 px, 2e-5 turns and 2e-4 of the size. Through a
+    /// pinhole they are larger.
     ///
     /// # Errors
-    /// [`OpticsError::WrongCount`] unless there is one motion per marker; [`OpticsError::ImpossibleMotion`] for a motion
-    /// that is not shorter than the distance of its disc from the centre.
+    /// [`OpticsError::WrongCount`] unless there is one motion per marker. [`OpticsError::ImpossibleMotion`] for a
+    /// motion that is at least as long as the distance of its disc from the centre.
     pub fn project(
         &self,
         motions: &[Option<MarkerMotion>],
@@ -40,7 +41,7 @@ impl Optics {
     }
 }
 
-/// A direction in the polar coordinates of the camera, with the derivatives of the lens there.
+/// A direction in the polar coordinates of the camera, and the lens at this direction.
 #[derive(Clone, Copy)]
 pub(super) struct Aim {
     polar: f64,
@@ -57,11 +58,12 @@ impl Aim {
         Self::at(camera, direction, libm::atan2)
     }
 
-    /// The same for another direction; this is faster if it is near the present one.
+    /// The result of [`Self::new`] for another direction. The computation is faster if the other direction is near this
+    /// one.
     #[inline]
     fn beside(&self, camera: &Camera, direction: &Vector3<f64>) -> Self {
         Self::at(camera, direction, |sine, cosine| {
-            // Sine of the difference of the two polar angles, each at most half a turn.
+            // `step` is the sine of the difference between the two polar angles, each of which is at most half a turn.
             let step = sine * self.cosine - cosine * self.sine;
             let near = step.abs() < 0.1 && sine * self.sine + cosine * self.cosine > 0.0;
             if near {
@@ -91,7 +93,7 @@ impl Aim {
         }
     }
 
-    /// Components of a tangent vector: away from the axis, and around it.
+    /// Components of a tangent vector: the first away from the camera's axis, the second around the axis.
     #[inline]
     fn components(&self, tangent: &Vector3<f64>) -> [f64; 2] {
         let [x, y] = self.azimuth;
@@ -107,7 +109,8 @@ impl Aim {
         if self.polar > camera.rim_rad {
             return false;
         }
-        // The far edge of the disc is at the sum of the angles; it must not be beyond the rim or beyond half a turn.
+        // The far edge of the disc is at the polar angle of the disc's middle plus its angular radius. This sum must be
+        // at most half a turn, and must not be beyond the rim.
         let (edge_sine, edge_cosine) = (
             self.sine * disc.cosine + self.cosine * disc.sine,
             self.cosine * disc.cosine - self.sine * disc.sine,
@@ -116,7 +119,8 @@ impl Aim {
     }
 }
 
-/// Area, px², and first moment about the image's centre, px³, x to the right and y down.
+/// A region of the image: its area, px², and its first moment about the image's centre, px³. The x axis points to the
+/// right, the y axis down.
 #[derive(Clone, Copy, Default)]
 struct Image {
     area: f64,
@@ -124,7 +128,7 @@ struct Image {
 }
 
 impl Image {
-    /// The image of a region around a direction.
+    /// The image of a region around the direction `aim`.
     #[inline]
     fn of(aim: &Aim, region: &Region) -> Self {
         let [x, y] = aim.azimuth;
@@ -142,7 +146,7 @@ pub(super) struct MarkerProjection {
     aims: [Aim; 2],
     discs: [Image; 2],
     shared: Image,
-    /// Half-angles of the two segments of the overlap, if the edges cross.
+    /// Half-angles of the two segments of the overlap, if the edges of the discs cross.
     angles: Option<[HalfAngle; 2]>,
 }
 
@@ -168,7 +172,7 @@ impl MarkerProjection {
         })
     }
 
-    /// The projection after a small change of one disc, the magenta (0) or the yellow one (1).
+    /// The projection after a small change of one disc. `disc` is 0 for the magenta disc and 1 for the yellow disc.
     #[inline]
     pub(super) fn beside(&self, camera: &Camera, sight: &MarkerSight, disc: usize) -> Self {
         let changed = [&sight.magenta, &sight.yellow][disc];
@@ -184,7 +188,7 @@ impl MarkerProjection {
         }
     }
 
-    /// Size, centroid and hue of the marker with these colours.
+    /// Size, centroid and hue of the marker. `contrasts` contains the colours of its three regions.
     #[inline(always)]
     pub(super) fn features(&self, camera: &Camera, contrasts: &Contrasts) -> Option<SeenMarker> {
         features(camera, contrasts, self.discs, self.shared)
@@ -196,8 +200,8 @@ fn image(camera: &Camera, aim: &Aim, disc: &Sight) -> Image {
     Image::of(aim, &cap(camera.lens, &aim.local, disc.sine, disc.cosine))
 }
 
-/// Image of the overlap of a marker's discs, near the direction `aim`, and the half-angles of its segments if the edges
-/// cross. `near` are the half-angles of a similar marker.
+/// Image of the overlap of a marker's discs. Also the half-angles of its segments, if the edges of the discs cross.
+/// `aim` is a direction near the overlap, and `near` are the half-angles of a similar marker.
 #[inline(always)]
 fn shared(
     camera: &Camera,
@@ -219,7 +223,7 @@ fn shared(
     }
 }
 
-/// Size, centroid and hue of a marker, from the images of both discs and of their overlap.
+/// Size, centroid and hue of a marker, computed from the images of both discs and of their overlap.
 #[inline]
 fn features(
     camera: &Camera,
@@ -265,7 +269,8 @@ fn features(
     })
 }
 
-/// The hue, as in HSV (hexagonal, not an angle), of a chroma `[R - (G + B)/2, √3/2 (G - B)]`, in turns.
+/// Hue (HSV) in turns of a chroma `[R - (G + B)/2, √3/2 (G - B)]`. The HSV hue follows a hexagon, so it is not the
+/// angle of the chroma.
 fn hue([along, across]: [f64; 2]) -> f64 {
     let half_difference = across / 3.0_f64.sqrt();
     let (red, grey) = (along / 1.5, -along / 3.0);

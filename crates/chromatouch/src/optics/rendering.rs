@@ -1,4 +1,4 @@
-//! Rendering of the markers as frames of pixels.
+//! Renders the markers as frames of pixels.
 
 use image::RgbImage;
 use palpate_sensing::{Channel, Stream};
@@ -16,9 +16,10 @@ use marker_raster::MarkerRaster;
 use row::{Row, Rows};
 
 impl Optics {
-    /// Renders an anti-aliased frame of the markers: 8 bits per channel, linear in light. A marker whose motion is `None` is
-    /// absent. Pixel noise is drawn from `pixels`, row by row, three numbers for each pixel whose centre lies in the image
-    /// circle. Without `pixels`, or if the standard deviation of the noise is 0, there is no noise and nothing is drawn.
+    /// Renders an anti-aliased frame of the markers, with 8 bits per channel and linear in light. A marker whose motion
+    /// is `None` is missing. Pixel noise is drawn from `pixels`, row by row, with three numbers for each pixel whose
+    /// centre lies in the image circle. Without `pixels`, or if the standard deviation of the noise is 0, no random
+    /// numbers are drawn.
     ///
     /// ```
     /// use palpate_chromatouch::{
@@ -72,7 +73,7 @@ impl Optics {
         Ok(frame)
     }
 
-    /// Renders a frame as [`Optics::render`] does, with pixel noise that depends only on the seed and on the number of the
+    /// Renders a frame like [`Optics::render`]. The pixel noise depends only on the seed and on the number of the
     /// frame.
     ///
     /// # Errors

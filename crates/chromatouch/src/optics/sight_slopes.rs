@@ -1,4 +1,5 @@
-//! Derivatives of a disc's direction and angular size with respect to its motion and to the sensor, in closed form.
+//! Closed-form derivatives of a disc's direction and angular radius. They are with respect to the motion of the disc
+//! and to the parameters of the sensor.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -6,27 +7,33 @@ use super::array::{Layer, MarkerArray, MarkerSight, Sight, Stand};
 use super::sines::sinc_and_cosine;
 use super::{DiscMotion, MarkerMotion, Pose};
 
-/// Columns of [`SightSlopes::by`]: motion inward and along both axes of the skin, depth, logarithm of the diameter,
-/// position and turn of the camera.
+/// Column of [`SightSlopes::by`] for the motion inward.
 pub(super) const INWARD: usize = 0;
+/// First of two columns for the motion along the two axes of the skin.
 pub(super) const X: usize = 1;
+/// Column for the depth.
 pub(super) const DEEPER: usize = 3;
+/// Column for the logarithm of the diameter.
 pub(super) const WIDER: usize = 4;
+/// First of three columns for the position of the camera.
 pub(super) const PLACE: usize = 5;
+/// First of three columns for the rotation of the camera.
 pub(super) const TURN: usize = 8;
+/// Number of columns.
 pub(super) const COLUMNS: usize = 11;
 
-/// Slopes of a disc's image on the unit sphere around the camera.
+/// Derivatives of a disc's direction and angular radius as viewed from the camera.
 pub(super) struct SightSlopes {
-    /// Unit vectors perpendicular to the direction of the disc's middle.
+    /// Two unit vectors perpendicular to the direction of the disc's middle.
     across: [Vector3<f64>; 2],
-    /// Rows: slopes of the direction along these two vectors, and of the logarithm of the tangent of the angular
-    /// radius.
+    /// Derivatives, one column per variable. The first two rows are for the direction along the two vectors, the third
+    /// row is for the logarithm of the tangent of the angular radius.
     pub(super) by: SMatrix<f64, 3, COLUMNS>,
 }
 
 impl SightSlopes {
-    /// Changes one disc of the marker, magenta (0) or yellow (1), by a step of one of the three numbers of its image.
+    /// Changes one number of one disc by a step. The number is a component of the direction or the logarithm of the
+    /// size. The disc is magenta (0) or yellow (1).
     pub(super) fn beside(
         &self,
         sight: &MarkerSight,
@@ -52,7 +59,8 @@ impl SightSlopes {
 }
 
 impl MarkerArray {
-    /// Slopes of both discs of a marker for a camera with this pose; `turns` are the derivatives of its rotation.
+    /// Derivatives for both discs of a marker, for a camera with this pose. `turns` are the derivatives of the camera's
+    /// rotation matrix.
     pub(super) fn sight_slopes(
         &self,
         marker: usize,
@@ -99,7 +107,7 @@ impl Layer {
         let direction = sight.direction;
         let across = across(&direction);
         let mut by = SMatrix::zeros();
-        // Sets a column from the derivatives of the ray and of the disc's normal.
+        // Sets a column from two derivatives: of the ray to the disc, and of the disc's normal.
         let mut set = |column: usize, ray: Vector3<f64>, turned: Vector3<f64>| {
             let nearer = towards.dot(&ray);
             let step = (ray - towards * nearer) / distance;
@@ -114,7 +122,7 @@ impl Layer {
         for axis in 0..2 {
             let turned = by_angles[axis] / self.distance;
             set(X + axis, turned * away, turned);
-            // For a disc nearer to the centre, the same displacement along the skin is a larger angle.
+            // For a deeper disc, the same displacement along the skin corresponds to a larger angle.
             deeper += turned * aside[axis];
         }
         set(DEEPER, deeper * away - normal, deeper);
@@ -134,12 +142,12 @@ impl Layer {
 }
 
 impl Stand {
-    /// Direction at the angles `x` and `y`, rad, from the marker's place along its axes, and its derivatives with
-    /// respect to both.
+    /// Unit vector that is reached from the marker's place by the angles `x` and `y` (rad) along the marker's axes.
+    /// Also the derivatives of this vector with respect to both angles.
     fn towards(&self, x: f64, y: f64) -> (Vector3<f64>, [Vector3<f64>; 2]) {
         let square = x * x + y * y;
         let (sinc, cosine) = sinc_and_cosine(square);
-        // Slope of sin θ / θ over θ.
+        // `bend` is the derivative of sin θ / θ, divided by θ.
         let bend = if square < 1e-4 {
             -1.0 / 3.0 + square / 30.0
         } else {

@@ -1,15 +1,15 @@
-//! Sines and cosines as polynomials.
+//! Sines and cosines, computed with polynomials.
 
-/// Terms of the series of sine and cosine.
+/// Number of terms of the series of sine and cosine.
 const TERMS: usize = 9;
 
-/// Coefficients of the powers of x² in cos x, from the constant.
+/// Coefficients of the powers of x² in cos x, starting with the constant.
 const COSINE: [f64; TERMS] = series(0);
 
-/// Coefficients of the powers of x² in sin x / x, from the constant.
+/// Coefficients of the powers of x² in sin x / x, starting with the constant.
 const SINC: [f64; TERMS] = series(1);
 
-/// (−1)^k / (2k + odd)!
+/// Coefficients (−1)^k / (2k + odd)!
 const fn series(odd: usize) -> [f64; TERMS] {
     let mut coefficients = [1.0; TERMS];
     let mut term = 1;
@@ -21,8 +21,8 @@ const fn series(odd: usize) -> [f64; TERMS] {
     coefficients
 }
 
-/// sin θ / θ and cos θ of an angle up to half a turn, from θ². Both are even functions, so that no square root is
-/// needed. They are computed from the power series at θ/2; the first omitted term is below 1e-12.
+/// sin θ / θ and cos θ for an angle θ up to half a turn, computed from θ². Both are even functions of θ, so no square
+/// root is needed. They are computed from the power series at θ/2. Its first omitted term is below 1e-12.
 #[inline]
 pub(super) fn sinc_and_cosine(angle_squared: f64) -> (f64, f64) {
     let half_squared = 0.25 * angle_squared;
@@ -39,7 +39,7 @@ pub(super) fn sinc_and_cosine(angle_squared: f64) -> (f64, f64) {
 #[inline]
 pub(super) fn small_angle(sine: f64) -> f64 {
     let square = sine * sine;
-    // (2k)! / (4^k k!² (2k + 1))
+    // The coefficients of the arcsine series are (2k)! / (4^k k!² (2k + 1)).
     let series = [
         1.0,
         1.0 / 6.0,

@@ -1,7 +1,7 @@
-//! Derivatives of the markers' features with respect to the departure of the sensor and to the motions of the discs.
+//! Derivatives of the markers' features with respect to the sensor's parameters and to the motions of the discs.
 //!
-//! The direction and the angular radius of a disc (three numbers) have derivatives in closed form. The derivatives of
-//! the features with respect to the six numbers of both discs are finite differences.
+//! The direction and the angular radius of a disc are three numbers. Their derivatives have closed forms. The
+//! derivatives of the features with respect to the six numbers of both discs are finite differences.
 
 use nalgebra::{Matrix3, Matrix4x2, Matrix4x3, SMatrix, Vector4};
 
@@ -11,54 +11,55 @@ use super::projection::MarkerProjection;
 use super::sight_slopes::{COLUMNS, DEEPER, INWARD, PLACE, TURN, WIDER, X};
 use super::{Departure, MarkerMotion, Optics, OpticsError, SeenMarker};
 
-/// Finite-difference step of directions, rad, and of the logarithm of the width of a disc.
+/// Finite-difference step for directions, rad, and for the logarithm of a disc's angular size.
 const STEP: f64 = 1e-7;
-/// Finite-difference step of transmittances.
+/// Finite-difference step for transmittances.
 const SHARE: f64 = 1e-6;
-/// Finite-difference step of the odd terms of a lens.
+/// Finite-difference step for the odd terms of a lens.
 const ODD: f64 = 1e-6;
 
-/// Index of the first transmittance and of the first odd term among the numbers of a [`Departure`].
+/// Index of the first transmittance among the numbers of a [`Departure`].
 const COLOURS: usize = 13;
+/// Index of the first odd term of the lens among the numbers of a [`Departure`].
 const ODD_TERMS: usize = 19;
 
-/// The features of a marker with their slopes. Rows: both coordinates of the centroid, px; hue, turns; natural logarithm of
-/// the size.
+/// The features of a marker, and their derivatives. The rows of the derivatives are: column and row of the centroid
+/// (px), hue (turns), and the natural logarithm of the size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerSlopes {
-    /// The features.
+    /// The features of the marker.
     pub seen: SeenMarker,
-    /// Derivatives with respect to the numbers of the [`Departure`], one column each; 0 for numbers that were not
-    /// requested.
+    /// Derivatives with respect to the numbers of the [`Departure`], one column per number. The columns of numbers that
+    /// were not requested are 0.
     pub by_departure: SMatrix<f64, 4, { Departure::NUMBERS }>,
-    /// Derivatives with respect to the misalignment of the discs, per rad, see
-    /// [`MarkerArray::misalignments`](super::MarkerArray::misalignments).
+    /// Derivatives with respect to the misalignment of the discs, per rad (see
+    /// [`MarkerArray::misalignments`](super::MarkerArray::misalignments)).
     pub by_misalignment: Matrix4x2<f64>,
-    /// Derivatives with respect to the motions of the magenta and the yellow disc, per length: inward, and along both
-    /// axes of the skin.
+    /// Derivatives with respect to the motions of the magenta and of the yellow disc, per length. The columns are the
+    /// motion inward and along both axes of the skin.
     pub by_motion: [Matrix4x3<f64>; 2],
 }
 
-/// Values that the slopes of all markers share.
+/// Values that are needed for the derivatives of all markers.
 struct Shared<'a> {
     optics: &'a Optics,
     departure: &'a Departure,
     turns: [Matrix3<f64>; 3],
-    /// Contrasts with each requested transmittance increased by one step.
+    /// Index of each requested transmittance, with the contrasts after this transmittance was increased by one step.
     colours: Vec<(usize, Contrasts)>,
     requested: &'a [usize],
 }
 
 impl Optics {
-    /// Features of the markers of a sensor with this departure, as of [`Optics::project`], with their slopes by the requested
-    /// numbers of the departure. `None` for markers that are not visible.
+    /// Features of the markers of a sensor with these deviations, as in [`Optics::project`], and their derivatives with
+    /// respect to the requested numbers of the sensor deviation. `None` for markers that are not visible.
     ///
-    /// The error of the slopes is about 5e-5 of the largest one, except where the edges of two discs touch: the features have
-    /// a kink there.
+    /// The error of the derivatives is about 5e-5 of the largest derivative. It is larger where the edges of two discs
+    /// touch, because the features have a kink there.
     ///
     /// # Errors
-    /// Errors of [`Optics::departed`] and of [`Optics::project`]; [`OpticsError::BadSetting`] for `requested` unless each
-    /// number is less than [`Departure::NUMBERS`].
+    /// Errors of [`Optics::departed`] and of [`Optics::project`]; [`OpticsError::BadSetting`] for `requested` unless
+    /// each number is less than [`Departure::NUMBERS`].
     pub fn slopes(
         &self,
         departure: &Departure,
@@ -158,7 +159,9 @@ impl Shared<'_> {
         Some(slopes)
     }
 
-    /// Derivatives with respect to depths, diameters and the parameters of the camera.
+    /// Writes the requested derivatives of the marker's features into `slopes`: with respect to the depths and
+    /// diameters of the discs, and to the camera's position, rotation, centre and scale. For each disc, `by` contains
+    /// the part of the derivatives that is due to the direction and size of this disc.
     fn by_departure(&self, slopes: &mut MarkerSlopes, by: [&SMatrix<f64, 4, COLUMNS>; 2]) {
         let [magenta, yellow] = by;
         let centre = self.optics.camera.centre_px();
@@ -173,7 +176,8 @@ impl Shared<'_> {
                 4 => Vector4::x(),
                 5 => Vector4::y(),
                 6 => {
-                    // All lengths in the image are proportional to the pixels per radian.
+                    // The derivative is simple, because all lengths in the image are proportional to the pixels per
+                    // radian.
                     let [x, y] = [0, 1].map(|axis| seen[axis] - centre[axis]);
                     Vector4::new(x, y, 0.0, 2.0) / (1.0 + self.departure.px_per_rad)
                 }

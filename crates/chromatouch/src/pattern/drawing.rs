@@ -1,45 +1,45 @@
-//! Drawings of a cutting sheet as SVG and DXF.
+//! Draws a cutting sheet as SVG and DXF files.
 
 use svg::Document;
 use svg::node::element::{Circle, Group, Line, Polygon};
 
 use super::{CuttingSheet, PatternError};
 
-/// Layer of the gores' outlines.
+/// Drawing layer of the gores' outlines.
 const CUT: &str = "CUT";
-/// Layer of the middle meridians and the seam marks.
+/// Drawing layer of the middle meridians and the seam marks.
 const FOLD: &str = "FOLD";
-/// Layer of the inner discs.
+/// Drawing layer of the inner discs.
 const MAGENTA: &str = "MAGENTA";
-/// Layer of the outer discs.
+/// Drawing layer of the outer discs.
 const YELLOW: &str = "YELLOW";
 
-/// Layers with the numbers of their colours in AutoCAD: white (black on paper), blue, magenta, yellow.
+/// Drawing layers with their colour numbers in AutoCAD: white (black on paper), blue, magenta, yellow.
 const LAYERS: [(&str, u8); 4] = [(CUT, 7), (FOLD, 5), (MAGENTA, 6), (YELLOW, 2)];
 
 /// Smallest and largest radius of a sphere in a drawing, mm. The coordinates in the files have steps of 1e-6 mm.
 const DRAWABLE_MM: [f64; 2] = [0.01, 1e6];
 
 impl CuttingSheet {
-    /// The drawing as SVG in millimetres, y up the page, with the groups `CUT`, `FOLD`, `MAGENTA` and `YELLOW`;
-    /// `unit_mm` is the pattern's unit of length in millimetres.
+    /// The drawing as SVG in millimetres. The y axis points up the page, and the groups are `CUT`, `FOLD`, `MAGENTA`
+    /// and `YELLOW`. `unit_mm` is the pattern's unit of length in millimetres.
     ///
     /// # Errors
-    /// [`PatternError::NotDrawable`].
+    /// [`PatternError::NotDrawable`] if the drawing is too small or too large.
     pub fn svg(&self, unit_mm: f64) -> Result<String, PatternError> {
         Ok(svg_text(&self.in_millimetres(unit_mm)?))
     }
 
-    /// The drawing as DXF R12 in millimetres, with the layers `CUT`, `FOLD`, `MAGENTA` and `YELLOW`; `unit_mm` is the
+    /// The drawing as DXF R12 in millimetres, with the layers `CUT`, `FOLD`, `MAGENTA` and `YELLOW`. `unit_mm` is the
     /// pattern's unit of length in millimetres.
     ///
     /// # Errors
-    /// [`PatternError::NotDrawable`].
+    /// [`PatternError::NotDrawable`] if the drawing is too small or too large.
     pub fn dxf(&self, unit_mm: f64) -> Result<String, PatternError> {
         Ok(DxfWriter::text_of(&self.in_millimetres(unit_mm)?))
     }
 
-    /// The sheet in millimetres.
+    /// The sheet with all lengths converted to millimetres.
     fn in_millimetres(&self, unit_mm: f64) -> Result<Self, PatternError> {
         let radius_mm = self.radius() * unit_mm;
         let [least, most] = DRAWABLE_MM;
@@ -54,7 +54,7 @@ impl CuttingSheet {
     }
 }
 
-/// Text of a length in millimetres, rounded to a nanometre.
+/// A length in millimetres as text, rounded to 1e-6 mm.
 fn millimetres(value: f64) -> String {
     let text = format!("{value:.6}");
     match text.strip_prefix('-') {
@@ -63,7 +63,8 @@ fn millimetres(value: f64) -> String {
     }
 }
 
-/// SVG text of a sheet whose lengths are in millimetres. In SVG, y points down the page; on the sheet it points up.
+/// SVG text of a sheet whose lengths are in millimetres. The y axis of SVG points down the page, while the y axis of
+/// the sheet points up.
 fn svg_text(sheet: &CuttingSheet) -> String {
     let half_side = sheet.half_side();
     let corner = millimetres(-half_side);
@@ -121,7 +122,7 @@ fn cuts(sheet: &CuttingSheet) -> Group {
     })
 }
 
-/// Writer of DXF R12: pairs of lines, a group code and its value.
+/// Writer of DXF R12 files, which consist of pairs of lines: a group code and its value.
 #[derive(Default)]
 struct DxfWriter {
     text: String,
@@ -147,7 +148,7 @@ impl DxfWriter {
         self.pair(2, name);
     }
 
-    /// A point: codes 10 and 20, or 11 and 21 for a second point.
+    /// Writes a point. The first point of an entity has the group codes 10 and 20, the second point 11 and 21.
     fn place(&mut self, code: u16, [x, y]: [f64; 2]) {
         self.pair(code, &millimetres(x));
         self.pair(code + 10, &millimetres(y));
@@ -179,7 +180,7 @@ impl DxfWriter {
         for (code, value) in [(2, "CONTINUOUS"), (70, "0"), (3, "Solid line")] {
             self.pair(code, value);
         }
-        // Alignment "A", no dashes, pattern length 0.
+        // These values mean: alignment "A", no dashes, pattern length 0.
         for (code, value) in [(72, "65"), (73, "0"), (40, "0.0"), (0, "ENDTAB")] {
             self.pair(code, value);
         }
@@ -222,7 +223,7 @@ impl DxfWriter {
 
     fn closed_line(&mut self, outline: &[[f64; 2]]) {
         self.entity("POLYLINE", CUT);
-        // Vertices follow; elevation 0; closed.
+        // These values mean: vertices follow, elevation 0, closed line.
         self.pair(66, "1");
         self.place(10, [0.0, 0.0]);
         self.pair(30, "0.0");

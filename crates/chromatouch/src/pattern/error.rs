@@ -11,16 +11,17 @@ use crate::LayoutError;
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum PatternError {
-    /// A setting is out of its range, or there is no such layout.
+    /// A setting is out of its range, or the layout is impossible.
     #[error(transparent)]
     #[strum(transparent)]
     Layout(#[from] LayoutError),
-    /// There are fewer gores than the limit. Folding would stretch such wide gores to more than twice their length.
+    /// There are fewer gores than the limit. Such wide gores would be stretched to more than twice their length by
+    /// folding.
     #[error("gores is {gores}; it must be at least {FEWEST_GORES}{}", stretched(*.strain))]
     TooFewGores {
         /// Requested number of gores.
         gores: u32,
-        /// Largest strain of folding this number of gores; `None` for 0 gores.
+        /// Largest strain of folding if the skin had this number of gores; `None` for 0 gores.
         strain: Option<f64>,
     },
     /// There are more gores than the limit.
@@ -29,17 +30,18 @@ pub enum PatternError {
         /// Requested number of gores.
         gores: u32,
     },
-    /// A place beyond the equator, where the gores end.
+    /// A marker is beyond the equator, where the gores end.
     #[error("marker {marker} lies {polar_deg:.4} degrees from the apex; the gores end at 90")]
     BeyondTheEquator {
         /// Index of the marker in the layout, from 0.
         marker: usize,
-        /// Its polar angle, degrees.
+        /// Polar angle of the marker, degrees.
         polar_deg: f64,
     },
-    /// Two discs overlap.
+    /// The discs of two markers overlap on the flat pattern.
     #[error(
-        "the discs of markers {first} and {second} are {diameter} across and {distance} apart: they would overlap",
+        "the discs of markers {first} and {second} overlap: their diameter is {diameter}, their \
+         distance is {distance}",
         diameter = Number(*diameter), distance = Number(*distance)
     )]
     DiscsOverlap {
@@ -49,12 +51,13 @@ pub enum PatternError {
         second: usize,
         /// Distance between the centres of their discs on the flat pattern, length.
         distance: f64,
-        /// Diameter of the larger disc of a marker, length.
+        /// Diameter of the larger disc of each marker, length.
         diameter: f64,
     },
-    /// A disc that is not at the apex would be cut.
+    /// A disc would be cut, because it crosses the edge of its gore. The disc at the apex is an exception.
     #[error(
-        "the disc of marker {marker} is {diameter} across and its centre {distance} inside the gore's edge: it would be cut",
+        "the disc of marker {marker} would be cut: its diameter is {diameter}, but its centre is \
+         only {distance} inside the gore's edge",
         diameter = Number(*diameter), distance = Number(*distance)
     )]
     DiscAcrossEdge {
@@ -62,7 +65,7 @@ pub enum PatternError {
         marker: usize,
         /// Distance from the disc's centre to the nearest edge of the gore, length.
         distance: f64,
-        /// Diameter of the larger disc of a marker, length.
+        /// Diameter of the larger disc of the marker, length.
         diameter: f64,
     },
     /// The drawing is too small or too large for a file in millimetres.
@@ -83,7 +86,7 @@ pub enum PatternError {
 fn stretched(strain: Option<f64>) -> String {
     strain.map_or_else(String::new, |strain| {
         format!(
-            " (folding would stretch such a wide gore by up to {:.0} %)",
+            " (folding would stretch gores of this width by up to {:.0} %)",
             100.0 * strain
         )
     })

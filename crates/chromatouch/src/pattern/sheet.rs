@@ -1,4 +1,4 @@
-//! Cutting sheet of a skin: the assembled gores with their marks and discs.
+//! The cutting sheet of a skin: the assembled gores, with fold marks and discs.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -6,16 +6,17 @@ use super::{FlatPlace, Pattern, PatternError};
 use crate::layout::too_close;
 use crate::{Layout, LayoutError};
 
-/// Diameters of the two discs that each marker is made of, length. They are drawn as circles; folding shears them.
+/// Diameters of a marker's two discs, length. They are drawn as circles on the sheet. Folding the sheet onto the sphere
+/// shears them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Discs {
-    /// Diameter of the inner disc, nearer the camera.
+    /// Diameter of the inner disc, which is nearer to the camera.
     pub magenta: f64,
     /// Diameter of the outer disc.
     pub yellow: f64,
 }
 
-/// A pattern with the markers of a layout, ready to be cut.
+/// A flat pattern for cutting, with the markers of a layout.
 ///
 /// ```
 /// use palpate_chromatouch::{Discs, Layout, Pattern};
@@ -37,12 +38,12 @@ pub struct CuttingSheet {
 }
 
 impl Pattern {
-    /// The assembled pattern with both discs of each marker of the layout. The disc at the apex, where all gores meet,
-    /// is drawn as a full circle, although its parts in the gaps between the gores are cut off.
+    /// The assembled pattern, with both discs of each marker of the layout. All gores meet at the apex, so the disc
+    /// there is drawn as a full circle, although its parts in the gaps between the gores are cut off.
     ///
     /// # Errors
-    /// [`PatternError`] for an impossible layout, for impossible discs, and for markers that do not fit the gores:
-    /// beyond the equator, or with discs that overlap or cross an edge.
+    /// [`PatternError`] if the layout or the discs are impossible, if a marker is beyond the equator, or if discs
+    /// overlap or cross an edge.
     pub fn sheet(&self, layout: &Layout, discs: Discs) -> Result<CuttingSheet, PatternError> {
         for (setting, diameter) in [("magenta", discs.magenta), ("yellow", discs.yellow)] {
             let good = diameter > 0.0 && diameter.is_finite();
@@ -72,8 +73,9 @@ impl Pattern {
         outline.map(|place| self.assembled(gore, place)).collect()
     }
 
-    /// The middle meridian, and marks on both seams at a third and two thirds of the way from the apex to the equator.
-    /// A mark is a twentieth of the half-width long. The marks of neighbouring gores meet after folding.
+    /// The middle meridian of a gore, and marks on both of its seams. The marks are at one third and two thirds of the
+    /// distance from the apex to the equator. The length of a mark is 1/20 of half the gore's width. The marks of
+    /// neighbouring gores meet after folding.
     fn marks(&self, gore: u32) -> Vec<[[f64; 2]; 2]> {
         let equator = self.radius * FRAC_PI_2;
         let mut marks = vec![[[0.0, 0.0], [0.0, equator]]];
@@ -87,14 +89,15 @@ impl Pattern {
         marks.into_iter().map(place).collect()
     }
 
-    /// Half-width of the drawn gore at a share of the way from the apex to the equator, less than 1.
+    /// Half the width of the drawn gore at a share (less than 1) of the distance from the apex to the equator.
     fn chord_half_width(&self, share: f64) -> f64 {
         let steps = share * f64::from(self.samples);
         let [inner, outer] = [0, 1].map(|more| self.edge(steps.floor() as u32 + more)[0]);
         inner + (outer - inner) * steps.fract()
     }
 
-    /// Checks that the discs lie inside the drawn outline, which is convex. A disc at the apex may cross the seams.
+    /// Checks that the discs are inside the drawn outline of their gore, which is convex. A disc at the apex may cross
+    /// the seams.
     fn within_edges(&self, places: &[FlatPlace], diameter: f64) -> Result<(), PatternError> {
         let chords: Vec<[[f64; 2]; 2]> = (0..self.samples)
             .map(|step| [self.edge(step), self.edge(step + 1)])
@@ -119,13 +122,14 @@ impl Pattern {
     }
 }
 
-/// Distance of the point (across, from the apex) inside the line through a chord of the right edge.
+/// Distance of a point from the line through a chord of the right edge; positive inside. The point is given by its
+/// distance across the gore and its distance from the apex.
 fn inside(&[[x, y], [u, v]]: &[[f64; 2]; 2], [across, from_apex]: [f64; 2]) -> f64 {
     let length = libm::hypot(u - x, v - y);
     (u - x) / length * (from_apex - y) - (v - y) / length * (across - x)
 }
 
-/// Checks that all centres are at least the diameter apart.
+/// Checks that the distance between any two centres is at least the diameter.
 fn apart(centres: &[[f64; 2]], diameter: f64, narrowest: f64) -> Result<(), PatternError> {
     match too_close(centres, diameter, narrowest) {
         None => Ok(()),
@@ -139,18 +143,19 @@ fn apart(centres: &[[f64; 2]], diameter: f64, narrowest: f64) -> Result<(), Patt
 }
 
 impl CuttingSheet {
-    /// Closed outlines of the gores, counter-clockwise, length; (x, y) with the apex in the origin, seen from outside
-    /// the skin.
+    /// Closed outlines of the gores, counter-clockwise, length. The apex is at the origin of the coordinates (x, y),
+    /// and the skin is viewed from outside.
     pub(super) fn cuts(&self) -> &[Vec<[f64; 2]>] {
         &self.cuts
     }
 
-    /// Ends of the lines that help to fold: the middle meridian of each gore, and marks that meet at the seams.
+    /// Ends of the lines that help with folding: the middle meridian of each gore, and the marks that meet at the
+    /// seams.
     pub(super) fn marks(&self) -> &[[[f64; 2]; 2]] {
         &self.marks
     }
 
-    /// Centres of both discs of each marker, in the layout's order.
+    /// Centres of the discs of each marker, in the layout's order.
     pub(super) fn centres(&self) -> &[[f64; 2]] {
         &self.centres
     }
@@ -165,7 +170,7 @@ impl CuttingSheet {
         self.radius
     }
 
-    /// Sheet with all lengths of this one times `factor`.
+    /// This sheet with all lengths multiplied by `factor`.
     pub(super) fn scaled(&self, factor: f64) -> Self {
         let place = |place: &[f64; 2]| place.map(|coordinate| coordinate * factor);
         let cut = |outline: &Vec<[f64; 2]>| outline.iter().map(place).collect();
@@ -182,7 +187,7 @@ impl CuttingSheet {
         }
     }
 
-    /// Half the side of a square around the apex that holds the drawing and a margin.
+    /// Half the side of a square around the apex that contains the drawing and a margin.
     pub(super) fn half_side(&self) -> f64 {
         let corners = self.cuts.iter().flatten();
         1.05 * corners

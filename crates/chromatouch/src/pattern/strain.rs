@@ -1,25 +1,25 @@
 //! Strain of a flat gore that is folded onto the sphere.
 //!
 //! A gore covers |x| ≤ (πR/n) cos φ at the height y = Rφ above the equator. Folding maps the point (x, y) to the
-//! latitude φ = y/R and to the longitude λ = x/(R cos φ) from the gore's middle meridian: heights and widths keep their
-//! lengths. With R cos φ dλ = dx + λ sin φ dy and R dφ = dy,
+//! latitude φ = y/R and to the longitude λ = x/(R cos φ) from the gore's middle meridian, so heights and widths keep
+//! their lengths. With R cos φ dλ = dx + λ sin φ dy and R dφ = dy,
 //!
 //! ```text
 //! ds² = (R cos φ dλ)² + (R dφ)² = (dx + s dy)² + dy²,    s = λ sin φ:
 //! ```
 //!
-//! This is a simple shear by s. It keeps areas, so that the principal stretches are σ and 1/σ, where σ − 1/σ = s:
+//! This is a simple shear by s. It does not change areas, so the principal stretches are σ and 1/σ, where σ − 1/σ = s:
 //!
 //! ```text
 //! σ = s/2 + √(1 + s²/4).
 //! ```
 //!
-//! The strain is σ − 1. It is greatest where the seams meet the apex, |λ| = π/n and φ = π/2, and vanishes on the middle
-//! meridian and on the equator. Over the gore's area R² cos φ dλ dφ, sin φ and nλ/π are independent and uniform.
-//! Therefore the mean square is an integral over a square.
+//! The strain is σ − 1. It is largest where the seams meet the apex (|λ| = π/n and φ = π/2). It vanishes on the middle
+//! meridian and on the equator. Over the area R² cos φ dλ dφ of a gore, sin φ and nλ/π are independent and uniformly
+//! distributed. Therefore the mean square is an integral over a square.
 //!
-//! In this construction the parallels and the middle meridian keep their lengths. A skin that can slide on the sphere
-//! would relax to a lower elastic energy.
+//! In this construction, the parallels and the middle meridian do not change their lengths. A skin that can slide on
+//! the sphere would relax to a state with lower elastic energy.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::num::NonZeroUsize;
@@ -29,17 +29,17 @@ use gauss_quad::GaussLegendre;
 use super::{FEWEST_GORES, PatternError};
 use crate::LayoutError;
 
-/// Quadrature nodes per direction. For three gores or more, the nearest singularity (s = 2i) makes the error less than
-/// 1e-20.
+/// Number of quadrature nodes per direction. For three or more gores, the error is below 1e-20. It is limited by the
+/// nearest singularity of the integrand, s = 2i.
 const NODES: usize = 16;
 
-/// Strain of a polyconic gore that is folded onto its sphere: its greatest principal stretch minus 1.
+/// Strain of a polyconic gore that is folded onto its sphere: its largest principal stretch minus 1.
 ///
 /// ```
 /// use palpate_chromatouch::FoldStrain;
 ///
 /// let strain = FoldStrain::of(4)?;
-/// // With the stretch σ, σ − 1/σ is the shear: π/4 where the seams of four gores meet the apex.
+/// // If the stretch is σ, the shear is σ − 1/σ: π/4 where the seams of four gores meet the apex.
 /// let stretch = 1.0 + strain.greatest;
 /// assert!((stretch - 1.0 / stretch - std::f64::consts::FRAC_PI_4).abs() < 1e-12);
 /// // The middle meridian keeps its length.
@@ -49,7 +49,7 @@ const NODES: usize = 16;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoldStrain {
     gores: u32,
-    /// Greatest strain of the gore, at its edges next to the apex.
+    /// Largest strain of the gore. It occurs at the edges next to the apex.
     pub greatest: f64,
     /// Root mean square of the strain over the gore's area.
     pub rms: f64,
@@ -59,7 +59,7 @@ impl FoldStrain {
     /// Strain of the gores of a pattern with this number of gores per turn. It does not depend on the radius.
     ///
     /// # Errors
-    /// [`PatternError::TooFewGores`] for less than three.
+    /// [`PatternError::TooFewGores`] for fewer than three gores.
     pub fn of(gores: u32) -> Result<Self, PatternError> {
         enough(gores)?;
         Ok(Self {
@@ -69,8 +69,8 @@ impl FoldStrain {
         })
     }
 
-    /// Strain at the longitude from the gore's middle meridian and the latitude above the equator, rad. The other
-    /// principal stretch is 1/(1 + strain).
+    /// Strain at a place of the gore. `longitude` is measured from the middle meridian and `latitude` from the equator,
+    /// rad. The other principal stretch is 1/(1 + strain).
     ///
     /// # Errors
     /// [`LayoutError::BadSetting`] for a place that is not on the gore.
@@ -85,7 +85,8 @@ impl FoldStrain {
     }
 }
 
-/// Strain σ − 1 of a shear s ≥ 0, without cancellation.
+/// Strain σ − 1 of a simple shear `shear` ≥ 0, where σ is the larger principal stretch. The formula has no cancellation
+/// at small shears.
 fn strain_of_shear(shear: f64) -> f64 {
     let half = 0.5 * shear;
     half + half * half / (1.0 + libm::hypot(half, 1.0))
@@ -133,7 +134,7 @@ mod tests {
         }
     }
 
-    /// Point in space after folding, for a sphere of radius 1.
+    /// Point in 3D space after folding onto a sphere of radius 1.
     fn fold([x, y]: [f64; 2]) -> [f64; 3] {
         let longitude = x / libm::cos(y);
         [
@@ -143,7 +144,8 @@ mod tests {
         ]
     }
 
-    /// Principal stretches of the fold: the eigenvalues of JᵀJ, J by central differences.
+    /// Principal stretches of the fold: the square roots of the eigenvalues of JᵀJ, where J is computed by central
+    /// differences.
     fn stretches(x: f64, y: f64) -> [f64; 2] {
         let step = 1e-5;
         let difference = |ahead: [f64; 3], behind: [f64; 3]| {
@@ -178,15 +180,15 @@ mod tests {
         }
     }
 
-    /// Mean square of the strain by series: from σ² = sσ + 1, (σ − 1)² = 2 + (s − 2)(s/2 + √(1 + s²/4)); the mean of sᵏ
-    /// over the gore is (π/n)ᵏ/(k + 1)².
+    /// Mean square of the strain, computed from a series. From σ² = sσ + 1 follows (σ − 1)² = 2 + (s − 2)(s/2 + √(1 +
+    /// s²/4)). The mean of sᵏ over the gore is (π/n)ᵏ/(k + 1)².
     fn mean_square_by_series(gores: u32) -> f64 {
         let widest = PI / f64::from(gores);
         let moment = |power: i32| widest.powi(power) / f64::from((power + 1).pow(2));
         let mut mean = moment(2) / 2.0 - moment(1) + 2.0;
         let mut binomial = 1.0;
         for term in 0..60 {
-            // √(1 + s²/4) = Σ C(½, j) (s/2)²ʲ.
+            // The series is √(1 + s²/4) = Σ C(½, j) (s/2)²ʲ.
             let weight = binomial / 4.0_f64.powi(term);
             mean += weight * (moment(2 * term + 1) - 2.0 * moment(2 * term));
             binomial *= (0.5 - f64::from(term)) / f64::from(term + 1);
@@ -209,7 +211,7 @@ mod tests {
         for pair in strains.windows(2) {
             assert!(pair[1].greatest < pair[0].greatest && pair[1].rms < pair[0].rms);
         }
-        // Where s is small, the strain is s/2, at most π/2n, and the rms a third of that.
+        // For small shears s, the strain is s/2, at most π/2n. Its root mean square is a third of this value.
         for gores in [1_000_000, u32::MAX] {
             let strain = FoldStrain::of(gores).unwrap();
             let limit = FRAC_PI_2 / f64::from(gores);

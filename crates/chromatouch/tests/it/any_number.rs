@@ -1,4 +1,5 @@
-//! Possible sensors have markers, patterns and images. For any numbers, the result is finite or the correct error.
+//! Sensors that are possible have markers, patterns and images. For any numbers, the result is finite or the expected
+//! error.
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{
@@ -7,7 +8,7 @@ use palpate_chromatouch::{
 };
 use proptest::prelude::*;
 
-/// Any double; the ranges of ordinary size have most of the weight.
+/// Any double; numbers of ordinary size are the most frequent.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => any::<u64>().prop_map(f64::from_bits),
@@ -28,7 +29,7 @@ fn layout() -> impl Strategy<Value = Layout> {
             rows,
             row_spacing_deg: 30.0 * spacing,
         }),
-        // Wide pitches, so that the test is fast.
+        // The pitches are wide, so that there are few markers and the test is fast.
         (any_number(), any_number()).prop_map(|(pitch, cap)| Layout::Lattice {
             pitch: pitch + 0.1,
             cap_deg: 180.0 * cap,
@@ -139,7 +140,7 @@ proptest! {
         prop_assert!(camera.disc_area(width, polar).is_none_or(|area| area.is_finite()));
     }
 
-    /// Four discs, a third of a radian apart, that move by up to a hundredth of the radius, are all visible.
+    /// Four markers, a third of a radian apart, whose discs move by up to a hundredth of the radius, are all visible.
     #[test]
     fn markers_that_move_little_are_all_seen(
         lens in lens(),

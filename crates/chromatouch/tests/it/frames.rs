@@ -1,4 +1,4 @@
-//! Rendered frames, and the features that are measured in them.
+//! Rendered frames, and the features of markers that are measured in them.
 
 use image::RgbImage;
 use palpate_chromatouch::{
@@ -9,7 +9,7 @@ use palpate_sensing::{Channel, Stream};
 
 use crate::optics::{DISCS, depths};
 
-/// Colours with which each region of a marker has whole levels.
+/// Colours with which the level of every region of a marker is a whole number.
 const WHOLE_LEVELS: Colours = Colours {
     white: [240.0 / 255.0; 3],
     magenta: [0.95, 0.40, 0.60],
@@ -36,7 +36,7 @@ fn at_rest(optics: &Optics) -> Vec<Option<MarkerMotion>> {
     vec![Some(MarkerMotion::default()); optics.array().places().len()]
 }
 
-/// The sums that define a marker's features, over the levels of the pixels in a square on white ground.
+/// Features of a marker, computed by their definitions from the levels of the pixels in a square on a white background.
 fn measured(frame: &RgbImage, middle: [f64; 2], half_side: f64) -> SeenMarker {
     let ground = 240.0;
     let range = |middle: f64| (middle - half_side) as u32..=(middle + half_side) as u32;
@@ -61,17 +61,18 @@ fn measured(frame: &RgbImage, middle: [f64; 2], half_side: f64) -> SeenMarker {
     }
 }
 
-/// The hue of a colour that is mostly red, turns.
+/// Hue of a colour with more red than green and blue, turns.
 fn hue_of_a_red([red, green, blue]: [f64; 3]) -> f64 {
     assert!(red > green && red > blue);
     ((green - blue) / (red - green.min(blue)) / 6.0).rem_euclid(1.0)
 }
 
-/// Largest differences between the projected and the rendered features: centroid, px; hue, turns; size, relative.
+/// Largest differences between the projected and the rendered features: of the centroid, px; of the hue, turns; of the
+/// size, relative.
 fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64; 3] {
     let polar = [0.0_f64, 0.02, 20.0, 40.0, 60.0, 60.0];
     let azimuth = [0.0_f64, 0.0, 100.0, 200.0, 300.0, 45.0];
-    // The first two markers would overlap, so that each is rendered in a frame of its own.
+    // The first two markers would overlap, so that they are rendered in two different frames.
     let places: Vec<[f64; 2]> = std::iter::zip(polar, azimuth)
         .map(|(polar, azimuth)| {
             let (sine, cosine) = libm::sincos(azimuth.to_radians());
@@ -107,7 +108,7 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
             let [column, row] = marker.centroid_px;
             let [middle, _] = camera.centre_px();
             let from_centre = libm::hypot(column - middle, row - middle) / camera.px_per_rad();
-            // Half the side of a square that contains the marker and none of its neighbours, over the focal length.
+            // Half-width of a square that contains this marker but none of its neighbours, divided by the focal length.
             let half_side = match lens {
                 Lens::Fisheye | Lens::Odd(_) => 0.16,
                 Lens::Pinhole => 0.15 * (1.0 + from_centre * from_centre),
@@ -130,7 +131,7 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
 
 #[test]
 fn frames_show_what_is_projected_the_better_the_larger() {
-    // A pinhole magnifies the error of the overlap most: up to 2e-4 focal lengths at 60°.
+    // The error in the overlap of the discs is largest for a pinhole lens: up to 2e-4 focal lengths at 60°.
     let odd = |k3, k5| Lens::fisheye(OddTerms { k3, k5 });
     for (lens, bound_px) in [
         (Lens::Fisheye, 0.01),
@@ -146,9 +147,9 @@ fn frames_show_what_is_projected_the_better_the_larger() {
                 std::iter::zip(large, bounds).all(|(one, bound)| one < bound),
                 "{large:?}"
             );
-            // Errors of the centroid are compared relative to the frame's size, those of the hue and the size are not.
-            // The centroids of a pinhole differ mostly by the second-order error of the overlap, which does not depend
-            // on the frame's size.
+            // The error of the centroid is compared relative to the size of the frame; the errors of the hue and the
+            // size are compared directly. The centroids of a pinhole lens differ mostly by the second-order error in
+            // the overlap of the discs, which does not depend on the size of the frame.
             assert!(
                 lens == Lens::Pinhole || large[0] / 2048.0 < 0.5 * small[0] / 256.0,
                 "{small:?} {large:?}"
@@ -163,7 +164,7 @@ fn frames_show_what_is_projected_the_better_the_larger() {
 
 #[test]
 fn discs_much_smaller_than_a_pixel_take_their_share() {
-    // Many markers, so that their positions within a pixel differ.
+    // There are many markers, so that their positions relative to the pixels differ.
     let layout = Layout::Lattice {
         pitch: 0.4,
         cap_deg: 35.0,
@@ -178,7 +179,7 @@ fn discs_much_smaller_than_a_pixel_take_their_share() {
         yellow: 1.0,
     };
     let array = MarkerArray::new(20.0, &places, discs, depths).unwrap();
-    // Radii of 0.2 to 1.6 px.
+    // The discs have radii of 0.2 to 1.6 px.
     for size_px in [100, 200, 400, 800] {
         let optics = optics(array.clone(), size_px, Blemishes::default());
         let motions = at_rest(&optics);
@@ -187,7 +188,7 @@ fn discs_much_smaller_than_a_pixel_take_their_share() {
         let half = 0.33 * f64::from(size_px);
         let [middle, _] = optics.camera().centre_px();
         let frame = optics.render(&motions, None).unwrap();
-        // A square within the image circle, around all markers.
+        // The features are measured in a square inside of the image circle that contains all markers.
         let found = measured(&frame, [middle; 2], half).size_px2;
         assert!(
             (found / expected - 1.0).abs() < 0.03,
@@ -244,8 +245,8 @@ fn the_image_circle_is_cut_out_of_what_surrounds_it() {
         let sum: f64 = frame.pixels().map(|pixel| f64::from(pixel.0[1])).sum();
         let area = std::f64::consts::PI * f64::from(size_px).powi(2) / 4.0;
         let error = (sum / 240.0 - area) / f64::from(size_px);
-        // With few pixels, the area has a large error. For example, an image of one pixel counts fully, because the
-        // pixel's centre is in the circle.
+        // If there are few pixels, the area has a large error. For example, an image of one pixel counts completely,
+        // because the centre of the pixel is in the circle.
         assert!(
             error.abs() < if size_px < 3 { 0.3 } else { 0.05 },
             "{size_px}: {error}"
@@ -267,7 +268,7 @@ fn light_falls_with_the_square_of_the_polar_angle() {
         let found = level(&frame, column, 100);
         assert!((found - expected).abs() <= 0.5, "{found} {expected}");
     }
-    // Through a pinhole, the distance in the image is proportional to tan θ.
+    // Through a pinhole, the distance from the image centre is proportional to tan θ.
     let camera = Camera::new(Lens::Pinhole, 201, 60.0).unwrap();
     let optics = Optics::new(array(&[], 0.0), camera, WHOLE_LEVELS, blemishes).unwrap();
     let frame = optics.render(&[], None).unwrap();
@@ -292,12 +293,13 @@ fn seams_are_as_wide_on_the_skin_everywhere() {
         };
         for polar_deg in [20.0_f64, 60.0] {
             let polar = polar_deg.to_radians();
-            // Across the seam along +x; a seam absorbs half the light.
+            // The column crosses the seam along +x. A seam absorbs half of the light.
             let column = (500.0 + focal * polar).round() as u32;
             let found = 2.0 * taken(&mut (400..600).map(|row| (column, row)));
             let expected = 2.0 * libm::sin(0.025 * width) * focal * polar / libm::sin(polar);
             assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
-            // The seams at ±120° run slantwise across a column; opposite the first one there is no seam.
+            // The seams at ±120° cross the column at an angle. On the side opposite to the first seam, there is no
+            // seam.
             let column = (500.0 - 0.5 * focal * polar).round() as u32;
             let found = taken(&mut (0..1001).filter_map(|row| {
                 let inside = libm::hypot(f64::from(row) - 500.0, f64::from(column) - 500.0) < 499.0;
@@ -324,8 +326,8 @@ fn a_blur_is_a_gaussian_and_keeps_the_light() {
         optics.render(&at_rest(&optics), None).unwrap()
     });
     assert!((sum(&soft) / sum(&sharp) - 1.0).abs() < 1e-3);
-    // The edge of a straight seam that is half the field wide. Its blur is an error function, with tabulated values at
-    // 0.5, 1 and 2 standard deviations from the edge.
+    // The edge of a straight seam that is half as wide as the field. Its blur is an error function, whose values at
+    // 0.5, 1 and 2 standard deviations from the edge are tabulated.
     let wide = Seams {
         gores: 1,
         width: 20.0,
@@ -342,7 +344,7 @@ fn a_blur_is_a_gaussian_and_keeps_the_light() {
     let edge = {
         let focal = 200.5 / 70.0_f64.to_radians();
         let polar = |row: f64| libm::hypot(row - 200.0, 100.0) / focal;
-        // Rows where the half-width in the image is the distance from the seam's middle.
+        // Rows in which the distance from the middle of the seam is equal to the half-width of the seam in the image.
         let off = |row: f64| {
             row - 200.0 - libm::sin(0.5_f64) * focal * polar(row) / libm::sin(polar(row))
         };
@@ -376,7 +378,7 @@ fn markers_that_are_not_there_leave_the_ground_and_those_on_the_rim_are_cut() {
     let optics = optics(published(), 265, Blemishes::default());
     let frame = optics.render(&vec![None; 77], None).unwrap();
     assert!(frame == empty(265, Blemishes::default(), None));
-    // The marker's middle is on the rim, 70° from the apex: half of the marker is visible.
+    // The middle of the marker is on the rim, 70° from the apex, so that half of the marker is visible.
     let reach = 20.0 * 70.0_f64.to_radians();
     let camera = Camera::new(Lens::Fisheye, 801, 70.0).unwrap();
     let rim = Optics::new(

@@ -1,4 +1,4 @@
-//! The mean hue of projected markers against golden values.
+//! Compares the mean hue of projected markers with golden values.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, Lens, MarkerArray, MarkerMotion,
@@ -7,8 +7,9 @@ use palpate_chromatouch::{
 
 use crate::optics::{PURE, depths, inward, moved, optics};
 
-/// Diameters of the yellow and the magenta disc, distance of their middles, and hues of the marker: mean, circular mean,
-/// and of the summed light; by the areas of overlapping circles.
+/// Columns: diameters of the yellow and the magenta disc, distance between their centres, and hues of the marker: the
+/// mean, the circular mean, and the hue of the summed light. The values were computed from the areas of overlapping
+/// circles.
 const GOLDEN: &str = include_str!("mean-hue.csv");
 
 #[test]
@@ -19,7 +20,7 @@ fn golden_hues() {
         let numbers = line.split(',').map(|number| number.parse().unwrap());
         let row: [f64; 6] = numbers.collect::<Vec<f64>>().try_into().unwrap();
         let [yellow, magenta, offset, mean, _, of_sum] = row;
-        // The sphere is so large that the discs are flat in its centre's view.
+        // The sphere is so large that discs near the apex are practically flat.
         let (depths, discs) = (depths(0.0, 0.0), Discs { magenta, yellow });
         let array = MarkerArray::new(2e4, &[[0.0, 0.0]], discs, depths).unwrap();
         let camera = Camera::new(Lens::Fisheye, 640, 70.0).unwrap();
@@ -54,10 +55,10 @@ fn pale_regions_do_not_count() {
             .unwrap()[0]
             .unwrap()
     };
-    // Magenta alone has the hue 5/6 and covers most of the area.
+    // Magenta, with the hue 5/6, covers most of the area.
     let seen = hue(pale);
     assert!((0.83..0.92).contains(&seen.mean_hue_turns), "{seen:?}");
-    // Without a saturated region, the mean is the hue of the sum.
+    // If no region is saturated, the mean hue is the hue of the summed light.
     let seen = hue(Colours {
         magenta: [1.0, 0.85, 1.0],
         yellow: [1.0, 1.0, 0.9],
@@ -66,7 +67,7 @@ fn pale_regions_do_not_count() {
     assert_eq!(seen.mean_hue_turns, seen.hue_turns);
 }
 
-/// The order of the discs is free, and a misalignment grows with the skin.
+/// Either disc may be above the other, and a misalignment grows with the strain of the skin.
 #[test]
 fn a_misalignment_strains_with_the_skin() {
     let place = [[0.0, 0.0]];

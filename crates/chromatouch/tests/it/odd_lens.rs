@@ -1,4 +1,4 @@
-//! Fisheyes with odd terms.
+//! Fisheye lenses with odd terms.
 
 use std::f64::consts::PI;
 
@@ -12,8 +12,8 @@ use palpate_chromatouch::{
 use crate::optics::{DISCS, depths};
 
 const FIELD: f64 = 65.0;
-/// Terms of an equisolid and a stereographic lens, of two lenses with terms of opposite signs, and of one near its
-/// fold.
+/// Odd terms of an equisolid lens, of a stereographic lens, of two lenses with terms of opposite signs, and of a lens
+/// whose image is almost folded at the rim.
 const TERMS: [[f64; 2]; 5] = [
     [-1.0 / 24.0, 1.0 / 1920.0],
     [1.0 / 12.0, 1.0 / 120.0],
@@ -42,7 +42,7 @@ fn angles_are_seen_where_the_polynomial_has_them() {
     for [k3, k5] in TERMS {
         let camera = camera([k3, k5]);
         let map = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
-        // The rim is at the edge of the field for all terms.
+        // For all terms, the rim of the image is at the edge of the field.
         assert_relative_eq!(
             camera.px_per_rad() * map(FIELD.to_radians()),
             320.0,
@@ -66,8 +66,8 @@ fn angles_are_seen_where_the_polynomial_has_them() {
 
 #[test]
 fn an_equisolid_lens_shows_all_directions_alike() {
-    // The terms are the series of 2 sin(θ/2) without the seventh power, whose effect on the area is below 1e-6 at 0.5
-    // rad.
+    // The terms are the series of 2 sin(θ/2) without the seventh power. At 0.5 rad, the seventh power changes the area
+    // by less than 1e-6.
     let camera = camera(TERMS[0]);
     let square = camera.px_per_rad().powi(2);
     for polar in [0.0, 0.03, 0.1, 0.3, 0.5] {
@@ -86,11 +86,11 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
             ..Departure::default()
         });
         let Ok(departed) = departed else {
-            // The rim of such a lens would lie beyond its fold.
+            // With these terms, the image would be folded inside of the rim.
             assert_eq!([k3, k5], TERMS[4]);
             continue;
         };
-        // The circle keeps its size and its pixels per radian, so that the angle at its rim changes.
+        // The image circle and the pixels per radian stay the same, so that the angle at the rim changes.
         let other = departed.camera();
         assert_relative_eq!(other.px_per_rad(), known.camera().px_per_rad());
         let (sine, cosine) = libm::sincos(0.9_f64);
@@ -110,7 +110,7 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
             let angle = libm::hypot(place[0], place[1]) / 20.0;
             let map = angle + k3 * angle.powi(3) + k5 * angle.powi(5);
             let radius = libm::hypot(seen.centroid_px[0] - 319.5, seen.centroid_px[1] - 319.5);
-            // The centroid of a disc of finite width is not exactly the image of its middle.
+            // The centroid of a disc of finite size is not exactly the image of its centre.
             let error = radius - other.px_per_rad() * map;
             assert!(error.abs() < 0.5, "marker {marker}: {error}");
         }
@@ -127,7 +127,7 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
 
 #[test]
 fn derivatives_of_pictures_are_differences() {
-    // The centroid of a small disc is the image of its middle. Its size is proportional to the image area per solid
+    // The centroid of a small disc is the image of its centre, and its size is proportional to the image area per solid
     // angle.
     let places: Vec<[f64; 2]> = (0..12).map(|step| [1.8 * f64::from(step), 0.3]).collect();
     let discs = Discs {
@@ -157,7 +157,7 @@ fn direction([x, y]: [f64; 2]) -> Vector3<f64> {
     Vector3::new(sine * x / (20.0 * angle), sine * y / (20.0 * angle), cosine)
 }
 
-/// Image area per solid angle at a place, by differences.
+/// Image area per solid angle at a position in the image, by finite differences.
 fn area(camera: &Camera, place: [f64; 2]) -> f64 {
     let middle = direction(place);
     let across = Vector3::new(-middle.y, middle.x, 0.0).normalize();
@@ -177,7 +177,8 @@ fn lenses_that_cannot_be_are_refused_with_what_would_be_right() {
     let refused = made(-0.5, 0.0, 65.0).unwrap_err();
     assert_eq!(refused.setting(), Some("k3"));
     let said = refused.to_string();
-    // The slope 1 − 1.5 θ² falls to 0.01 at 46.55°. For a field of 65°, the smallest k3 is −0.99 / (3 θ²).
+    // The derivative 1 − 1.5 θ² of the image radius decreases to 0.01 at 46.55°. For a field of 65°, the smallest
+    // possible k3 is −0.99 / (3 θ²).
     for word in ["k3 = -0.5", "up to 46.54", "ends at 65", "at least -0.2564"] {
         assert!(said.contains(word), "{word}: {said}");
     }
@@ -190,6 +191,6 @@ fn lenses_that_cannot_be_are_refused_with_what_would_be_right() {
         optics(Camera::new(lens, 640, field).unwrap()).departed(&departure)
     };
     assert!(departed(Lens::Pinhole, 65.0, 0.1).is_err());
-    // With these terms, the image radius stops growing before it reaches the rim.
+    // With these terms, the image radius stops growing before the rim is reached.
     assert!(departed(Lens::Fisheye, 120.0, -0.2).is_err());
 }

@@ -1,4 +1,4 @@
-//! Markers in the image, without pixels.
+//! Markers in the image, computed without pixels.
 
 use std::f64::consts::PI;
 
@@ -49,19 +49,19 @@ pub(crate) fn inward(normal: f64) -> DiscMotion {
     }
 }
 
-/// Features of the only marker.
+/// Features of the only marker of the sensor.
 fn seen(optics: &Optics, motion: Option<MarkerMotion>) -> SeenMarker {
     optics.project(&[motion]).unwrap()[0].unwrap()
 }
 
-/// Chart coordinates of a place on the skin of radius 20, this far from the apex.
+/// Chart coordinates of the point on a skin of radius 20 at this polar angle and azimuth.
 pub(crate) fn at(polar_deg: f64, azimuth_deg: f64) -> [f64; 2] {
     let (sine, cosine) = libm::sincos(azimuth_deg.to_radians());
     [cosine, sine].map(|share| 20.0 * polar_deg.to_radians() * share)
 }
 
-/// Image area of a cap that does not contain the axis: ∫ θ 2Δφ dθ, where the circle of polar angle θ crosses the cap's
-/// edge at the azimuths ±Δφ. Midpoint rule in t, with θ = θ₀ − α cos t.
+/// Image area of a cap that does not contain the axis: ∫ θ 2Δφ dθ, where the circle with the polar angle θ crosses the
+/// edge of the cap at the azimuths ±Δφ. The integral is computed by the midpoint rule in t, with θ = θ₀ − α cos t.
 fn fisheye_area(radius: f64, polar: f64) -> f64 {
     let steps = 20_000;
     let step = PI / f64::from(steps);
@@ -86,7 +86,7 @@ fn a_disc_has_the_image_area_that_integration_gives() {
             let expected = square * fisheye_area(radius, polar);
             assert_relative_eq!(area, expected, max_relative = bound);
         }
-        // At the apex a circle of radius f α.
+        // At the apex, the image is a circle of radius f α.
         let area = fisheye.disc_area(radius, 0.0).unwrap();
         assert_relative_eq!(area, PI * square * radius * radius, max_relative = 2e-6);
     }
@@ -105,7 +105,7 @@ fn a_disc_has_the_image_area_that_integration_gives() {
 
 #[test]
 fn series_at_the_axis_and_closed_forms_off_it_meet() {
-    // At 0.05 rad the code switches from the series to the closed form.
+    // At 0.05 rad, the code switches from the series to the closed form.
     let camera = Camera::new(Lens::Fisheye, 640, 80.0).unwrap();
     let area = |polar| camera.disc_area(0.05, polar).unwrap();
     let step = 1e-6;
@@ -130,7 +130,8 @@ fn concentric_discs_of_pure_colours_count_with_both_areas() {
         );
         assert_relative_eq!(marker.centroid_px[0], 319.5, epsilon = 1e-9);
         assert_relative_eq!(marker.centroid_px[1], 319.5, epsilon = 1e-9);
-        // The middle is red, and the ring around it magenta: both contribute red light, only the ring contributes blue.
+        // The middle of the marker is red, and the ring around it is magenta. Both contribute red light, but only the
+        // ring contributes blue light.
         let ring = area(17.0) - area(19.0);
         let turns = 1.0 - ring / area(17.0) / 6.0;
         assert_relative_eq!(marker.hue_turns, turns, epsilon = 1e-5);
@@ -157,7 +158,8 @@ fn a_marker_moved_inward_grows_with_its_nearness() {
         let growth = 0.5 * libm::log(size / rest);
         let exact = libm::log(libm::atan(1.0 / (18.0 - normal)) / libm::atan(1.0_f64 / 18.0));
         assert_relative_eq!(growth, exact, epsilon = 1e-6);
-        // Small discs grow as −ln(1 − u/ρ).
+        // The size of a small disc increases by −ln(1 − u/ρ), where u is the displacement inward and ρ is the distance
+        // of the disc from the camera.
         assert_relative_eq!(growth, -libm::log(1.0 - normal / 18.0), max_relative = 3e-3);
     }
 }
@@ -171,7 +173,7 @@ fn the_disc_that_comes_nearer_tints_the_marker() {
             Lens::Fisheye,
             Colours::default(),
         );
-        // The hue changes from magenta, at −1/6, over red, at 0, to yellow, at 1/6.
+        // The hue changes from magenta (−1/6 turn) through red (0) to yellow (1/6 turn).
         let hue = |magenta, yellow| {
             let turns = seen(&optics, moved(inward(magenta), inward(yellow))).hue_turns;
             if turns > 0.5 { turns - 1.0 } else { turns }
@@ -188,8 +190,8 @@ fn the_disc_that_comes_nearer_tints_the_marker() {
 
 #[test]
 fn markers_move_along_the_carried_axes() {
-    // At azimuth 90°, the transported y axis points away from the apex and the x axis around it. Arcs are measured on
-    // the sphere of the discs.
+    // At the azimuth 90°, the transported y axis points away from the apex, and the transported x axis points around
+    // the apex. Arc lengths are measured on the sphere of the discs.
     let optics = optics(&[at(30.0, 90.0)], depths(2.0, 2.0), Lens::Fisheye, PURE);
     let focal = optics.camera().px_per_rad();
     let along = |tangential| DiscMotion {
@@ -198,7 +200,7 @@ fn markers_move_along_the_carried_axes() {
         ..DiscMotion::default()
     };
     let rest = seen(&optics, Some(MarkerMotion::default())).centroid_px;
-    // The y axis points up, rows count downward.
+    // The y axis points up, but rows are counted downward.
     assert!(rest[1] < 319.5 - 0.5 * focal * 30.0_f64.to_radians());
     let outward = seen(&optics, moved(along([0.0, 1.0]), along([0.0, 1.0]))).centroid_px;
     assert_relative_eq!(outward[0], rest[0], epsilon = 1e-9);
@@ -218,7 +220,7 @@ fn a_camera_shows_only_directions_in_its_field() {
     assert_eq!((camera.rim_px(), camera.centre_px()), (50.5, [50.0, 50.0]));
     let turn = 50.5 / 70.0_f64.to_radians();
     assert_relative_eq!(camera.px_per_rad(), turn, max_relative = 1e-15);
-    // x to the right, y up; the length of a direction does not count.
+    // The x axis points to the right, and the y axis points up. The length of a direction does not matter.
     let place = camera.image(&Vector3::new(0.1, 0.2, 1.0)).unwrap();
     assert!(place[0] > 50.0 && place[1] < 50.0);
     let same = camera.image(&Vector3::new(0.7, 1.4, 7.0)).unwrap();
@@ -261,8 +263,8 @@ fn misaligned_discs_lie_uniformly_within_a_disc() {
         .collect();
     let count = shifts.len() as f64;
     assert!(count > 3000.0);
-    // The shifts are uniform over a circle. Its radius is half the disc diameter of 0.2, so all shifts are at most 0.1.
-    // A quarter of the shifts are shorter than 0.05.
+    // The shifts are uniformly distributed in a circle. Its radius is half of the disc diameter of 0.2, so that all
+    // shifts are at most 0.1, and a quarter of them are shorter than 0.05.
     let within = |radius: f64| {
         shifts
             .iter()
@@ -294,7 +296,7 @@ fn only_what_is_all_in_the_picture_is_seen() {
         let seen = optics.project(motions).unwrap();
         seen.iter().map(Option::is_some).collect()
     };
-    // The discs' angular radius is 3.4°.
+    // The angular radius of the discs is 3.4°.
     assert_eq!(visible(&motions), [true, true, false, false]);
     motions[0] = None;
     assert_eq!(visible(&motions), [false, true, false, false]);
@@ -334,7 +336,7 @@ fn discs_that_the_skin_widens_are_seen_as_wider_discs() {
     let wider = seen(&wider.unwrap(), moved(inward(0.3), inward(0.3)));
     assert_relative_eq!(strained.size_px2, wider.size_px2, max_relative = 1e-13);
     assert_relative_eq!(strained.hue_turns, wider.hue_turns, epsilon = 1e-13);
-    // The same holds for a camera beside the centre.
+    // The same is true for a camera that is not in the centre.
     let beside = |optics: Optics| {
         optics
             .seen_from(Pose::new([1.0, 0.0, 2.0], [0.0; 3]))

@@ -81,7 +81,7 @@ fn discs_that_cover_each_other_are_found_among_many() {
         distance < 0.05 && (diameter - 0.1).abs() < 1e-15,
         "{distance} {diameter}"
     );
-    // Points on opposite sides of the chart's far edge are neighbours on the sphere.
+    // Two points on opposite sides of the outer edge of the chart are close to each other on the sphere.
     let opposite = [at(179.9, 0.0), at(179.9, 180.0)];
     assert_eq!(array(&opposite, 0.2).unwrap_err().name(), "discs-overlap");
     assert!(array(&opposite, 0.05).is_ok());

@@ -1,4 +1,4 @@
-//! Cutting sheets and their files.
+//! Cutting sheets and the files of their drawings.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -14,7 +14,7 @@ const DISCS: Discs = Discs {
     yellow: 0.15,
 };
 
-/// The published sensor, in centimetres.
+/// Cutting sheet of the published sensor, in centimetres.
 fn published() -> CuttingSheet {
     let pattern = Pattern::new(4, 40, 2.0).unwrap();
     pattern.sheet(&Layout::published(), DISCS).unwrap()
@@ -38,12 +38,12 @@ fn length([[x, y], [u, v]]: [[f64; 2]; 2]) -> f64 {
     libm::hypot(u - x, v - y)
 }
 
-/// Drawing as read from a file, in millimetres, y up.
+/// A drawing that was read from a file, in millimetres; y points up.
 #[derive(Default)]
 struct Drawing {
     outlines: Vec<Vec<[f64; 2]>>,
     lines: Vec<[[f64; 2]; 2]>,
-    /// Circles of each layer: centres and radii.
+    /// Centres and radii of the circles in each layer.
     circles: BTreeMap<String, Vec<([f64; 2], f64)>>,
 }
 
@@ -104,7 +104,7 @@ fn read_svg(text: &str) -> (Drawing, [f64; 4], Vec<String>) {
     (drawing, frame, layers)
 }
 
-/// Entities of a DXF file as their group codes and values; sections must be closed.
+/// Entities of a DXF file, as group codes and values. Checks that all sections are closed.
 fn entities(text: &str) -> Vec<Vec<(u16, &str)>> {
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len() % 2, 0);
@@ -163,7 +163,8 @@ fn svg_draws_the_sheet_in_millimetres() {
     assert_eq!(layers, ["YELLOW", "MAGENTA", "FOLD", "CUT"]);
     assert_eq!(drawing.outlines.len(), 4);
     for outline in &drawing.outlines {
-        // A quarter of 2πR², in steps of 1/40 of the quarter circle.
+        // The area of a gore is a quarter of 2πR², with a correction for an outline of 40 straight steps per quarter
+        // circle.
         let half_step: f64 = PI / 160.0;
         let expected = 2.0 * PI * 400.0 / 4.0 * half_step / libm::tan(half_step);
         assert_relative_eq!(area(outline), expected, max_relative = 1e-6);
@@ -172,7 +173,7 @@ fn svg_draws_the_sheet_in_millimetres() {
             .filter(|place| place.map(f64::abs) == [0.0; 2]);
         assert_eq!(touches_apex.count(), 1);
     }
-    // Each gore has its middle meridian, as long as a quarter circle, and four marks.
+    // Each gore has a middle meridian, whose length is a quarter circle, and four marks.
     assert_eq!(drawing.lines.len(), 20);
     let meridians = drawing.lines.iter().step_by(5);
     for meridian in meridians {
@@ -182,7 +183,7 @@ fn svg_draws_the_sheet_in_millimetres() {
     for (circles, radius) in drawing.circles.values().zip([1.0, 0.75]) {
         assert_eq!(circles.len(), 77);
         assert!(circles.iter().all(|(_, drawn)| *drawn == radius));
-        // The first marker is at the apex, the second 11.9° from it in the middle of the first gore.
+        // The first marker is at the apex. The second is 11.9° from it, in the middle of the first gore.
         assert_eq!(circles[0].0, [0.0; 2]);
         let along = 20.0 * 11.9_f64.to_radians() * 0.5_f64.sqrt();
         assert_relative_eq!(circles[1].0[..], [along; 2][..], epsilon = 1e-6);
@@ -216,7 +217,7 @@ fn dxf_draws_the_same_as_svg() {
     assert_eq!(svg.circles, dxf.circles);
 }
 
-/// Seam marks lie on the edges of the gores and run along parallels, so that they meet when folded.
+/// Seam marks begin on the edges of the gores and run along parallels, so that they meet when the pattern is folded.
 #[test]
 fn seam_marks_begin_on_the_drawn_edges() {
     for samples in [1, 2, 3, 7] {
@@ -232,8 +233,8 @@ fn seam_marks_begin_on_the_drawn_edges() {
                 .map(|(from, to)| off_segment(*start, *from, *to))
                 .fold(f64::INFINITY, f64::min);
             assert!(nearest < 2e-6, "{samples}: {nearest}");
-            // The marks are at a third and two thirds of the quarter circle along the middle meridian, which here is at
-            // 60° from +x.
+            // The marks are at one third and two thirds of the quarter circle, measured along the middle meridian,
+            // which is at 60° from +x here.
             let (sin, cos) = libm::sincos(PI / 3.0);
             let share = if count < 2 { 1.0 / 3.0 } else { 2.0 / 3.0 };
             let across = |[x, y]: [f64; 2]| y * cos - x * sin;
@@ -252,7 +253,8 @@ fn off_segment([x, y]: [f64; 2], [u, v]: [f64; 2], [s, t]: [f64; 2]) -> f64 {
     libm::hypot(x - u - along * (s - u), y - v - along * (t - v))
 }
 
-/// The largest allowed diameter is the distance of the two nearest discs, found by comparing all pairs.
+/// The largest allowed diameter is the distance between the two nearest discs, which is found here by comparing all
+/// pairs.
 #[test]
 fn discs_overlap_from_the_least_distance_on() {
     let pattern = Pattern::new(4, 40, 2.0).unwrap();
@@ -290,15 +292,15 @@ fn sheets_that_do_not_fit_are_named() {
         (Layout::published(), alike(0.0), "bad-setting"),
         (Layout::published(), alike(f64::NAN), "bad-setting"),
         (Layout::published(), alike(f64::INFINITY), "bad-setting"),
-        // In a row of seven, markers are 3.87 mm apart. In the first row of three, the outer ones are 1.71 mm from the
-        // edge.
+        // In a row of seven markers, the distance between neighbours is 3.87 mm. In the first row of three markers, the
+        // distance of the outer markers from the edge is 1.71 mm.
         (Layout::published(), alike(4.2), "discs-overlap"),
         (Layout::published(), alike(1e300), "discs-overlap"),
         (Layout::published(), alike(3.43), "disc-across-edge"),
         (rows(4, &[1; 4], 25.0), alike(2.0), "beyond-the-equator"),
         (rows(4, &[1], 89.0), alike(2.0), "disc-across-edge"),
         (rows(4, &[], 10.0), alike(63.0), "disc-across-edge"),
-        // The middle of one of two gores is a seam of the pattern with four gores.
+        // The middle of one of two gores is a seam in the pattern with four gores.
         (rows(2, &[1], 30.0), alike(0.1), "disc-across-edge"),
         (rows(0, &[1], 30.0), alike(0.1), "bad-setting"),
         (rows(4, &[1, 1], 90.0), alike(0.1), "around-the-sphere"),

@@ -1,4 +1,4 @@
-//! Noise of pixels: its distribution, and its independence from pixel to pixel.
+//! Noise of pixels: its distribution, and the independence of different pixels.
 
 use image::RgbImage;
 use palpate_chromatouch::{Blemishes, Camera, Colours, Lens, MarkerArray, Optics};
@@ -6,7 +6,7 @@ use palpate_sensing::{Channel, Stream};
 
 use crate::optics::{DISCS, depths};
 
-/// Frame without markers, with uniform light of these levels.
+/// A frame without markers, uniformly lit with these levels.
 fn frame(size_px: u32, levels: [f64; 3], pixel_std: f64, [seed, trial]: [u64; 2]) -> RgbImage {
     let array = MarkerArray::new(20.0, &[], DISCS, depths(3.0, 1.0)).unwrap();
     let camera = Camera::new(Lens::Fisheye, size_px, 70.0).unwrap();
@@ -25,7 +25,7 @@ fn frame(size_px: u32, levels: [f64; 3], pixel_std: f64, [seed, trial]: [u64; 2]
     optics.render(&[], Some(&mut stream)).unwrap()
 }
 
-/// Columns of the pixels of a row whose middles lie in the image circle.
+/// Columns of the pixels in a row whose centres are in the image circle.
 fn inside(size_px: u32, row: u32) -> impl Iterator<Item = u32> {
     let middle = 0.5 * (f64::from(size_px) - 1.0);
     let reach = 0.5 * f64::from(size_px);
@@ -35,7 +35,7 @@ fn inside(size_px: u32, row: u32) -> impl Iterator<Item = u32> {
     })
 }
 
-/// Probability that a normal number is below this.
+/// Probability that a standard normal number is below `limit`.
 fn below(limit: f64) -> f64 {
     0.5 * libm::erfc(-limit * std::f64::consts::FRAC_1_SQRT_2)
 }
@@ -59,7 +59,7 @@ fn bytes_are_levels_with_a_normal_error_rounded_and_clipped() {
                 255 => 1.0,
                 byte => below((byte as f64 + 0.5 - level) / std),
             };
-            // Bytes with a small expected count are pooled.
+            // Levels with a small expected count are combined.
             let (mut square, mut freedom) = (0.0, -1.0);
             let (mut seldom, mut expected_seldom) = (0.0, 0.0);
             let mut compare = |count: f64, expected: f64| {
@@ -105,11 +105,13 @@ fn pixels_outside_the_circle_have_no_noise() {
             assert!(inside.contains(&column) || !is_changed, "{column}, {row}");
         }
     }
-    // Noise of 20 levels changes nearly every pixel; a pixel is unchanged only if its three errors round to 0.
+    // Noise of 20 levels changes nearly every pixel. A pixel is unchanged only if the errors of all three channels are
+    // rounded to 0.
     assert!(f64::from(changed) > 0.999 * 71_000.0, "{changed}");
 }
 
-/// Errors in a square within the circle, in standard deviations: rows of three numbers for each pixel.
+/// Errors in a square inside of the image circle, in standard deviations. Each row contains three numbers for each of
+/// its pixels.
 fn errors(frame: &RgbImage) -> Vec<Vec<f64>> {
     let size = frame.width();
     let square = size * 3 / 20..size * 17 / 20;
@@ -125,8 +127,9 @@ fn errors(frame: &RgbImage) -> Vec<Vec<f64>> {
     square.clone().map(row).collect()
 }
 
-/// Correlation scores of two frames' errors, `down` rows and `on` numbers apart: of the errors, and of their squares,
-/// which reveal dependence of uncorrelated errors. Each score is normal if the errors are independent.
+/// Correlation scores between the errors of two frames, where the second error is `down` rows below and `on` numbers
+/// after the first: of the errors, and of their squares, which show dependence of uncorrelated errors. If the errors
+/// are independent, each score is normally distributed.
 fn common(one: &[Vec<f64>], other: &[Vec<f64>], down: usize, on: usize) -> [f64; 2] {
     let (mut count, mut product, mut squares) = (0.0_f64, 0.0, 0.0);
     for (row, below) in one.iter().zip(&other[down..]) {
@@ -145,18 +148,19 @@ fn errors_of_pixels_are_independent() {
     let noise = |key| errors(&frame(401, [128.0; 3], 8.0, key));
     let own = noise([1, 0]);
     let mut scores = Vec::new();
-    // Offsets within a row: channels of the same pixel, its neighbours and further ones. Then offsets to rows below.
+    // Offsets within a row compare channels of the same pixel, of its neighbours and of more distant pixels. Then
+    // offsets to the rows below follow.
     scores.extend((1..=64).map(|on| common(&own, &own, 0, on)));
     scores.extend(
         (1..=3)
             .flat_map(|down| (0..6).map(move |on| (down, on)))
             .map(|(down, on)| common(&own, &own, down, on)),
     );
-    // Other trials and other seeds.
+    // The frame is compared with frames of other trials and other seeds.
     for key in [[1, 1], [1, 2], [1, 1 << 40], [2, 0], [3, 1]] {
         scores.extend((0..6).map(|on| common(&own, &noise(key), 0, on)));
     }
-    // Of 220 scores the largest is below 4.6 with probability 0.999.
+    // With a probability of 0.999, the largest of 220 scores is below 4.6.
     let independent = |scores: &[f64; 2]| scores.iter().all(|score| score.abs() < 4.6);
     assert!(scores.iter().all(independent), "{scores:?}");
     assert!(common(&own, &own, 0, 0).iter().all(|score| *score > 100.0));

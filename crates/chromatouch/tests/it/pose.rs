@@ -1,4 +1,4 @@
-//! Cameras outside the centre, and sensors that depart from a nominal one, compared with closed forms.
+//! Cameras that are not in the centre, and sensors that deviate from the nominal sensor, compared with closed forms.
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{
@@ -11,7 +11,7 @@ use crate::optics::depths;
 const RADIUS: f64 = 20.0;
 const DEPTH: f64 = 2.0;
 
-/// Optics of aligned discs of this diameter, all at one depth, at these places.
+/// Optics of markers at `places` whose discs are aligned, have this diameter and are all at the same depth.
 fn optics(places: &[[f64; 2]], diameter: f64) -> Optics {
     let discs = Discs {
         magenta: diameter,
@@ -30,7 +30,7 @@ fn seen(optics: &Optics) -> Vec<SeenMarker> {
 
 const PLACES: [[f64; 2]; 4] = [[0.0, 0.0], [8.0, 0.0], [-5.0, 9.0], [2.0, -12.0]];
 
-/// Place of a marker from the sensor's centre.
+/// Position of a marker relative to the centre of the sensor.
 fn place([x, y]: [f64; 2]) -> Vector3<f64> {
     let angle = libm::hypot(x, y) / RADIUS;
     let (sine, cosine) = libm::sincos(angle);
@@ -50,7 +50,8 @@ fn a_camera_in_the_centre_is_the_default() {
     assert_eq!(central.departed(&Departure::default()).unwrap(), central);
 }
 
-/// Small markers appear along the rays from the camera, and their size follows from their distance and inclination.
+/// Small markers appear in the direction of the rays from the camera. Their size follows from their distance and
+/// inclination.
 #[test]
 fn markers_are_seen_along_the_rays_from_the_camera() {
     let at = [1.5, -0.5, 4.0];
@@ -68,8 +69,8 @@ fn markers_are_seen_along_the_rays_from_the_camera() {
                 "{found} {expected:?}"
             );
         }
-        // The solid angle is proportional to the cosine of the inclination and to the inverse square of the distance.
-        // The lens magnifies by θ/sin θ.
+        // The solid angle is proportional to the cosine of the inclination, and to the inverse square of the distance.
+        // The lens multiplies it by θ/sin θ.
         let stretch = |ray: &Vector3<f64>| {
             let angle = libm::atan2(libm::hypot(ray.x, ray.y), ray.z);
             if angle > 0.0 {
@@ -94,7 +95,7 @@ fn a_turned_camera_sees_markers_turned() {
         [Pose::default(), pose].map(|pose| seen(&optics(&PLACES, 2.0).seen_from(pose).unwrap()));
     let (sine, cosine) = libm::sincos(turn);
     for (before, after) in central.iter().zip(&turned) {
-        // Rows count downward, and the image turns in the opposite direction to the camera.
+        // Rows are counted downward, and the image turns in the opposite direction to the camera.
         let [x, y] = before.centroid_px.map(|place| place - 349.5);
         let [found_x, found_y] = after.centroid_px.map(|place| place - 349.5);
         assert!((found_x - (x * cosine - y * sine)).abs() < 1e-9);
@@ -112,8 +113,8 @@ fn a_turned_camera_sees_markers_turned() {
 fn discs_that_depart_are_discs_made_so() {
     let known = optics(&PLACES, 2.0);
     let departed = |departure: Departure| seen(&known.departed(&departure).unwrap());
-    // Departures of depth and diameter give the same images as an array that is made with the changed depths and
-    // diameters.
+    // If the sensor deviates in its depths and diameters, its images are the same as those of an array that was made
+    // with the changed depths and diameters.
     let remade = departed(Departure {
         depths: [0.1; 2],
         diameters: [0.02; 2],

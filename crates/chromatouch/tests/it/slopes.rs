@@ -14,7 +14,7 @@ const MARKERS: usize = 77;
 /// Step of all central differences.
 const STEP: f64 = 1e-5;
 
-/// A sensor with moved markers and with a departure from its nominal parameters.
+/// A sensor with moved markers that deviates from its nominal parameters.
 struct Scene {
     known: Optics,
     departure: [f64; Departure::NUMBERS],
@@ -38,7 +38,7 @@ impl Scene {
         if !matches!(lens, Lens::Odd(_)) {
             departure[19..].fill(0.0);
         }
-        // Discs that overlap in part, or not at all.
+        // The discs overlap partly or not at all.
         let misalignments = (0..MARKERS).map(|_| [aside + draw(0.03), 0.02 + draw(0.02)]);
         let misalignments = misalignments.collect();
         let mut motion = || [draw(0.5), draw(0.5), draw(0.5)];
@@ -81,7 +81,7 @@ impl Scene {
         departed.project(&self.motions()).unwrap()
     }
 
-    /// Central differences of the features of the visible markers, with respect to the parameter that `change` steps.
+    /// Central differences of the features of the visible markers with respect to the parameter that `change` changes.
     fn differences(&mut self, change: impl Fn(&mut Self, f64)) -> Vec<Option<Vector4<f64>>> {
         change(self, STEP);
         let more = self.seen();
@@ -103,7 +103,8 @@ impl Scene {
         pairs.map(slope).collect()
     }
 
-    /// Compares columns of slopes with differences for all markers that are visible before and after the step.
+    /// Compares columns of derivatives with differences, for all markers that are visible both before and after the
+    /// step.
     fn compare(
         &mut self,
         what: &str,
@@ -186,7 +187,7 @@ fn slopes_are_those_of_the_pictures() {
     }
 }
 
-/// Optics of markers at these places on a skin of this radius. The discs are small and do not touch.
+/// Optics of markers at these positions on a skin of this radius. The discs are small and do not touch each other.
 fn small(radius: f64, places: &[[f64; 2]]) -> Optics {
     let discs = Discs {
         magenta: 1.8e-3 * radius,
@@ -204,7 +205,7 @@ fn small(radius: f64, places: &[[f64; 2]]) -> Optics {
     Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap()
 }
 
-/// Equal motion of both discs of a marker; `normal` and `x` are in units of the skin's radius.
+/// A motion that is the same for both discs of a marker; `normal` and `x` are in units of the skin's radius.
 fn alike(radius: f64, normal: f64, x: f64) -> Option<MarkerMotion> {
     let disc = DiscMotion {
         normal: normal * radius,
@@ -218,7 +219,7 @@ fn alike(radius: f64, normal: f64, x: f64) -> Option<MarkerMotion> {
 }
 
 /// The image area of a small disc is proportional to (width / distance)². A displacement along the skin shifts the
-/// image by the angle displacement / distance at rest, a displacement of the camera by displacement / distance.
+/// image by the angle displacement / (distance at rest), and a displacement of the camera by displacement / distance.
 #[test]
 fn slopes_on_skins_of_any_size_have_closed_forms() {
     let all: Vec<usize> = (0..Departure::NUMBERS).collect();
@@ -244,7 +245,7 @@ fn slopes_on_skins_of_any_size_have_closed_forms() {
                     -1.0,
                 ),
             ] {
-                // The closed forms are for small discs; their error is of second order in the angular size.
+                // The closed forms are valid for small discs. Their error is of second order in the angular size.
                 assert!((slope - due).abs() < 3e-4, "{radius:e}: {slope}, not {due}");
             }
         }

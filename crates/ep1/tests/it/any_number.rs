@@ -1,5 +1,5 @@
-//! Readings that determine a curvature always have an estimate, and exact readings have an exact one. Readings with
-//! arbitrary bit patterns return finite results or the expected error.
+//! If readings determine a curvature, there is an estimate, and for exact readings it is exact. Readings with any bit
+//! patterns return finite results or the expected error.
 
 use nalgebra::Vector2;
 use palpate_ep1::{Ep1Error, Estimate, LeastSquares, PadStart, ProbeReading, ReadingNoise};
@@ -24,7 +24,7 @@ fn reading() -> impl Strategy<Value = ProbeReading> {
     })
 }
 
-/// The expected error of these inputs, if it follows without a calculation.
+/// The expected error for these inputs; `None` if a calculation is needed to decide.
 fn expected_error(
     radius: f64,
     noise: &ReadingNoise,
@@ -127,7 +127,8 @@ proptest! {
         let rolls: Vec<_> = (0..8).map(|probe| (start + f64::from(probe) * 0.7, theta)).collect();
         let estimate = LeastSquares::of(radius, ReadingNoise::default(), &readings(radius, &form, &rolls));
         let found = estimate.unwrap().curvature;
-        // The bound grows with the curvature along u, and in a concave object (`across` < 0), which amplifies errors.
+        // The bound grows with the curvature along u. It is also larger for a concave object (`across` < 0), because
+        // that amplifies errors.
         let bound = 1e-14 * (2.0 + along) * (1.0 + along) / (1.0 + across).min(1.0).powi(2) / radius;
         prop_assert!((found.matrix() - form.matrix()).amax() <= bound, "{found:?}, not {form:?}");
     }

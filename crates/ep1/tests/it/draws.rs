@@ -1,13 +1,13 @@
-//! Noise of readings.
+//! Random numbers for the noise of readings.
 
 use nalgebra::Vector2;
 use palpate_ep1::{ProbeReading, ReadingNoise};
 
-/// A small congruential generator; it is sufficient for these tests.
+/// A simple linear congruential generator, which is sufficient for these tests.
 pub(crate) struct Draws(pub(crate) u64);
 
 impl Draws {
-    /// Sum of twelve uniforms less six: nearly normal, of unit variance.
+    /// The sum of twelve uniform numbers minus six, which is nearly normal with variance 1.
     fn normal(&mut self) -> f64 {
         (0..12)
             .map(|_| {
@@ -21,7 +21,7 @@ impl Draws {
             - 6.0
     }
 
-    /// Readings with noise.
+    /// The readings with noise added.
     pub(crate) fn noisy(
         &mut self,
         exact: &[ProbeReading],

@@ -12,8 +12,8 @@ use nalgebra::{Matrix2, Rotation2, Vector2};
 use palpate_ep1::ProbeReading;
 use palpate_geometry::CurvatureForm;
 
-/// Noiseless readings of a probe of `radius` on an object with curvature `form`, one for each
-/// direction (radians from u) and rotation (radians), from the linear law.
+/// Noiseless readings of a probe of radius `radius` on an object with the curvature `form`, by the linear law. Each
+/// element of `rolls` is a direction (rad from u) and a rotation (rad).
 pub fn readings(radius: f64, form: &CurvatureForm, rolls: &[(f64, f64)]) -> Vec<ProbeReading> {
     let relative = Matrix2::identity() / radius + form.matrix();
     let mobility = relative.try_inverse().unwrap();
@@ -29,7 +29,7 @@ pub fn readings(radius: f64, form: &CurvatureForm, rolls: &[(f64, f64)]) -> Vec<
         .collect()
 }
 
-/// The form of an object whose curvatures `form` are in axes turned by `-angle_rad`.
+/// The curvature form of an object whose curvatures are `form` in axes that are turned by `-angle_rad`.
 pub fn rotated(form: &CurvatureForm, angle_rad: f64) -> CurvatureForm {
     let turn = Rotation2::new(angle_rad);
     let matrix = turn.inverse() * form.matrix() * turn;
@@ -40,7 +40,7 @@ pub fn rotated(form: &CurvatureForm, angle_rad: f64) -> CurvatureForm {
     }
 }
 
-/// Two probes in each of ±u and ±v.
+/// Eight rolls by the angle `theta`: two in each of the directions ±u and ±v.
 pub fn eight(theta: f64) -> Vec<(f64, f64)> {
     (0..8)
         .map(|index| (f64::from(index / 2) * std::f64::consts::FRAC_PI_2, theta))

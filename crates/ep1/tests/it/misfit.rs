@@ -1,4 +1,4 @@
-//! Goodness of fit and misfit of readings whose truth is in closed form.
+//! Goodness of fit and misfits of readings, compared with closed forms.
 
 use approx::assert_relative_eq;
 use palpate_ep1::{GoodnessOfFit, LeastSquares, Misfit, PadStart, ProbeReading, ReadingNoise};
@@ -34,13 +34,13 @@ const UNKNOWN: ReadingNoise = ReadingNoise {
     pad_start: PadStart::PerRoll,
 };
 
-/// Eight probes in directions an eighth of a turn apart.
+/// Eight rolls whose directions are an eighth of a turn apart.
 fn around() -> Vec<(f64, f64)> {
     let step = std::f64::consts::FRAC_PI_4;
     (0..8).map(|index| (f64::from(index) * step, 0.1)).collect()
 }
 
-/// Probes of every length and direction.
+/// Rolls by various angles in various directions.
 fn askew() -> Vec<(f64, f64)> {
     [0.2, 0.9, 1.7, 2.4, -2.8, -1.9, -1.1, -0.5, 0.3]
         .into_iter()
@@ -59,7 +59,8 @@ fn misfits(stated: ReadingNoise, readings: &[ProbeReading]) -> Vec<Misfit> {
     estimate.misfits(stated, readings)
 }
 
-/// Largest distance of the distribution of numbers from the uniform one (Kolmogorov), times the root of their number.
+/// Kolmogorov statistic of numbers: the largest distance between their distribution and the uniform distribution, times
+/// the square root of their count.
 fn kolmogorov(mut numbers: Vec<f64>) -> f64 {
     numbers.sort_by(f64::total_cmp);
     let count = numbers.len() as f64;
@@ -72,7 +73,7 @@ fn kolmogorov(mut numbers: Vec<f64>) -> f64 {
     off.fold(0.0, f64::max) * count.sqrt()
 }
 
-/// A large sample of uniform numbers exceeds this Kolmogorov statistic with a probability of 1 %.
+/// Kolmogorov statistic that a large sample of uniform numbers exceeds with a probability of 1 %.
 const ONE_IN_100: f64 = 1.628;
 
 #[test]
@@ -98,7 +99,7 @@ fn p_values_are_uniform_where_the_model_holds() {
 
 #[test]
 fn residuals_of_two_probes_to_and_fro_are_in_closed_form() {
-    // Each pair errs by ±0.003 along the roll, which no mobility explains.
+    // The two shifts of a pair have errors of ±0.003 along the roll, which no mobility of the contact explains.
     let rolls = [(0.0, 0.1), (0.0, 0.1), (1.5, 0.1)];
     let mut read = readings(1.0, &FORM, &rolls);
     read[0].shift.x += 0.003;
@@ -106,7 +107,7 @@ fn residuals_of_two_probes_to_and_fro_are_in_closed_form() {
     let of_shifts = goodness(OF_SHIFTS, &read).unwrap();
     assert_eq!(of_shifts.freedom, 3);
     assert_relative_eq!(of_shifts.chi_squared, 18.0, max_relative = 1e-9);
-    // Noise of rotations is that of shifts through the mobility.
+    // Noise of the rotations has the same effect as noise of the shifts, multiplied by the mobility.
     let stated = ReadingNoise {
         relative_rotation_std: 0.01,
         ..UNKNOWN
@@ -119,7 +120,7 @@ fn residuals_of_two_probes_to_and_fro_are_in_closed_form() {
     assert_relative_eq!(of_rotations.chi_squared, 18.0, max_relative = 1e-9);
 }
 
-/// Share of 400 noisy sets of rolls with a misfit for which this holds.
+/// Share of 400 noisy sets of rolls that have a misfit for which `is_due` is true.
 fn share(
     stated: ReadingNoise,
     exact: &[ProbeReading],
@@ -146,7 +147,7 @@ fn sound_readings_hardly_ever_have_a_misfit() {
             assert!(share < 0.05, "{share} with {stated:?}");
         }
     }
-    // A gain is that of another probe on another object.
+    // If all rotations are multiplied by the same factor, the readings are those of another probe on another object.
     let mut gained = readings(1.0, &FORM, &around());
     gained.iter_mut().for_each(|one| one.rotation *= 1.3);
     let share = share(OF_SHIFTS, &gained, &OF_SHIFTS, |_| true);
@@ -227,11 +228,12 @@ fn exact_readings_have_no_misfit_but_a_stated_noise() {
         .map(Misfit::code)
         .collect();
     assert_eq!(codes, ["stated-noise"]);
-    // Two probes have one equation to spare.
+    // Two probes have one equation more than there are parameters.
     assert_eq!(goodness(OF_SHIFTS, &exact[..2]).unwrap().freedom, 1);
 }
 
-/// Residuals over this noise overflow: the fit is poor, and no roll is an outlier.
+/// The squared residuals divided by this small noise overflow. The fit is then reported as poor, but no roll as an
+/// outlier.
 #[test]
 fn noise_that_is_far_too_small_is_a_poor_fit_alone() {
     let mut draws = Draws(29);

@@ -1,4 +1,4 @@
-//! Readings that do not determine the curvature are refused with a named error.
+//! Readings that do not determine the curvature cause a named error.
 
 use nalgebra::{Matrix2, Rotation2, Vector2};
 use palpate_ep1::{Ep1Error, Estimate, LeastSquares, ProbeReading, ReadingNoise};
@@ -44,12 +44,13 @@ fn a_contact_that_did_not_move_bounds_the_radius() {
     else {
         panic!("{error}");
     };
-    // 0.1 rad with less than 0.01 of travel: a relative curvature of at least 10.
+    // The probe turned by 0.1 rad, but its contact moved by less than 0.01. The relative curvature is therefore at
+    // least 10.
     assert!(direction_rad.abs() < 1e-6);
     let relative = 0.1 / 0.01;
     assert!((bound - 1.0 / (relative - 1.0)).abs() < 1e-12, "{bound}");
     assert!(error.to_string().contains("radius below 0.11"), "{error}");
-    // Without a resolution there is no bound.
+    // Without a resolution, there is no bound.
     let error = estimate(&readings).unwrap_err();
     assert!(
         matches!(
@@ -77,7 +78,7 @@ fn a_contact_that_moves_backwards_is_not_rolling() {
     );
 }
 
-/// Forward, backward or no motion in each of two perpendicular directions.
+/// In each of two perpendicular directions, the contact moves forward, backward or not at all.
 #[test]
 fn a_curvature_needs_contacts_that_move_forwards_in_every_direction() {
     let sizes = [0.0, 1e-16, 1e-14, 1e-13, 1e-9, 0.5];
@@ -131,7 +132,7 @@ fn readings_that_are_not_numbers_are_named() {
     }
 }
 
-/// An estimate from probes that rotate by `theta` along u and by `theta * across` along v.
+/// The estimate from probes that rotate by `theta` along u and by `theta * across` along v.
 fn lopsided(theta: f64, across: f64) -> Result<Estimate, Ep1Error> {
     let rolls = [
         (0.0, theta),
@@ -147,7 +148,7 @@ fn rotations_must_span_the_plane_and_have_squares_in_range() {
         for across in [1.0, 1e-4] {
             let form = lopsided(theta, across).unwrap().curvature;
             assert!((form.k_uu - 0.5).abs() < 1e-14);
-            // The normal equations square the ratio `across`.
+            // The normal equations contain the square of the ratio `across`, so that more digits are lost.
             assert!((form.k_vv - 0.5).abs() < 1e-14 / across / across);
         }
         assert_eq!(

@@ -1,4 +1,4 @@
-//! The normal equations of a bicubic spline, summed up interval by interval, and its roughness penalty.
+//! The normal equations of a bicubic spline, summed separately for each knot interval, and its roughness penalty.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -9,11 +9,13 @@ use crate::square_quadric::{Square, SquareQuadric};
 
 /// Degree of the spline.
 pub(super) const DEGREE: usize = 3;
+/// Number of B-splines that are not 0 at a position, along one direction.
 const SUPPORT: usize = DEGREE + 1;
 /// Number of B-splines that are not 0 at a place.
 const LOCAL: usize = SUPPORT * SUPPORT;
 
-/// The normal equations of heights and of slopes, each of unit variance, for the deviation from a quadric.
+/// The normal equations for heights and for slopes, for observations of unit variance. The unknown is the deviation
+/// from a quadric.
 pub(super) struct Equations {
     pub(super) grams: Kinds<DMatrix<f64>>,
     pub(super) right_sides: Kinds<DVector<f64>>,
@@ -55,7 +57,7 @@ impl Cell {
 }
 
 impl Equations {
-    /// The equations of the deviation of a patch from `quadric`.
+    /// The equations for the deviation of a patch from `quadric`.
     pub(super) fn around(
         quadric: &SquareQuadric,
         patch: &Patch,
@@ -125,7 +127,8 @@ impl Equations {
         }
     }
 
-    /// Effective numbers of unknowns fitted to heights and to slopes, from the fit's (A + λP)⁻¹.
+    /// Effective degrees of freedom that are fitted to heights and to slopes, computed from the matrix (A + λP)⁻¹ of
+    /// the fit.
     pub(super) fn effective_unknowns(
         &self,
         inverse: &DMatrix<f64>,
@@ -162,7 +165,7 @@ fn assembled(cells: &[Cell], knots: &[Knots; 2]) -> (DMatrix<f64>, DVector<f64>)
     (gram, right)
 }
 
-/// Nodes and weights of Gauss's rule with four nodes on [−1, 1], exact to degree 7.
+/// Nodes and weights of the Gauss rule with four nodes on [−1, 1], which is exact up to degree 7.
 const GAUSS: [(f64, f64); 4] = [
     (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
     (-0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
@@ -170,8 +173,8 @@ const GAUSS: [(f64, f64); 4] = [
     (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
 ];
 
-/// The matrix P with cᵀPc = ∬ w_aaa² + 3 w_aab² + 3 w_abb² + w_bbb² over the square, for a spline with the coefficients c.
-/// The integral is the same for all directions of the axes.
+/// The matrix P with cᵀPc = ∬ w_aaa² + 3 w_aab² + 3 w_abb² + w_bbb² over the square, for a spline with the coefficients
+/// c. This integral does not depend on the directions of the axes.
 pub(super) fn roughness_penalty(knots: &[Knots; 2]) -> DMatrix<f64> {
     let grams: [[DMatrix<f64>; 4]; 2] = knots
         .each_ref()
@@ -184,7 +187,7 @@ pub(super) fn roughness_penalty(knots: &[Knots; 2]) -> DMatrix<f64> {
     penalty
 }
 
-/// Integrals ∫ B_i⁽ᵐ⁾ B_j⁽ᵐ⁾ of the B-splines' derivatives of order m.
+/// Integrals ∫ B_i⁽ᵐ⁾ B_j⁽ᵐ⁾ of products of the B-splines' derivatives of order m.
 fn gram(knots: &Knots, order: usize) -> DMatrix<f64> {
     let mut result = DMatrix::zeros(knots.functions(), knots.functions());
     let mut ends = vec![knots.domain().0];
@@ -214,7 +217,7 @@ mod tests {
     #[test]
     fn third_derivatives_are_penalised_and_quadrics_are_not() {
         let knots = [3, 5].map(|intervals| Knots::uniform(3, -1.0, 1.0, intervals));
-        // Blossoms: mean products of one, two and three different inner knots.
+        // The coefficients of monomials (blossoms) are mean products of one, two and three different inner knots.
         let powers = |knots: &Knots, function: usize| {
             let t = &knots.as_slice()[function + 1..function + 4];
             [
@@ -235,7 +238,8 @@ mod tests {
         for (power_a, power_b) in [(0, 0), (1, 0), (0, 2), (1, 1), (2, 0)] {
             assert_relative_eq!(penalty(power_a, power_b), 0.0, epsilon = 1e-10);
         }
-        // The third derivative of a³ is 6: 6² over an area of 4. The three mixed ones of a²b are 2: 3 · 2² · 4.
+        // The third derivative of a³ is 6, so the penalty is 6² times the area 4. The three mixed third derivatives of
+        // a²b are 2, so the penalty is 3 · 2² · 4.
         assert_relative_eq!(penalty(3, 0), 144.0, max_relative = 1e-12);
         assert_relative_eq!(penalty(2, 1), 48.0, max_relative = 1e-12);
         assert_relative_eq!(penalty(1, 2), 48.0, max_relative = 1e-12);

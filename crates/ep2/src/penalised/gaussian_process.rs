@@ -1,4 +1,5 @@
-//! A smooth random surface: a squared-exponential Gaussian process as a series of Chebyshev polynomials.
+//! A Gaussian process with a squared-exponential covariance (a random smooth surface), as a series of Chebyshev
+//! polynomials.
 
 use std::f64::consts::PI;
 
@@ -9,27 +10,28 @@ use crate::matrix::SparseMap;
 use crate::matrix::product;
 use crate::square_quadric::UNKNOWNS;
 
-/// A factor is omitted if the second derivatives that it causes have a smaller variance than this everywhere in the square.
+/// A factor is omitted if the variance of the second derivatives that it causes is below this value everywhere in the
+/// square.
 const MIN_VARIANCE: f64 = 1e-3;
 
-/// The transpose of the map from independent factors of unit variance to the rough part of a random surface: the
-/// coefficients of all products except those of the quadrics.
+/// The transposed map from independent factors of unit variance to the rough part of a random surface. The rough part
+/// consists of all products of polynomials except those that form quadrics.
 ///
-/// The covariance of heights is proportional to exp(−d²/2ℓ²), where d is the distance of the places and ℓ the `length`, both
-/// in half sides of the square. Second derivatives along an axis have the variance 1.
+/// The covariance of heights is proportional to exp(−d²/2ℓ²), where d is the distance between two places and ℓ is
+/// `length`, both in units of half a side of the square. The second derivatives along an axis have unit variance.
 pub(super) fn factors(length: f64, degree: usize) -> SparseMap {
     let side = covariance(length, degree);
     let square = length * length;
     let unit = square * square / 3.0;
     let mut entries = Vec::new();
     let mut count = 0;
-    // Even and odd polynomials are not correlated.
+    // Even and odd polynomials are not correlated, so each combination of parities is treated separately.
     for parity in [[0, 0], [1, 0], [0, 1], [1, 1]] {
         let class: Vec<[usize; 2]> = products(degree)
             .skip(UNKNOWNS)
             .filter(|product| product.map(|order| order % 2) == parity)
             .collect();
-        // Cholesky's factor, without the columns of small variance.
+        // This is the Cholesky factor of the covariance, without the columns of small variance.
         let mut done: Vec<f64> = Vec::with_capacity(class.len() * class.len());
         for (pivot, product) in class.iter().enumerate() {
             let start = done.len();
@@ -64,7 +66,7 @@ pub(super) fn factors(length: f64, degree: usize) -> SparseMap {
     SparseMap::new(products(degree).count() - UNKNOWNS, count, entries)
 }
 
-/// Square of the largest second derivative of a product, which occurs in a corner of the square.
+/// Square of the largest second derivative of a product, which is at a corner of the square.
 fn max_square_second_derivative([i, j]: [usize; 2]) -> f64 {
     let [i, j] = [i, j].map(|order| (order * order) as f64);
     let bends = [i * (i - 1.0) / 3.0, i * j, j * (j - 1.0) / 3.0];
@@ -74,8 +76,8 @@ fn max_square_second_derivative([i, j]: [usize; 2]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Covariance of the coefficients, up to a degree, of a process of unit variance along one side, by Gauss-Chebyshev
-/// quadrature.
+/// Covariance of the coefficients up to a degree, for a process of unit variance along one side of the square, computed
+/// by Gauss–Chebyshev quadrature.
 fn covariance(length: f64, degree: usize) -> DMatrix<f64> {
     let nodes = 2 * degree + 2;
     let places: Vec<f64> = (0..nodes)
@@ -118,7 +120,8 @@ mod tests {
         }
     }
 
-    /// Variance of the second derivative along a: of all products, and of those that are no quadrics.
+    /// Variances of the second derivative along a at the place (a, b): for all products, and for all products without
+    /// those of quadrics.
     fn bends(length: f64, degree: usize, [a, b]: [f64; 2]) -> [f64; 2] {
         let [a, b] = [a, b].map(|x| values(x, degree).collect::<Vec<f64>>());
         let here: Vec<f64> = products(degree).map(|[i, j]| a[i] * b[j]).collect();
@@ -149,7 +152,8 @@ mod tests {
             let [all, rough] = bends(0.7, 18, place);
             assert_relative_eq!(all, 1.0, epsilon = 1e-3);
             assert!((0.5..1.5).contains(&rough), "{rough}");
-            // The second derivatives of a long process are nearly those of a quadric.
+            // A process with a long correlation length is nearly a quadric, so its second derivatives are nearly
+            // constant.
             let [all, rough] = bends(4.0, 12, place);
             assert_relative_eq!(all, 1.0, epsilon = 1e-3);
             assert!(rough < 0.2, "{rough}");

@@ -1,4 +1,4 @@
-//! Uncertainty of a surface, averaged over the lengths and amplitudes of its roughness.
+//! The posterior (mean and covariance) of a surface, averaged over correlation lengths and amplitudes of its roughness.
 
 use std::f64::consts::LN_2;
 
@@ -13,80 +13,87 @@ use crate::matrix::{add_symmetric, product};
 use crate::posterior::Posterior;
 use crate::square_quadric::{Square, UNKNOWNS, rms_second_derivative};
 
-/// The longest length of roughness, in half sides of the square. A longer process is nearly a cubic.
+/// Largest correlation length of the roughness, in units of half a side of the square. A process with a larger length
+/// is nearly a cubic polynomial.
 const MAX_LENGTH: f64 = 3.0;
-/// The shortest length that a series can represent, times its degree.
+/// The smallest correlation length that a series can represent, multiplied by the degree of the series.
 const MIN_LENGTH_TIMES_DEGREE: f64 = 6.0;
-/// Largest ratio of neighbouring lengths.
+/// Largest ratio of neighbouring correlation lengths in the average.
 const MAX_LENGTH_RATIO: f64 = 3.0;
-/// The length with the largest prior probability, and the power of the length with which the probability falls on both
-/// sides.
+/// The correlation length with the largest prior probability.
 const EXPECTED_LENGTH: f64 = 1.75;
+/// Power of the correlation length with which its prior probability decreases on both sides of the largest.
 const LENGTH_POWER: f64 = 2.0;
-/// The amplitude with the largest prior probability, relative to the second derivatives of the quadric, and its power.
+/// The amplitude with the largest prior probability, relative to the second derivatives of the quadric.
 const EXPECTED_AMPLITUDE: f64 = 0.75;
+/// Power of the amplitude with which its prior probability decreases on both sides of the largest.
 const AMPLITUDE_POWER: f64 = 4.0;
-/// Number of amplitudes on each side of the expected amplitude, and the distance of their logarithms.
+/// Number of amplitudes on each side of the expected amplitude.
 const AMPLITUDE_STEPS: i32 = 6;
+/// Difference between the logarithms of consecutive amplitudes.
 const LOG_AMPLITUDE_STEP: f64 = 0.5;
-/// Power of the likelihood of an amplitude and a length. A real surface is not a sample of such a process: its roughness
-/// depends on place and direction. So the contacts determine its roughness less well than that of a sample.
+/// Exponent that is applied to the likelihood of an amplitude and a length, to reduce its weight. The roughness of a
+/// real surface depends on place and direction, unlike that of a sample of the process. Therefore the contacts
+/// determine the roughness of a real surface less accurately.
 const LIKELIHOOD_POWER: f64 = 0.5;
-/// Logarithm of the smallest probability, relative to the largest, that is not neglected.
+/// Logarithm of the smallest probability, relative to the largest, that is included in the average.
 const MIN_LOG_PROBABILITY: f64 = -7.0;
-/// Largest ratio of the information of the equations to that of the prior at the expected amplitude. Beyond it, rounding
-/// errors would dominate.
+/// Largest ratio of the information in the equations to the information in the prior at the expected amplitude. With a
+/// larger ratio, rounding errors would dominate.
 const MAX_INFORMATION: f64 = 1e11;
 
-/// The problem of a series around a quadric: its equations and its settings.
+/// A series around a quadric: its equations and its settings.
 pub(super) struct SeriesProblem<'a> {
     pub(super) equations: &'a SeriesEquations,
     pub(super) degree: usize,
     /// Number of observations.
     pub(super) observations: usize,
-    /// Whether the variances are known, not only their ratio.
+    /// Whether the variances are stated. If not, only their ratio is used.
     pub(super) is_known: bool,
     pub(super) square: Square,
-    /// The quadric as a series.
+    /// Coefficients of the quadric, as a series of Chebyshev polynomials.
     pub(super) quadric: [f64; UNKNOWNS],
 }
 
-/// The equations of the rough products, after the best-fitting quadric has been eliminated.
+/// The equations of the rough products (all products except those of quadrics), after the best-fitting quadric has been
+/// eliminated.
 struct Rest {
     gram: DMatrix<f64>,
     right: DVector<f64>,
     square: f64,
-    /// Number of equations minus the unknowns of the quadric.
+    /// Number of equations minus the number of the quadric's coefficients.
     degrees: f64,
     is_known: bool,
     expected_amplitude: f64,
 }
 
-/// The rough part of the surface, as a process of one length.
+/// The rough part of the surface, as a Gaussian process with one correlation length.
 struct Process {
     log_length: f64,
-    /// The rough products of the modes, one mode in each column. In the modes the equations are tridiagonal.
+    /// Modes, as combinations of the rough products, with one mode per column. In the modes, the equations are
+    /// tridiagonal.
     modes: DMatrix<f64>,
     information: Tridiagonal,
     right: Vec<f64>,
 }
 
-/// A process of one amplitude.
+/// A process with one correlation length and one amplitude.
 struct Candidate {
     square_amplitude: f64,
-    /// Factors of 1 + amplitude² × information.
+    /// Triangular factors of 1 + amplitude² × information.
     factors: Factors,
-    /// Mean factors of the modes.
+    /// Mean factor of each mode.
     mean: Vec<f64>,
-    /// Factor of the assumed variances that explains the residuals; 1 if the variances are known.
+    /// Factor by which the assumed variances must be multiplied to explain the residuals; 1 if the variances are
+    /// stated.
     scale: f64,
     log_probability: f64,
 }
 
-/// The posterior of the surface.
+/// The posterior of the surface, that is, its mean and covariance given the contacts.
 ///
-/// The surface is a quadric with a flat prior plus a process of unknown length and amplitude. The posterior is the mixture
-/// of the posteriors for all lengths and amplitudes, weighted by their probabilities.
+/// The surface is a quadric with a flat prior plus a Gaussian process of unknown correlation length and amplitude. The
+/// posterior is the average of the posteriors for all lengths and amplitudes, weighted by their probabilities.
 ///
 /// # Errors
 /// [`Ep2Error::OutOfRange`] if the equations do not determine the quadric.
@@ -126,12 +133,12 @@ pub(super) fn posterior(problem: &SeriesProblem) -> Result<Posterior, Ep2Error> 
     }
 }
 
-/// The equations, with the quadric eliminated.
+/// The equations after the elimination of the quadric.
 struct Eliminated {
     quadrics: Cholesky<f64, Dyn>,
-    /// The best-fitting quadric of each rough product.
+    /// For each rough product, the quadric that fits it best.
     replaced: DMatrix<f64>,
-    /// The best-fitting quadric without rough products.
+    /// The best-fitting quadric if there are no rough products.
     start: DVector<f64>,
     rest: Rest,
 }
@@ -168,7 +175,8 @@ impl Eliminated {
     }
 }
 
-/// The Gaussian process with the most probable correlation length, scaled to the mean square amplitude at this length.
+/// The Gaussian process with the most probable correlation length, scaled to the mean square of the amplitudes at this
+/// length.
 ///
 /// Returns a matrix that maps independent factors of unit variance (columns) to coefficients (rows). The rows are all
 /// products of polynomials except those of the quadrics.
@@ -207,7 +215,7 @@ fn max_log_probability<'a>(candidates: impl Iterator<Item = &'a Candidate>) -> f
     candidates.fold(f64::NEG_INFINITY, |most, one| most.max(one.log_probability))
 }
 
-/// Mean and covariance of the rough products, and mean scale, over all candidates.
+/// Mean and covariance of the rough products' coefficients, and mean variance factor, averaged over all candidates.
 struct Mixture {
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
@@ -215,7 +223,7 @@ struct Mixture {
 }
 
 impl Rest {
-    /// These equations with variances so large that rounding errors do not dominate.
+    /// These equations, with the variances increased so far that rounding errors do not dominate.
     fn limited(self) -> Result<Self, Ep2Error> {
         let amplitude = self.expected_amplitude;
         let information = self.gram.trace() * amplitude * amplitude;
@@ -292,7 +300,7 @@ impl Rest {
     }
 }
 
-/// Lengths, from the longest to the shortest one that a series of this degree can represent.
+/// Correlation lengths from the largest to the smallest that a series of this degree can represent.
 fn lengths(degree: usize) -> impl Iterator<Item = f64> {
     let whole = libm::log(MAX_LENGTH * degree as f64 / MIN_LENGTH_TIMES_DEGREE);
     let steps = (whole / libm::log(MAX_LENGTH_RATIO) - 1e-9).ceil().max(1.0);
@@ -343,7 +351,7 @@ impl Process {
         let (misfit, scale) = if rest.is_known {
             (square, 1.0)
         } else {
-            // The likelihood at the best scale, and the mean scale.
+            // The likelihood for the best variance factor, and the mean of the variance factor.
             (
                 rest.degrees * libm::log(square),
                 square / (rest.degrees - 2.0).max(1.0),
@@ -360,8 +368,8 @@ impl Process {
         }
     }
 
-    /// Total share of the candidates, and mean and covariance of the modes' factors over them. The covariance is multiplied
-    /// by the share.
+    /// Total probability of the candidates, and the mean and covariance of the modes' factors, averaged over the
+    /// candidates. The covariance is multiplied by the total probability.
     fn mixture(&self, likely: &[(f64, &Candidate)]) -> (f64, Vec<f64>, DMatrix<f64>) {
         let size = self.right.len();
         let total: f64 = likely.iter().map(|(share, _)| share).sum();

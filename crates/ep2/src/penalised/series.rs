@@ -7,7 +7,8 @@ use crate::chebyshev::{count, derivative, products, values};
 use crate::noise::Variances;
 use crate::square_quadric::{Square, SquareQuadric};
 
-/// The weighted normal equations of heights and slopes, of unit variance, for the deviation from a quadric.
+/// The weighted normal equations for heights and slopes of unit variance. The unknown is the deviation from a quadric,
+/// as a series.
 pub(super) struct SeriesEquations {
     pub(super) gram: DMatrix<f64>,
     pub(super) right: DVector<f64>,
@@ -15,13 +16,13 @@ pub(super) struct SeriesEquations {
     pub(super) square: f64,
 }
 
-/// Weighted sums over observations of one kind. A product of two Chebyshev polynomials is a sum of such polynomials, so an
-/// observation only adds to a series of twice the degree.
+/// Weighted sums over the observations of one kind (heights or slopes). A product of two Chebyshev polynomials is a sum
+/// of Chebyshev polynomials, so all products of pairs follow from one series of twice the degree.
 struct Sums {
     degree: usize,
-    /// Σ weight T_p(a) T_q(b) for p + q up to twice the degree, p slowest.
+    /// Σ weight T_p(a) T_q(b) for p + q up to twice the degree; p varies slowest.
     moments: Vec<f64>,
-    /// Σ weight value T_i(a) T_j(b) for i + j up to the degree, i slowest.
+    /// Σ weight · value · T_i(a) T_j(b) for i + j up to the degree; i varies slowest.
     right: Vec<f64>,
     square: f64,
 }
@@ -71,7 +72,7 @@ impl Sums {
     }
 }
 
-/// Adds the weighted products a[p] b[q] with p + q ≤ `degree` to the sums.
+/// Adds the products a[p] b[q] with p + q ≤ `degree`, multiplied by `weight`, to the sums.
 #[inline]
 fn add_products(sums: &mut [f64], degree: usize, a: &[f64], b: &[f64], weight: f64) {
     let rows = sums.chunks_exact_mut(degree + 1).zip(a);
@@ -84,7 +85,7 @@ fn add_products(sums: &mut [f64], degree: usize, a: &[f64], b: &[f64], weight: f
 }
 
 impl SeriesEquations {
-    /// The equations of a series of a degree, for the deviation of a patch from `quadric`.
+    /// The equations of a series with this degree, for the deviation of a patch from `quadric`.
     pub(super) fn around(
         quadric: &SquareQuadric,
         patch: &Patch,
@@ -122,7 +123,7 @@ impl SeriesEquations {
         equations
     }
 
-    /// Adds the equations of the derivatives along an axis. `sums` belong to the series of these derivatives.
+    /// Adds the equations of the slopes along an axis. `sums` are for the series of the derivatives along this axis.
     fn add_derivatives(&mut self, sums: &Sums, axis: usize, degree: usize) {
         let adjoint = derivative(degree, axis).transposed();
         let half = adjoint.apply_to_rows(&sums.gram());

@@ -1,4 +1,5 @@
-//! The penalised normal equations in the modes that diagonalise both of their matrices.
+//! The penalised normal equations, transformed to modes in which both matrices (of the equations and of the penalty)
+//! are diagonal.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -8,20 +9,22 @@ use crate::matrix::add_symmetric;
 use crate::noise::Kinds;
 use crate::square_quadric::UNKNOWNS;
 
-/// Share of the penalty that is added to the normal equations, relative to their traces, so that they determine all
-/// coefficients.
+/// Share of the penalty matrix that is added to the matrix of the normal equations, relative to their traces. It makes
+/// all coefficients determined.
 const PENALTY_SHARE: f64 = 1e-7;
 
 /// Modes U with UᵀAU = diag(fidelity) and UᵀPU = diag(roughness), where A are the weighted normal equations and P the
-/// penalty. With the smoothing weight λ, the coefficients are U diag(1/(fidelity + λ roughness)) Uᵀ (right side). So
-/// everything that depends on λ is a sum over modes.
+/// penalty. With the smoothing weight λ, the coefficients are U diag(1/(fidelity + λ roughness)) Uᵀ (right side).
+/// Therefore all results that depend on λ are simple sums over the modes.
 pub(super) struct Spectrum {
     modes: DMatrix<f64>,
-    /// Fidelity of each mode, in [0, 1]; 1 for the quadrics, which come first.
+    /// Fidelity of each mode, in [0, 1]: its diagonal entry in UᵀAU. It is 1 for the modes of quadrics, which come
+    /// first.
     pub(super) fidelity: Vec<f64>,
-    /// Roughness of each mode, ascending; 0 for the quadrics.
+    /// Roughness of each mode, in ascending order: the mode's diagonal entry in UᵀPU, where P is the matrix of the
+    /// penalty. The roughness is 0 for the modes of quadrics.
     pub(super) roughness: Vec<f64>,
-    /// The right side in the modes.
+    /// The right side of the equations in the modes.
     pub(super) right: Vec<f64>,
     /// Weighted sum of squares of all observations.
     pub(super) square: f64,
@@ -46,7 +49,7 @@ impl Spectrum {
         }
         let shift = PENALTY_SHARE * sum.trace() / penalty.trace();
         sum += penalty * shift;
-        // With C Cᵀ the sum, the modes are C⁻ᵀ times the eigenvectors of C⁻¹ P C⁻ᵀ.
+        // With C Cᵀ the sum of both matrices, the modes are C⁻ᵀ times the eigenvectors of C⁻¹ P C⁻ᵀ.
         let factor = sum.cholesky().ok_or(Ep2Error::OutOfRange)?.unpack();
         let half = solved_lower(&factor, penalty)?;
         let whole = solved_lower(&factor, &half.transpose())?;
@@ -81,7 +84,7 @@ impl Spectrum {
         })
     }
 
-    /// 1/(fidelity + λ roughness) of each mode.
+    /// The filter 1/(fidelity + λ roughness) of each mode, where `log_weight` is ln λ.
     pub(super) fn filters(&self, log_weight: f64) -> Vec<f64> {
         let weight = libm::exp(log_weight);
         let pairs = self.fidelity.iter().zip(&self.roughness);
@@ -95,7 +98,7 @@ impl Spectrum {
         &self.modes * DVector::from_iterator(self.right.len(), in_modes)
     }
 
-    /// Inverse of A + λP, from the modes' [`Spectrum::filters`].
+    /// Inverse of A + λP, computed from the modes' [`Spectrum::filters`].
     pub(super) fn inverse(&self, filters: &[f64]) -> DMatrix<f64> {
         let size = self.modes.nrows();
         let mut scaled = self.modes.clone();

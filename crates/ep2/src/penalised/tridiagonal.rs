@@ -1,14 +1,15 @@
-//! Symmetric tridiagonal matrices. They replace eigenvalues where only sums over eigenvalues are needed.
+//! Symmetric tridiagonal matrices. They are used instead of eigenvalues where only sums over all eigenvalues are
+//! needed.
 
 use nalgebra::{DMatrix, SymmetricTridiagonal};
 
-/// A symmetric matrix T whose entries are 0 except on the diagonal and next to it.
+/// A symmetric matrix T whose entries are 0 except on the diagonal and next to the diagonal.
 pub(super) struct Tridiagonal {
     diagonal: Vec<f64>,
     beside: Vec<f64>,
 }
 
-/// The factors L D Lᵀ of 1 + s T.
+/// The factors L and D of the decomposition L D Lᵀ = 1 + s T.
 pub(super) struct Factors {
     pivots: Vec<f64>,
     /// The entries of L below the diagonal.
@@ -16,7 +17,7 @@ pub(super) struct Factors {
 }
 
 impl Tridiagonal {
-    /// The matrix T and the orthogonal Q with A = Q T Qᵀ, for a symmetric A of at least one row.
+    /// The matrix T and the orthogonal matrix Q with A = Q T Qᵀ, for a symmetric matrix A with at least one row.
     pub(super) fn of(matrix: DMatrix<f64>) -> (Self, DMatrix<f64>) {
         let (turn, diagonal, beside) = SymmetricTridiagonal::new(matrix).unpack();
         let tridiagonal = Self {
@@ -45,14 +46,14 @@ impl Tridiagonal {
 }
 
 impl Factors {
-    /// Logarithm of the determinant.
+    /// Logarithm of the determinant of 1 + s T.
     pub(super) fn log_determinant(&self) -> f64 {
-        // A product of 8 pivots does not overflow.
+        // Eight pivots are multiplied before the logarithm is computed, because their product does not overflow.
         let products = self.pivots.chunks(8).map(|few| few.iter().product());
         products.map(|product: f64| libm::log(product)).sum()
     }
 
-    /// Solves for a right side, in place.
+    /// Replaces a right side by the solution.
     pub(super) fn solve(&self, right: &mut [f64]) {
         for index in 1..right.len() {
             right[index] -= self.below[index - 1] * right[index - 1];
@@ -68,7 +69,8 @@ impl Factors {
     /// Adds a multiple of the inverse to the lower triangle of a matrix.
     pub(super) fn add_inverse(&self, sum: &mut DMatrix<f64>, factor: f64) {
         let size = self.pivots.len();
-        // Each row of the inverse, right of the diagonal, is a multiple of the next (Takahashi et al., 1973).
+        // The part of each row of the inverse to the right of the diagonal is a multiple of the next row (Takahashi et
+        // al., 1973).
         let mut row = vec![0.0; size];
         for index in (0..size).rev() {
             let mut own = factor / self.pivots[index];

@@ -1,4 +1,4 @@
-//! Selection of the smoothing weight.
+//! Selects the smoothing weight λ.
 
 use std::f64::consts::LN_2;
 
@@ -7,30 +7,31 @@ use crate::Ep2Error;
 use crate::spline::{LANES, Lanes};
 use crate::square_quadric::UNKNOWNS;
 
-/// Number of weights at which the criterion is evaluated, in equal steps of their logarithm; a multiple of [`LANES`].
+/// Number of weights at which the criterion is evaluated, in equal steps of the logarithm; a multiple of [`LANES`].
 const NODES: usize = 80;
-/// Lower end of the search, relative to the smallest weight that damps a mode by half.
+/// Lower end of the search, relative to the smallest weight that damps some mode by half.
 const MIN_WEIGHT_RATIO: f64 = 1e-2;
-/// Upper end of the search, relative to the largest weight that damps a mode by half. Beyond it, the fit is nearly a
+/// Upper end of the search, relative to the largest weight that damps some mode by half. Beyond it, the fit is nearly a
 /// quadric.
 const MAX_WEIGHT_RATIO: f64 = 1e3;
-/// A product below this bound is scaled up, and its power of two is stored separately.
+/// If a product is below this bound, it is scaled up, and the power of two is stored separately.
 const SMALL: f64 = 1.0 / (1u64 << 60) as f64;
+/// Number of halvings that are stored when a product is scaled up.
 const SMALL_HALVINGS: f64 = 60.0;
-/// Modes whose half-damping weight is below this share of the largest do not widen the search.
+/// A mode does not extend the range of the search if its half-damping weight is below this share of the largest.
 const MIN_MODE_RATIO: f64 = 1e-8;
-/// Distance from the expected weight to the end of the search, in logarithms.
+/// Smallest distance between the logarithm of the expected weight and the upper end of the search.
 const EXPECTED_MARGIN: f64 = 5.0;
-/// Largest distance of the expected weight from the largest half-damping weight, in logarithms.
+/// Largest amount by which the logarithm of the expected weight may exceed that of the largest half-damping weight.
 const MAX_EXPECTED: f64 = 16.0;
 
 /// A criterion by which the smoothing weight is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
-    /// Generalised cross validation in which each fitted unknown counts `gamma` times. It rarely smooths too little. Kim and
-    /// Gu (2004) recommend 1.4.
+    /// Generalised cross validation in which the effective degrees of freedom are multiplied by `gamma`. It rarely
+    /// smooths too little. Kim and Gu (2004) recommend 1.4.
     RobustGcv {
-        /// Factor on the number of unknowns, at least 1.
+        /// Factor on the effective degrees of freedom, at least 1.
         gamma: f64,
     },
     /// Generalised cross validation (Craven and Wahba, 1979).
@@ -64,7 +65,8 @@ impl Criterion {
 pub(super) struct Choice {
     /// Logarithm of the weight.
     pub(super) log_weight: f64,
-    /// Factor of the assumed variances that explains the residuals; 1 if the variances are known.
+    /// Factor by which the assumed variances must be multiplied to explain the residuals; 1 if the variances are
+    /// stated.
     pub(super) scale: f64,
     pub(super) effective_unknowns: f64,
 }
@@ -78,7 +80,7 @@ struct Sums<T = f64> {
     /// Sum of squared residuals plus λ times the penalty.
     penalised: T,
     penalised_prime: T,
-    /// Trace of the map from observations to fit.
+    /// Effective degrees of freedom: trace of the map from the observations to the fitted values.
     unknowns: T,
     unknowns_prime: T,
     /// ln det⁺(λP) − ln det(A + λP), and its derivative.
@@ -87,7 +89,7 @@ struct Sums<T = f64> {
 }
 
 impl Sums<Lanes> {
-    /// Sums at several weights, from their logarithms.
+    /// Sums for several weights, which are given by their logarithms.
     fn at(spectrum: &Spectrum, log_weights: [f64; LANES]) -> [Sums; LANES] {
         let weight = Lanes::from(log_weights.map(libm::exp));
         let square = Lanes::splat(spectrum.square);
@@ -101,7 +103,8 @@ impl Sums<Lanes> {
             log_determinants: Lanes::ZERO,
             log_determinants_prime: Lanes::ZERO,
         };
-        // A product needs one logarithm instead of many. After every four factors it is scaled up if it is close to 0.
+        // The logarithm is computed once for the product of all factors. After every four factors, the product is
+        // scaled up if it is close to 0.
         let (mut product, mut halvings) = (Lanes::ONE, Lanes::ZERO);
         let modes = spectrum.fidelity.iter().zip(&spectrum.roughness);
         for (mode, ((fidelity, roughness), right)) in modes.zip(&spectrum.right).enumerate() {
@@ -133,7 +136,7 @@ impl Sums<Lanes> {
         }
         sums.log_determinants = Lanes::from(product.to_array().map(libm::log)) - halvings * LN_2;
         sums.residual_prime *= Lanes::splat(2.0);
-        // Rounding errors may make the residual negative if everything is fitted.
+        // Rounding errors may make the residual negative if the observations are fitted exactly.
         let rest = Lanes::splat(f64::EPSILON * f64::EPSILON * spectrum.square + f64::MIN_POSITIVE);
         sums.residual = sums.residual.max(rest);
         sums.penalised = sums.penalised.max(rest);
@@ -163,15 +166,16 @@ impl Sums {
 pub(super) struct Search<'a> {
     spectrum: &'a Spectrum,
     criterion: Criterion,
-    /// Whether the variances are known, not only their ratio.
+    /// Whether the variances are stated. If not, only their ratio is used.
     is_known: bool,
-    /// Logarithms of the weights.
+    /// Logarithms of the weights that are evaluated.
     places: Vec<f64>,
     sums: Vec<Sums>,
 }
 
 impl<'a> Search<'a> {
-    /// Evaluates the weights of a range that also covers weights around `expected`, the logarithm of the expected weight.
+    /// Evaluates weights from a range that includes the neighbourhood of the expected weight. `expected` is the
+    /// logarithm of the expected weight.
     pub(super) fn new(
         spectrum: &'a Spectrum,
         criterion: Criterion,
@@ -226,7 +230,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// −2 ln(likelihood), with the quadric integrated out. If the variances are unknown, it is that of the best scale.
+    /// −2 ln(likelihood), with the quadric integrated out. If the variances are not stated, it is the value for the
+    /// best variance factor.
     fn deviance(&self, sums: &Sums) -> f64 {
         let degrees = self.spectrum.equations - UNKNOWNS as f64;
         let misfit = if self.is_known {
@@ -237,7 +242,8 @@ impl<'a> Search<'a> {
         misfit - sums.log_determinants
     }
 
-    /// Score of a weight: the best weight has the smallest. It is infinite if too many unknowns would be fitted.
+    /// Score of a weight. The best weight has the smallest score. It is infinite if the effective degrees of freedom
+    /// are too large.
     fn score(&self, sums: &Sums) -> f64 {
         if let Criterion::Reml = self.criterion {
             return self.deviance(sums);
@@ -266,7 +272,8 @@ impl<'a> Search<'a> {
         sums.residual_prime / sums.residual + 2.0 * gamma * sums.unknowns_prime / left
     }
 
-    /// The root of the slope between two places, where the slope rises through zero (regula falsi, Illinois variant).
+    /// The root of the slope between two places. The slope must be negative at the first place and positive at the
+    /// second (regula falsi, Illinois variant).
     fn root(&self, low: f64, high: f64) -> f64 {
         let slope = |place: f64| self.slope(&Sums::at_one(self.spectrum, place));
         let (mut ends, mut slopes) = ([low, high], [slope(low), slope(high)]);
@@ -289,15 +296,16 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Logarithm of the weight that suits the roughness of a sphere with this squared curvature, in the square.
+/// Logarithm of the weight that is suitable for the roughness of a sphere with this squared curvature. Lengths are in
+/// units of half a side of the square.
 ///
-/// The penalty of a sphere of curvature κ over the square is 32 κ⁶: the amplitude λ^(−1/2) of its third derivatives is
-/// ¾ κ³.
+/// The penalty of a sphere of curvature κ over the square is 32 κ⁶. This corresponds to third derivatives with the
+/// amplitude λ^(−1/2) = ¾ κ³.
 pub(super) fn log_weight_of_sphere(square_curvature: f64) -> f64 {
     -2.0 * libm::log(0.75_f64) - 3.0 * libm::log(square_curvature)
 }
 
-/// Logarithms of the lower end of the search, and of the largest weight that damps a mode by half.
+/// Two logarithms: of the lower end of the search, and of the largest weight that damps some mode by half.
 fn range(spectrum: &Spectrum) -> (f64, f64) {
     let halves = || {
         let modes = spectrum.fidelity.iter().zip(&spectrum.roughness);

@@ -1,4 +1,4 @@
-//! Cells of neighbouring contacts: residuals that agree within a cell are misfit, not noise.
+//! Cells of neighbouring contacts. Residuals that agree within a cell are a misfit of the shape and no noise.
 
 use nalgebra::Vector3;
 use palpate_statistics::ratio_tail;
@@ -6,21 +6,22 @@ use palpate_statistics::ratio_tail;
 use super::pose::{Cloud, Equations, Gram, Pose, Row};
 use super::robust_fit::Solution;
 
-/// Largest number of cells, and the smallest number of contacts in a cell.
+/// Largest number of cells.
 const MAX_CELLS: usize = 32;
+/// Smallest number of contacts in a cell.
 const MIN_CONTACTS: usize = 5;
 /// Smallest number of cells.
 const MIN_CELLS: usize = 12;
 
-/// The cell of each contact.
+/// The cell to which each contact belongs.
 pub(super) struct Cells {
     cell_of: Vec<usize>,
     count: usize,
 }
 
 impl Cells {
-    /// Divides contacts into cells of equal counts by their footpoints, because errors of places depend on distances; `None`
-    /// if there are too few.
+    /// Divides contacts by their footpoints into cells with equal numbers of contacts. Positions themselves are not
+    /// used, because their errors are correlated with the distances. `None` if there are too few contacts.
     pub(super) fn new(pose: &Pose, cloud: &Cloud) -> Option<Self> {
         let contacts = cloud.places.len();
         let wanted = (contacts / MIN_CONTACTS).min(MAX_CELLS);
@@ -41,7 +42,8 @@ impl Cells {
         Some(Self { cell_of, count })
     }
 
-    /// Probability that the means of noise in the cells are larger by chance. `correlation` neighbouring values count as one.
+    /// Probability that noise alone causes means in the cells that are as large as these. `correlation` neighbouring
+    /// values count as one.
     pub(super) fn p_value(&self, values: &[f64], unknowns: usize, correlation: f64) -> f64 {
         let mut sums = vec![(0.0, 0.0); self.count];
         for (value, &cell) in values.iter().zip(&self.cell_of) {
@@ -61,7 +63,8 @@ impl Cells {
         )
     }
 
-    /// Covariance of the unknowns with the residuals of a cell as one, and its degrees of freedom.
+    /// Covariance of the fitted parameters if all residuals of a cell count as one, and the number of its degrees of
+    /// freedom.
     pub(super) fn covariance(&self, solution: &Solution, cloud: &Cloud) -> (Gram, usize) {
         let weights = solution.weights();
         let mut sums = vec![Row::zeros(); self.count];

@@ -1,4 +1,4 @@
-//! Interval of the curvature of a shape, and of its radius.
+//! Intervals of the curvature and the radius of a shape.
 
 use palpate_statistics::student_half_width;
 
@@ -7,27 +7,28 @@ use super::lack_of_fit::LackOfFit;
 use super::pose::{CURVATURE, Cloud, Gram};
 use super::robust_fit::Solution;
 
-/// Probability of the intervals.
+/// Probability that an interval contains the true value.
 const PROBABILITY: f64 = 0.95;
-/// The curvature is resolved if the half-width of its interval is below this share of it. Larger ones are too narrow.
+/// Largest relative half-width of the curvature's interval at which the curvature counts as determined. Wider intervals
+/// are computed too narrow.
 const MAX_RELATIVE_HALF_WIDTH: f64 = 0.4;
-/// Misfit below this p-value widens the interval.
+/// p-value of the misfit below which the interval is widened.
 const MISFIT_P_VALUE: f64 = 0.01;
-/// Noise relative to the spread of the contacts above which the curvature is not resolved: errors of places along the
-/// surface make the fitted radius too small.
+/// Largest noise at which the curvature can be determined, relative to the spread of the contacts. Errors of positions
+/// along the surface make the fitted radius too small.
 const MAX_RELATIVE_NOISE: f64 = 0.1;
 
-/// Interval of the curvature, in the unit of the cloud.
+/// Interval of the curvature, in the unit of the contacts' spread.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CurvatureInterval {
     pub(super) std: f64,
     pub(super) ends: [f64; 2],
     pub(super) is_resolved: bool,
-    /// Covariance of the unknowns.
+    /// Covariance of the fitted parameters.
     pub(super) covariance: Gram,
 }
 
-/// The interval; `None` if there are no degrees of freedom left for the noise.
+/// The interval; `None` if no degrees of freedom remain for the noise.
 pub(super) fn curvature_interval(
     solution: &Solution,
     cloud: &Cloud,

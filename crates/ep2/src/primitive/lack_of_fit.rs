@@ -1,4 +1,5 @@
-//! Whether the residuals of a shape are noise: a test against a smooth deviation, and the correlation that remains.
+//! Tests whether the residuals of a shape are noise, by comparison with a smooth deviation, and estimates the
+//! correlation that remains.
 
 use std::collections::HashMap;
 
@@ -10,34 +11,35 @@ use super::pose::{Cloud, Pose, UNKNOWNS};
 use super::robust_fit::Solution;
 use crate::effective_readings::correlation_time;
 
-/// Largest degree of the products of coordinates in the deviation.
+/// Largest degree of the products of coordinates that form the smooth deviation.
 const MAX_DEGREE: usize = 4;
-/// A patch is a graph over its plane if all normals stay within 72 degrees of their mean.
+/// Smallest cosine of the angle between a normal and the mean normal (72 degrees) at which a patch is a graph over its
+/// plane.
 const MIN_GRAPH_COSINE: f64 = 0.3;
-/// A column of which less than this share is independent of earlier columns is skipped.
+/// Smallest share of a column that must be independent of the earlier columns; otherwise, the column is skipped.
 const RANK_TOLERANCE: f64 = 1e-9;
 /// The same share relative to the variance of places, and its largest value.
 const MIN_NOISE_RATIO: f64 = 10.0;
 const MAX_RANK_TOLERANCE: f64 = 2e-3;
-/// Largest number of contacts in the normal equations. Of more contacts an even selection is used.
+/// Largest number of contacts in the normal equations. If there are more, an evenly spaced selection is used.
 const MAX_CONTACTS: usize = 20_000;
-/// Number of contacts from which the coordinates' range is computed.
+/// Number of contacts from which the range of the coordinates is computed.
 const BASIS_CONTACTS: usize = 2000;
-/// Consecutive contacts in a block, of which an even selection gives the correlation.
+/// Number of consecutive contacts in a block. The correlation is estimated from an evenly spaced selection of blocks.
 const BLOCK: usize = 2000;
-/// Number of equations per unknown for a degree.
+/// Smallest number of equations per parameter for which a degree is used.
 const MIN_EQUATIONS_RATIO: f64 = 1.5;
 
-/// Result of the test.
+/// Result of the test for lack of fit.
 #[derive(Clone, Debug)]
 pub(super) struct LackOfFit {
     /// Probability of a worse fit by chance.
     pub(super) p_value: f64,
-    /// Number of consecutive positions and normals that count as one.
+    /// Number of consecutive positions and of consecutive normals that count as one.
     pub(super) correlations: [f64; 2],
 }
 
-/// Products of coordinates of footpoints.
+/// Products of the coordinates of footpoints, of which the smooth deviation is composed.
 struct Basis {
     centre: Vector3<f64>,
     scale: f64,
@@ -54,7 +56,7 @@ impl Basis {
                 .clone()
                 .all(|normal| normal.dot(&mean) > MIN_GRAPH_COSINE)
         });
-        // Coordinates are along the axes of a pose whose normal is the mean one.
+        // The coordinates are along the axes of a pose whose normal is the mean normal.
         let centre = pose.axes * (super::start::middle(cloud) - pose.point);
         let places = cloud
             .places
@@ -86,7 +88,7 @@ impl Basis {
         }
     }
 
-    /// Values and gradients at a footpoint, in the axes of the pose.
+    /// Values and gradients of the products at a footpoint, in the axes of the pose.
     fn at(&self, foot: &Vector3<f64>, values: &mut [f64], gradients: &mut [Vector3<f64>]) {
         let place = (foot - self.centre) / self.scale;
         let mut powers = [[1.0; MAX_DEGREE + 1]; 3];
@@ -111,7 +113,7 @@ impl Basis {
     }
 }
 
-/// Rows of one contact: of its distance and of the three components of its normal.
+/// Rows of the equations for one contact: one for its distance, and three for the components of its normal.
 struct Rows<'a> {
     pose: &'a Pose,
     cloud: &'a Cloud,
@@ -125,7 +127,7 @@ impl Rows<'_> {
         UNKNOWNS + self.basis.exponents.len()
     }
 
-    /// Fills the rows of a contact and returns its residuals.
+    /// Computes the rows of a contact and returns its residuals.
     fn fill(&mut self, index: usize, rows: &mut [Vec<f64>]) -> [f64; 4] {
         let place = &self.cloud.places[index];
         let normal = self.cloud.normals.get(index);
@@ -151,7 +153,7 @@ impl Rows<'_> {
     }
 }
 
-/// Tests the residuals of a fit; `fingers` are those of the contacts.
+/// Tests the residuals of a fit. `fingers` are the fingers of the contacts.
 pub(super) fn lack_of_fit(solution: &Solution, cloud: &Cloud, fingers: &[usize]) -> LackOfFit {
     let first = tested(solution, cloud, fingers, [1.0; 2]);
     if first.correlations == [1.0; 2] {
@@ -231,7 +233,7 @@ fn tested(
         true => ratio_tail(explained, extra, left, freedom as usize),
         false => 1.0,
     };
-    // Residuals of the flexible surface.
+    // Residuals of the surface with the smooth deviation.
     let coefficients = solved.coefficients();
     let mut strokes: HashMap<usize, usize> = HashMap::new();
     let mut distances: Vec<Vec<f64>> = Vec::new();
@@ -257,7 +259,7 @@ fn tested(
         }
     }
     let of_normals: Vec<Vec<f64>> = normals.into_iter().flat_map(|[a, b, _]| [a, b]).collect();
-    // Positions and normals share the unknowns.
+    // Positions and normals determine the fitted parameters together.
     let absorbed = if kinds > 1 { rank / 2 } else { rank };
     let found = [
         correlation_time(&distances, absorbed),
@@ -282,7 +284,8 @@ fn tested(
     }
 }
 
-/// Cholesky's factor of normal equations in the order of their columns; columns that depend on earlier ones are skipped.
+/// Cholesky factor of normal equations, in the order of their columns. Columns that depend on earlier columns are
+/// skipped.
 struct Sequential {
     factor: DMatrix<f64>,
     parts: Vec<f64>,

@@ -1,26 +1,27 @@
-//! Place and size of a plane, a sphere or a cylinder, with the distances of contacts from it.
+//! Position and size of a plane, a sphere or a cylinder, with the distances of contacts from it.
 //!
-//! With q = p − o from a point o of the surface, the normal n there, the axis a of a cylinder and the curvature k:
-//! f = k |q|²/2 + q·n, where a cylinder has |q|² − (q·a)² for |q|², and the signed distance is d = 2 f / (1 + √(1 + 2 k f)).
-//! It is exact and smooth through the plane k = 0 (Marshall, Lukacs and Martin 2001).
+//! Let q = p − o, where p is the position of a contact and o is a point of the surface. n is the normal at o, a is the
+//! axis of a cylinder, and k is the curvature. With f = k |q|²/2 + q·n, where |q|² is replaced by |q|² − (q·a)² for a
+//! cylinder, the signed distance is d = 2 f / (1 + √(1 + 2 k f)). It is exact, and smooth through the plane k = 0
+//! (Marshall, Lukacs and Martin 2001).
 
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
 
 use crate::Shape;
 
-/// Unknowns: rotations about the axes a, b and n, a shift along n, and the curvature.
+/// Number of fitted parameters: rotations about the axes a, b and n, a shift along n, and the curvature.
 pub(super) const UNKNOWNS: usize = 5;
-/// Number of the curvature among them.
+/// Index of the curvature in the fitted parameters.
 pub(super) const CURVATURE: usize = 4;
 
 pub(super) type Row = SVector<f64, UNKNOWNS>;
 pub(super) type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// Places and unit normals, in the unit of their spread.
+/// Positions and unit normals of contacts, in the unit of the contacts' spread.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cloud {
     pub(super) places: Vec<Vector3<f64>>,
-    /// As many as places, or none.
+    /// One normal per position, or none.
     pub(super) normals: Vec<Vector3<f64>>,
 }
 
@@ -48,25 +49,25 @@ impl Cloud {
     }
 }
 
-/// A plane, a sphere or a cylinder.
+/// Position and size of a plane, a sphere or a cylinder.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pose {
     pub(super) shape: Shape,
     /// A point of the surface.
     pub(super) point: Vector3<f64>,
-    /// Axes a, b and n in rows.
+    /// The axes a, b and n, as rows.
     pub(super) axes: Matrix3<f64>,
-    /// Curvature, > 0 where convex.
+    /// Curvature, > 0 if convex.
     pub(super) curvature: f64,
 }
 
-/// Distance of a contact from the surface, and its normal's deviation, with derivatives.
+/// Distance of a contact from the surface and deviation of its normal, with derivatives.
 pub(super) struct Deviation {
     pub(super) distance: f64,
     pub(super) distance_row: Row,
-    /// Outward normal of the surface there, in the axes of the pose.
+    /// Outward normal of the surface at the contact, in the axes of the pose.
     pub(super) normal: Vector3<f64>,
-    /// Derivatives of the normal, in columns.
+    /// Derivatives of the normal, as columns.
     normal_rows: SMatrix<f64, 3, UNKNOWNS>,
 }
 
@@ -100,7 +101,7 @@ impl Pose {
         self.axes.row(row).transpose()
     }
 
-    /// Number of unknowns.
+    /// Number of fitted parameters of the shape.
     pub(super) const fn unknowns(&self) -> usize {
         match self.shape {
             Shape::Plane => 3,
@@ -109,7 +110,7 @@ impl Pose {
         }
     }
 
-    /// Whether an unknown belongs to the shape.
+    /// Whether a parameter belongs to the shape.
     pub(super) fn has(&self, unknown: usize) -> bool {
         match unknown {
             2 => self.shape == Shape::Cylinder,
@@ -118,7 +119,8 @@ impl Pose {
         }
     }
 
-    /// The place in the axes, its part across a cylinder's axis, f's square root s and the distance.
+    /// The position in the axes of the pose, its part across the axis of a cylinder, the square root s = √(1 + 2 k f),
+    /// and the distance.
     #[inline]
     fn at(&self, place: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64, f64) {
         let q = self.axes * (place - self.point);
@@ -127,24 +129,24 @@ impl Pose {
             Shape::Sphere | Shape::Plane => q,
         };
         let f = 0.5 * self.curvature * across.norm_squared() + q.z;
-        // 1 + 2kf = |n + k across|² ≥ 0; it vanishes on the axis or in the centre.
+        // 1 + 2kf = |n + k across|² ≥ 0. It is 0 on the axis of a cylinder and in the centre of a sphere.
         let s = (1.0 + 2.0 * self.curvature * f).max(1e-18).sqrt();
         (q, across, s, 2.0 * f / (1.0 + s))
     }
 
-    /// Signed distance of a place, > 0 outside.
+    /// Signed distance of a position from the surface, > 0 outside.
     #[inline]
     pub(super) fn distance(&self, place: &Vector3<f64>) -> f64 {
         self.at(place).3
     }
 
-    /// Outward normal at a place.
+    /// Outward normal of the surface at a position.
     pub(super) fn normal_at(&self, place: &Vector3<f64>) -> Vector3<f64> {
         let (_, across, s, _) = self.at(place);
         self.axes.transpose() * (Vector3::z() + across * self.curvature) / s
     }
 
-    /// Distance, normal and their derivatives at a place.
+    /// Distance, normal and their derivatives at a position.
     #[inline]
     pub(super) fn deviation(&self, place: &Vector3<f64>, with_normal: bool) -> Deviation {
         let k = self.curvature;
@@ -187,7 +189,7 @@ impl Pose {
         deviation
     }
 
-    /// The pose after a step in the unknowns; its point moves to the foot of `middle`.
+    /// The pose after a step of the parameters. Its point is then the foot of `middle` on the surface.
     pub(super) fn moved(&self, step: &Row, middle: &Vector3<f64>) -> Self {
         let turn = self.axes.transpose() * Vector3::new(step[0], step[1], step[2]);
         let turn = Rotation3::new(turn);
@@ -200,7 +202,8 @@ impl Pose {
         next.based_at(middle)
     }
 
-    /// The same surface with its point at the foot of a place, unless the place is near the centre or the axis.
+    /// The same surface, but with the foot of a position as its point, unless the position is near the centre or the
+    /// axis.
     pub(super) fn based_at(&self, place: &Vector3<f64>) -> Self {
         let (_, _, s, distance) = self.at(place);
         if s < 0.05 || s.is_nan() {
@@ -211,7 +214,7 @@ impl Pose {
         Self::new(self.shape, point, normal, self.axis(0), self.curvature)
     }
 
-    /// The surface with outside and inside exchanged.
+    /// The same surface with its outside and inside exchanged.
     pub(super) fn reversed(&self) -> Self {
         let curvature = -self.curvature;
         Self::new(
@@ -223,7 +226,7 @@ impl Pose {
         )
     }
 
-    /// Measured normal in the axes of the pose.
+    /// A measured normal in the axes of the pose.
     #[inline]
     pub(super) fn in_axes(&self, normal: &Vector3<f64>) -> Vector3<f64> {
         self.axes * normal
@@ -231,19 +234,19 @@ impl Pose {
 }
 
 impl Deviation {
-    /// Derivative of the normal with respect to an unknown.
+    /// Derivative of the normal with respect to a parameter.
     pub(super) fn normal_row(&self, unknown: usize) -> Vector3<f64> {
         self.normal_rows.column(unknown).into()
     }
 }
 
-/// Sums of squares and normal equations of distances and normals, each of unit variance.
+/// Sums of squares and normal equations of distances and normals, all with variance 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Equations {
     pub(super) grams: [Gram; 2],
     pub(super) gradients: [Row; 2],
     pub(super) squares: [f64; 2],
-    /// Number of distances, and of components of normals.
+    /// Number of distances, and number of components of normals.
     pub(super) counts: [f64; 2],
 }
 
@@ -271,7 +274,7 @@ impl Equations {
         all
     }
 
-    /// Gradient of the weighted sum of squares of one contact, for clusters of contacts.
+    /// Gradient of one contact's weighted sum of squares, which is summed over cells of contacts.
     pub(super) fn gradient(pose: &Pose, cloud: &Cloud, index: usize, weights: [f64; 2]) -> Row {
         let normal = cloud.normals.get(index);
         let one = pose.deviation(&cloud.places[index], normal.is_some());

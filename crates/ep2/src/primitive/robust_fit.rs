@@ -1,5 +1,5 @@
-//! Least squares for the distances and normals of contacts from a shape, with variances from the residuals and without
-//! outliers.
+//! Least squares for the distances and normals of contacts from a shape. Variances follow from the residuals, and
+//! outliers are left out.
 
 use nalgebra::{SymmetricEigen, Vector3};
 use palpate_statistics::student_half_width;
@@ -9,38 +9,47 @@ use super::start::{middle, starts};
 use crate::Shape;
 use crate::gross_outliers::MAX_OUTLIER_SHARE;
 
-/// Iterations of a fit, and of its variances.
+/// Number of iterations of a fit.
 const ITERATIONS: usize = 20;
+/// Number of iterations in which the variances are estimated.
 const VARIANCE_ITERATIONS: usize = 8;
-/// Decrease of chi-squared below which a fit ends: 1 % of a standard error.
+/// Decrease of χ² below which a fit ends; it is 1 % of a standard error.
 const MIN_DECREASE: f64 = 1e-4;
-/// Smallest standard deviations: of positions relative to their spread, and of normals. Smaller ones are rounding errors.
+/// Smallest standard deviation of positions (relative to their spread) and of normals. Smaller ones are rounding
+/// errors.
 const MIN_STD: f64 = 1e-9;
-/// Largest ratio of the variance of normals to that of positions, and of its inverse, in the unit of the spread.
+/// Largest ratio of the variance of normals to the variance of positions, and of its inverse, in the unit of the
+/// spread.
 const MAX_VARIANCE_RATIO: f64 = 1e8;
-/// Smallest share of the variance of normals that is not caused by errors of places.
+/// Smallest share of the variance of normals that errors of positions do not cause.
 const MIN_SENSOR_SHARE: f64 = 0.05;
-/// Eigenvalues of scaled normal equations below this share of the largest one are rounding errors.
+/// Eigenvalues of scaled normal equations that are smaller than this share of the largest one are rounding errors.
 const RANK_TOLERANCE: f64 = 1e-12;
-/// Number of contacts from which a fit starts.
+/// Number of contacts with which a fit starts.
 const START_CONTACTS: usize = 600;
-/// A contact is an outlier beyond the t quantile of this probability: 4.5 standard deviations of many contacts.
+/// Probability of the quantile of Student's t beyond which a contact is an outlier; for many contacts, it is 4.5
+/// standard deviations.
 const OUTLIER_PROBABILITY: f64 = 6.8e-6;
-/// Subsets of contacts from which a robust fit starts, and their size.
+/// Number of subsets of contacts from which a robust fit starts.
 const SUBSETS: u64 = 60;
+/// Number of contacts in a subset.
 const SUBSET_SIZE: usize = 8;
+/// Number of iterations of the fit to a subset.
 const SUBSET_ITERATIONS: usize = 15;
-/// A fit through a subset replaces the plain one if its median distance is below this share.
+/// Largest median distance of a fit through a subset that replaces the fit to all contacts, as a share of the median
+/// distance of the latter.
 const MAX_MEDIAN_SHARE: f64 = 0.75;
-/// Iterations in which the contacts that a fit uses may change, and of each fit.
+/// Number of iterations in which the contacts that a fit uses may change.
 const GROWTH_ITERATIONS: usize = 10;
+/// Number of iterations of each of these fits.
 const GROWTH_FIT_ITERATIONS: usize = 8;
-/// Largest number of contacts from which outliers are defined.
+/// Largest number of contacts from which the limits for outliers are computed.
 const MAX_CONTACTS: usize = 20_000;
-/// A fit that leaves out more than a fifth is clear if its variance is below this share of that of all contacts.
+/// Largest variance of a fit that leaves out more than a fifth of the contacts and is nevertheless accepted, as a share
+/// of the variance of all contacts.
 const MAX_FEW_VARIANCE_SHARE: f64 = 0.04;
 
-/// Standard deviations that are stated, in the unit of the spread and rad.
+/// Stated standard deviations of positions (in the unit of the spread) and normals (rad).
 pub(super) type StatedNoise = [Option<f64>; 2];
 
 /// A fit to contacts, with the variances of positions and normals.
@@ -52,19 +61,19 @@ pub(super) struct Solution {
     pub(super) variances: [f64; 2],
     /// Inverse of the weighted normal equations.
     pub(super) inverse: Gram,
-    /// Degrees of freedom of the variances, `None` if there are none.
+    /// Degrees of freedom of the variances; `None` if there are none.
     pub(super) freedom: Option<f64>,
 }
 
 /// Weights of distances and normals.
 ///
-/// A place error along the surface changes the expected normal by k times itself. So normals have the variance
-/// σ_n² + β k² with β = c σ_p²/2, where c is 2 for a sphere and 1 for a cylinder. With a constant variance the fit would
-/// reduce k to reduce the sum of squares.
+/// An error of a position along the surface changes the expected normal by k times the error. Therefore, normals have
+/// the variance σ_n² + β k² with β = c σ_p²/2, where c is 2 for a sphere and 1 for a cylinder. If the variance were
+/// constant, the fit would reduce k in order to reduce the sum of squares.
 #[derive(Clone, Copy, Debug)]
 struct Weights {
     of_distances: f64,
-    /// σ_n² and β.
+    /// The variance σ_n² of normals, and the coefficient β.
     normals: [f64; 2],
 }
 
@@ -89,7 +98,8 @@ impl Weights {
         (sensor + slope * pose.curvature * pose.curvature).recip()
     }
 
-    /// Derivative of the weighted sum of squares of normals with the variance, over −2k.
+    /// Derivative of the weighted sum of squares of normals with respect to their variance, as it depends on k, divided
+    /// by −2k.
     fn correction(&self, pose: &Pose, equations: &Equations) -> f64 {
         self.normals[1] * equations.squares[1] * self.of_normals(pose).powi(2)
     }
@@ -99,7 +109,7 @@ impl Weights {
         self.of_distances * of_distances + self.of_normals(pose) * of_normals
     }
 
-    /// Normal equations; unknowns that the shape does not have get a 1 on the diagonal.
+    /// Normal equations. Parameters that the shape does not have get a 1 on the diagonal.
     fn gram(&self, pose: &Pose, equations: &Equations) -> Gram {
         let mut gram =
             equations.grams[0] * self.of_distances + equations.grams[1] * self.of_normals(pose);
@@ -128,7 +138,7 @@ impl Weights {
         gradient
     }
 
-    /// Levenberg and Marquardt's iteration.
+    /// Minimises the weighted sum of squares by a Levenberg–Marquardt iteration.
     fn minimise(&self, start: Pose, cloud: &Cloud, iterations: usize) -> (Pose, Equations) {
         let middle = middle(cloud);
         let mut pose = start.based_at(&middle);
@@ -169,7 +179,7 @@ impl Weights {
     }
 }
 
-/// Fits a shape from a start, with variances from the residuals where they are not stated. `correlations` are the numbers
+/// Fits a shape from a start. Variances that are not stated follow from the residuals. `correlations` are the numbers
 /// of consecutive positions and normals that count as one.
 pub(super) fn solve(
     start: Pose,
@@ -217,7 +227,7 @@ pub(super) fn solve(
         } else {
             left[0].max(0.0) + left[1].max(0.0)
         };
-        // The variances changed after the equations were solved.
+        // The variances have changed after the equations were solved.
         let gram = Weights::new(&pose, variances).gram(&pose, &equations);
         let is_steady = (0..2).all(|kind| (variances[kind] / before[kind] - 1.0).abs() < 0.01);
         last = Some(Solution {
@@ -227,7 +237,7 @@ pub(super) fn solve(
             inverse: self::inverse(&gram),
             freedom: is_complete.then_some(freedom),
         });
-        // Without normals the variance does not move the minimum.
+        // Without normals, the variance does not change the minimum.
         if is_steady || cloud.normals.is_empty() {
             break;
         }
@@ -235,7 +245,7 @@ pub(super) fn solve(
     last.unwrap_or_else(|| unreachable!("there is at least one iteration"))
 }
 
-/// Mean squares of the residuals of a start, or stated variances.
+/// The stated variances or, if they are not stated, the mean squares of the residuals at a start.
 fn first_variances(pose: &Pose, cloud: &Cloud, stated: StatedNoise) -> [f64; 2] {
     let mean_square = |all: &[f64]| {
         let sum: f64 = all.iter().map(|one| one * one).sum();
@@ -254,7 +264,7 @@ fn first_variances(pose: &Pose, cloud: &Cloud, stated: StatedNoise) -> [f64; 2] 
     })
 }
 
-/// The inverse of normal equations. Directions that they do not determine get a very large variance.
+/// Inverse of normal equations. Directions that the equations do not determine get a very large variance.
 fn inverse(gram: &Gram) -> Gram {
     let scales = gram
         .diagonal()
@@ -268,7 +278,7 @@ fn inverse(gram: &Gram) -> Gram {
 }
 
 impl Solution {
-    /// A pose without a fit.
+    /// A solution with this pose, before a fit.
     fn of(pose: Pose) -> Self {
         Self {
             pose,
@@ -284,7 +294,7 @@ impl Solution {
         self.variances.map(f64::recip)
     }
 
-    /// −2 log likelihood with the variances that fit best, but for a constant.
+    /// −2 log-likelihood for the variances that fit best, except for a constant.
     pub(super) fn deviance(&self, stated: StatedNoise, correlations: [f64; 2]) -> f64 {
         let floor = MIN_STD * MIN_STD;
         let parts = (0..2).map(|kind| {
@@ -300,13 +310,14 @@ impl Solution {
     }
 }
 
-/// The best fit, and which contacts it uses.
+/// The best fit, and the contacts that it uses.
 #[derive(Clone, Debug)]
 pub(super) struct RobustFit {
     pub(super) solution: Solution,
     pub(super) is_used: Vec<bool>,
     limits: Limits,
-    /// Contacts of a much better fit that leaves out more than a fifth, if there is one.
+    /// Contacts that are used by a much better fit, which leaves out more than a fifth of all contacts; `None` if there
+    /// is no such fit.
     pub(super) inliers_of_few: Option<Vec<bool>>,
 }
 
@@ -344,14 +355,14 @@ pub(super) fn robust_fit(shape: Shape, cloud: &Cloud, stated: StatedNoise) -> Ro
     }
 }
 
-/// The fit without outliers from a start. `thinned` has fewer of the same contacts.
+/// The fit without outliers from a start. `thinned` contains a selection of the same contacts.
 fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise) -> RobustFit {
     let plain_all = solve(start, cloud, stated, [1.0; 2], ITERATIONS);
     let mut plain = grown(plain_all, cloud, stated);
     let Some(pose) = through_most(&plain.solution.pose, thinned) else {
         return plain;
     };
-    // The subset may also have found a lower minimum of all contacts.
+    // The fit that starts at the subset may also have found a lower minimum for all contacts.
     let other = solve(pose, cloud, stated, [1.0; 2], ITERATIONS);
     if other.deviance(stated, [1.0; 2]) < plain_all.deviance(stated, [1.0; 2]) - MIN_DECREASE {
         plain = grown(other, cloud, stated);
@@ -374,7 +385,8 @@ fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise)
     }
 }
 
-/// The pose through a subset of contacts with the smallest median distance, if it is much smaller than that of this pose.
+/// The pose with the smallest median distance, among poses through subsets of contacts; `None` if this distance is not
+/// much smaller than that of the pose `plain`.
 fn through_most(plain: &Pose, cloud: &Cloud) -> Option<Pose> {
     let weights = Weights {
         of_distances: 1.0,
@@ -411,16 +423,17 @@ fn median_distance(pose: &Pose, cloud: &Cloud) -> f64 {
     *distances.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// Largest distance of a contact and largest deviation of its normal.
+/// Largest distance of a contact, and largest deviation of its normal, at which the contact is no outlier.
 #[derive(Clone, Copy, Debug)]
 struct Limits([f64; 2]);
 
 impl Limits {
-    /// Limits from the medians at a pose. A median of few residuals is uncertain, so the limits are wide.
+    /// Limits that follow from the median residuals at a pose. Because the median of few residuals is uncertain, the
+    /// limits are then wider.
     fn first(pose: &Pose, cloud: &Cloud, deviations: f64) -> Self {
         let freedom = cloud.places.len().saturating_sub(pose.unknowns()).max(1);
         let correction = 1.0 + 5.0 / freedom as f64;
-        // Medians of the magnitude of a normal deviate, and of two of them.
+        // Medians of the magnitude of one standard normal number, and of a vector of two.
         let medians = [0.6745, 1.1774];
         let mut kind = 0;
         let of = residuals(pose, cloud).map(|mut all| {
@@ -435,7 +448,7 @@ impl Limits {
         Self(of)
     }
 
-    /// The contacts within the limits.
+    /// The contacts that are within the limits.
     fn apply(self, pose: &Pose, cloud: &Cloud) -> RobustFit {
         let [distances, normals] = residuals(pose, cloud);
         let is_near = |(index, distance): (usize, &f64)| {
@@ -451,7 +464,8 @@ impl Limits {
     }
 }
 
-/// The fit to the contacts near a pose, which grow until they no longer change.
+/// The fit to the contacts near a pose. The contacts are selected again after each fit, until the selection no longer
+/// changes.
 fn grown(mut solution: Solution, cloud: &Cloud, stated: StatedNoise) -> RobustFit {
     let unknowns = solution.pose.unknowns();
     let quantile = |used: usize| {
@@ -485,7 +499,7 @@ fn grown(mut solution: Solution, cloud: &Cloud, stated: StatedNoise) -> RobustFi
     }
 }
 
-/// Magnitudes of distances and of deviations of normals.
+/// Magnitudes of the distances and of the deviations of the normals.
 fn residuals(pose: &Pose, cloud: &Cloud) -> [Vec<f64>; 2] {
     let distances = cloud.places.iter().map(|place| pose.distance(place).abs());
     let pairs = cloud.places.iter().zip(&cloud.normals);
@@ -494,7 +508,7 @@ fn residuals(pose: &Pose, cloud: &Cloud) -> [Vec<f64>; 2] {
 }
 
 impl RobustFit {
-    /// Whether more contacts are left out than outliers may be.
+    /// Whether more contacts are left out than the largest accepted share of outliers.
     fn leaves_out_too_many(&self) -> bool {
         let left = self.is_used.iter().filter(|used| !**used).count();
         left as f64 > MAX_OUTLIER_SHARE * self.is_used.len() as f64

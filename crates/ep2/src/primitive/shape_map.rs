@@ -1,15 +1,15 @@
-//! Points of a fitted shape with their curvature, for maps.
+//! Maps of fitted shapes: points with their curvature.
 
 use nalgebra::{Point3, Vector3};
 
 use super::pose::Pose;
 use crate::{Contact, Curvature, MapPoint, Shape, ShapeFit, Uncertainty};
 
-/// Smallest cosine of the angle from the foot to which a map reaches.
+/// Smallest cosine of the angle between the normals at the foot of the shape and at a point of a map.
 const MIN_COSINE: f64 = 0.2;
 
 impl ShapeFit {
-    /// The point of the shape nearest a place.
+    /// The point of the shape that is nearest to a position.
     pub fn point_at(&self, place: &Point3<f64>) -> MapPoint {
         let pose = self.pose();
         let normal = pose.normal_at(&place.coords);
@@ -17,8 +17,8 @@ impl ShapeFit {
         self.point(foot, normal)
     }
 
-    /// Smallest and largest coordinates of contacts in the plane that touches the shape at its foot, into which the shape is
-    /// projected from its centre or axis.
+    /// Smallest and largest coordinates of the contacts in the plane that touches the shape at its foot. The shape is
+    /// projected into this plane from its centre or its axis.
     pub fn domain(&self, contacts: &[Contact]) -> [[f64; 2]; 2] {
         let pose = self.pose();
         let mut domain = [[0.0_f64; 2]; 2];
@@ -38,8 +38,8 @@ impl ShapeFit {
         domain
     }
 
-    /// The shape on a grid of `side` × `side` points that spans the contacts, even in the plane of [`ShapeFit::domain`]. The
-    /// slowest index runs along the axis of a cylinder.
+    /// A map of the shape on a grid of `side` × `side` points that extends over the contacts. The grid is even in the
+    /// plane of [`ShapeFit::domain`]. Its slowest index runs along the axis of a cylinder.
     pub fn map(&self, contacts: &[Contact], side: usize) -> Vec<MapPoint> {
         let (pose, domain) = (self.pose(), self.domain(contacts));
         let steps = side.saturating_sub(1).max(1) as f64;
@@ -92,7 +92,7 @@ impl ShapeFit {
         let uncertainty = std.map(|std| Uncertainty {
             gaussian_std: gaussian_std * std,
             mean_std: mean_std * std,
-            // Both are of one curvature.
+            // Both are computed from one curvature.
             correlation: if gaussian > 0.0 { bend.signum() } else { 0.0 },
         });
         MapPoint {

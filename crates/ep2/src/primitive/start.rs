@@ -1,4 +1,4 @@
-//! First estimates of a plane, spheres and cylinders, by linear least squares.
+//! Start values of planes, spheres and cylinders, by linear least squares.
 
 use std::f64::consts::PI;
 
@@ -7,18 +7,18 @@ use nalgebra::{Matrix3, Matrix4, SymmetricEigen, Vector2, Vector3, Vector4};
 use super::pose::{Cloud, Pose};
 use crate::Shape;
 
-/// Directions of a cylinder's axis that are compared, evenly over the hemisphere.
+/// Number of directions of a cylinder's axis that are compared; they are evenly distributed over the hemisphere.
 const DIRECTIONS: usize = 60;
-/// Number of the best directions from which a fit starts.
+/// Number of the best directions with which a fit starts.
 const BEST_DIRECTIONS: usize = 4;
 
-/// Mean place.
+/// Mean position of the contacts.
 pub(super) fn middle(cloud: &Cloud) -> Vector3<f64> {
     let sum: Vector3<f64> = cloud.places.iter().sum();
     sum / cloud.places.len().max(1) as f64
 }
 
-/// Poses from which a fit of a shape starts.
+/// Poses with which the fit of a shape starts.
 pub(super) fn starts(shape: Shape, cloud: &Cloud) -> Vec<Pose> {
     let middle = middle(cloud);
     let mut moment = Matrix3::zeros();
@@ -71,7 +71,7 @@ pub(super) fn starts(shape: Shape, cloud: &Cloud) -> Vec<Pose> {
     poses.into_iter().map(|pose| outward(pose, cloud)).collect()
 }
 
-/// The pose with the side outside to which measured normals point.
+/// The pose, reversed if the measured normals point to its inside.
 fn outward(pose: Pose, cloud: &Cloud) -> Pose {
     let pairs = cloud.places.iter().zip(&cloud.normals);
     let agreement: f64 = pairs
@@ -89,7 +89,7 @@ fn smallest_axis(moment: &Matrix3<f64>) -> Vector3<f64> {
     eigen.eigenvectors.column(eigen.eigenvalues.imin()).into()
 }
 
-/// A direction of an even spiral over the hemisphere.
+/// A direction on a spiral that is evenly distributed over the hemisphere.
 fn hemisphere(index: usize) -> Vector3<f64> {
     let height = (index as f64 + 0.5) / DIRECTIONS as f64;
     let turn = index as f64 * PI * (3.0 - 5.0_f64.sqrt());
@@ -125,7 +125,7 @@ fn sphere(cloud: &Cloud, middle: &Vector3<f64>) -> Option<Pose> {
     is_good.then_some(pose)
 }
 
-/// The best cylinder with this axis by an algebraic fit, with its mean square of distances.
+/// The best cylinder with this axis by an algebraic fit, and the mean square of the distances from it.
 fn circle(cloud: &Cloud, middle: &Vector3<f64>, axis: &Vector3<f64>) -> Option<(f64, Pose)> {
     let frame = Pose::new(Shape::Cylinder, *middle, *axis, Vector3::x(), 0.0);
     let (one, other) = (frame.axis(0), frame.axis(1));
@@ -153,7 +153,7 @@ fn circle(cloud: &Cloud, middle: &Vector3<f64>, axis: &Vector3<f64>) -> Option<(
     Some((squares.sum(), pose))
 }
 
-/// Principal directions of the quadric over the plane of a normal.
+/// Principal directions of the quadric that is fitted as a graph over the plane of a normal.
 fn quadric_directions(
     cloud: &Cloud,
     middle: &Vector3<f64>,

@@ -1,20 +1,21 @@
-//! The knots along both axes: the order of the coefficients, the jumps at the knots, and the place of the next knot.
+//! The knots along both axes. They determine the order of the coefficients, the jumps at the knots, and the position of
+//! the next knot.
 
 use super::observations::IntervalSums;
 use super::triangle::{Block, Triangle};
 use crate::knots::{Knots, MAX_DEGREE};
 use crate::spline::TensorSpline;
 
-/// Largest ratio of the two parts into which a new knot splits an interval.
+/// Largest allowed ratio of the two parts into which a new knot divides an interval.
 const MAX_PART_RATIO: f64 = 10.0;
 
-/// Jumps of the `degree + 2` B-splines that have this knot inside their support; the other entries are 0.
+/// Jumps of the `degree + 2` B-splines whose support contains the knot; unused entries are 0.
 type Jumps = [f64; MAX_DEGREE + 2];
 
 /// Knots along u and along v.
 ///
-/// Coefficients are ordered by the B-spline of the slow axis first. The slow axis is the one that makes the band of the
-/// equations narrower.
+/// The coefficients are ordered first by the B-spline along one axis, the slow axis. The slow axis is chosen such that
+/// the band of the equations is narrow.
 pub(super) struct Mesh {
     pub(super) knots: [Knots; 2],
     /// The slow axis: 0 for u, 1 for v.
@@ -53,13 +54,13 @@ impl Mesh {
         self.knots[self.slow].degree() * self.fast_functions() + self.fast_degree() + 1
     }
 
-    /// Index of the coefficient of a B-spline along each axis.
+    /// Index of a coefficient from the index of the B-spline along each axis.
     #[inline]
     pub(super) fn index(&self, slow: usize, fast: usize) -> usize {
         slow * self.fast_functions() + fast
     }
 
-    /// Adds an interior knot and chooses the slow axis again.
+    /// Adds an interior knot, and chooses the slow axis again.
     pub(super) fn insert(&mut self, axis: usize, knot: f64) {
         let old = &self.knots[axis];
         let mut interior = old.interior().to_vec();
@@ -69,7 +70,7 @@ impl Mesh {
         self.narrow();
     }
 
-    /// Swaps the axes if that makes the band narrower.
+    /// Exchanges the axes if this makes the band narrower.
     fn narrow(&mut self) {
         let band = self.band();
         self.slow = self.fast();
@@ -102,11 +103,11 @@ impl Mesh {
     }
 }
 
-/// Equations that make the jumps of the highest derivatives along both axes 0.
+/// Equations that require that the jumps of the highest derivatives along both axes are 0.
 pub(super) struct Roughness {
     slow: Vec<Jumps>,
     fast: Vec<Jumps>,
-    /// Number of B-splines along the slow and the fast axis that have a knot inside their support.
+    /// Number of B-splines along the slow and the fast axis whose support contains a knot.
     cut: [usize; 2],
     fast_functions: usize,
     band: usize,
@@ -129,7 +130,7 @@ impl Roughness {
         }
     }
 
-    /// The triangle of `equations` together with these equations divided by `parameter`.
+    /// Triangular form of `equations` together with these equations divided by `parameter`.
     pub(super) fn join(&self, equations: &Triangle, parameter: f64) -> Triangle {
         let order = equations.order();
         let mut joined = Triangle::new(order, self.band);
@@ -152,7 +153,7 @@ impl Roughness {
     }
 }
 
-/// Adds one equation: the jumps of `cut` B-splines whose coefficients are `stride` apart.
+/// Adds one equation for the jumps of `cut` B-splines, whose coefficients are `stride` apart.
 fn push(block: &mut Block, jumps: Option<&Jumps>, cut: usize, stride: usize, parameter: f64) {
     if let Some(jumps) = jumps {
         let row = block.push(0.0);
@@ -162,10 +163,12 @@ fn push(block: &mut Block, jumps: Option<&Jumps>, cut: usize, stride: usize, par
     }
 }
 
-/// For each interior knot: the jumps of the derivative of order `degree` of the B-splines, starting at the knot's index.
+/// For each interior knot, the jumps at this knot of the B-splines' derivatives of order `degree`, starting with the
+/// B-spline whose index equals the knot's index.
 ///
-/// A B-spline is a divided difference of a truncated power. So the derivative jumps at a knot `t` by a fixed multiple of
-/// `(t_last − t_first) / Π (t − t_other)`. Lengths are divided by the mean interval, so the jumps have no unit.
+/// A B-spline is a divided difference of a truncated power. Therefore the jump of the derivative at a knot `t` is a
+/// fixed multiple of `(t_last − t_first) / Π (t − t_other)`. Lengths are divided by the mean interval, so the jumps
+/// have no unit.
 fn derivative_jumps(knots: &Knots) -> Vec<Jumps> {
     let degree = knots.degree();
     let (start, end) = knots.domain();
@@ -190,11 +193,11 @@ fn derivative_jumps(knots: &Knots) -> Vec<Jumps> {
     (0..intervals - 1).map(jumps_at).collect()
 }
 
-/// The axis and the place of the next knot; `None` if no knot can be added.
+/// The axis and the position of the next knot; `None` if no knot can be added.
 ///
-/// The knot splits the interval, along either axis, that has the largest sum of squared residuals. It lies at their
-/// centroid. Intervals that this would split too unevenly are skipped, and so are axes that already have `most_knots`
-/// interior knots.
+/// The knot divides the interval with the largest sum of squared residuals, along either axis, at the centroid of these
+/// residuals. Intervals that would be divided too unevenly are skipped. Axes that already have `most_knots` interior
+/// knots are skipped too.
 pub(super) fn next_knot(
     mesh: &Mesh,
     sums: &[Vec<IntervalSums>; 2],
@@ -233,7 +236,8 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// One multiple for all B-splines and knots, against derivatives on both sides.
+    /// The ratio of the computed jumps to differences of derivatives on both sides is the same for all B-splines and
+    /// knots.
     #[test]
     fn jumps_are_differences_of_derivatives() {
         let knots = Knots::new(3, 0.0, 4.0, &[0.9, 2.0, 3.2]);
@@ -243,7 +247,7 @@ mod tests {
             let place = function.wrapping_sub(first);
             if place < 4 { derivatives[place] } else { 0.0 }
         };
-        // 3! and the mean interval of 1; the sign is that of a B-spline's divided difference.
+        // The factor is 3!, because the mean interval is 1. The sign is that of the divided difference.
         for (interior, jumps) in derivative_jumps(&knots).iter().enumerate() {
             let knot = knots.interior()[interior];
             for (offset, jump) in jumps[..5].iter().enumerate() {
@@ -273,7 +277,7 @@ mod tests {
         assert_eq!(next_knot(&mesh, &all, unlimited), Some((0, 1.25)));
         assert_eq!(next_knot(&mesh, &all, [1, 9]), Some((1, 0.25)));
         assert_eq!(next_knot(&mesh, &all, [1, 0]), None);
-        // The centroid of the largest sum is at the edge of its interval.
+        // The centroid of the largest sum is at the edge of its interval, so this interval is skipped.
         let all = [sums(&[(2.0, 0.5), (9.0, 1.01)]), along_v];
         assert_eq!(next_knot(&mesh, &all, unlimited), Some((1, 0.25)));
     }

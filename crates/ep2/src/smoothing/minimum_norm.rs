@@ -1,25 +1,25 @@
-//! Problems whose unknowns are not all determined: the solution of least norm.
+//! The solution with the smallest norm of least-squares problems that do not determine all unknowns.
 //!
 //! Dierckx, Curve and Surface Fitting with Splines (1993), section 4.1.2.
 
 use super::triangle::{Block, Triangle};
 
-/// The solution of least norm and the rank; diagonal entries up to `floor` count as zero.
+/// The solution with the smallest norm, and the rank. Diagonal entries up to `floor` count as zero.
 pub(super) fn solve(triangle: &Triangle, floor: f64) -> (Vec<f64>, usize) {
     let trapezoid = Trapezoid::of(triangle, floor);
     (trapezoid.least_solution(), trapezoid.pivots.len())
 }
 
-/// The rows of a triangle whose diagonal counts.
+/// The rows of a triangle whose diagonal entry is not negligible.
 struct Trapezoid {
     reduced: Triangle,
-    /// The columns of the diagonal entries that count, ascending.
+    /// The columns of these diagonal entries, ascending.
     pivots: Vec<usize>,
 }
 
 impl Trapezoid {
-    /// Goes through the columns; where a diagonal entry is small it is dropped, and what is left
-    /// of its row goes into the rows below.
+    /// Converts a triangle. Where a diagonal entry is small, it is set to zero, and the remaining entries of its row
+    /// are merged into the rows below.
     fn of(triangle: &Triangle, floor: f64) -> Self {
         let (order, band) = (triangle.order(), triangle.band());
         let mut reduced = Triangle::new(order, band);
@@ -42,11 +42,11 @@ impl Trapezoid {
         Self { reduced, pivots }
     }
 
-    /// The solution of least norm of `B x = g`, with the trapezoid `B` and its right-hand side `g`: the one
-    /// without a part in the null space of `B`.
+    /// The solution with the smallest norm of `B x = g`, where `B` is the trapezoid and `g` its right-hand side. This
+    /// solution has no component in the null space of `B`.
     ///
-    /// The columns of `B`, from the last to the first, are rotated into a triangle: `Bᵀ = Q G`, the
-    /// rows of `B` taken from the last to the first as well. Then `x = Q G⁻ᵀ g`.
+    /// The columns of `B`, from the last to the first, are rotated into a triangle `G` such that `Bᵀ = Q G`. The rows
+    /// of `B` are also used from the last to the first. The solution is then `x = Q G⁻ᵀ g`.
     fn least_solution(&self) -> Vec<f64> {
         let (rank, band) = (self.pivots.len(), self.reduced.band());
         let mut factor = Triangle::new(rank, band);
@@ -75,12 +75,12 @@ impl Trapezoid {
     }
 }
 
-/// Rotations, in their order, of the rows of a triangle with further rows.
+/// The rotations that merged further rows into a triangle, in their order.
 struct Rotations {
     band: usize,
     /// Index of each further row, and the column at which it starts.
     rows: Vec<(usize, usize)>,
-    /// Cosine and sine, `band` per row.
+    /// Cosine and sine of the rotations, `band` pairs per row.
     planes: Vec<[f64; 2]>,
 }
 
@@ -93,7 +93,7 @@ impl Rotations {
         }
     }
 
-    /// Rotates a row into the triangle until nothing is left of it.
+    /// Rotates a row into the triangle until all of its entries are zero.
     fn rotate_in(&mut self, triangle: &mut Triangle, name: usize, start: usize, row: &mut [f64]) {
         self.rows.push((name, start));
         for offset in 0..self.band {
@@ -116,8 +116,8 @@ impl Rotations {
         }
     }
 
-    /// Undoes all rotations on `values` at the triangle's rows and zeros at the others: gives `count`
-    /// values by the names of the rows.
+    /// Applies all rotations in reverse to a vector that has `values` at the triangle's rows and zeros at the further
+    /// rows. Returns its `count` values at the further rows.
     fn undo(&self, mut values: Vec<f64>, count: usize) -> Vec<f64> {
         let mut result = vec![0.0; count];
         let planes = self.planes.chunks_exact(self.band);
@@ -137,7 +137,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// x + y = 2 and y + z = 4 leave a line of solutions; the nearest to 0 is (0, 2, 2).
+    /// The equations x + y = 2 and y + z = 4 have a line of solutions. The solution nearest to 0 is (0, 2, 2).
     #[test]
     fn the_nearest_of_a_line_of_solutions() {
         let mut triangle = Triangle::new(3, 2);
@@ -153,7 +153,8 @@ mod tests {
         }
     }
 
-    /// An unknown in the middle that nothing measures is zero, and those behind it are found.
+    /// An unknown in the middle that is not in any equation becomes zero, and the unknowns after it are computed
+    /// correctly.
     #[test]
     fn an_unmeasured_unknown() {
         let mut triangle = Triangle::new(4, 3);

@@ -1,35 +1,35 @@
-//! The points, and the B-splines at them.
+//! The points of a fit, and the B-splines at these points.
 
 use super::mesh::Mesh;
 use super::triangle::{Block, Triangle};
 use crate::knots::{Basis, Knots};
 
-/// A height over a place in the plane.
+/// A height at a place of the plane, with a weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WeightedPoint {
-    /// Place along the first variable.
+    /// Coordinate of the first variable.
     pub(crate) u: f64,
-    /// Place along the second one.
+    /// Coordinate of the second variable.
     pub(crate) v: f64,
-    /// Height.
+    /// Measured height at the point.
     pub(crate) w: f64,
-    /// Factor on the residual, an inverse standard deviation. A point that outweighs another by a factor
-    /// of f costs it the digits of f: from 1e15 on none are left.
+    /// Factor on the residual, which is an inverse standard deviation. If the weights of two points differ by a factor
+    /// f, the point with the smaller weight loses the digits of f; from f = 1e15 on, it has no influence.
     pub(crate) weight: f64,
 }
 
-/// Points with the B-splines there.
+/// Points with the values of the B-splines at these points.
 pub(super) struct Observations<'a> {
     points: &'a [WeightedPoint],
-    /// Units in which heights and weights are counted.
+    /// Units of the heights and of the weights in the computation.
     units: [f64; 2],
-    /// B-splines at each point, along either variable.
+    /// B-splines at each point, along both variables.
     bases: Vec<[LocalBasis; 2]>,
-    /// Indices of the points, one panel after the other.
+    /// Indices of the points, sorted by panel (rectangle between knots).
     order: Vec<usize>,
 }
 
-/// The B-splines of one variable at a point.
+/// The B-splines of one variable that are not zero at a point.
 #[derive(Clone, Copy, Default)]
 struct LocalBasis {
     first: usize,
@@ -45,12 +45,12 @@ impl LocalBasis {
     }
 }
 
-/// Sums over the points of one interval between knots.
+/// Sums over the points in one interval between knots.
 #[derive(Clone, Copy, Default)]
 pub(super) struct IntervalSums {
     /// Sum of the squared residuals.
     pub(super) squares: f64,
-    /// Sum of the squared residuals, each times its place.
+    /// Sum of the squared residuals, each multiplied by the point's coordinate.
     pub(super) moments: f64,
 }
 
@@ -76,7 +76,7 @@ impl<'a> Observations<'a> {
         }
     }
 
-    /// Root of the unit in which sums of squared residuals are counted.
+    /// Square root of the unit of sums of squared residuals.
     pub(super) fn residual_unit(&self) -> f64 {
         self.units[0] * self.units[1]
     }
@@ -96,7 +96,7 @@ impl<'a> Observations<'a> {
             .sum()
     }
 
-    /// Follows a change of the knots of one variable.
+    /// Recomputes the B-splines of one variable after a change of its knots.
     pub(super) fn refresh(&mut self, mesh: &Mesh, axis: usize) {
         let knots = &mesh.knots[axis];
         for (bases, point) in self.bases.iter_mut().zip(self.points) {
@@ -113,7 +113,7 @@ impl<'a> Observations<'a> {
         (point.w / self.units[0], point.weight / self.units[1])
     }
 
-    /// The least-squares equations of the spline, triangularised.
+    /// The least-squares equations of the spline in triangular form.
     pub(super) fn triangle(&self, mesh: &Mesh) -> Triangle {
         let band = mesh.band();
         let mut triangle = Triangle::new(mesh.coefficients(), band);
@@ -174,7 +174,7 @@ impl<'a> Observations<'a> {
             .sum()
     }
 
-    /// Sums per interval along u and per interval along v.
+    /// Sums for each interval along u and for each interval along v.
     pub(super) fn interval_sums(
         &self,
         mesh: &Mesh,
@@ -196,7 +196,7 @@ impl<'a> Observations<'a> {
         sums
     }
 
-    /// Heights in their own unit.
+    /// Converts coefficients to the unit of the heights.
     pub(super) fn in_heights(&self, mut coefficients: Vec<f64>) -> Vec<f64> {
         for coefficient in &mut coefficients {
             *coefficient *= self.units[0];
@@ -205,13 +205,14 @@ impl<'a> Observations<'a> {
     }
 }
 
-/// Index of the first coefficient that matters at a point: one per panel between the knots.
+/// Index of the first coefficient on which a point depends. It is the same for all points of a panel (rectangle between
+/// knots).
 #[inline]
 fn panel(mesh: &Mesh, bases: &[LocalBasis; 2]) -> usize {
     mesh.index(bases[mesh.slow()].first, bases[mesh.fast()].first)
 }
 
-/// The power of two at or below a number, so that division by it is exact; 1 for zero.
+/// The largest power of two that is at most a number, so that division by it is exact; 1 for zero.
 fn power_of_two_below(number: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
     if number < f64::MIN_POSITIVE {

@@ -1,25 +1,27 @@
-//! The smoothing parameter p for a required residual sum F(p).
+//! Searches the smoothing parameter p for which the residual sum F(p) has the required value.
 
-/// Largest number of trials.
+/// Maximum number of parameters that are tried.
 const MOST_TRIALS: usize = 20;
-/// Factor by which a guess that is off by far is multiplied or divided.
+/// Factor by which a parameter is multiplied or divided if it is far from the root.
 const FAR: f64 = 0.04;
-/// Distance from a bound to the next guess, which may not pass it, as a share of that to the last trial.
+/// If this step would pass a bound, the next parameter is between the bound and the last trial. Its distance from the
+/// bound is this share of their distance.
 const NEAR: f64 = 0.1;
 
-/// A parameter, and the excess of its residual sum over the required one.
+/// A parameter that was tried, and the difference between its residual sum and the required sum.
 #[derive(Clone, Copy)]
 pub(super) struct Trial {
     pub(super) parameter: f64,
     pub(super) excess: f64,
 }
 
-/// Tries parameters until `excess` of one is within `tolerance`; returns whether one was found.
+/// Tries parameters until the `excess` of one of them is within `tolerance`. Returns whether such a parameter was
+/// found.
 ///
-/// F falls from the polynomial's sum at p = 0, whose excess is `below`, to the least-squares
-/// spline's at infinity, whose excess is `above`. Once a parameter is known on either side of the
-/// root, the next one is the root of `(a p + b)/(p + c)` through three trials; before that, one
-/// that is off by far on one side is moved by a factor of 25.
+/// F decreases from the sum of the polynomial at p = 0, with the excess `below`, to the sum of the least-squares spline
+/// at infinity, with the excess `above`. As soon as there is a trial on each side of the root, the next parameter is
+/// the root of the function `(a p + b)/(p + c)` through three trials. Before that, a parameter that is far from the
+/// root is moved by a factor of 25.
 pub(super) fn search(
     below: f64,
     above: f64,
@@ -83,7 +85,7 @@ pub(super) fn search(
     false
 }
 
-/// The root of `(a p + b)/(p + c)` through three trials, the last of which may be at infinity.
+/// The root of the function `(a p + b)/(p + c)` through three trials. The last trial may be at infinity.
 fn rational_root(low: Trial, middle: Trial, high: Trial) -> f64 {
     let (p, f) = (
         [low.parameter, middle.parameter, high.parameter],
@@ -109,7 +111,7 @@ mod tests {
 
     #[test]
     fn a_rational_function_is_solved_at_once() {
-        // (5 − 2 p)/(p + 3): root 2.5, limit −2.
+        // The function (5 − 2 p)/(p + 3) has the root 2.5 and the limit −2.
         let trial = |parameter: f64| Trial {
             parameter,
             excess: (5.0 - 2.0 * parameter) / (parameter + 3.0),

@@ -1,22 +1,22 @@
-//! Banded upper triangles, built up by orthogonal transformations.
+//! Upper triangular band matrices, computed by orthogonal transformations.
 
-/// Rows are worked on four at a time; missing ones are zero.
+/// Number of rows that are processed together; missing rows are zero.
 const LANES: usize = 4;
-/// Rows that a block holds at most, so that it stays near the processor.
+/// Maximum number of rows of a block, chosen such that a block fits into the processor's cache.
 const MOST_ROWS: usize = 128;
-/// Squares below this are lost to the range of doubles; entries are relative to 1.
+/// Sums of squares below this value are treated as zero. Entries are relative to 1.
 const VANISHING: f64 = 1e-280;
 
-/// Rows of a least-squares problem that start in the same column, right-hand sides last.
+/// Rows of a least-squares problem that start in the same column. The right-hand side is the last column.
 ///
-/// They are held column by column.
+/// The block is stored column by column.
 pub(super) struct Block {
-    /// Entries of a row, without its right-hand side.
+    /// Number of entries of a row, without the right-hand side.
     width: usize,
     rows: usize,
-    /// Height of a column, in groups of lanes.
+    /// Height of a column, in groups of [`LANES`] rows.
     packs: usize,
-    /// Whether a triangle has used the rows up, and left something in their place.
+    /// Whether a triangle has already absorbed the rows, so that the block contains meaningless values.
     is_stale: bool,
     columns: Vec<[f64; LANES]>,
 }
@@ -34,12 +34,12 @@ impl Block {
         }
     }
 
-    /// Whether no further row fits.
+    /// Whether there is no space for another row.
     pub(super) const fn is_full(&self) -> bool {
         self.rows == self.packs * LANES
     }
 
-    /// A further row of zeros with the given right-hand side.
+    /// Adds a row of zeros with this right-hand side, and returns its index.
     pub(super) fn push(&mut self, right: f64) -> usize {
         debug_assert!(!self.is_full());
         if self.is_stale {
@@ -52,13 +52,13 @@ impl Block {
         row
     }
 
-    /// Sets the entry of `row` in `column`, counting from the first column of the block.
+    /// Sets the entry of `row` in `column`, which is counted from the first column of the block.
     #[inline]
     pub(super) fn set(&mut self, row: usize, column: usize, value: f64) {
         self.columns[column * self.packs + row / LANES][row % LANES] = value;
     }
 
-    /// Adds a row of the given entries, the rest being zero.
+    /// Adds a row that starts with these entries; the other entries are zero.
     pub(super) fn push_row(&mut self, entries: &[f64], right: f64) {
         let row = self.push(right);
         for (column, &entry) in entries.iter().enumerate() {
@@ -72,15 +72,15 @@ impl Block {
 pub(super) struct Triangle {
     order: usize,
     band: usize,
-    /// Per row `band` entries from the diagonal, then the right-hand side.
+    /// For each row, `band` entries starting at the diagonal, followed by the right-hand side.
     rows: Vec<f64>,
-    /// Sum of squares that no `x` removes.
+    /// Sum of squared residuals that remains for the best `x`.
     pub(super) residual_sum: f64,
 }
 
 impl Triangle {
-    /// The triangle of no equations for `order` unknowns; each equation may have nonzero entries
-    /// in `band` neighbouring columns.
+    /// A triangle without equations for `order` unknowns. Each equation may have non-zero entries in `band`
+    /// neighbouring columns.
     pub(super) fn new(order: usize, band: usize) -> Self {
         Self {
             order,
@@ -95,17 +95,17 @@ impl Triangle {
         self.order
     }
 
-    /// Entries of a row from its diagonal on.
+    /// Number of entries of a row, starting at its diagonal.
     pub(super) const fn band(&self) -> usize {
         self.band
     }
 
-    /// The entries of a row from its diagonal on.
+    /// The entries of a row, starting at its diagonal.
     pub(super) fn row(&self, row: usize) -> &[f64] {
         &self.rows[row * (self.band + 1)..][..self.band]
     }
 
-    /// The entries of a row from its diagonal on, to be changed.
+    /// The entries of a row, starting at its diagonal, for changes.
     pub(super) fn row_mut(&mut self, row: usize) -> &mut [f64] {
         &mut self.rows[row * (self.band + 1)..][..self.band]
     }
@@ -121,14 +121,14 @@ impl Triangle {
         self.rows[row * stride..][..stride].fill(0.0);
     }
 
-    /// The diagonal; none of it is negative.
+    /// The diagonal entries. None of them is negative.
     pub(super) fn diagonal(&self) -> impl Iterator<Item = f64> {
         self.rows.iter().step_by(self.band + 1).copied()
     }
 
-    /// Reflects the rows of `block` into the triangle, which uses them up.
+    /// Merges the rows of `block` into the triangle by reflections. The block is empty afterwards.
     ///
-    /// Blocks must come by ascending `start`: then no row reaches beyond the band.
+    /// Blocks must be absorbed in the order of ascending `start`, so that no row extends beyond the band.
     pub(super) fn absorb(&mut self, start: usize, block: &mut Block) {
         let (packs, band) = (block.packs, self.band);
         let used = block.rows.div_ceil(LANES);
@@ -141,7 +141,7 @@ impl Triangle {
                 continue;
             }
             let row = &mut self.rows[(start + offset) * (band + 1)..][..=band];
-            // The reflection that leaves (norm, 0, …) of (row[0], pivot), for row[0] ≥ 0.
+            // This is the reflection that maps (row[0], pivot) to (norm, 0, …), for row[0] ≥ 0.
             let norm = (row[0] * row[0] + square).sqrt();
             let head = -square / (row[0] + norm);
             let per_norm = 1.0 / norm;
@@ -165,8 +165,8 @@ impl Triangle {
         block.is_stale = true;
     }
 
-    /// Share of these equations in the solution of more equations that include them: the trace of
-    /// `J⁻ᵀ RᵀR J⁻¹` with this triangle `R` and the triangle `J` of all.
+    /// Effective degrees of freedom of these equations if further equations are added: the trace of `J⁻ᵀ RᵀR J⁻¹`,
+    /// where `R` is this triangle and `J` the triangle of all equations.
     pub(super) fn share_of(&self, joined: &Self) -> f64 {
         let mut trace = 0.0;
         let mut row = vec![0.0; self.order];
@@ -180,7 +180,7 @@ impl Triangle {
         trace
     }
 
-    /// The solution, where no diagonal entry vanishes.
+    /// The solution. No diagonal entry may be zero.
     pub(super) fn solve(&self) -> Vec<f64> {
         let mut solution = vec![0.0; self.order];
         for row in (0..self.order).rev() {
@@ -195,7 +195,7 @@ impl Triangle {
         solution
     }
 
-    /// Solves `Rᵀ x = b` for the `b` that is overwritten.
+    /// Solves `Rᵀ x = b`. `values` contains `b` and is overwritten by `x`.
     pub(super) fn solve_transposed_in_place(&self, values: &mut [f64]) {
         for row in 0..self.order {
             let entries = self.row(row);
@@ -233,7 +233,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// Equations of bandwidth 2 in three unknowns; the normal equations by hand.
+    /// Equations with bandwidth 2 in three unknowns. The expected result comes from the normal equations.
     #[test]
     fn least_squares_of_a_small_band() {
         let mut triangle = Triangle::new(3, 2);

@@ -1,4 +1,4 @@
-//! Smoothing splines compared with those of FITPACK's `surfit` (from SciPy 1.17.1), with as many knots as the data
+//! Compares smoothing splines with those of FITPACK's `surfit` (from SciPy 1.17.1), with as many knots as the data
 //! allow.
 
 use crate::Status;
@@ -43,7 +43,7 @@ impl Golden {
         }
     }
 
-    /// Largest deviation of a spline from the values on the grid.
+    /// Largest difference between a spline and the values on the grid.
     fn deviation(&self, smoothed: &Smoothed) -> f64 {
         let mut largest = 0.0_f64;
         for (&u, row) in self.grid.iter().zip(&self.values) {
@@ -78,8 +78,9 @@ macro_rules! golden {
     };
 }
 
-/// Asserts that a fit has FITPACK's knots, and a sum within a thousandth of the requested one. With FITPACK's own sum
-/// as the request, it also has FITPACK's values.
+/// Checks that a fit has the same knots as FITPACK's fit, and that its sum of squared residuals differs from the
+/// requested sum by less than a thousandth. If FITPACK's own sum is requested, the values of the fit must also be the
+/// same.
 fn assert_agrees(name: &str, golden: &Golden, expected: Status) {
     let spline = SmoothingSpline::new(golden.degree, golden.smoothing);
     let smoothed = spline.fit(&golden.points).unwrap();

@@ -1,4 +1,4 @@
-//! Smoothing splines of valid and of invalid points.
+//! Smoothing splines through valid and invalid points.
 
 use palpate_statistics::BadSetting;
 use proptest::prelude::*;
@@ -15,7 +15,7 @@ fn point(u: f64, v: f64, w: f64) -> WeightedPoint {
     }
 }
 
-/// A 7 × 7 grid over [−1, 1]².
+/// A grid of 7 × 7 points in the square [−1, 1]², with these heights.
 fn grid(height: fn(f64, f64) -> f64) -> Vec<WeightedPoint> {
     let places = |index: usize| (index as f64 - 3.0) / 3.0;
     (0..49)
@@ -28,7 +28,7 @@ fn fit(degree: usize, smoothing: f64, points: &[WeightedPoint]) -> Result<Smooth
     SmoothingSpline::new(degree, smoothing).fit(points)
 }
 
-/// Scaling the heights by a power of two changes the residual sum only by rounding.
+/// If heights are multiplied by a power of two, the sum of squared residuals changes only by rounding.
 #[test]
 fn smoothing_scales_with_the_unit_of_height() {
     let wave = grid(|u, v| libm::sin(5.0 * u) * libm::cos(4.0 * v));
@@ -68,7 +68,8 @@ fn polynomials_are_interpolated() {
             );
         }
     }
-    // With this huge weight, rounding removes the other weights, so the test only checks that the result is finite.
+    // Beside this large weight, the other weights are lost by rounding; therefore, the test only checks that the result
+    // is finite.
     let mut points = points;
     points[7].weight = 1e150;
     let spline = fit(2, 1e-3, &points).unwrap().spline;
@@ -78,8 +79,8 @@ fn polynomials_are_interpolated() {
     assert!(level.spline.value(0.3, 0.4).abs() == 0.0);
 }
 
-/// With as many knots as points in each direction, a residual sum of zero is reached, or the status is that the knots
-/// are exhausted. In both cases the values are accurate.
+/// With as many knots as points in each direction, either a residual sum of zero is reached, or the status states that
+/// the knots are exhausted. In both cases, the values are accurate.
 #[test]
 fn a_sum_of_zero_interpolates_or_exhausts_the_knots() {
     let smoothed = fit(3, 0.0, &grid(|u, v| libm::sin(2.0 * u) * libm::exp(v))).unwrap();
@@ -104,7 +105,7 @@ fn a_huge_sum_returns_the_polynomial() {
     }
 }
 
-/// The residual sum equals the requested sum, and more smoothing reduces the effective number of parameters.
+/// The residual sum is equal to the requested sum. More smoothing reduces the effective degrees of freedom.
 #[test]
 fn the_residual_sum_equals_the_requested_sum() {
     let points = grid(|u, v| libm::sin(4.0 * u) + libm::cos(3.0 * v));
@@ -123,7 +124,7 @@ fn the_residual_sum_equals_the_requested_sum() {
     }
 }
 
-/// A limit per direction, as in FITPACK.
+/// The number of knots can be limited separately for each direction, as in FITPACK.
 #[test]
 fn knots_can_be_limited() {
     let spline = SmoothingSpline {
@@ -138,7 +139,7 @@ fn knots_can_be_limited() {
     assert_eq!(smoothed.spline.v.interior().len(), 2);
 }
 
-/// Weight and height in other units, powers of two: the same spline, digit by digit.
+/// If weights and heights are multiplied by powers of two, the spline stays exactly the same.
 #[test]
 fn weights_and_heights_in_other_units_have_the_same_spline() {
     let points = grid(|u, v| libm::sin(4.0 * u) + libm::cos(3.0 * v));
@@ -163,7 +164,7 @@ fn weights_and_heights_in_other_units_have_the_same_spline() {
     }
 }
 
-/// Points on a slanted line determine only 5 of 9 coefficients. The value on the line is still correct.
+/// Points on an inclined line determine only 5 of 9 coefficients. On the line, the value is nevertheless correct.
 #[test]
 fn points_on_a_slanted_line_determine_a_polynomial_of_lower_rank() {
     let points: Vec<_> = (0..40)
@@ -255,7 +256,7 @@ fn any_number() -> impl Strategy<Value = f64> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Heights of any size on a grid of points can be smoothed with any residual sum.
+    /// Heights of any size at the points of a grid can be smoothed to any sum of squared residuals.
     #[test]
     fn grids_of_points_are_smoothed(
         heights in prop::collection::vec(-1.0..1.0, 64),

@@ -1,4 +1,4 @@
-//! The two passes on surfaces whose curvature is known in closed form.
+//! The two-pass method, on surfaces whose curvature has a closed form.
 
 use approx::assert_relative_eq;
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -24,7 +24,7 @@ fn saddle(x: f64, y: f64) -> (f64, [f64; 2]) {
     (0.1 * (x * x - y * y), [0.2 * x, -0.2 * y])
 }
 
-/// Three fingers at y = −1.5, 0, 1.5 that make ten contacts each over |x| ≤ 1.5.
+/// Three fingers at y = −1.5, 0 and 1.5, with ten contacts each in |x| ≤ 1.5.
 fn contacts(surface: Surface, normals: bool) -> Vec<Contact> {
     let places = (0..3).flat_map(|finger| (0..10).map(move |step| (finger, step)));
     places
@@ -37,7 +37,7 @@ fn contacts(surface: Surface, normals: bool) -> Vec<Contact> {
         .collect()
 }
 
-/// Contacts with Gaussian errors of the heights; the unit is 1.
+/// A fit to contacts whose heights have Gaussian errors; the unit is 1.
 fn noisy(surface: Surface, std: f64, trial: u64, passes: Passes) -> Fit {
     let mut contacts = contacts(surface, true);
     let mut noise = Stream::new(1, trial, Channel::Position);
@@ -57,7 +57,7 @@ fn patch(contacts: &[Contact]) -> Patch {
     Patch::new(contacts, &Vector3::z()).unwrap()
 }
 
-/// K and H on a grid against closed forms.
+/// Compares K and H on a grid with closed forms.
 fn assert_curvature(
     method: &TwoPass,
     surface: Surface,
@@ -90,8 +90,8 @@ fn saddle_curvature(x: f64, y: f64) -> (f64, f64) {
     (-0.04 / (d * d), -trace / (2.0 * libm::pow(d, 1.5)))
 }
 
-/// The first pass is exact. The points on the tangents are off the surface by half the squared step times the
-/// curvature, here 6e-4, so the second pass is not exact.
+/// The first pass is exact. The second pass is not: its points lie on the tangents, which leave the surface by half the
+/// squared step times the curvature, here 6e-4.
 #[test]
 fn a_saddle_is_fitted_by_a_biquadratic() {
     let first = TwoPass {
@@ -109,7 +109,8 @@ fn a_saddle_is_fitted_by_a_biquadratic() {
     }
 }
 
-/// On a patch of half-width a = 1.5 and radius R = 100, a biquadratic neglects the fourth order, (a/R)² = 2e-4.
+/// On a patch with the half-width a = 1.5 of a surface with the radius R = 100, a biquadratic neglects terms of fourth
+/// order, (a/R)² = 2e-4.
 #[test]
 fn shallow_spheres_and_cylinders_are_fitted() {
     for passes in [Passes::One, Passes::Two] {
@@ -122,8 +123,9 @@ fn shallow_spheres_and_cylinders_are_fitted() {
     }
 }
 
-/// The paper's smoothing sum is 1000 for 30 contacts of weight 100. With noise of 5 % of the unit the plain biquadratic
-/// is sufficient; 10 % needs knots. With 21 degrees of freedom the expected sums are 525 and 2100.
+/// The paper's sum for smoothing is 1000 for 30 contacts of weight 100. With noise of 5 % of the unit, a biquadratic
+/// without knots is sufficient; with 10 %, knots are needed. With 21 degrees of freedom, the expected sums are 525 and
+/// 2100.
 #[test]
 fn the_noise_decides_the_number_of_knots() {
     let trials = 100;
@@ -138,8 +140,8 @@ fn the_noise_decides_the_number_of_knots() {
     assert!(plain(0.10) <= 6);
 }
 
-/// Points with errors of 10 % of the unit, and a sum of zero: the fit adds knots until no more are possible, and its
-/// status reports it.
+/// The points have errors of 10 % of the unit, and the requested sum is zero. The fit adds knots until no more are
+/// possible, and its status states this.
 #[test]
 fn the_status_reports_exhausted_knots() {
     let method = TwoPass {
@@ -188,7 +190,7 @@ fn results_do_not_depend_on_size_and_orientation() {
     }
 }
 
-/// The fingers are 1.5 apart: the default unit equals a stated unit of 1.5.
+/// The distance between the fingers is 1.5, so that the default unit is equal to a stated unit of 1.5.
 #[test]
 fn the_default_unit_is_the_distance_between_fingers() {
     let contacts = contacts(saddle, true);
@@ -250,7 +252,7 @@ fn invalid_settings_and_too_few_contacts_are_refused() {
             ..
         }
     ));
-    // Two fingers do not determine a biquadratic across their travel.
+    // The contacts of two fingers do not determine a biquadratic across the fingers' paths.
     let two = patch(&self::contacts(cylinder, false)[..20]);
     assert!(matches!(
         name(default, &two),

@@ -1,5 +1,5 @@
-//! Patches that determine a surface are fitted. Any other numbers return a finite result or the expected error. The
-//! unit of length and the orientation do not change the result.
+//! Patches that determine a surface are fitted. For any other numbers, the result is finite or the expected error.
+//! Neither the unit of length nor the orientation changes the result.
 
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use palpate_ep2::{
@@ -22,7 +22,8 @@ fn vector() -> impl Strategy<Value = Vector3<f64>> {
     prop::array::uniform3(any_number()).prop_map(Vector3::from)
 }
 
-/// Contacts of a rough patch, with or without normals. In 40 % of the cases one contact has arbitrary numbers.
+/// Contacts of a rough patch, with or without normals. With a probability of 40 %, the numbers of one contact are
+/// arbitrary.
 fn contacts() -> impl Strategy<Value = Vec<Contact>> {
     let part = || -2.0..2.0;
     let contact = (
@@ -89,7 +90,8 @@ fn methods(number: f64) -> [Box<dyn Method>; 4] {
     ]
 }
 
-/// Largest error of K and H against the principal curvatures, and of the axes against an orthonormal frame.
+/// Largest difference of K and H from the values computed from the principal curvatures, and of the axes from an
+/// orthonormal frame.
 fn inconsistency(point: &MapPoint) -> f64 {
     let (least, most) = (point.k_min, point.k_max);
     let scale = least.abs().max(most.abs()).max(f64::MIN_POSITIVE);
@@ -117,7 +119,7 @@ fn is_finite(point: &MapPoint) -> bool {
     all.all(|number| number.is_finite())
 }
 
-/// A bump's contacts, with normals.
+/// Contacts on a bump, with normals.
 fn bump() -> Vec<Contact> {
     let at = |index: usize| [index % 7, index / 7].map(|step| step as f64 / 3.0 - 1.0);
     let contact = |index: usize| {
@@ -154,7 +156,8 @@ fn too_large_maps_and_regions_of_another_size_are_refused() {
     );
 }
 
-/// If the uncertainty is below rounding, one class has probability 1; if it overflows, there are no probabilities.
+/// If the standard errors are smaller than rounding errors, one class has probability 1. If they overflow, no
+/// probabilities are returned.
 #[test]
 fn uncertainties_of_any_size_return_probabilities_or_none() {
     let thresholds = ShapeThresholds::new(0.01, 0.1).unwrap();
@@ -187,7 +190,7 @@ fn uncertainties_of_any_size_return_probabilities_or_none() {
     assert_eq!(of(1.0, f64::NAN), None);
 }
 
-/// The expected error of contacts, if it follows without a calculation.
+/// The expected error for these contacts; `None` if a calculation is needed to decide.
 fn expected_error(contacts: &[Contact], outward: &Vector3<f64>) -> Option<&'static str> {
     if contacts.len() < 3 {
         return Some("too-few-contacts");
@@ -216,7 +219,7 @@ fn expected_error(contacts: &[Contact], outward: &Vector3<f64>) -> Option<&'stat
 proptest! {
     #![proptest_config(config(200))]
 
-    /// Every method fits bumps of any size, with position errors of the contacts of up to a hundredth of it.
+    /// Every method fits bumps of any size whose contacts have position errors of up to a hundredth of the size.
     #[test]
     fn bumps_of_any_size_have_a_curvature_everywhere(
         power in -9.0..9.0_f64,
@@ -281,7 +284,7 @@ proptest! {
 proptest! {
     #![proptest_config(config(24))]
 
-    /// Curvatures scale with the inverse length, and do not depend on the orientation.
+    /// Curvatures are proportional to the inverse of lengths, and do not depend on the orientation.
     #[test]
     fn scaled_and_turned_patches_have_scaled_curvatures(
         power in -200..200,
@@ -314,8 +317,8 @@ proptest! {
         }
     }
 
-    /// The paraboloid w = (b₁ u² + b₂ v²)/2, of any size, curvature, position and orientation, has K = b₁ b₂ and
-    /// H = −(b₁ + b₂)/2 at its apex.
+    /// The paraboloid w = (b₁ u² + b₂ v²)/2 has K = b₁ b₂ and H = −(b₁ + b₂)/2 at its apex, for any size, curvature,
+    /// position and orientation.
     #[test]
     fn paraboloids_are_estimated_exactly(
         power in -100.0..100.0_f64,
@@ -334,7 +337,7 @@ proptest! {
         };
         let contacts: Vec<Contact> = (0..81).map(contact).collect();
         let patch = Patch::new(&contacts, &(turn * Vector3::z())).unwrap();
-        // Rounding errors of the positions appear as curvature.
+        // Rounding errors of the positions have the same effect as curvature.
         let bound = 1e-11 + 1e3 * f64::EPSILON * (1.0 + offset) / bend;
         let methods: [&dyn Method; 2] = [&Quadric::default(), &Penalised::default()];
         for method in methods {

@@ -1,11 +1,11 @@
-//! Contacts on random shapes in random places, with noise, for tests of shapes.
+//! Contacts with noise on random shapes at random positions.
 
 use std::f64::consts::PI;
 
 use nalgebra::{Point3, Rotation3, Vector3};
 use palpate_ep2::Contact;
 
-/// Uniform and normal random numbers.
+/// A generator of uniform and normal random numbers.
 pub(super) struct Random(u64);
 
 impl Random {
@@ -25,7 +25,7 @@ impl Random {
         low + (high - low) * self.uniform()
     }
 
-    /// Logarithmically uniform.
+    /// A number between `low` and `high` whose logarithm is uniformly distributed.
     pub(super) fn scale(&mut self, low: f64, high: f64) -> f64 {
         low * libm::pow(high / low, self.uniform())
     }
@@ -45,22 +45,22 @@ impl Random {
     }
 }
 
-/// A surface around its pole, with the normal +z there.
+/// A surface around its pole, where its normal is +z.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Surface {
     Plane,
     Sphere(f64),
     Cylinder(f64),
-    /// w = −(u² − r v²)/2R: R and r.
+    /// The saddle w = −(u² − r v²)/2R, with R and r.
     Saddle(f64, f64),
-    /// Outer side of a torus: radii of the tube and of its centre.
+    /// Outer side of a torus: radius of the tube, and radius of the circle of the tube's centre.
     Torus(f64, f64),
-    /// w = a sin(2π u / l + phase): a, l, phase.
+    /// The wave w = a sin(2π u / l + phase), with a, l and phase.
     Wave(f64, f64, f64),
 }
 
 impl Surface {
-    /// Place and normal for coordinates u and v of the patch.
+    /// Position and normal at the coordinates u and v of the patch.
     pub(super) fn at(&self, u: f64, v: f64) -> (Vector3<f64>, Vector3<f64>) {
         let graph =
             |w: f64, p: f64, q: f64| (Vector3::new(u, v, w), Vector3::new(-p, -q, 1.0).normalize());
@@ -107,7 +107,7 @@ impl Surface {
         }
     }
 
-    /// `count` contacts in a disc of this radius around the pole.
+    /// `count` contacts in a disc around the pole, with this radius.
     pub(super) fn disc(
         &self,
         random: &mut Random,
@@ -124,7 +124,7 @@ impl Surface {
         all
     }
 
-    /// Strokes of `fingers` along u with `each` contacts, over a square of this half side.
+    /// Contacts of `fingers` strokes along u with `each` contacts, in a square with this half-width.
     pub(super) fn strokes(
         &self,
         half: f64,
@@ -141,7 +141,8 @@ impl Surface {
     }
 }
 
-/// Contacts with Gaussian noise; normals where their noise is stated. A finger has `each` contacts, or all of them if `each` is 0.
+/// The contacts with Gaussian noise. They have normals only if the noise of normals is stated. A finger has `each`
+/// contacts, or all of them if `each` is 0.
 pub(super) fn noisy(
     random: &mut Random,
     exact: &[(Vector3<f64>, Vector3<f64>)],
@@ -163,7 +164,7 @@ pub(super) fn noisy(
         .collect()
 }
 
-/// The contacts in a random place.
+/// The contacts, moved and turned to a random position.
 pub(super) fn placed(random: &mut Random, contacts: &[Contact], shift: f64) -> Vec<Contact> {
     let (rotation, shift) = (random.rotation(), random.vector() * shift);
     contacts
@@ -176,7 +177,7 @@ pub(super) fn placed(random: &mut Random, contacts: &[Contact], shift: f64) -> V
         .collect()
 }
 
-/// The contacts on the inner side of the same shape.
+/// Contacts on the inner side of the same shape.
 pub(super) fn inside(contacts: &[Contact]) -> Vec<Contact> {
     contacts
         .iter()

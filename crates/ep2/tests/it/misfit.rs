@@ -1,11 +1,12 @@
-//! Goodness of fit and misfit of contacts of surfaces in closed form.
+//! Goodness of fit and misfits of contacts on surfaces with closed forms.
 
 use nalgebra::Vector3;
 use palpate_ep2::{Contact, Method, Misfit, MisfitTest, Noise, Patch, Penalised, Quadric, TwoPass};
 
 use crate::samples::{QUADRIC_LIKE, Surface, Sweep};
 
-/// Seven contacts of each of five fingers, which err by a fiftieth of their distance and by a degree.
+/// Five fingers with seven contacts each, on a patch with sides of length 3. Positions have errors of 0.02, and normals
+/// have errors of 0.02 rad.
 const SWEEP: Sweep = Sweep {
     fingers: 5,
     contacts_per_finger: 7,
@@ -32,10 +33,11 @@ fn misfit(method: &dyn Method, contacts: &[Contact]) -> MisfitTest {
     method.misfit(&patch).unwrap()
 }
 
-/// A saddle, which is a quadric.
+/// A saddle. Its surface is a quadric.
 const SADDLE: &Surface = &QUADRIC_LIKE[3];
 
-/// Largest distance of the distribution of numbers from the uniform one (Kolmogorov), times the root of their number.
+/// Kolmogorov statistic of numbers: the largest distance between their distribution and the uniform distribution, times
+/// the square root of their count.
 fn kolmogorov(mut numbers: Vec<f64>) -> f64 {
     numbers.sort_by(f64::total_cmp);
     let count = numbers.len() as f64;
@@ -48,7 +50,7 @@ fn kolmogorov(mut numbers: Vec<f64>) -> f64 {
     off.fold(0.0, f64::max) * count.sqrt()
 }
 
-/// Kolmogorov's distance that uniform numbers exceed once in a hundred.
+/// Kolmogorov statistic that uniform numbers exceed with a probability of 1 %.
 const ONE_IN_100: f64 = 1.628;
 
 #[test]
@@ -91,7 +93,8 @@ fn p_values_are_uniform_on_a_quadric() {
     }
 }
 
-/// Few contacts leave little noise beside the process, which is no sign of an outlier.
+/// In a fit to few contacts, only a small part of the noise remains in the residuals; this must not be reported as an
+/// outlier.
 #[test]
 fn few_sound_contacts_seldom_have_a_misfit() {
     for (fingers, contacts_per_finger) in [(3, 2), (3, 3), (3, 4), (4, 4)] {
@@ -118,7 +121,7 @@ fn few_sound_contacts_seldom_have_a_misfit() {
 
 #[test]
 fn an_outlier_of_eight_standard_deviations_is_named() {
-    // One that is far off is no roughness either.
+    // A single contact that is far off must not be reported as roughness either.
     let cases = [
         (stated(&SWEEP), 8.0),
         (Noise::default(), 10.0),
@@ -158,7 +161,7 @@ fn what_states_no_noise_has_no_goodness() {
     let contacts = SWEEP.contacts(SADDLE, 0);
     assert_eq!(misfit(&Penalised::default(), &contacts).goodness, None);
     assert_eq!(misfit(&TwoPass::default(), &contacts).goodness, None);
-    // Exact contacts leave nothing to be tested.
+    // Exact contacts have no residuals that could be tested.
     let exact = Sweep {
         position_std: 0.0,
         normal_std_rad: 0.0,
@@ -181,7 +184,7 @@ fn of_many_contacts_some_are_tested() {
         &many.contacts(SADDLE, 3),
     );
     let goodness = found.goodness.unwrap();
-    // Every third of 4,500, less the quadric.
+    // Every third of the 4,500 contacts is tested, with three equations each. The quadric has six parameters.
     assert_eq!(goodness.freedom, 3 * 1500 - 6);
     assert!(
         goodness.p_value > 1e-3 && found.misfits.is_empty(),

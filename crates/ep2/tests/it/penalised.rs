@@ -1,4 +1,4 @@
-//! The penalised spline: its estimates of known surfaces, and their standard errors.
+//! The penalised spline: its estimates on surfaces with closed forms, and their standard errors.
 
 use crate::samples::{DETAILED, QUADRIC_LIKE, Surface, Sweep, Truth, Waves, grid};
 use nalgebra::{Point3, Vector3};
@@ -7,7 +7,7 @@ use palpate_ep2::{
 };
 use palpate_geometry::ShapeThresholds;
 
-/// Estimated curvatures over the grid, each with the true Gaussian and mean curvature.
+/// Estimated curvatures at all grid points, each with the true Gaussian and mean curvature.
 fn found(method: &dyn Method, surface: &Surface, sweep: &Sweep, trial: u64) -> Vec<[Curvature; 2]> {
     let contacts = sweep.contacts(surface, trial);
     let patch = Patch::new(&contacts, &Vector3::z()).unwrap();
@@ -25,7 +25,7 @@ fn found(method: &dyn Method, surface: &Surface, sweep: &Sweep, trial: u64) -> V
         .collect()
 }
 
-/// Root-mean-square errors of K and H.
+/// Root mean square errors of K and H.
 fn errors(method: &dyn Method, surface: &Surface, sweep: &Sweep, trials: u64) -> [f64; 2] {
     let all: Vec<_> = (0..trials)
         .flat_map(|trial| found(method, surface, sweep, trial))
@@ -50,7 +50,8 @@ fn a_noiseless_quadric_is_estimated_to_rounding() {
         normal_std_rad: 0.0,
         ..Sweep::paper(0.0)
     };
-    // The mean normal of the patch is z except for rounding, so the saddle is also a quadric in the frame of the patch.
+    // Except for rounding, the mean normal of the patch is z, so that the saddle is also a quadric in the frame of the
+    // patch.
     for method in [&Penalised::default() as &dyn Method, &Quadric::default()] {
         for [one, truth] in found(method, saddle, &exact, 0) {
             assert!((one.gaussian - truth.gaussian).abs() < 1e-11, "{one:?}");
@@ -79,7 +80,7 @@ fn noiseless_surfaces_are_estimated_within_the_error_of_the_spline() {
 
 #[test]
 fn heights_that_fit_a_quadric_by_chance_do_not_override_the_normals() {
-    // Three fingers along a cylinder: any three heights lie on a parabola, the slopes do not.
+    // Three fingers glide along a cylinder. Any three heights lie on a parabola, but the slopes contradict it.
     let along = Surface {
         name: "cylinder along the fingers",
         at: |x, y| {
@@ -103,7 +104,7 @@ fn heights_that_fit_a_quadric_by_chance_do_not_override_the_normals() {
 
 #[test]
 fn many_contacts_of_few_fingers_do_not_cause_steps() {
-    // The contacts of each finger scatter about one line; the slope across the line is constant along it.
+    // The contacts of each finger scatter about one line. The slope across the line is constant along it.
     let steep = Surface {
         name: "steep saddle",
         at: |x, y| {
@@ -147,7 +148,8 @@ fn most_classes_are_correct_at_the_noise_of_the_paper() {
     }
 }
 
-/// Shares of grid points and trials with the true K and H within 1.96 standard errors.
+/// Share of all grid points and trials at which the true K is within 1.96 standard errors of its estimate, and the same
+/// share for H.
 fn coverage(
     surface: impl Fn(f64, f64) -> Truth + Copy,
     contacts: impl Fn(u64) -> Vec<Contact>,
@@ -171,7 +173,7 @@ fn coverage(
 
 #[test]
 fn intervals_contain_the_truth_of_random_surfaces() {
-    // With this number of surfaces, the mean coverage has a standard error of about 1 %.
+    // With this number of surfaces, the standard error of the mean coverage is about 1 %.
     const SURFACES: u64 = 40;
     for noise in [0.005, 0.02, 0.1] {
         let mut sums = [0.0; 2];
@@ -194,7 +196,7 @@ fn intervals_contain_the_truth_of_random_surfaces() {
 
 #[test]
 fn intervals_contain_the_truth_for_nearly_quadric_surfaces() {
-    // The model allows for more than a quadric, so its standard errors are too large here.
+    // The model allows for surfaces that are rougher than a quadric, so that its standard errors are too large here.
     for noise in [0.05, 0.1, 0.2] {
         for surface in &QUADRIC_LIKE {
             let contacts = |trial: u64| Sweep::paper(noise).contacts(surface, trial);
@@ -216,7 +218,7 @@ fn errors_on_detailed_surfaces_are_smaller_than_with_two_passes() {
         contacts_per_finger: 20,
         ..Sweep::paper(0.1)
     };
-    // The smoothing sum that matches the noise: (w σ)² for each of the points.
+    // The sum of squared residuals that matches the noise is (w σ)² for each of the points.
     let matched = TwoPass {
         smoothing: 140.0 * 100.0,
         second_smoothing: 420.0 * 100.0,
@@ -266,7 +268,7 @@ fn the_noise_is_estimated() {
         let normal = noise.normal_std_rad.unwrap().to_degrees();
         assert!((normal - 2.0).abs() < 0.2, "{noise:?}");
     }
-    // Stated noise is not estimated.
+    // If the noise is stated, it is not estimated.
     let known = Penalised {
         noise: Noise {
             position_std: Some(0.5),

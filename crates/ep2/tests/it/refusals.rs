@@ -76,7 +76,7 @@ fn points_lines_and_curves_are_refused_or_uncertain() {
         let is_refused = outcomes(&plain(nearly)).map(|outcome| outcome == "collinear");
         assert_eq!(is_refused, [is_line; 3], "{share:e}");
     }
-    // One finger: a curve in a plane does not determine the shape across it.
+    // The contacts of one finger form a curve in a plane, which does not determine the shape across it.
     let curve = (0..40).map(|step| {
         let x = 0.1 * f64::from(step);
         [x, 0.0, -0.1 * x * x]
@@ -84,7 +84,7 @@ fn points_lines_and_curves_are_refused_or_uncertain() {
     for outcome in outcomes(&plain(curve)) {
         assert_ne!(outcome, "result");
     }
-    // With normals the slope across the curve is known, but its change is very uncertain.
+    // Normals determine the slope across the curve, but its change is very uncertain.
     let mut one_finger = sphere();
     one_finger.truncate(10);
     for contact in &mut one_finger {
@@ -127,7 +127,7 @@ fn invalid_and_folded_normals_are_refused() {
 fn closed_shapes_are_refused_and_walls_need_an_outward_direction() {
     let directions: Vec<Vector3<f64>> = (0..200)
         .map(|index| {
-            // A spiral over the whole sphere.
+            // The contacts form a spiral over the whole sphere.
             let (height, turn) = (1.0 - (index as f64 + 0.5) / 100.0, 2.4 * index as f64);
             let out = (1.0 - height * height).sqrt();
             Vector3::new(out * libm::cos(turn), out * libm::sin(turn), height)
@@ -153,7 +153,8 @@ fn closed_shapes_are_refused_and_walls_need_an_outward_direction() {
         })
         .collect();
     assert_eq!(outcomes(&wall), ["result"; 3]);
-    // Without normals, an upward direction does not determine the outside of a wall, unless the wall is inclined.
+    // Without normals, an upward direction does not determine which side of a wall is outside, unless the wall is
+    // inclined.
     let bare_wall = |lean: f64| {
         plain((0..36).map(|index| {
             let (y, z) = (f64::from(index % 6), f64::from(index / 6));

@@ -1,13 +1,13 @@
-//! Contacts of known surfaces.
+//! Contacts on surfaces with closed forms.
 
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::Contact;
 use palpate_sensing::{Channel, Stream};
 
-/// A point of a surface, its outward normal (of any length), Gaussian and mean curvature.
+/// A point of a surface, its outward normal (of any length), its Gaussian and its mean curvature.
 pub(crate) type Truth = (Point3<f64>, Vector3<f64>, f64, f64);
 
-/// A surface as a graph, with closed forms at each (x, y).
+/// A surface given as a graph, with closed forms at each (x, y).
 pub(crate) struct Surface {
     pub(crate) name: &'static str,
     pub(crate) at: fn(f64, f64) -> Truth,
@@ -21,7 +21,8 @@ pub(crate) struct Waves {
 }
 
 impl Waves {
-    /// Second derivatives of the quadric up to 0.24, waves of 0.4 to 1.6 with second derivatives of 0.02 to 0.25.
+    /// A random surface. The second derivatives of the quadric are at most 0.24; the waves have wave numbers of 0.4 to
+    /// 1.6 and second derivatives of 0.02 to 0.25.
     pub(crate) fn random(index: u64) -> Self {
         let mut stream = Stream::new(29, index, Channel::Misalignment);
         let mut between =
@@ -68,7 +69,7 @@ impl Waves {
     }
 }
 
-/// Curvature of a graph from its slopes p, q and second derivatives r, s, t.
+/// Curvature of a graph, from its slopes p, q and its second derivatives r, s, t.
 fn graph(x: f64, y: f64, jet: [f64; 6]) -> Truth {
     let [z, p, q, r, s, t] = jet;
     let d = 1.0 + p * p + q * q;
@@ -83,7 +84,7 @@ fn graph(x: f64, y: f64, jet: [f64; 6]) -> Truth {
     )
 }
 
-/// A cylinder of radius 5 whose curved direction is turned by `turn` from x.
+/// A cylinder of radius 5. Its curved direction forms the angle `turn` with the x axis.
 fn cylinder(x: f64, y: f64, turn: f64) -> Truth {
     let across = x * libm::cos(turn) + y * libm::sin(turn);
     let height = (25.0 - across * across).sqrt();
@@ -91,7 +92,7 @@ fn cylinder(x: f64, y: f64, turn: f64) -> Truth {
     (Point3::new(x, y, height - 5.0), normal, 0.0, 0.1)
 }
 
-/// The four surfaces of the 1996 paper's second estimator.
+/// The four surfaces on which the 1996 paper tests its second estimator.
 pub(crate) const QUADRIC_LIKE: [Surface; 4] = [
     Surface {
         name: "sphere",
@@ -121,7 +122,7 @@ pub(crate) const QUADRIC_LIKE: [Surface; 4] = [
     },
 ];
 
-/// Surfaces that are not quadrics: the top of a torus of radii 3 and 2, and a bump.
+/// Surfaces that are no quadrics: the top of a torus with the radii 3 and 2, and a bump.
 pub(crate) const DETAILED: [Surface; 2] = [
     Surface {
         name: "torus",
@@ -163,7 +164,7 @@ pub(crate) struct Sweep {
 }
 
 impl Sweep {
-    /// Three fingers with ten contacts each, normals off by 2 degrees.
+    /// Three fingers with ten contacts each, whose normals have errors of 2 degrees.
     pub(crate) const fn paper(position_std: f64) -> Self {
         Self {
             fingers: 3,
@@ -173,12 +174,12 @@ impl Sweep {
         }
     }
 
-    /// Contacts over |x|, |y| <= 1.5.
+    /// Contacts of a surface in the square |x|, |y| <= 1.5.
     pub(crate) fn contacts(&self, surface: &Surface, trial: u64) -> Vec<Contact> {
         self.contacts_on(surface.at, trial)
     }
 
-    /// Contacts over |x|, |y| <= 1.5 of any surface.
+    /// Contacts of any surface in the square |x|, |y| <= 1.5.
     pub(crate) fn contacts_on(
         &self,
         surface: impl Fn(f64, f64) -> Truth,
@@ -206,7 +207,7 @@ impl Sweep {
     }
 }
 
-/// Positions of a grid of `side` × `side` over |x|, |y| <= 1.
+/// Positions of a grid of `side` × `side` points in the square |x|, |y| <= 1.
 pub(crate) fn grid(side: usize) -> impl Iterator<Item = (f64, f64)> {
     let place = move |index: usize| 2.0 * index as f64 / (side - 1) as f64 - 1.0;
     (0..side * side).map(move |index| (place(index / side), place(index % side)))

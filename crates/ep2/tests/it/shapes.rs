@@ -1,4 +1,5 @@
-//! Sizes, intervals and the choice of shapes on random cases. Messages of failed assertions hold the figures.
+//! Sizes, intervals and the choice of shapes, tested with random cases. The messages of failed assertions contain the
+//! numbers.
 
 use std::f64::consts::{PI, TAU};
 
@@ -37,8 +38,9 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Shares of random caps whose interval holds the radius and whose radius is resolved. `ratios` are the limits of
-/// sagitta √n / noise; cases with more noise than a share of the extent are skipped.
+/// For contacts on random caps: share of the fits whose interval contains the true radius, and share of those in which
+/// the radius is determined. `ratios` are the limits of sagitta · √n / noise. Cases with more noise than `max_noise`
+/// times the extent are skipped.
 fn coverage(shape: Shape, with_normals: bool, ratios: [f64; 2], max_noise: f64) -> [f64; 2] {
     let [mut held, mut resolved, mut count] = [0.0; 3];
     for case in 0..120 {
@@ -102,7 +104,7 @@ fn gauge_balls_and_cups_have_their_radius() {
         }
         assert!(worst < 0.01 && held >= 16, "{worst} {held}");
     }
-    // The recording of a gauge ball has no normals and no order.
+    // The recording of a gauge ball contains neither normals nor an order of the contacts.
     let text = include_str!("glide-scan-of-a-ball9.5.csv");
     let numbers = text
         .lines()
@@ -160,13 +162,13 @@ fn the_right_shape_is_chosen() {
     assert!(f64::from(wrong) < 0.05 * 120.0, "{confusion:?}");
 }
 
-/// Strokes of three fingertips over a ball of 25 mm.
+/// Three fingertips make strokes over a ball with radius 25 mm.
 fn ball_log(random: &mut Random, each: usize) -> Vec<Contact> {
     let exact = Surface::Sphere(25.0).strokes(10.0, 3, each);
     noisy(random, &exact, each, 0.05, Some(0.01))
 }
 
-/// Noise of three strokes that is correlated over `time` contacts.
+/// Contacts of three strokes whose noise is correlated over `time` contacts.
 fn correlated(random: &mut Random, each: usize, time: f64, with_normals: bool) -> Vec<Contact> {
     let exact = Surface::Sphere(25.0).strokes(10.0, 3, each);
     let keep = libm::exp(-1.0 / time);
@@ -187,7 +189,7 @@ fn correlated(random: &mut Random, each: usize, time: f64, with_normals: bool) -
     rows.collect()
 }
 
-/// A log, one without its dependent readings, and the least coverage.
+/// A log with dependent readings, the same log without them, and the smallest accepted coverage.
 fn dependent(kind: usize, random: &mut Random) -> ([Vec<Contact>; 2], f64) {
     if kind < 3 {
         let plain = ball_log(random, 10);
@@ -234,7 +236,8 @@ fn dependent_readings_count_once() {
     }
 }
 
-/// Shares of logs whose mean curvature is in the interval, and whose noise looks correlated.
+/// Share of the logs whose interval contains the mean curvature, and share of the logs whose noise is found to be
+/// correlated.
 fn of_surface(logs: impl Iterator<Item = Vec<Contact>>, truth: f64) -> [f64; 2] {
     let mut shares = [0.0; 2];
     let mut count = 0.0;
@@ -255,7 +258,7 @@ fn surfaces_are_not_fitted_to_correlated_noise() {
     let correlated = (0..40).map(|case| correlated(&mut random(case), 500, 25.0, true));
     let [held, found] = of_surface(correlated, 0.04);
     assert!(held > 0.85 && found > 0.9, "{held} {found}");
-    // A wave is not noise.
+    // A wave must not be taken for noise.
     let wave = Surface::Wave(1.0, 20.0, 0.5 * PI);
     let waves = (0..40).map(|case| {
         noisy(
@@ -311,7 +314,7 @@ fn bad_logs_are_errors() {
             }
         }
     }
-    // A third of the contacts are on another object.
+    // A third of the contacts lie on another object.
     let mut log = ball_log(&mut Random::new(7), 50);
     for contact in &mut log[100..] {
         contact.position.z += 8.0;
@@ -357,7 +360,7 @@ fn objects_are_fitted_on_all_sides_and_below_a_tip() {
         }
     }
     let exact = Surface::Sphere(30.0).disc(&mut random, 15.0, 500);
-    // Points of the map lie on the ball, and the grid reaches its contacts.
+    // The points of the map lie on the ball, and the grid extends over the contacts.
     let contacts = noisy(&mut random, &exact, 0, 0.01, None);
     let map = sphere(&contacts).map(&contacts, 11);
     let places = || map.iter().map(|point| point.position);

@@ -1,11 +1,11 @@
-//! Contacts from the centres and the lowest points of round tips.
+//! Contacts computed from the centres or the lowest points of round fingertips.
 
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::{Contact, Ep2Error, Method, Patch, Penalised, RoundTip, TipPoint};
 
 const POINTS: [TipPoint; 2] = [TipPoint::Lowest, TipPoint::Centre];
 
-/// Unit normals of three fingers' contacts on a ball. On a ball of radius 1 they are also the contact points.
+/// Unit normals at the contacts of three fingers on a ball. On a ball of radius 1, they are also the contact points.
 fn normals() -> impl Iterator<Item = (usize, Vector3<f64>)> {
     (0..30).map(|index| {
         let (finger, step) = (index / 10, index % 10);
@@ -14,7 +14,7 @@ fn normals() -> impl Iterator<Item = (usize, Vector3<f64>)> {
     })
 }
 
-/// Points that the tip reports on a ball of radius 5, or in a dish of radius 5 if `concave`.
+/// Points that the fingertip reports on a ball of radius 5 or, if `concave`, in a dish of radius 5.
 fn readings(tip: &RoundTip, concave: bool, with_normals: bool) -> Vec<Contact> {
     let (radius, side) = if concave { (5.0, -1.0) } else { (5.0, 1.0) };
     let readings = normals().map(|(finger, out)| {
@@ -69,7 +69,8 @@ fn tips_without_normals_determine_the_object() {
             let centre = method.fit(&patch).unwrap().centre().unwrap();
             let found = centre.curvature;
             assert!((found.mean - mean).abs() < 0.004, "{found:?}");
-            // If the tip is ignored, its centres lie on a ball of radius 6 or in a dish of radius 4.
+            // If the radius of the tip is ignored, the reported centres lie on a ball of radius 6 or in a dish of
+            // radius 4.
             let taken = Patch::new(&readings, &Vector3::z()).unwrap();
             let taken = method.fit(&taken).unwrap().centre().unwrap().curvature;
             assert!((taken.mean - mean).abs() > 0.02, "{taken:?}");
@@ -103,7 +104,7 @@ fn invalid_tips_are_refused_and_a_tip_of_radius_0_changes_nothing() {
         tip(1.0).contacts(&[], &Vector3::z(), &method).err(),
         Patch::new(&[], &Vector3::z()).err()
     );
-    // `Patch::new` reports a normal of length 0.
+    // The normal of length 0 is reported by `Patch::new`.
     let mut broken = all.clone();
     broken[4].normal = Some(Vector3::zeros());
     let contacts = tip(1.0).contacts(&broken, &Vector3::z(), &method).unwrap();
@@ -118,7 +119,7 @@ fn invalid_tips_are_refused_and_a_tip_of_radius_0_changes_nothing() {
 fn a_tip_larger_than_the_curvature_radius_of_its_centres_is_rejected() {
     for point in POINTS {
         for with_normals in [false, true] {
-            // On a ball of 5 the centre of a tip of 2 moves on a ball of 7.
+            // On a ball of radius 5, the centre of a tip of radius 2 moves on a ball of radius 7.
             let tip = RoundTip { radius: 2.0, point };
             let readings = readings(&tip, false, with_normals);
             for radius in [1.0, 6.9, 7.1, 100.0, 1e9] {
@@ -139,8 +140,8 @@ fn a_tip_larger_than_the_curvature_radius_of_its_centres_is_rejected() {
 
 #[test]
 fn a_tip_of_any_size_can_turn_on_an_edge() {
-    // Centres on a cylinder of radius r about the edge, with noisy normals: half of the curvatures estimated from them
-    // exceed 1/r.
+    // If the tip turns about an edge, its centre moves on a cylinder of the tip's radius r. Because the normals are
+    // noisy, half of the estimated curvatures exceed 1/r.
     let mut state = 1_u64;
     let mut noise = || {
         state = state

@@ -1,4 +1,4 @@
-//! Errors of formulas, and their display with a marker under the place in the text.
+//! Errors of formulas. The text of an error shows the formula, with a marker under the wrong part.
 
 use std::fmt;
 use std::ops::Range;
@@ -7,7 +7,8 @@ use super::Formula;
 
 /// Error in the text of a formula or in its parameters.
 ///
-/// Displays as the reason. If the error has a place in the formula, the formula and a line that marks the place follow:
+/// Displays the reason. If the error has a place in the formula, the formula follows, with a second line that marks the
+/// place:
 ///
 /// ```text
 /// unknown name `kk` (did you mean `k`?)
@@ -18,7 +19,8 @@ use super::Formula;
 pub struct FormulaError {
     /// Kind of error, with the names and numbers that it reports.
     pub kind: FormulaErrorKind,
-    /// Byte range of the error in the text, empty at the text's end. `None` if the error has no single place.
+    /// Byte range of the error in the text; an empty range at the end of the text if something is missing there. `None`
+    /// if the error has no single place.
     pub span: Option<Range<usize>>,
     text: String,
 }
@@ -26,19 +28,19 @@ pub struct FormulaError {
 /// Kinds of errors in a formula or its parameters.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FormulaErrorKind {
-    /// No text, or only white space.
+    /// The text is empty or has only white space.
     #[error("the formula is empty")]
     Empty,
-    /// Longer than 10,000 characters.
+    /// The formula is longer than 10,000 characters.
     #[error("the formula has {0} characters; at most {max} are allowed", max = Formula::MAX_CHARACTERS)]
     TooLong(usize),
-    /// Nested deeper than 100 levels.
+    /// The formula is nested deeper than 100 levels.
     #[error("nested more than {} deep", Formula::MAX_NESTING)]
     TooDeep,
     /// A character that is not allowed in formulas.
     #[error("unexpected character `{}`", .0.escape_debug())]
     UnexpectedCharacter(char),
-    /// Something like `1.2.3` or `1e+`.
+    /// A malformed number, such as `1.2.3` or `1e+`.
     #[error("`{0}` is not a number")]
     BadNumber(String),
     /// A constant part whose value is infinite or undefined.
@@ -47,7 +49,7 @@ pub enum FormulaErrorKind {
     /// A name that is neither a variable nor a parameter.
     #[error("unknown name `{name}`{}", did_you_mean(.suggestion))]
     UnknownName {
-        /// The name.
+        /// The unknown name in the formula.
         name: String,
         /// The most similar valid name, if one is similar enough.
         suggestion: Option<String>,
@@ -55,25 +57,25 @@ pub enum FormulaErrorKind {
     /// A call of an unknown function.
     #[error("unknown function `{name}`{}", did_you_mean(.suggestion))]
     UnknownFunction {
-        /// The name.
+        /// The unknown name of the function.
         name: String,
         /// The most similar valid name, if one is similar enough.
         suggestion: Option<String>,
     },
-    /// A function's name without parentheses.
+    /// The name of a function that is not followed by parentheses.
     #[error("`{0}` is a function: write `{0}(...)`")]
     MissingArguments(String),
     /// A call with too few or too many arguments.
     #[error("`{function}` takes {expected} argument{}, not {found}", if *.expected == 1 { "" } else { "s" })]
     WrongArity {
-        /// The function called.
+        /// Name of the function.
         function: String,
         /// Number of arguments that the function takes.
         expected: usize,
         /// Number of arguments in the call.
         found: usize,
     },
-    /// Two operands side by side, as in `2x`.
+    /// Two operands without an operator between them, as in `2x`.
     #[error("multiplication needs a sign: write `{left}*{right}`")]
     ImplicitMultiplication {
         /// The last word of the left operand.
@@ -81,13 +83,13 @@ pub enum FormulaErrorKind {
         /// The first word of the right operand.
         right: String,
     },
-    /// `**` for a power.
+    /// `**`, which other languages use for a power. In formulas, a power is written as `^`.
     #[error("write `^` for a power, not `**`")]
     DoubleStar,
     /// A token that is not an operand, where an operand is required.
     #[error("expected a number, a name or `(`, found `{0}`")]
     ExpectedOperand(String),
-    /// The end of the formula, where an operand is required.
+    /// The formula ends where an operand is required.
     #[error("the formula ends where a number, a name or `(` should follow")]
     UnexpectedEnd,
     /// A `(` without its `)`.
@@ -102,9 +104,9 @@ pub enum FormulaErrorKind {
     /// A parameter that is infinite or NaN.
     #[error("parameter `{name}` is {value}; it must be finite")]
     ParameterNotFinite {
-        /// The parameter.
+        /// Name of the parameter.
         name: String,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
     },
     /// A parameter with the name of a variable, a function or `pi`.
@@ -133,8 +135,9 @@ fn did_you_mean(suggestion: &Option<String>) -> String {
 
 impl fmt::Display for FormulaError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        /// Number of characters that are shown of a long formula, and how many of these precede the marked place.
+        /// Maximum number of characters of a formula in a message.
         const SHOWN: usize = 72;
+        /// Number of characters before the marked part, if the formula is longer.
         const BEFORE: usize = 36;
 
         write!(f, "{}", self.kind)?;

@@ -1,11 +1,11 @@
-//! Numbers that carry their derivatives with respect to x and y to second order.
+//! Numbers with their first and second derivatives with respect to x and y.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A function's value at a point (x, y) with its first and second partial derivatives there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet {
-    /// Value f.
+    /// Value f of the function.
     pub value: f64,
     /// First derivatives f_x, f_y.
     pub gradient: [f64; 2],
@@ -58,7 +58,7 @@ impl Jet {
     }
 }
 
-/// Number type on which a formula is evaluated: `f64` for the value alone, [`Jet`] for the value and its derivatives.
+/// Number type with which a formula is evaluated: `f64` for the value alone, [`Jet`] for the value and its derivatives.
 pub(super) trait Number:
     Copy
     + Neg<Output = Self>
@@ -73,10 +73,11 @@ pub(super) trait Number:
     /// A number that does not depend on x or y.
     fn constant(value: f64) -> Self;
 
-    /// `outer(self)`, where `outer` returns its value and first two derivatives.
+    /// The composition `outer(self)`. The function `outer` returns its value and its first two derivatives.
     fn compose(self, outer: impl FnOnce(f64) -> [f64; 3]) -> Self;
 
-    /// `outer(self, other)`, where `outer` returns its jet with respect to its own two arguments.
+    /// The composition `outer(self, other)`. The function `outer` returns its value and its derivatives with respect to
+    /// its two arguments.
     fn compose2(self, other: Self, outer: impl FnOnce(f64, f64) -> Jet) -> Self;
 }
 
@@ -188,7 +189,7 @@ impl Mul for Jet {
 
 impl Div for Jet {
     type Output = Self;
-    /// Differentiates q b = a instead of q = a/b, because b² may overflow.
+    /// Computes the derivatives of q = a/b from the equation q b = a, because b² may overflow.
     #[inline]
     fn div(self, other: Self) -> Self {
         let b = other.value;

@@ -4,7 +4,8 @@ use std::f64::consts::LN_10;
 
 use super::jet::{Jet, Number};
 
-/// An operation on one operand. If the second operand is a constant, the operation contains it.
+/// An operation on one operand a. It may also be an operation on two operands whose second operand is a constant; the
+/// constant is then stored here.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Unary {
     Negate,
@@ -181,7 +182,8 @@ impl Binary {
     }
 }
 
-/// v^n and its first two derivatives in v, correct also for v ≤ 0 where they exist.
+/// v^n and its first two derivatives with respect to v. The result is also correct for v ≤ 0, wherever these numbers
+/// exist.
 fn power(v: f64, n: f64) -> [f64; 3] {
     let raise = |exponent: f64| {
         if exponent.fract() == 0.0 && exponent.abs() <= 16.0 {
@@ -208,7 +210,7 @@ fn power(v: f64, n: f64) -> [f64; 3] {
     }
 }
 
-/// a^b for varying a and b: differentiable only for a > 0.
+/// a^b and its derivatives, where both a and b vary. It is differentiable only for a > 0.
 fn general_power(a: f64, b: f64) -> Jet {
     let (f, ln) = (libm::pow(a, b), libm::log(a));
     Jet {

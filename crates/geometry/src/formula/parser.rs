@@ -1,5 +1,5 @@
-//! A Pratt parser: every operator has a binding power, and an operand between two operators belongs to the stronger
-//! one.
+//! A Pratt parser. Every operator has a binding power, and an operand between two operators belongs to the operator
+//! with the larger one.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -55,7 +55,7 @@ struct Parser<'a> {
     parameters: &'a BTreeMap<String, f64>,
     used: BTreeSet<&'a str>,
     lexer: Lexer<'a>,
-    /// The next token, its place, and the place of the token before it.
+    /// The next token, its place in the text, and the place of the token before it.
     token: Token<'a>,
     span: Span,
     previous: Span,
@@ -88,7 +88,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Parses an operand and all operators after it that bind at least as tightly as `least`.
+    /// Parses an operand and all operators after it whose binding power is at least `least`.
     fn expression(&mut self, least: u8) -> Result<Expression> {
         self.nesting += 1;
         if self.nesting > Formula::MAX_NESTING {
@@ -108,7 +108,7 @@ impl<'a> Parser<'a> {
         Ok(left)
     }
 
-    /// The next operator, if the next token is one, with its binding powers to the left and right.
+    /// The next token if it is an operator, with its binding powers to the left and right.
     fn operator(&self) -> Result<Option<(Binary, u8, u8)>> {
         Ok(Some(match self.token {
             Token::Plus => (Binary::Add, 1, 2),
@@ -230,8 +230,8 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Rejects the expression that ends at the previous token and begins at byte `start` if it is a constant that is
-    /// not finite.
+    /// Rejects an expression that is a constant and not finite. The expression begins at byte `start` and ends at the
+    /// previous token.
     fn finite(&self, expression: Expression, start: usize) -> Result<Expression> {
         match expression {
             Expression::Constant(value) if !value.is_finite() => {
@@ -249,8 +249,8 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// The candidate that `name` most likely misspells, if one is similar enough: a third of the letters may differ, but
-/// not all. Upper and lower case count as equal.
+/// The candidate that is most similar to `name`; `None` if none is similar enough. At most a third of the letters may
+/// differ, and not all letters. Upper and lower case count as equal.
 fn nearest<'n>(name: &str, candidates: impl Iterator<Item = &'n str>) -> Option<String> {
     match name {
         "log" => return Some("ln".into()),
@@ -271,7 +271,8 @@ fn nearest<'n>(name: &str, candidates: impl Iterator<Item = &'n str>) -> Option<
         .map(|(_, candidate)| candidate.into())
 }
 
-/// Levenshtein's distance: the fewest letters to insert, delete or replace.
+/// Levenshtein distance: the smallest number of letters that must be inserted, deleted or replaced to turn `a` into
+/// `b`.
 fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

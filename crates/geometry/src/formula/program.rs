@@ -4,8 +4,8 @@ use super::Formula;
 use super::jet::Number;
 use super::operation::{Binary, Unary};
 
-/// Number of stack slots. A binary operation first evaluates the operand that needs more slots, so n slots suffice for
-/// 2ⁿ − 1 operands (Sethi and Ullman 1970). A text of m characters has at most (m + 1)/2 operands.
+/// Number of stack slots. The operand that needs more slots is evaluated first. Therefore n slots are enough for 2ⁿ − 1
+/// operands (Sethi and Ullman 1970). A text of m characters has at most (m + 1)/2 operands.
 const SLOTS: usize = 13;
 const _: () = assert!(Formula::MAX_CHARACTERS.div_ceil(2) < 1 << SLOTS);
 
@@ -16,11 +16,11 @@ enum Instruction {
     Constant(f64),
     Unary(Unary),
     Binary(Binary),
-    /// Exchanges the two topmost operands.
+    /// Exchanges the two operands at the top of the stack.
     Swap,
 }
 
-/// Postfix instructions. At the end, their result is the only number on the stack.
+/// Postfix instructions. After the last one, the result is the only number on the stack.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Program {
     instructions: Vec<Instruction>,
@@ -67,7 +67,8 @@ impl Program {
     }
 
     pub(super) fn run<N: Number>(&self, x: N, y: N) -> N {
-        // Most formulas need few slots. Initialising all slots would cost as much time as the arithmetic.
+        // Most formulas need at most four slots. They are treated separately, because initialising all slots would take
+        // as much time as the arithmetic.
         if self.slots <= 4 {
             self.run_in::<N, 4>(x, y)
         } else {
@@ -75,8 +76,8 @@ impl Program {
         }
     }
 
-    /// Evaluates with `SIZE` slots. The top of the stack is a local variable, so that it can stay in a register. The
-    /// first push stores a dummy, which is never read.
+    /// Evaluates the program with `SIZE` slots. The top of the stack is a local variable, so that it can stay in a
+    /// register. Therefore the first push stores a dummy, which is never read.
     fn run_in<N: Number, const SIZE: usize>(&self, x: N, y: N) -> N {
         let mut below = [x; SIZE];
         let mut depth = 0;
@@ -110,7 +111,7 @@ impl Program {
     }
 }
 
-/// A part of a formula during parsing. A part that does not depend on x or y is already evaluated.
+/// A part of a formula during parsing. If the part does not depend on x or y, it is already evaluated.
 #[derive(Debug)]
 pub(super) enum Expression {
     Constant(f64),

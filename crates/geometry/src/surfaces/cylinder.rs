@@ -7,8 +7,8 @@ use crate::{ChartJet, CurvatureForm, InvalidShape, LevelSet, Parameters, Surface
 
 /// An infinite cylinder with a horizontal axis through the origin.
 ///
-/// With the unit vectors `d` along the axis and `b = z × d`, the chart is `u d + r sin v b + r cos v z`. `u = v = 0` is
-/// on the top line. `M = diag(1, r)`, `K = diag(0, 1/r)`, `T = 0`.
+/// `d` is the unit vector along the axis, and `b = z × d`. The chart is `u d + r sin v b + r cos v z`, with `u = v = 0`
+/// on the top line. The forms are `M = diag(1, r)`, `K = diag(0, 1/r)`, `T = 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
     radius: f64,
@@ -33,12 +33,12 @@ impl Cylinder {
         })
     }
 
-    /// Its radius.
+    /// Radius of the cylinder.
     pub const fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// The unit vector along its axis.
+    /// The unit vector along the axis of the cylinder.
     pub const fn axis(&self) -> Vector3<f64> {
         self.axis
     }
@@ -82,7 +82,7 @@ impl Surface for Cylinder {
     fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
         let radial = self.radial(point);
         let (norm, farthest) = (radial.norm(), point.coords.norm());
-        // On the axis, the direction to the surface is only rounding error.
+        // If the point is on the axis, the computed direction to the surface is only a rounding error.
         let on_axis = norm <= f64::EPSILON * farthest;
         if on_axis || !SQUARABLE.contains(&norm) || !SQUARABLE.contains(&farthest) {
             return Err(SurfaceError::no_closest_point(point));

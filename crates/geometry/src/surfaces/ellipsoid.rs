@@ -18,7 +18,7 @@ impl Ellipsoid {
     /// An ellipsoid with semi-axes along x, y and z.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless all three are between 1e-150 and 1e150.
+    /// [`InvalidShape`] unless all three semi-axes are between 1e-150 and 1e150.
     pub fn new(semi_axes: [f64; 3]) -> Result<Self, InvalidShape> {
         for axis in semi_axes {
             checked_length("semi_axes", axis)?;
@@ -28,7 +28,7 @@ impl Ellipsoid {
         })
     }
 
-    /// Its semi-axes along x, y and z.
+    /// The semi-axes along x, y and z.
     pub(crate) fn semi_axes(&self) -> [f64; 3] {
         self.semi_axes.into()
     }
@@ -70,9 +70,9 @@ impl Surface for Ellipsoid {
         )
     }
 
-    /// The closest point `x` has `x_i/a_i = w_i/(σ + b_i)` with `w_i = p_i a_i/a_min²`, `b_i = (a_i/a_min)² − 1` and
-    /// `p` the given point. σ is the only value `σ >= 0` for which `x` is on the ellipsoid (Eberly, *Distance from a
-    /// Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid*).
+    /// The closest point `x` satisfies `x_i/a_i = w_i/(σ + b_i)` with `w_i = p_i a_i/a_min²` and `b_i = (a_i/a_min)² −
+    /// 1`, where `a` are the semi-axes and `p` is the given point. σ is the only value `σ >= 0` for which `x` is on the
+    /// ellipsoid (Eberly, *Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid*).
     fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
         let none = SurfaceError::no_closest_point(point);
         let smallest = self.semi_axes.min();
@@ -90,12 +90,13 @@ impl Surface for Ellipsoid {
             weights.zip_map(&beyond, |w, b| if w == 0.0 { 0.0 } else { w / (sigma + b) })
         };
 
-        // Start where the first term reaches 1: the sum of squares is between 1 and 3 there. The sum is convex and
-        // decreases with σ, so Newton's method converges monotonically and fast.
+        // Start at the smallest σ for which no term exceeds 1. The sum of squares is between 1 and 3 there. It is
+        // convex and decreases with σ, so Newton's method converges monotonically and fast.
         let mut sigma = (weights.abs() - beyond).max().max(0.0);
         let mut unit = scaled(sigma);
         if unit.norm_squared() < 1.0 - 8.0 * f64::EPSILON {
-            // The point lies in the plane of symmetry across the shortest axis: two mirrored points are equally close.
+            // If the point lies in the plane of symmetry that is perpendicular to the shortest axis, two mirrored
+            // points are equally close.
             return Err(none);
         }
         for _ in 0..64 {

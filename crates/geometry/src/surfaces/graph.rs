@@ -11,9 +11,9 @@ use crate::{
 /// Height with its first and second derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightJet {
-    /// `f`.
+    /// Height `f` of the graph.
     pub value: f64,
-    /// `(f_x, f_y)`.
+    /// Gradient `(f_x, f_y)` of the height.
     pub gradient: [f64; 2],
     /// `(f_xx, f_xy, f_yy)`.
     pub hessian: [f64; 3],
@@ -28,25 +28,26 @@ impl HeightJet {
     }
 }
 
-/// A twice differentiable height over the plane.
+/// A twice differentiable height z = f(x, y).
 pub trait Height {
-    /// Largest slope. The graph ends where its slope exceeds this value, as at a vertical wall.
+    /// Largest slope of the graph. Where the slope is larger, for example near a vertical wall, the graph has no
+    /// points.
     const STEEPEST: f64 = *SQUARABLE.end();
 
     /// Height and derivatives at `(x, y)`. Where the height is undefined or not twice
     /// differentiable, some of the derivatives are not finite.
     fn jet(&self, x: f64, y: f64) -> HeightJet;
 
-    /// The section through the point above `(x, y)`, as in [`Surface::meridian`].
+    /// The section through the point of the surface above `(x, y)`, as in [`Surface::meridian`].
     fn meridian_at(&self, _x: f64, _y: f64, _direction: &Vector3<f64>) -> Option<Meridian> {
         None
     }
 
-    /// As [`Surface::may_touch_twice`], for the graph.
+    /// Result of [`Surface::may_touch_twice`] for the graph of this height.
     fn may_touch_twice(&self, radius: f64) -> bool;
 }
 
-/// The graph of a height, solid below, in the Monge chart `(x, y, f(x, y))`.
+/// The graph of a height in the Monge chart `(x, y, f(x, y))`. The solid is below the graph.
 ///
 /// ```
 /// use nalgebra::Vector3;
@@ -64,19 +65,19 @@ pub struct Graph<H> {
     height: H,
 }
 
-/// `z = −c (x² + y²)`; a bowl if `c < 0`. The radius of curvature at the apex is `1/(2c)`.
+/// The paraboloid `z = −c (x² + y²)`, which is a bowl if `c < 0`. The radius of curvature at the apex is `1/(2c)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paraboloid {
     c: f64,
 }
 
-/// `z = a (x² − y²)`.
+/// The saddle `z = a (x² − y²)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Saddle {
     a: f64,
 }
 
-/// `z` from a [`Formula`].
+/// The graph `z = f(x, y)` of a [`Formula`].
 #[derive(Clone, Debug)]
 pub struct HeightField {
     formula: Formula,
@@ -133,8 +134,8 @@ impl Height for Paraboloid {
         (x == 0.0 && y == 0.0).then_some(Meridian::Paraboloid { c: self.c })
     }
 
-    // A ball in a bowl touches the opposite side only if its centre reaches the axis. The bowl's curvature across the
-    // meridian then equals the ball's curvature.
+    // In a bowl, a ball touches the opposite side only if its centre reaches the axis. At the contact point, the bowl's
+    // curvature across the meridian then equals the ball's curvature, so the ball does not fit there.
     fn may_touch_twice(&self, _radius: f64) -> bool {
         false
     }
@@ -160,20 +161,21 @@ impl Height for Saddle {
         (x == 0.0 && y == 0.0).then_some(Meridian::Paraboloid { c })
     }
 
-    // A ball touches both sides of a valley only if its centre reaches the valley's plane of symmetry. The valley must
-    // be at least as curved there as the ball.
+    // A ball touches both sides of a valley only if its centre reaches the valley's plane of symmetry. Then the bottom
+    // of the valley must be at least as curved as the ball.
     fn may_touch_twice(&self, radius: f64) -> bool {
         2.0 * self.a.abs() * radius > 1.0
     }
 }
 
 impl Height for HeightField {
-    // Closer to a wall, such as that of sqrt(1 − x) at x = 1, doubles no longer resolve x.
+    // Limit the slope, because doubles do not resolve x near a vertical wall, such as the wall of sqrt(1 − x) at x = 1.
     const STEEPEST: f64 = 1e6;
 
     fn jet(&self, x: f64, y: f64) -> HeightJet {
         let jet = self.formula.jet(x, y);
-        // The derivatives of ln(x) are finite at x < 0, where its value is NaN. The added 0 · value makes them NaN too.
+        // At x < 0, the value of ln(x) is NaN, but its derivatives are finite. Adding 0 · value makes the derivatives
+        // NaN too.
         let nothing = 0.0 * jet.value;
         HeightJet {
             value: jet.value,
@@ -201,17 +203,18 @@ impl<H: Height> Graph<H> {
     }
 }
 
-/// A candidate for the point of a graph closest to a target.
+/// A candidate for the point of a graph that is closest to a target point.
 struct Foot {
     at: Vector2<f64>,
     height: f64,
     slope: Vector2<f64>,
-    /// Half the squared distance, its gradient and its Hessian.
+    /// Half the squared distance to the target. Its gradient and its Hessian follow.
     half_square: f64,
     gradient: Vector2<f64>,
     hessian: Matrix2<f64>,
-    /// Determinants of `I + s sᵀ`, which is the Hessian for a plane of slope s, and of the Hessian. Both are expanded:
-    /// on a steep slope, `(1 + s_x²)(1 + s_y²) − s_x² s_y²` loses all digits.
+    /// Determinant of `I + s sᵀ`, which is the Hessian if the graph is a plane of slope s. The next field is the
+    /// determinant of the Hessian. Both are computed from expanded formulas, because on a steep slope `(1 + s_x²)(1 +
+    /// s_y²) − s_x² s_y²` loses all digits.
     stretch: f64,
     determinant: f64,
 }
@@ -226,8 +229,8 @@ impl Foot {
         let [fxx, fxy, fyy] = jet.hessian;
         let slope = Vector2::from(jet.gradient);
         let aside = at - target.xy().coords;
-        // A difference within rounding counts as 0. A sharp peak would multiply it by a large curvature and appear to
-        // be a hollow.
+        // A difference within the rounding error counts as 0. Otherwise, near a sharp peak, it would be multiplied by a
+        // large curvature, and the peak would look like a hollow.
         let above = match jet.value - target.z {
             tiny if tiny.abs() <= 2.0 * f64::EPSILON * target.z.abs() => 0.0,
             above => above,
@@ -252,7 +255,7 @@ impl Foot {
         self.hessian.m11 > 0.0 && self.determinant > 0.0
     }
 
-    /// Newton's step to the minimum; the Gauss–Newton step where the Hessian is not positive definite.
+    /// Newton's step towards the minimum. Where the Hessian is not positive definite, it is the Gauss–Newton step.
     fn step(&self) -> Option<Vector2<f64>> {
         let (hessian, determinant) = if self.is_minimum() {
             (self.hessian, self.determinant)
@@ -265,7 +268,8 @@ impl Foot {
         step.sum().is_finite().then_some(step)
     }
 
-    /// Whether this point is closer than `other`, or is as close within 1e-6 and has less than half of its gradient.
+    /// Whether this point is closer to the target than `other`. If both are equally close (within a factor 1 + 1e-6 of
+    /// the squared distance), this point must have less than half the gradient of `other`.
     fn improves(&self, other: &Self) -> bool {
         let settles = self.gradient.norm() < 0.5 * other.gradient.norm();
         let allowance = if settles { 1.0 + 1e-6 } else { 1.0 };
@@ -292,7 +296,7 @@ impl<H: Height> Surface for Graph<H> {
 
     #[inline]
     fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
-        // F = z − f(x, y).
+        // The level set is that of F = z − f(x, y).
         let jet = self.jet(point.x, point.y)?;
         let [fx, fy] = jet.gradient;
         let [fxx, fxy, fyy] = jet.hessian;
@@ -313,7 +317,7 @@ impl<H: Height> Surface for Graph<H> {
         let [fx, fy] = jet.gradient;
         let [fxx, fxy, fyy] = jet.hessian;
         let steepness_squared = 1.0 + fx * fx + fy * fy;
-        // Repeats the checks of `Graph::jet` that are needed here. Both comparisons fail for NaN.
+        // Repeats those checks of `Graph::jet` that are needed here. Both comparisons are false for NaN.
         let in_domain = steepness_squared <= H::STEEPEST * H::STEEPEST;
         if !(in_domain && (fxx + fxy + fyy).is_finite()) {
             return Err(SurfaceError::OffDomain {
@@ -343,8 +347,8 @@ impl<H: Height> Surface for Graph<H> {
         self.closest_point_from(point, point.xy().coords)
     }
 
-    /// Newton's method on the squared distance, with damping. Gauss–Newton steps where the Hessian is not positive
-    /// definite.
+    /// Finds the closest point with a damped Newton's method on the squared distance. Where the Hessian is not positive
+    /// definite, it uses Gauss–Newton steps.
     fn closest_point_from(
         &self,
         point: &Point3<f64>,
@@ -352,7 +356,7 @@ impl<H: Height> Surface for Graph<H> {
     ) -> Result<Point3<f64>, SurfaceError> {
         let none = SurfaceError::no_closest_point(point);
         let mut foot = Foot::new(self, point, start)?;
-        // `z` is NaN, or a square overflows.
+        // If this is true, `z` is NaN or a square has overflowed.
         if !foot.half_square.is_finite() {
             return Err(none);
         }
@@ -366,7 +370,8 @@ impl<H: Height> Surface for Graph<H> {
             let Some(next) = shorter else { break };
             foot = next;
         }
-        // A stationary point that is not a minimum lies on a ridge between two closest points.
+        // If the descent ends at a stationary point that is not a minimum, this point is between two points that are
+        // equally close.
         if foot.is_minimum() {
             Ok(Point3::new(foot.at.x, foot.at.y, foot.height))
         } else {

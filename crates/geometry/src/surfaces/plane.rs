@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use crate::error::is_within_reach;
 use crate::{ChartJet, CurvatureForm, LevelSet, Parameters, Surface, SurfaceError};
 
-/// The plane z = 0, solid below. Chart `(u, v, 0)`.
+/// The plane z = 0, with the solid below. The chart is `(u, v, 0)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Plane;
 

@@ -17,7 +17,7 @@ pub struct Sphere {
     radius: f64,
 }
 
-/// The inside of a sphere about the origin, touched on its lower half; curvature is negative.
+/// The inside of a sphere about the origin. A probe touches its lower half. The curvature is negative.
 ///
 /// Chart `(R sin u, R cos u sin v, −R cos u cos v)` with |u| ≤ π/2: `u = v = 0` is the bottom, where
 /// the Gauss frame equals the axes.
@@ -36,7 +36,7 @@ impl Sphere {
         Ok(Self { radius })
     }
 
-    /// Its radius.
+    /// Radius of the sphere.
     pub const fn radius(&self) -> f64 {
         self.radius
     }
@@ -52,7 +52,7 @@ impl Dish {
         Ok(Self { radius })
     }
 
-    /// Its radius.
+    /// Radius of the dish.
     pub const fn radius(&self) -> f64 {
         self.radius
     }
@@ -84,8 +84,8 @@ fn spherical_parameters(point: &Point3<f64>, side: f64) -> Parameters {
     )
 }
 
-/// The level set of the distance from the origin through `point`. `side` is 1 if the function grows outwards, −1 if
-/// inwards.
+/// The level set of the distance from the origin, at `point`. `side` is 1 if the level-set function increases outwards,
+/// and −1 if it increases inwards.
 #[inline]
 fn spherical_level_set(point: &Point3<f64>, side: f64) -> Result<LevelSet, SurfaceError> {
     LevelSet::new(point.coords * side, Matrix3::identity() * side).ok_or(SurfaceError::OffDomain {
@@ -94,7 +94,7 @@ fn spherical_level_set(point: &Point3<f64>, side: f64) -> Result<LevelSet, Surfa
     })
 }
 
-/// Normal and curvature at a point on the sphere. The normal needs no normalisation, because the radius is given.
+/// Normal and curvature at a point on the sphere. Because the curvature is given, the normal needs no square root.
 #[inline]
 fn spherical_form(point: &Point3<f64>, curvature: f64) -> Result<TangentForm, SurfaceError> {
     let normal = point.coords * curvature;

@@ -7,7 +7,7 @@ use crate::{ChartJet, InvalidShape, LevelSet, Parameters, Surface, SurfaceError}
 
 /// A ring torus about the z axis.
 ///
-/// With `ρ = R + r sin u` the chart is `(ρ cos v, ρ sin v, r cos u)`: `u = 0` is the top circle, and `u` grows
+/// With `ρ = R + r sin u`, the chart is `(ρ cos v, ρ sin v, r cos u)`. `u = 0` is the top circle, and `u` increases
 /// outwards. `M = diag(r, ρ)`, `K = diag(1/r, sin(u)/ρ)`.
 ///
 /// ```
@@ -76,7 +76,7 @@ impl Surface for Torus {
         if rho == 0.0 {
             return Err(off_domain);
         }
-        // F = ((ρ − R)² + z²)/2.
+        // The level set is that of F = ((ρ − R)² + z²)/2.
         let (cos, sin) = (point.x / rho, point.y / rho);
         let beyond = rho - self.major_radius;
         let gradient = Vector3::new(beyond * cos, beyond * sin, point.z);
@@ -106,7 +106,8 @@ impl Surface for Torus {
         let centre = out * self.major_radius;
         let radial = point.coords - centre;
         let norm = radial.norm();
-        // On the circle of the tube's centres, the direction to the surface is only rounding error.
+        // If the point is on the circle of the tube's centres, the computed direction to the surface is only a rounding
+        // error.
         let on_core = norm <= f64::EPSILON * self.major_radius;
         if on_core || rho == 0.0 || !SQUARABLE.contains(&norm) {
             return Err(SurfaceError::no_closest_point(point));

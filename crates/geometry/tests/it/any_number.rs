@@ -1,5 +1,5 @@
-//! Surfaces return results near their default contact. For arguments of any bit pattern they return finite numbers or
-//! an error, and returned points lie on the surface.
+//! Near their default contact, surfaces return results. For arguments with any bit patterns, they return finite numbers
+//! or an error, and returned points lie on the surface.
 
 use nalgebra::{Point3, Vector3};
 use palpate_geometry::formula::Formula;
@@ -25,7 +25,7 @@ const EXTREMES: [f64; 12] = [
     5e-324,
 ];
 
-/// An extreme, any double, or a number of either sign with a size between 1e-12 and 1e12.
+/// An extreme number, any double, or a number of either sign with a magnitude between 1e-12 and 1e12.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         proptest::sample::select(&EXTREMES[..]),
@@ -62,7 +62,7 @@ fn is_finite<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> bool {
     numbers.into_iter().all(|number| number.is_finite())
 }
 
-/// Whether each method of a surface succeeds at a place. Also checks that the results are finite.
+/// Whether each method of a surface succeeds at a position. This also checks that the results are finite.
 fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], TestCaseError> {
     let (at, place) = (Parameters::new(x, y), Point3::new(x, y, z));
     let is_unit = |vector: &Vector3<f64>| (vector.norm() - 1.0).abs() < 1e-9;
@@ -169,7 +169,8 @@ proptest! {
                 continue;
             }
             let foot = shape.closest_point(&place);
-            // Inside an ellipsoid, and beyond the centres of curvature of a graph, two places may be equally close.
+            // Inside an ellipsoid, and beyond the centres of curvature of a graph, two points of the surface may be
+            // equally close.
             let may_have_none = ["ellipsoid", "paraboloid", "saddle"].contains(&shape.name());
             prop_assert!(foot.is_ok() || may_have_none, "{shape:?} at {place}: {foot:?}");
             if let Ok(foot) = foot {

@@ -1,4 +1,4 @@
-//! Compares each surface with its textbook forms.
+//! Compares each surface with formulas from textbooks.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -9,7 +9,7 @@ use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use palpate_geometry::{ChartGeometry, CurvatureForm, Parameters, Surface};
 
-/// Calls `check` with u and the geometry at places of a chart of two angles.
+/// Calls `check` with u and the geometry at several points of a chart of two angles.
 fn over_angles(surface: &impl Surface, check: impl Fn(f64, ChartGeometry)) {
     for i in -7..=7 {
         for j in -7..=7 {
@@ -89,8 +89,8 @@ fn triaxial_ellipsoid() {
     let semi_axes = Vector3::new(1.3, 0.4, 2.1);
     let squares = semi_axes.component_mul(&semi_axes);
     over_angles(&Ellipsoid::new(semi_axes.into()).unwrap(), |_, found| {
-        // With p the distance of the tangent plane from the centre, K = p⁴/(abc)² and
-        // H = p³ (a² + b² + c² − |x|²)/(2 (abc)²).
+        // If p is the distance of the tangent plane from the centre, K = p⁴/(abc)² and H = p³ (a² + b² + c² − |x|²)/(2
+        // (abc)²).
         let p = 1.0 / found.point.coords.component_div(&squares).norm();
         let product = semi_axes.product().powi(2);
         let mean = p.powi(3) * (squares.sum() - found.point.coords.norm_squared());

@@ -1,4 +1,5 @@
-//! Closest points that the laws do not test: far away, inside the solid, and where no point is closest.
+//! Closest points in cases that the laws do not test: far away, inside the solid, and where several points are equally
+//! close.
 
 use std::f64::consts::PI;
 
@@ -35,8 +36,9 @@ fn centres_and_axes_have_no_closest_point() {
 
 #[test]
 fn the_middle_of_an_ellipsoid_has_no_closest_point_and_its_outer_part_has() {
-    // In the plane of symmetry across the shortest axis (z), two points above and below are equally close. On the x
-    // axis this holds up to the centre of curvature of the tip, at a − c²/a from the centre.
+    // For a point in the symmetry plane across the shortest axis (z), two points of the surface, above and below, are
+    // equally close. On the x axis, this is so up to the centre of curvature of the tip, at the distance a − c²/a from
+    // the centre.
     let ellipsoid = Ellipsoid::new([3.0, 2.0, 1.0]).unwrap();
     assert_none(&ellipsoid, 0.0, 0.0, 0.0);
     assert_none(&ellipsoid, 1.0, 0.5, 0.0);
@@ -46,7 +48,7 @@ fn the_middle_of_an_ellipsoid_has_no_closest_point_and_its_outer_part_has() {
     assert_eq!(closest(0.0, -1.6, 0.0), Point3::new(0.0, -2.0, 0.0));
     assert_eq!(closest(0.0, 0.0, 1e-300), Point3::new(0.0, 0.0, 1.0));
     assert_eq!(closest(0.0, 0.0, -0.2), Point3::new(0.0, 0.0, -1.0));
-    // On the axis of a prolate spheroid, no point is closest between the tips' centres of curvature.
+    // On the axis of a prolate spheroid, between the centres of curvature of the tips, no single point is closest.
     let spindle = Ellipsoid::new([1.0, 1.0, 2.0]).unwrap();
     assert_none(&spindle, 0.0, 0.0, 1.49);
     let tip = spindle.closest_point(&Point3::new(0.0, 0.0, 1.51)).unwrap();
@@ -60,7 +62,7 @@ fn a_bowl_seen_from_beyond_its_centre_of_curvature_has_no_closest_point() {
     assert_none(&bowl, 0.0, 0.0, 1.1);
     let apex = bowl.closest_point(&Point3::new(0.0, 0.0, 0.9)).unwrap();
     assert_eq!(apex, Point3::origin());
-    // On the axis inside a hill, no point is closest. Beside the axis, the closest point is on the near side.
+    // On the axis inside of a hill, no single point is closest. Beside the axis, the closest point is on the near side.
     let hill = Graph::paraboloid(0.5).unwrap();
     assert_none(&hill, 0.0, 0.0, -1.1);
     let inside = hill.closest_point(&Point3::new(0.2, 0.0, -3.0)).unwrap();
@@ -77,7 +79,7 @@ fn assert_closest(semi_axes: [f64; 3], from: Point3<f64>, found: Point3<f64>) {
         (unit.norm() - 1.0).abs() < 1e-14,
         "{found} is off the ellipsoid {semi_axes:?}"
     );
-    // The gap must be parallel to the normal, whose length is scaled to 1.
+    // The vector from the surface to `from` must be parallel to the normal.
     let normal = unit.component_div(&axes).normalize();
     let gap = from - found;
     let along = gap.dot(&normal);
@@ -100,7 +102,7 @@ fn assert_closest(semi_axes: [f64; 3], from: Point3<f64>, found: Point3<f64>) {
     }
 }
 
-/// 0 or ± a power of ten.
+/// The number 0, or a power of ten of either sign.
 fn decades(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => Just(0.0),
@@ -123,7 +125,8 @@ proptest! {
         let from = Point3::from(Vector3::from(semi_axes).component_mul(&Vector3::from(share)));
         match Ellipsoid::new(semi_axes).unwrap().closest_point(&from) {
             Ok(found) => assert_closest(semi_axes, from, found),
-            // Only inside the ellipsoid and in the plane of symmetry across its shortest axis.
+            // Only points inside of the ellipsoid, in the symmetry plane across its shortest axis, have no closest
+            // point.
             Err(_) => {
                 let axis = Vector3::from(semi_axes).imin();
                 prop_assert!(from[axis] == 0.0 && Vector3::from(share).norm() < 1.0);

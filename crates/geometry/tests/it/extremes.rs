@@ -18,7 +18,7 @@ fn a_chart_ends_at_its_poles() {
                 let at = Parameters::new(u, v);
                 let singular = Err(SurfaceError::ChartSingular { u, v });
                 assert_eq!(surface.chart_geometry(at), singular);
-                // Only the chart is singular at the pole; the surface is regular.
+                // Only the chart is singular at the pole; the surface is regular there.
                 let pole = surface.chart(at).unwrap().point;
                 assert!((pole.x.abs() - size).abs() <= f64::EPSILON * size);
                 let level_set = surface.level_set(&pole).unwrap();
@@ -96,7 +96,7 @@ fn near_an_umbilic_principal_curvatures_differ_by_what_the_form_does() {
     }
 }
 
-/// Values and slopes from mpmath with 60 digits.
+/// Values and slopes are compared with mpmath, with 60 digits.
 #[test]
 fn formulas_keep_their_digits_where_values_are_tiny_or_huge() {
     let jet = |text: &str, x: f64| {
@@ -126,7 +126,7 @@ fn formulas_keep_their_digits_where_values_are_tiny_or_huge() {
     }
 }
 
-/// Values from mpmath with 60 digits.
+/// Values are compared with mpmath, with 60 digits.
 #[test]
 fn meridians_keep_their_digits_from_flat_to_sharp() {
     // A nearly flat spheroid at t = 0.2 turns, and a needle-like one at t = 1000.2 turns.
@@ -212,8 +212,8 @@ proptest! {
         let across = libm::sin(u) / rho;
         assert_relative_eq!(here.curvature.k_uu, 1.0 / minor, max_relative = 1e-13);
         assert_relative_eq!(here.curvature.k_vv, across, max_relative = 1e-13);
-        // Rounding of the point's coordinates, relative to the thin tube and amplified near the centre of a narrow
-        // hole.
+        // Rounding error of the point's coordinates, relative to the radius of the thin tube. It is amplified near the
+        // centre of a narrow hole.
         let blur = 1e-14 * ratio / (ratio - 1.0) + 1e-15 * ratio;
         let local = torus.level_set(&here.point).unwrap();
         let form = local.curvature(&here.frame.x, &here.frame.y);
@@ -239,8 +239,9 @@ proptest! {
         let local = ellipsoid.level_set(&here.point).unwrap();
         assert_relative_eq!(local.normal, frame.normal, epsilon = 1e-13, max_relative = 1e-13);
 
-        // K = p⁴/(abc)², H = p³ (Σa² − |x|²)/(2 (abc)²), where p is the distance of the tangent plane from the centre.
-        // In a² − x² = a² (1 − x²/a²), the bracket is computed from the other two coordinates, without cancellation.
+        // The formulas are K = p⁴/(abc)² and H = p³ (Σa² − |x|²)/(2 (abc)²), where p is the distance of the tangent
+        // plane from the centre. Because a² − x² = a² (1 − x²/a²), the bracket is computed from the other two
+        // coordinates, without cancellation.
         let axes = Vector3::from(semi_axes);
         let unit = here.point.coords.component_div(&axes);
         let p = 1.0 / unit.component_div(&axes).norm();
@@ -252,7 +253,7 @@ proptest! {
         let gaussian = (p * p / product).powi(2);
         for form in [here.curvature, local.curvature(&frame.x, &frame.y)] {
             assert_relative_eq!(form.mean_curvature(), mean, max_relative = 1e-12);
-            // K is a difference of products that are as large as H².
+            // K is a difference of two products that are as large as H².
             let epsilon = 1e-12 * mean * mean;
             assert_relative_eq!(form.gaussian_curvature(), gaussian, epsilon = epsilon);
         }
@@ -260,7 +261,8 @@ proptest! {
         prop_assert!(difference.norm() <= 1e-12 * mean, "{difference}");
     }
 
-    /// The normal curvature is `2c/w³` up the slope and `2c/w` along the level line, with `w² = 1 + (2 c r)²`.
+    /// On the paraboloid `z = −c (x² + y²)` at the distance `r` from its axis, the normal curvature is `2c/w³` up the
+    /// slope and `2c/w` along the level line, with `w² = 1 + (2 c r)²`.
     #[test]
     fn graphs_far_from_their_apex(exponent in -12.0..12.0_f64, size in lengths()) {
         let r = libm::pow(10.0_f64, exponent);
@@ -278,7 +280,8 @@ proptest! {
             let found = hill.closest_point(&inside).unwrap();
             assert_abs_diff_eq!(found / size, foot / size, epsilon = 1e-13);
         }
-        // On a saddle's diagonal the chart's tangents are nearly parallel. There `K = −4a²/w⁴` with `w² = 1 + 8a²r²`.
+        // On the diagonal of a saddle, the tangents of the chart are nearly parallel. There, `K = −4a²/w⁴` with `w² = 1
+        // + 8a²r²`.
         let saddle = Graph::saddle(1.0).unwrap();
         let form = saddle.chart_geometry(Parameters::new(r, r)).unwrap().curvature;
         let truth = -(2.0 / (1.0 + 8.0 * r * r)).powi(2);

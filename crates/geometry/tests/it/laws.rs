@@ -1,4 +1,4 @@
-//! Laws that every surface obeys, called through its own type or through `Shape`.
+//! Mathematical laws that hold for every surface, checked through the surface's own type and through `Shape`.
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Matrix2, Matrix2x3, Matrix3x2, Point3, Vector2, Vector3};
@@ -23,7 +23,7 @@ fn every_surface_obeys_the_laws() {
     }
 }
 
-/// Checks the laws on the surface of the specimen.
+/// Checks the laws on the surface of a specimen.
 fn obeys_the_laws(surface: &impl Surface, specimen: &Specimen) {
     let points: Vec<_> = specimen.at.iter().map(|&at| point(surface, at)).collect();
     for &at in &specimen.at {
@@ -47,7 +47,7 @@ struct Place<'a, S> {
     specimen: &'a Specimen,
     at: Parameters,
     geometry: ChartGeometry,
-    /// Lengths that differ by less count as equal: the difference is rounding.
+    /// Largest difference between two lengths that counts as rounding.
     tiny: f64,
 }
 
@@ -81,7 +81,8 @@ impl<'a, S: Surface> Place<'a, S> {
         assert!(is_in_solid(self.geometry.point - step));
     }
 
-    /// M = Eᵀ J, K = Eᵀ N M⁻¹, T = yᵀ X M⁻¹, with J, N and X from differences of points and frames.
+    /// The laws are M = Eᵀ J, K = Eᵀ N M⁻¹ and T = yᵀ X M⁻¹. J, N and X are computed from differences of points and
+    /// frames.
     fn the_forms_are_those_of_the_chart(&self) {
         let [unit_u, unit_v] = self.specimen.unit;
         let to = |du: f64, dv: f64| {
@@ -117,7 +118,7 @@ impl<'a, S: Surface> Place<'a, S> {
         assert_eq!(metric.m21, 0.0);
         assert!(metric.m11 > 0.0 && metric.m22 > 0.0);
 
-        // K has one mixed term, so this comparison also checks that the form is symmetric.
+        // The form K has only one mixed term, so that this comparison also checks its symmetry.
         let (form, turn) = (
             in_frame * normals * inverse,
             frame.y.transpose() * tangents * inverse,
@@ -174,7 +175,7 @@ impl<'a, S: Surface> Place<'a, S> {
     fn the_contact_at_a_place_seen_from_above_is_the_place(&self) {
         let (place, up) = (self.geometry.point, self.geometry.frame.normal.z);
         let touched = self.surface.contact_at(place.x, place.y).unwrap();
-        // Where the surface faces down, `contact_at` returns the point above, which faces up.
+        // Where the surface faces down, `contact_at` returns the point above it, where the surface faces up.
         let same = (touched - self.geometry.point).norm() < self.tiny / up.abs().min(1.0);
         assert_eq!(same, up > 0.0, "{touched} is not {}", self.geometry.point);
     }

@@ -1,4 +1,4 @@
-//! Compares meridians with the charts of their surfaces, with differences and with quadrature.
+//! Compares meridians with the charts of their surfaces, with finite differences and with quadrature.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -10,13 +10,13 @@ use palpate_geometry::{Meridian, Surface};
 const PARABOLOIDS: [f64; 4] = [5.0, 0.5, 0.01, -0.3];
 const SPHEROIDS: [[f64; 2]; 4] = [[1.0, 2.0], [2.0, 0.5], [1.0, 1.0], [0.3, 30.0]];
 
-/// The meridian from the top or the origin, and its apex.
+/// The meridian from the top of the surface or from the origin, and the point where it begins.
 fn from_apex(surface: &impl Surface) -> (Meridian, Point3<f64>) {
     let apex = surface.contact_at(0.0, 0.0).unwrap();
     (surface.meridian(&apex, &Vector3::x()).unwrap(), apex)
 }
 
-/// Compares the meridian with the chart: it is the chart's line along u in the plane y = 0.
+/// Compares the meridian with the chart, in which the meridian is the line along u in the plane y = 0.
 fn follows_the_chart(surface: &impl Surface, t: f64) {
     let (meridian, apex) = from_apex(surface);
     let (found, slope) = (meridian.at(t), meridian.slope(t));
@@ -51,7 +51,7 @@ fn paraboloids_and_spheroids_follow_their_charts() {
         }
     }
     for [a, c] in SPHEROIDS {
-        // The poles of the chart, at t = π/2 and 3π/2 on the equator, are left out.
+        // The poles of the chart, which are on the equator at t = π/2 and 3π/2, are left out.
         for t in [0.0, 1e-6, 0.1, 1.0, 1.5, 2.0, 3.0, PI, 4.0, 6.0] {
             follows_the_chart(&Ellipsoid::new([a, a, c]).unwrap(), t);
         }
@@ -83,7 +83,7 @@ fn derivatives_are_those_of_the_meridian() {
     }
 }
 
-/// Simpson's rule with 2,000 intervals.
+/// The integral from 0 to `to` by Simpson's rule with 2,000 intervals.
 fn integral(f: impl Fn(f64) -> f64, to: f64) -> f64 {
     let h = to / 2000.0;
     let weight = |i: i32| match i {
@@ -101,7 +101,8 @@ fn integral(f: impl Fn(f64) -> f64, to: f64) -> f64 {
 fn the_slope_of_a_spheroid_turns_on_through_the_equator() {
     for [a, c] in SPHEROIDS.into_iter().chain([[1.0, 1e-9], [1e-9, 1.0]]) {
         let meridian = Meridian::Spheroid { a, c };
-        // The slope angle differs from the parameter by less than a quarter turn, and equals it at quarter turns.
+        // The slope angle differs from the parameter by less than a quarter turn, and is equal to it at every quarter
+        // turn.
         for step in 0..4000 {
             let t = f64::from(step) * 0.01;
             let slope = meridian.slope(t).slope_rad;

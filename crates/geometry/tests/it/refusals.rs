@@ -1,4 +1,4 @@
-//! Shapes and places that are rejected, and the names of their errors.
+//! Shapes and positions that are rejected, and the names of the errors.
 
 use std::collections::BTreeMap;
 

@@ -1,10 +1,9 @@
-//! If lengths are multiplied by 2^k, curvatures in closed form are multiplied by exactly 2^−k.
+//! If all lengths are multiplied by 2^k, curvatures in closed form are multiplied by exactly 2^−k.
 
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Sphere, Torus};
 use palpate_geometry::{CurvatureForm, Parameters, Surface};
 
-/// Compares the surface of every size with the surface of size 1. `lengths` marks the chart parameters that are
-/// lengths.
+/// Compares the surface of every size with the surface of size 1. `lengths` states which chart parameters are lengths.
 fn scales_exactly<S: Surface>(of_size: impl Fn(f64) -> S, lengths: [bool; 2]) {
     let unit = of_size(1.0);
     for k in -40..=40 {

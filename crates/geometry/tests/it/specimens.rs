@@ -1,4 +1,4 @@
-//! One or more surfaces of every family, with the data that the laws need.
+//! One or more surfaces of each kind, with the data that the laws need.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -10,23 +10,24 @@ use palpate_geometry::{Parameters, Shape, Surface};
 
 pub(crate) type Solid = Box<dyn Fn(&Point3<f64>) -> bool>;
 
-/// A surface, places on it, and its properties.
+/// A surface, points on it, and its properties.
 pub(crate) struct Specimen {
     pub(crate) name: String,
     pub(crate) shape: Shape,
-    /// Places away from the poles of the chart.
+    /// Chart parameters of points that are not close to the poles of the chart.
     pub(crate) at: Vec<Parameters>,
-    /// Natural unit of each parameter, which scales the steps: 1 for an angle, a length for a length.
+    /// Natural unit of each parameter, by which step sizes are scaled: 1 for an angle, a length for a length.
     pub(crate) unit: [f64; 2],
-    /// A length of the order of the surface.
+    /// A length of the same order of magnitude as the surface.
     pub(crate) size: f64,
-    /// Every point within this distance of the surface has one closest point on it.
+    /// Distance from the surface within which every point has exactly one closest point.
     pub(crate) reach: f64,
-    /// Whether a point is in the solid. It follows from the definition of the solid, not from the surface's code.
+    /// Whether a point is inside of the solid. This follows from the definition of the solid, not from the code of the
+    /// surface.
     pub(crate) solid: Solid,
 }
 
-/// Parameters on a grid of 9 by 9 that avoids round numbers.
+/// Parameters on a grid of 9 by 9 points that avoids round numbers.
 fn grid([u0, u1]: [f64; 2], [v0, v1]: [f64; 2]) -> Vec<Parameters> {
     let along = |from: f64, to: f64, i: i32| from + (to - from) * (f64::from(i) + 0.43) / 9.0;
     let pairs = (0..9).flat_map(|i| (0..9).map(move |j| (i, j)));
@@ -190,7 +191,7 @@ pub(crate) fn all() -> Vec<Specimen> {
     ]
 }
 
-/// Evaluates an expression on the concrete surface inside a [`Shape`].
+/// Evaluates an expression with the concrete surface in a [`Shape`].
 macro_rules! on_concrete {
     ($shape:expr, $surface:ident => $call:expr) => {
         match $shape {
@@ -208,7 +209,7 @@ macro_rules! on_concrete {
 }
 pub(crate) use on_concrete;
 
-/// The point at `at`.
+/// The point of the surface with the chart parameters `at`.
 pub(crate) fn point(surface: &impl Surface, at: Parameters) -> Point3<f64> {
     surface.chart(at).unwrap().point
 }

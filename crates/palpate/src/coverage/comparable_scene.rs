@@ -1,16 +1,16 @@
-//! Fields of a scene in the form in which scenes are compared with random ones: lengths in radii of the probe or, of
-//! glides, in distances between the outermost fingers; one name for the same thing.
+//! Converts the fields of a scene to a form in which scenes can be compared. Lengths are in units of the probe's radius
+//! (for glides, of the distance between the outermost fingers), and each quantity has only one name.
 
 use std::collections::BTreeMap;
 
 use palpate_study::config::{SceneConfig, in_unit};
 use serde_json::{Value as Json, json};
 
-/// Values of the fields of a scene by their paths. What is 0, false or absent is left out. Numbers have ten digits.
+/// Values of the fields of a scene, by path. Values that are 0, false or absent are omitted. Numbers have ten digits.
 pub(super) type Fields = BTreeMap<String, Json>;
 
-/// Beginnings of the paths that do not matter: how a truth is computed, where estimates are compared with it, and what the
-/// random scenes vary without a range.
+/// Beginnings of paths that are not compared. These fields state how true values are computed, where estimates are
+/// compared with true values, or what the random scenes vary without a range.
 const IGNORED: [&str; 7] = [
     "scene.model.tolerance",
     "scene.evaluate",
@@ -21,7 +21,7 @@ const IGNORED: [&str; 7] = [
     "scene.noise.angular_velocity.side",
 ];
 
-/// Length that is 1 in the tables of families.
+/// The length that becomes the unit of length when scenes are compared.
 pub(super) fn unit_length(scene: &SceneConfig) -> f64 {
     let json = json!(scene);
     let fingers = json["motion"]["finger_positions"].as_array();
@@ -50,7 +50,7 @@ pub(super) fn comparable_fields(scene: &SceneConfig, factor: f64) -> Fields {
     fields
 }
 
-/// Inserts the leaves of a value.
+/// Inserts every value of a JSON tree together with its path.
 fn insert(fields: &mut Fields, path: String, value: Json) {
     match value {
         Json::Object(table) => {
@@ -74,12 +74,12 @@ fn insert(fields: &mut Fields, path: String, value: Json) {
     }
 }
 
-/// The number at a key; 0 if there is none.
+/// The number at a key; 0 if the key is missing.
 fn number(table: &Json, key: &str) -> f64 {
     table[key].as_f64().unwrap_or(0.0)
 }
 
-/// Curvature of an object that is a quadric; a dish has a negative one.
+/// Curvature of a ball, a plane, a dish or another object that is a quadric; negative for a dish.
 fn curvature(object: &Json) -> Option<f64> {
     match object["kind"].as_str()? {
         "plane" => Some(0.0),
@@ -91,11 +91,13 @@ fn curvature(object: &Json) -> Option<f64> {
     }
 }
 
-/// Replaces a roll's directions by their number, and its arc length or duration by its angle, so that rolls compare.
+/// Replaces the directions of a roll by their number, and its arc length or duration by its angle, so that rolls can be
+/// compared.
 fn name_roll(roll: &mut Json) {
     let object = curvature(&roll["object"]);
     let motion = &mut roll["motion"];
-    // A contact moves by 1/(1/R₁ + 1/R₂) per radian, and the probe's radius is the unit.
+    // A contact moves by 1/(1/R₁ + 1/R₂) per radian of rotation, where R₁ and R₂ are the radii of probe and object.
+    // Here, R₁ is 1.
     let by_arc = object.map_or(0.0, |curvature| {
         (1.0 + curvature) * number(motion, "arc_length")
     });
@@ -114,7 +116,8 @@ fn name_roll(roll: &mut Json) {
     roll["model"] = Json::Null;
 }
 
-/// A glide has a number of fingers, standard deviations of its noise, and an estimator whose noise is stated or not.
+/// Replaces the fields of a glide by comparable fields: the number of fingers, the standard deviations of the noise,
+/// and an estimator with or without stated noise.
 fn name_glide(glide: &mut Json) {
     let motion = &mut glide["motion"];
     let fingers = motion["finger_positions"].as_array().map_or(0, Vec::len);
@@ -152,7 +155,8 @@ fn name_glide(glide: &mut Json) {
     }
 }
 
-/// A press has a curvature, one reading, a body, and an estimator with the settings that differ from the body's.
+/// Replaces the fields of a press by comparable fields: the object's curvature, one kind of reading, the soft body, and
+/// an estimator that lists only the settings that differ from the soft body.
 fn name_press(press: &mut Json, poisson: f64) {
     // The random scenes have round objects.
     if !["cylinder", "ellipsoid"]
@@ -196,7 +200,7 @@ fn name_press(press: &mut Json, poisson: f64) {
     }
 }
 
-/// Whether a stated number equals the true one.
+/// Whether a stated number equals the true number.
 fn agrees(stated: f64, truth: f64) -> bool {
     (stated - truth).abs() <= 1e-9 * truth
 }

@@ -1,16 +1,17 @@
-//! Time per trial, and the predicted time of a run.
+//! Measures the time per trial and predicts the time of a run.
 
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::time::Duration;
 
 use palpate_sweep::{Cell, Clock, JOB, Runner, Trial};
 
-/// Longest and shortest time in which trials of a cell are timed. A single trial always runs to its end.
+/// Longest time for which trials of one cell are timed. A single trial always runs to its end, even if it lasts longer.
 const LONGEST: Duration = Duration::from_millis(10);
+/// Shortest time for which trials of one cell are timed.
 const SHORTEST: Duration = Duration::from_millis(1);
-/// Above this time the delay of waking threads is negligible, so the measurement is not repeated.
+/// A measured time above this value is not measured again, because the delay of waking the threads is negligible.
 const SLOW: Duration = Duration::from_millis(100);
-/// Largest number of trials of a cell that are timed together.
+/// Largest number of trials of a cell that are timed in one measurement.
 const MAX_TIMED: u64 = 1 << 20;
 
 /// Time per trial of each cell, s, on one thread while the other threads are busy too.
@@ -20,8 +21,8 @@ pub(crate) struct Pace {
 }
 
 impl Pace {
-    /// Times a few trials of some cells, at least one cell, for about `limit`. The cells are spread evenly over all
-    /// cells. Cells that are not timed get the largest measured time.
+    /// Measures the time of a few trials of at least one cell; all measurements together take about `limit`. The timed
+    /// cells are spread evenly over all cells. For the other cells, the largest measured time is used.
     pub(crate) fn of<T: Trial>(
         runner: &Runner,
         cells: &[T],
@@ -49,8 +50,8 @@ impl Pace {
         self.seconds[cell]
     }
 
-    /// Upper bound on the time (s) of a run with these trials of each cell on `threads` (Graham's bound on list
-    /// scheduling, 1966): no thread is idle until the last job is handed out.
+    /// Upper bound on the time (s) of a run on `threads` threads, with these numbers of trials of each cell. It is
+    /// Graham's bound (1966) for list scheduling, in which no thread is idle until the last job has started.
     pub(crate) fn run_seconds(&self, trials: &[u64], threads: NonZeroUsize) -> f64 {
         let (mut sum, mut longest) = (0.0, 0.0_f64);
         for (&trials, &seconds) in trials.iter().zip(&self.seconds) {
@@ -61,8 +62,8 @@ impl Pace {
         sum / threads + longest * (1.0 - 1.0 / threads)
     }
 
-    /// Largest number of trials of each random cell, up to `most`, for which a run lasts at most `seconds`. Cells that
-    /// are not random run once. `None` if even one trial lasts longer.
+    /// Largest number of trials of each random cell, up to `most`, for which a run takes at most `seconds`. Cells that
+    /// are not random run one trial. `None` if even one trial of each cell takes longer.
     pub(super) fn most_trials(
         &self,
         is_random: &[bool],
@@ -96,8 +97,8 @@ impl Pace {
     }
 }
 
-/// Numbers below `count` in the order of their reversed bits, so that the first few of them are spread over the whole
-/// range.
+/// The numbers below `count`, sorted by their reversed bits. With this order, the first few numbers are spread over the
+/// whole range.
 pub(crate) fn spread(count: usize) -> impl Iterator<Item = usize> {
     let bits = count.next_power_of_two().trailing_zeros();
     (0..count.next_power_of_two())
@@ -108,11 +109,11 @@ pub(crate) fn spread(count: usize) -> impl Iterator<Item = usize> {
         .filter(move |&number| number < count)
 }
 
-/// Seconds per trial of a cell, run by the runner on all threads at once.
+/// Seconds per trial of a cell, measured while the runner runs trials of this cell on all threads at once.
 ///
-/// The number of trials doubles until they last `long_enough` or their number is [`MAX_TIMED`], even if the cell has
-/// fewer trials: for few trials, waking the threads would dominate the time. The last number is run twice and the
-/// shorter time counts, unless it is longer than [`SLOW`].
+/// The number of trials is doubled until they take at least `long_enough` or their number is [`MAX_TIMED`], even if the
+/// cell has fewer trials. With few trials, the time of waking the threads would dominate. The last measurement is
+/// repeated and the shorter time is used, unless the time is longer than [`SLOW`].
 fn seconds_per_trial(
     runner: &Runner,
     trial: &dyn Trial,
@@ -158,7 +159,7 @@ mod tests {
             seconds: vec![1.0, 10.0],
         };
         assert_eq!(pace.run_seconds(&[3, 2], ONE), 23.0);
-        // On two threads, the bound is 23/2 + 10/2 and the actual time 13.
+        // For two threads, the bound is 23/2 + 10/2 = 16.5; the actual time of the run is 13.
         let two = NonZeroUsize::new(2).unwrap_or(ONE);
         assert_eq!(pace.run_seconds(&[3, 2], two), 16.5);
     }

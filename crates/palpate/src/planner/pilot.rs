@@ -1,24 +1,27 @@
-//! Number of trials for a given precision of the error figures, predicted from a pilot of some trials.
+//! Predicts the number of trials that estimates errors with a required precision. The prediction uses a pilot, which is
+//! a small run before the actual run.
 //!
 //! The root mean square of N errors has the relative standard error √(v / N) / 2, where v is the relative variance of a
 //! trial's squared error. If a trial has one error, v = m₄/m₂² − 1 from the second and fourth moments m₂ and m₄, which
-//! is 2 for Gaussian errors. The errors of one trial (at all places of a patch) are dependent, and count as one.
+//! is 2 for Gaussian errors. The errors within one trial (at all places of a patch) are dependent, so they count as one
+//! error.
 //!
 //! The result of a pilot depends only on its trials.
 
 use palpate_sweep::{Batches, CellStatistics, Growth, Runner, Trial};
 
-/// Safety margin that is added to v, in standard errors of v.
+/// Safety margin that is added to the relative variance v of a squared error, in standard errors of v.
 const MARGIN: f64 = 2.0;
-/// Relative standard error of v above which v is uncertain, because a few trials determine it.
+/// Relative standard error of v above which the estimate of v is rough, because a few trials determine it.
 const MAX_RELATIVE_ERROR: f64 = 0.5;
-/// Trials of the final pilot, as a share of the trials needed.
+/// Number of trials of the last pilot, relative to the number of trials that are needed.
 const PILOT_SHARE: f64 = 1.0 / 16.0;
-/// Range of the number of trials of a first pilot.
+/// Smallest number of trials per cell in a first pilot.
 const MIN_FIRST: u64 = 64;
+/// Largest number of trials per cell in a first pilot.
 const MAX_FIRST: u64 = 1024;
 
-/// Results of a pilot, cell by cell.
+/// Results of a pilot for each cell.
 #[derive(Debug)]
 pub(super) struct Pilot {
     pub(super) cells: Vec<CellPilot>,
@@ -27,42 +30,43 @@ pub(super) struct Pilot {
 /// Results of a pilot for one cell.
 #[derive(Debug)]
 pub(super) struct CellPilot {
-    /// Share of the trials that succeeded.
+    /// Share of the trials of the cell that succeeded.
     pub(super) success: f64,
-    /// Trials run.
+    /// Number of trials that were run.
     pub(super) trials: u64,
     /// Kind of the first failure, if a trial failed.
     pub(super) kind: Option<&'static str>,
-    /// Error figures of each quantity; `None` if it was not observed.
+    /// Errors of each quantity of the cell; `None` if the quantity was not observed.
     pub(super) figures: Vec<Option<Figure>>,
 }
 
-/// The error figures of a quantity.
+/// Estimated error of a quantity, and the scatter that determines the precision of this estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Figure {
     /// Root mean square of the errors, in the quantity's unit.
     pub(super) rms_error: f64,
-    /// The relative variance v of a trial's squared error, increased by [`MARGIN`] of its own standard errors.
+    /// The relative variance v of a trial's squared error, plus [`MARGIN`] standard errors of v.
     variance: f64,
-    /// Whether a few trials determine v, as with heavy-tailed errors.
+    /// Whether a few trials determine v. This is the case for errors with heavy tails.
     pub(super) is_rough: bool,
 }
 
-/// The error figure that needs the most trials, and their number.
+/// The rms error that needs the most trials, and the number of these trials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Need {
-    /// Index of the cell among those of the pilot.
+    /// Index of the cell among the cells of the pilot.
     pub(super) cell: usize,
     pub(super) quantity: usize,
-    /// Number of trials needed, including those that will fail.
+    /// Number of trials that are needed, including trials that will fail.
     pub(super) trials: f64,
     pub(super) is_rough: bool,
 }
 
 impl Pilot {
-    /// Runs a pilot for error figures with a relative standard error of `target`. Each cell starts with twice the
-    /// trials that Gaussian errors need, from 64 to 1,024. A cell that needs many trials gets more, up to a sixteenth
-    /// of its need and at most `most`. A cell whose need exceeds `hopeless` gets no more.
+    /// Runs a pilot to estimate rms errors with a relative standard error of `target`. Each cell starts with twice the
+    /// number of trials that Gaussian errors would need, limited to between 64 and 1,024. A cell that needs many trials
+    /// then runs more, up to a sixteenth of the number that it needs and at most `most`. A cell that needs more than
+    /// `hopeless` trials runs no more trials.
     pub(super) fn for_error(
         runner: &Runner,
         cells: &[&dyn Trial],
@@ -100,8 +104,8 @@ impl Pilot {
         }
     }
 
-    /// The error figure that needs the most trials until all figures have a relative standard error of at most
-    /// `target`; `None` if no estimate has an error.
+    /// The rms error that needs the most trials, if every rms error must have a relative standard error of at most
+    /// `target`. `None` if all estimates are exact.
     pub(super) fn need(&self, target: f64) -> Option<Need> {
         let needs = self.cells.iter().enumerate().filter_map(|(cell, pilot)| {
             let (quantity, trials) = pilot.need(target)?;
@@ -116,10 +120,10 @@ impl Pilot {
         needs.reduce(|most, one| if one.trials > most.trials { one } else { most })
     }
 
-    /// Largest expected relative standard error of an error figure after `trials` trials; `None` if no estimate has an
-    /// error.
+    /// Largest expected relative standard error of an rms error after `trials` trials; `None` if all estimates are
+    /// exact.
     pub(super) fn expected_error(&self, trials: u64) -> Option<f64> {
-        // The number of trials needed is proportional to 1/target².
+        // The number of trials needed is proportional to 1/target², so it is computed for the target 1.
         self.need(1.0)
             .map(|need| (need.trials / trials as f64).sqrt())
     }
@@ -143,7 +147,7 @@ impl CellPilot {
         }
     }
 
-    /// Quantity that needs the most trials, and their number.
+    /// Index of the quantity that needs the most trials, and the number of these trials.
     fn need(&self, target: f64) -> Option<(usize, f64)> {
         let needs = self
             .figures
@@ -158,7 +162,7 @@ impl CellPilot {
     }
 }
 
-/// Error figures of a quantity; `None` if it was not observed.
+/// Estimated error of a quantity; `None` if the quantity was not observed.
 fn figure(batches: &Batches, all: &CellStatistics, quantity: usize) -> Option<Figure> {
     let rms_error = all.quantities[quantity].rms_error?;
     let estimate = batches.estimate(|all| Some(relative_variance(all, quantity)))?;

@@ -1,27 +1,28 @@
-//! Choice of a model's tolerance from the shift of the estimates that it causes.
+//! Chooses the tolerance of a model. The model's error must shift the estimates by no more than an allowed amount.
 
-/// Differences below this share of a value are rounding errors.
+/// Relative differences below this value count as rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// Results of a noiseless pass of a cell with an ideal sensor.
+/// Results of a cell without noise and with an ideal sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pass {
-    /// Quantities that the pass observes.
+    /// Quantities that are observed.
     pub(crate) quantities: Vec<PassQuantity>,
     /// Observations, in a fixed order.
     pub(crate) values: Vec<PassValue>,
 }
 
-/// Quantity of a noiseless pass.
+/// A quantity that a computation without noise observes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PassQuantity {
-    /// Magnitude with which a shift is compared if the rms error was not estimated, in the quantity's unit.
+    /// Magnitude with which a shift is compared if no rms error was estimated, in the quantity's unit.
     pub(crate) scale: f64,
-    /// Index of the same quantity in the cell's experiment, if the experiment observes it.
+    /// Index of the same quantity among the quantities of the cell's experiment; `None` if the experiment does not
+    /// observe it.
     pub(crate) in_cell: Option<usize>,
 }
 
-/// Observation of a noiseless pass.
+/// An observation in a computation without noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PassValue {
     /// Index of the quantity in [`Pass::quantities`].
@@ -32,18 +33,19 @@ pub(crate) struct PassValue {
     pub(crate) truth: f64,
 }
 
-/// Largest shift of a cell's estimates that the model may cause.
+/// Largest shift of a cell's estimates that the model's error may cause.
 pub(super) struct Allowance {
-    /// Allowed shift as a share of a quantity's rms error, or of its scale if there is no rms error.
+    /// Allowed shift, relative to the rms error of a quantity; if no rms error was estimated, relative to the
+    /// quantity's scale.
     pub(super) share: f64,
-    /// Rms error of each quantity of the cell's experiment, if estimated. The list may be shorter than the list of
-    /// quantities.
+    /// Rms error of each quantity of the cell's experiment, if it was estimated. The list may be shorter than the list
+    /// of quantities.
     pub(super) rms_errors: Vec<Option<f64>>,
 }
 
-/// Largest of the `tolerances` (sorted, largest first) at which the model shifts no estimate by more than its
-/// allowance. Shifts are relative to the pass at the smallest tolerance. Cells without a pass do not count; `None` if
-/// no cell has one.
+/// The largest of the `tolerances` (sorted, largest first) at which the model shifts no estimate by more than allowed.
+/// Shifts are relative to the result at the smallest tolerance. Cells that cannot be computed without noise are
+/// ignored; `None` if no cell can.
 pub(super) fn tolerance_for(
     allowances: &[Allowance],
     tolerances: &[f64],
@@ -67,7 +69,7 @@ pub(super) fn tolerance_for(
 }
 
 impl Allowance {
-    /// Whether no estimate and no truth of a pass differs from the reference by more than is allowed.
+    /// Whether all estimates and true values of `pass` differ from `reference` by at most the allowed shift.
     fn is_met(&self, pass: &Pass, reference: &Pass) -> bool {
         let allowed = |quantity: usize| {
             let PassQuantity { scale, in_cell } = reference.quantities[quantity];
@@ -88,7 +90,7 @@ impl Allowance {
 mod tests {
     use super::*;
 
-    /// Pass of a model whose error is its tolerance; there is no pass below 1e-5.
+    /// Results of a test model whose error equals its tolerance. For tolerances below 1e-5, the computation fails.
     fn pass(_: usize, tolerance: f64) -> Option<Pass> {
         let estimate = 2.0 + tolerance;
         let scale = 2.0;
@@ -107,11 +109,11 @@ mod tests {
     fn the_largest_tolerance_with_an_allowed_shift_is_chosen() {
         let tolerances = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
         for (share, rms_error, expected) in [
-            // Relative to the scale of 2.
+            // In these rows, the allowed shift is relative to the scale, which is 2.
             (0.1, None, 1e-1),
             (0.01, None, 1e-2),
             (0.01, Some(0.0), 1e-2),
-            // Relative to the rms error.
+            // In these rows, the allowed shift is relative to the rms error.
             (0.01, Some(0.2), 1e-3),
             (1e-9, Some(0.2), 1e-5),
         ] {

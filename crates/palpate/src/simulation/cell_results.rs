@@ -1,4 +1,4 @@
-//! Results of cells, their table rows and their warnings.
+//! Results of cells: statistics, table rows and warnings.
 
 use std::sync::Arc;
 
@@ -11,12 +11,13 @@ use crate::run_files::Row;
 /// Results of a cell after its last trial.
 #[derive(Clone, Debug)]
 pub struct CellResults {
-    /// Number of the cell.
+    /// Number of the cell in the study.
     pub cell: usize,
     pub(super) truth: Arc<CellTruth>,
     pub(super) warnings: Vec<Warning>,
     pub(super) map: Option<Table>,
-    /// Statistics. The mean of an inverse, such as a radius, is left out if the sign is uncertain.
+    /// Statistics of the cell. The mean of an inverse, such as a radius, is omitted if the sign of the curvature is
+    /// uncertain.
     pub(super) statistics: CellStatistics,
 }
 
@@ -31,9 +32,9 @@ pub struct CellRows {
     pub map: String,
     /// Number of trials.
     pub trials: u64,
-    /// Numbers of failed trials by kind.
+    /// Each kind of failure with its number of trials.
     pub kinds: Vec<Failure>,
-    /// Warnings of the cell that were not reported before the run.
+    /// Warnings of the cell that the check before the run did not report.
     pub warnings: Vec<Warning>,
 }
 

@@ -1,4 +1,4 @@
-//! Cells that are set up: scene, true values, map and stop rule.
+//! Set-up of cells: scene, true values, map and stop rule.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use palpate_study::config::{Cell, StopStatistic, Study};
 use palpate_study::{Quantity, Table, Warning};
 use palpate_sweep::{Record, StoppingRule, StoppingStatistic, Trial};
 
-/// Cell that is set up for its trials.
+/// A cell whose scene is set up for its trials.
 #[derive(Debug)]
 pub(super) struct CellSetup {
     pub(super) cell: usize,
@@ -19,7 +19,8 @@ pub(super) struct CellSetup {
 }
 
 impl CellSetup {
-    /// StoppingRule rule of the study for this cell; `None` if there is no rule, or if the cell does not have its quantity.
+    /// Stopping rule of the study for this cell; `None` if the study has no rule, or if the cell does not have the
+    /// rule's quantity.
     pub(super) fn stop(&self, study: &Study) -> Option<StoppingRule> {
         let rule = study.config.stop.as_ref()?;
         let quantity = match &rule.quantity {
@@ -61,20 +62,21 @@ impl Trial for CellSetup {
     }
 }
 
-/// True values of a cell and bounds on its estimates. They are the same for all trials.
+/// True values of a cell, and lower bounds on the standard deviations of its estimates. Both are the same for all
+/// trials.
 #[derive(Clone, Debug)]
 pub(crate) struct CellTruth {
     /// Swept values of the cell, one per column.
     pub(crate) coordinates: Vec<String>,
     pub(crate) quantities: &'static [Quantity],
-    /// True value of each quantity; `None` if it differs from place to place.
+    /// True value of each quantity; `None` if the true value differs from point to point of a patch.
     pub(crate) truths: Vec<Option<f64>>,
-    /// Lower bound on the standard deviation of an estimate of each quantity, if there is one.
+    /// Lower bound on the standard deviation of an unbiased estimate of each quantity, if such a bound is available.
     pub(crate) std_bounds: Vec<Option<f64>>,
 }
 
 impl CellTruth {
-    /// A cell that is not set up: no true values, and no bounds.
+    /// Placeholder for a cell that is not set up: it has the swept values, but no true values and no bounds.
     pub(crate) fn unknown(cell: &Cell, quantities: &'static [Quantity]) -> Self {
         let none = vec![None; quantities.len()];
         Self {

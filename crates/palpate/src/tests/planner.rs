@@ -1,4 +1,4 @@
-//! Plans for a target error or a budget, with a clock that counts trials.
+//! Plans for a target error or a budget of time, with a clock that counts trials.
 
 use std::convert::Infallible;
 use std::num::NonZeroUsize;
@@ -12,11 +12,11 @@ use crate::planner::{
     FailingCell, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable, plan,
 };
 
-/// Number of trials in all cells. Each trial counts as a microsecond.
+/// Number of trials in all cells, which is also the time in microseconds.
 type Run = AtomicU64;
 
-/// Cells that estimate 1 with normal errors of 0.1 plus the model's error. `successes` is the number of successful
-/// trials of ten, per cell.
+/// Cells that estimate the value 1. Their errors are normal with the standard deviation 0.1, plus the error of the
+/// model. `successes` states for each cell how many of ten trials succeed.
 #[derive(Clone, Debug)]
 struct Cells<'a> {
     run: &'a Run,
@@ -84,7 +84,7 @@ impl<'a> Plannable for Cells<'a> {
     }
 }
 
-/// Model error and plan of cells with these numbers of successful trials of ten.
+/// Model error and plan of cells in which these numbers of ten trials succeed.
 fn planned(successes: &[u64], goal: Goal) -> Result<(f64, Plan), PlanError<Infallible>> {
     let run = Run::default();
     let cells = Cells {
@@ -119,12 +119,14 @@ const fn budget(seconds: u64) -> Goal {
 
 #[test]
 fn a_target_decides_trials_and_tolerance() {
-    // Normal errors need 1/(2 · 0.02²) = 1250 trials, twice as many if half of them fail, plus the margin.
+    // With normal errors, 1/(2 · 0.02²) = 1250 trials are needed, and twice as many if half of them fail. A margin is
+    // added.
     for (successes, least) in [(10, 1250), (5, 2500)] {
         let (model_error, plan) = planned(&[successes], target(0.02)).unwrap();
         let trials = plan.trials().unwrap().get();
         assert!((least..least * 3 / 2).contains(&trials), "{trials}");
-        // The allowed shift is 0.1 · 0.02 of the rms error of 0.1, which is 2e-4.
+        // The model may shift the mean by a tenth of the target error: 0.1 · 0.02 times the rms error of 0.1, which is
+        // 2e-4.
         assert_eq!((model_error, plan.by_budget), (1e-4, None));
         assert!(plan.expected_error.unwrap() <= 0.02);
     }
@@ -134,8 +136,8 @@ fn a_target_decides_trials_and_tolerance() {
 fn a_budget_leaves_time_for_planning() {
     let (model_error, plan) = planned(&[10, 10], budget(10)).unwrap();
     let trials = plan.trials().unwrap().get();
-    // Planning leaves most of the ten seconds. Nine tenths of the rest are divided between two cells, at a microsecond
-    // per trial.
+    // Planning uses only a small part of the ten seconds. Nine tenths of the remaining time are divided between two
+    // cells; each trial takes a microsecond.
     assert!((3_500_000..4_500_000).contains(&trials), "{trials}");
     assert_eq!((model_error, plan.by_target), (0.0, None));
     let both = Goal {

@@ -1,11 +1,12 @@
-//! `palpate run --budget` and `--target-error`: the number of trials that they choose, and reruns without them.
+//! `palpate run --budget` and `--target-error`: the number of trials that these options choose, and later runs without
+//! the options.
 
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use super::desk::{Desk, RUN_FILES, SCENE, STUDY, assert_untouched, edited};
 
-/// Saddles and noise: no closed form.
+/// A study of noisy rolls on saddles, which have no closed form.
 fn saddles() -> String {
     let study = edited(
         STUDY,
@@ -47,7 +48,7 @@ noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_di
 estimator = { kind = "bonded-layer", thickness = 15.0, indentation = "known", indentation_std = 0.02 }
 "#;
 
-/// The number that a config line `key = number` has.
+/// The number in a config line `key = number`.
 #[track_caller]
 fn setting(toml: &str, key: &str) -> f64 {
     let line = toml
@@ -72,8 +73,8 @@ fn budget_and_target_are_refused_if_trials_are_swept() {
     }
 }
 
-/// Errors of sums of eight uniform draws are nearly Gaussian: their root mean square has the relative standard error
-/// 1/√(2 N). A target of 0.01 needs 5,000 trials, and the margin adds less than half of this.
+/// Sums of eight uniform random numbers are nearly Gaussian, so the root mean square of N errors has the relative
+/// standard error 1/√(2 N). A target of 0.01 needs 5,000 trials, and the margin adds less than half of this number.
 #[test]
 fn target_error_sets_the_number_of_trials() {
     let desk = Desk::with(STUDY);
@@ -84,14 +85,14 @@ fn target_error_sets_the_number_of_trials() {
     assert!((3500.0..7500.0).contains(&trials), "{trials}");
     assert!(
         printed.starts_with(&format!(
-            "trials  {trials} per random cell: the target error;"
+            "trials  {trials} per cell with random numbers: the target error;"
         )),
         "{printed}"
     );
     assert_eq!(desk.table("o/cells.csv").number(0, "trials"), trials);
 }
 
-/// Among seeds, the root-mean-square errors scatter by no more than the target.
+/// For different seeds, the root-mean-square errors scatter by at most the target.
 #[test]
 fn rms_errors_scatter_by_at_most_the_target() {
     const SEEDS: usize = 30;
@@ -108,8 +109,8 @@ fn rms_errors_scatter_by_at_most_the_target() {
         .collect();
     let mean = rms.iter().sum::<f64>() / SEEDS as f64;
     let variance = rms.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / (SEEDS - 1) as f64;
-    // A standard deviation of 30 numbers has a standard error of 13 %: the upper limit allows for three of these.
-    // The lower limit detects a run of far too many trials.
+    // A standard deviation of 30 numbers has a standard error of 13 %. The upper limit allows for three standard
+    // errors; the lower limit detects a run with far too many trials.
     let relative = variance.sqrt() / mean;
     assert!((0.04..0.14).contains(&relative), "{relative}");
 }
@@ -147,7 +148,7 @@ fn a_budget_sets_trials_and_its_rerun_has_the_same_bytes() {
         let desk = Desk::with(config);
         let printed = desk.palpate("run c.toml --out one --budget 1s").printed();
         assert!(
-            printed.contains(" per random cell: the budget; "),
+            printed.contains(" per cell with random numbers: the budget; "),
             "{printed}"
         );
         desk.palpate("run one/run.toml --out again").printed();
@@ -164,9 +165,9 @@ fn a_budget_sets_trials_and_its_rerun_has_the_same_bytes() {
 fn the_smaller_number_of_trials_applies() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out o --budget 1h --target-error 0.1")
-        .prints("the target error rules, the budget has time for ");
+        .prints("the target error decides; the budget has time for ");
     desk.palpate("run c.toml --out o --budget 3s --target-error 0.00001")
-        .prints("the budget rules");
+        .prints("the budget decides");
 }
 
 #[test]
@@ -214,7 +215,7 @@ fn run_toml_keeps_auto_if_skipped_cells_need_another_rung() {
 
 #[test]
 fn a_target_is_refused_if_all_trials_of_the_pilot_fail() {
-    // Pads a thousand times too coarse for any roll.
+    // The pads are a thousand times too coarse for any roll.
     let coarse =
         |pitch: &str| format!("{STUDY}\n[scene.sensor]\nkind = \"pads\"\npitch = {pitch}\n");
     let desk = Desk::with(&coarse("9.9"));
@@ -225,7 +226,8 @@ fn a_target_is_refused_if_all_trials_of_the_pilot_fail() {
     assert_untouched(&desk.path(""));
 }
 
-/// With the same draws, the model chosen for a target shifts no mean by more than a tenth of the target.
+/// With the same random numbers, the model that is chosen for a target shifts no mean by more than a tenth of the
+/// target.
 #[test]
 fn model_error_is_at_most_a_tenth_of_the_target() {
     const TARGET: f64 = 0.05;
@@ -260,7 +262,7 @@ fn a_noiseless_study_runs_one_trial() {
             .palpate(&format!("run c.toml --out o {argument}"))
             .printed();
         assert!(
-            printed.starts_with("trials  1: no cell is random\n"),
+            printed.starts_with("trials  1, because no cell has random numbers\n"),
             "{printed}"
         );
         assert!(
@@ -273,7 +275,7 @@ fn a_noiseless_study_runs_one_trial() {
 
 #[test]
 fn heavy_tails_cause_a_warning() {
-    // Errors as large as the motion: the estimates are quotients, and their denominators may be nearly zero.
+    // The errors are as large as the motion. The estimates are quotients whose denominators may be nearly zero.
     let desk = Desk::with(&edited(
         STUDY,
         "kind = \"uniform\", fraction = 0.01",
@@ -288,7 +290,7 @@ fn heavy_tails_cause_a_warning() {
     assert!(ended.stderr.contains("have heavy tails"), "{ended:?}");
 }
 
-/// A run that does not end before it is killed.
+/// Starts a run that ends only when it is killed.
 fn start_endless_run(desk: &Desk, out: &str) -> Child {
     let path = |name: &str| desk.path(name);
     let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
@@ -318,7 +320,7 @@ fn kill_when_file_exists(desk: &Desk, mut run: Child, file: &str) {
 #[test]
 fn an_interrupted_run_writes_its_config_but_no_tables() {
     let desk = Desk::with(STUDY);
-    // Written after the config.
+    // The journal is written after the config, so the config exists when the run is killed.
     kill_when_file_exists(&desk, start_endless_run(&desk, "o"), "o/journal.palpate");
     // The lock file still exists, but no process holds the lock.
     let names = [".palpate-lock", "journal.palpate", "run.toml"];
@@ -339,7 +341,7 @@ fn an_interrupted_run_does_not_touch_older_results() {
         before
     );
     assert_eq!(setting(&desk.read("o/next-run.toml"), "trials"), 1e12);
-    // The next run that ends replaces it.
+    // The next run that ends overwrites the files of the killed run.
     desk.palpate("run c.toml --out o --trials 30 --restart")
         .printed();
     assert_eq!(desk.names("o"), RUN_FILES);

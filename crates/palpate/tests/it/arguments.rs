@@ -1,4 +1,5 @@
-//! Arguments that are refused before any work: status 2, a message that names them, and no file written.
+//! Arguments that are rejected before any work: the status is 2, the message names the argument, and no file is
+//! written.
 
 use serde_json::Value;
 
@@ -33,13 +34,13 @@ run c.toml --shard=1 | written 1/4
 run c.toml --shard=a/b | written 1/4
 run c.toml --shard=-1/2 | written 1/4
 run c.toml --shard=1/99999999 | at most 1000000
-run c.toml --shard 1/2 --budget 10s | --budget hangs on the machine
+run c.toml --shard 1/2 --budget 10s | --budget depends on the machine
 submit slurm c.toml --dry-run --shards 0 | must be a whole number from 1 to 1000000
 submit slurm c.toml --dry-run --shards 2000000 | must be a whole number from 1 to 1000000
-submit slurm c.toml --dry-run --shards 4 --time foo | is no time that Slurm knows
+submit slurm c.toml --dry-run --shards 4 --time foo | is not a time in Slurm's format
 submit slurm c.toml --dry-run --shards 4 --time 0 | must be at least a minute
-submit slurm c.toml --dry-run --shards 4 --time 1:2:3:4 | is no time that Slurm knows
-submit slurm c.toml --dry-run --shards 4 --mem 2X | is no size that Slurm knows
+submit slurm c.toml --dry-run --shards 4 --time 1:2:3:4 | is not a time in Slurm's format
+submit slurm c.toml --dry-run --shards 4 --mem 2X | is not a size in Slurm's format
 submit slurm c.toml --dry-run --shards 4 --partition a;b | may have letters
 ";
 
@@ -77,7 +78,7 @@ const GLIDES: &str = "
 --method two-pass --position-std 1 | --method penalised or quadric
 --method spline | spline
 --inter-finger-distance 2 | --method two-pass or --position-fraction-of-ifd
---position-std 0.1 --position-fraction-of-ifd 0.01 | cannot stand beside --position-std
+--position-std 0.1 --position-fraction-of-ifd 0.01 | cannot be combined with --position-std
 --map . | --map
 --reports centre | give --tip-radius too
 --tip-radius -1 | --tip-radius
@@ -95,7 +96,7 @@ const PRESSES: &str = "
 --sensor-radius 20 --indentation-std 0.02 | a given --indentation
 --sensor-radius 20 --indentation 20 | less than --sensor-radius, 20
 --sensor-radius 20 --thickness 5 | only to --method bonded-layer
---sensor-radius 20 --method bonded-layer | --thickness is needed by --method bonded-layer
+--sensor-radius 20 --method bonded-layer | --thickness is missing, but --method bonded-layer requires it
 --sensor-radius 20 --method bonded-layer --thickness 1 --depth 2 | --depth is 2; it must be at most --thickness, 1
 --sensor-radius 20 --method bonded-layer --thickness 21 | at most --sensor-radius, 20
 --sensor-radius 20 --method bonded-layer --thickness 5 --indentation 6 | less than --thickness, 5
@@ -103,7 +104,7 @@ const PRESSES: &str = "
 --sensor-radius 20 --c 1 | only to --method gaussian
 --sensor-radius 20 --window 5 | only to --method gaussian
 --sensor-radius 20 --method gaussian --c 1 --gain-std 0.1 | --method half-space or bonded-layer
---sensor-radius 20 --method gaussian | --c is needed by --method gaussian, or --indentation
+--sensor-radius 20 --method gaussian | --c is missing, but --method gaussian requires it, or --indentation
 --like camera.toml | requires frames
 ";
 
@@ -130,7 +131,7 @@ const TRACKS: &str = "
 --calibration k.toml --sensor-radius 2 --depth 1 --grid 0 | --grid
 --calibration k.toml --sensor-radius 2 --depth 1 --method bonded-layer | --thickness
 --like camera.toml --method bonded-layer | --like needs --calibration FILE
---method image | --like is needed by --method image
+--method image | --like is missing, but --method image requires it
 --like direct.toml --method image | scene.sensor: must have a camera
 --like plain.toml --method image | `discs` is missing
 --like camera.toml --sensor-radius 20 | --sensor-radius is of no use
@@ -180,7 +181,7 @@ fn arguments_are_refused_by_name() {
     ] {
         desk.refuses(command, table);
     }
-    // Readings with only the required columns.
+    // Readings that contain only the required columns.
     let columns = |csv: &str, count: usize| -> String {
         let row = |line: &str| line.split(',').take(count).collect::<Vec<_>>().join(",") + "\n";
         csv.lines().map(row).collect()
@@ -193,7 +194,7 @@ fn arguments_are_refused_by_name() {
         .fails(2, "readings with");
 }
 
-/// Flags of a command that expect a number, read from its `--help`.
+/// Flags of a command that expect a number, found in the output of its `--help`.
 fn numeric_flags(command: &str) -> Vec<String> {
     const NUMBERS: &str = "R P S F N T D D,D,... Z E X I LENGTH X,Y,Z";
     let help = Desk::new().palpate(&format!("{command} --help")).printed();
@@ -208,7 +209,7 @@ fn numeric_flags(command: &str) -> Vec<String> {
     help.lines().filter_map(flag).collect()
 }
 
-/// Other options that a flag needs to have an effect.
+/// Other options without which a flag has no effect.
 fn needed(flag: &str) -> &'static str {
     match flag {
         "indentation-std" => "--indentation 1.5",
@@ -228,7 +229,7 @@ fn needed(flag: &str) -> &'static str {
     }
 }
 
-/// Whether a JSON value contains a standard deviation of 0.
+/// Whether a JSON value contains a standard error of 0.
 fn claims_exactness(json: &Value) -> bool {
     match json {
         Value::Object(table) => {
@@ -243,7 +244,7 @@ fn claims_exactness(json: &Value) -> bool {
 /// A load curve with noise.
 const LOAD: &str = "indentation_mm,force_N\n1,1.1\n2,2.7\n3,5.2\n4,8.1\n";
 
-/// No flag accepts a non-finite number. With the value 1e300, no flag leads to a standard error of 0.
+/// No flag accepts a non-finite number. With the value 1e300, no flag gives a standard error of 0.
 #[test]
 fn every_number_has_bounds() {
     let mut flags = 0;
@@ -269,7 +270,7 @@ fn every_number_has_bounds() {
                     || said.contains("unexpected argument '-1' found");
                 assert!(is_named, "{command} --{flag} {value}: {said}");
             }
-            // A flag may be given only once, so this removes it from the known options.
+            // A flag may be given only once, so it is removed from the usual options.
             let known = match known.split_once(&format!("--{flag} ")) {
                 Some((before, after)) => {
                     format!("{before}{}", after.split_once(' ').unwrap_or_default().1)

@@ -1,10 +1,10 @@
-//! `palpate sensor track --method image`: the press is fitted to two camera frames.
+//! `palpate sensor track --method image`: a press is fitted to two camera frames.
 
 use serde_json::Value;
 
 use super::desk::{Desk, edited};
 
-/// A press on a ball, with a camera in the sensor's centre.
+/// A press on a ball, with a camera in the centre of the sensor.
 pub(crate) const PRESS: &str = r#"name = "pressed"
 length_unit = "mm"
 seed = 3
@@ -42,7 +42,7 @@ fn interval_contains(estimate: &Value, truth: f64) -> bool {
     number(&interval[0]) < truth && truth < number(&interval[1])
 }
 
-/// Keys of a JSON object, in order.
+/// Keys of a JSON object, in their order.
 fn keys(estimate: &Value) -> Vec<String> {
     estimate.as_object().unwrap().keys().cloned().collect()
 }
@@ -65,7 +65,7 @@ fn image_fit_estimates_the_traced_press() {
         "{estimate}"
     );
     assert_eq!(estimate["warnings"], Value::Array(vec![]));
-    // The contact lies 6 degrees from the apex, in the direction of 40.
+    // The contact is 6 degrees from the apex, in the direction of 40 degrees.
     let distance = 20.0 * 6.0_f64.to_radians();
     let (sine, cosine) = libm::sincos(40.0_f64.to_radians());
     for (axis, direction) in [cosine, sine].into_iter().enumerate() {
@@ -76,7 +76,7 @@ fn image_fit_estimates_the_traced_press() {
         );
     }
 
-    // The trial that produced these frames has the same estimate.
+    // The trial that produced these frames gives the same estimate.
     desk.palpate("run c.toml --trials-out trials.csv --out r")
         .printed();
     let trials = desk.table("trials.csv");
@@ -88,7 +88,7 @@ fn image_fit_estimates_the_traced_press() {
     assert!(off.abs() < 0.1 * std, "{off} {std}");
     assert!((number(&estimate["object_curvature"]["std"]) / std - 1.0).abs() < 0.02);
 
-    // The other methods write the same files, columns and keys.
+    // The other methods write the same files with the same columns and keys.
     let of_image = (
         desk.names("o"),
         desk.table("o/readings.csv"),
@@ -112,7 +112,7 @@ fn image_fit_estimates_the_traced_press() {
     assert_eq!(of_image.1.header, desk.table("o/readings.csv").header);
     assert_eq!(of_image.2.header, desk.table("o/field.csv").header);
 
-    // Each displacement equals the true one within a few standard deviations.
+    // Each displacement differs from the true one by at most a few standard errors.
     let truth = desk.table("t/trace.csv");
     let normal_std = number(&estimate["noise"]["normal_std"]["value"]);
     for row in 0..77 {
@@ -142,7 +142,7 @@ fn image_fit_estimates_the_traced_press() {
     assert!(number(&again["force"]["value"]) > 0.0 && estimate["force"].is_null());
 }
 
-/// Rows: key of a line in the camera file | the line that replaces it | words of the error.
+/// Rows: key of a line in the camera file | replacement for this line | words of the error.
 const CAMERA_EDITS: &str = r#"
 place | place = [3.0, 0.0, 0.0] | contradicts the frame at rest: `place[0]` is 3
 place | place = [nan, 0.0, 0.0] | `place[0]` is NaN; it must be finite
@@ -155,7 +155,8 @@ turn_deg | turned = 1 | turned
 length_unit | length_unit = "unit" | length_unit
 "#;
 
-/// The camera is not at the centre. A frame at rest calibrates its position, and the estimate of the press uses it.
+/// The camera is not in the centre. Its position is calibrated with a frame at rest and used for the estimate of the
+/// press.
 #[test]
 fn image_fit_uses_the_camera_calibrated_from_a_frame_at_rest() {
     let desk = Desk::with(&edited(
@@ -177,7 +178,7 @@ fn image_fit_uses_the_camera_calibrated_from_a_frame_at_rest() {
     assert!(desk.names("o").contains(&"markers.csv".to_owned()));
     desk.palpate("sensor calibrate --rest t/rest.png --layout c.toml --out camera.toml")
         .printed();
-    // The second of two cells describes this sensor.
+    // The sensor of these frames is in the second of the two cells.
     let sizes = "[[sweep]]\npath = \"scene.sensor.size_px\"\nvalues = [300, 400]\n";
     desk.write("sizes.toml", PRESS.to_owned() + sizes);
     let calibrate = "sensor calibrate --rest t/rest.png --layout sizes.toml --out same.toml";
@@ -225,7 +226,7 @@ fn image_fit_uses_the_camera_calibrated_from_a_frame_at_rest() {
         "camera.toml: is empty; a camera is needed, as `sensor calibrate` writes it from a frame at rest",
     );
     desk.write("camera.toml", &camera);
-    // The same sensor in a study with another unit.
+    // The study of the same sensor in another unit.
     let mut in_cm = edited(PRESS, "\"mm\"", "\"cm\"");
     for (mm, cm) in [
         ("radius = 20.0", "radius = 2.0"),
@@ -251,7 +252,8 @@ fn image_fit_uses_the_camera_calibrated_from_a_frame_at_rest() {
             [&estimate, &again].map(|estimate| number(&estimate["object_curvature"][key]));
         assert!((one / other - 1.0).abs() < 1e-4, "{key}: {one} {other}");
     }
-    // A calibration of displacements is not a camera, and a camera is not a calibration of displacements.
+    // A calibration of displacements cannot be used as a camera, and a camera cannot be used as a calibration of
+    // displacements.
     desk.write(
         "t.csv",
         "normal_displacement_mm,hue_turns\n1,0.02\n2,0.05\n",
@@ -289,7 +291,7 @@ fn errors_name_frames_and_arguments_that_do_not_match() {
         "sensor track t/rest.png t/rest.png --out o {IMAGE}"
     ))
     .fails(1, "no contact to be seen");
-    // A wrongly stated value widens the interval, and a warning states the cause.
+    // If a value is stated wrongly, the interval is wider, and a warning states the cause.
     let estimate = track(&desk, &format!("{FRAMES} {IMAGE} --thickness 6"));
     let warnings = estimate["warnings"].to_string();
     assert!(

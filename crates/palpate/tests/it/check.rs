@@ -25,12 +25,12 @@ fn cells_trials_models_and_time() {
     let chosen = "chosen for a tolerance of 1e-9: the contact runs along geodesics";
     assert!(line("chosen").starts_with(chosen));
     assert_eq!(
-        line("rungs"),
-        "rungs of the model, in cell 0; errors: places of the contacts at the end, relative to the first \
+        line("models, cheapest"),
+        "models, cheapest first, in cell 0; errors: positions of the contacts at the end, relative to the first \
          contact's length scale"
     );
     assert!(line("> closed form").contains(" per trial"));
-    // The next two rungs: the first cannot compute this roll, the second can.
+    // The next more exact models: the first cannot compute this roll, the second can.
     assert!(line("meridian").contains("cannot: the first contact is not the apex"));
     assert!(line("RK4, 1 step").contains("error 7.7e-6, "));
     assert!(line("RK4, 1 step").ends_with(" x)"));
@@ -118,7 +118,7 @@ fn a_noiseless_press_needs_neither_draws_nor_frames() {
         "{printed}"
     );
     assert!(
-        printed.contains("cell 0; errors: displacements of markers, relative to the largest\n"),
+        printed.contains("cell 0; errors: displacements of the markers, relative to the largest\n"),
         "{printed}"
     );
     assert!(printed.contains("      > bonded layer"), "{printed}");
@@ -127,7 +127,7 @@ fn a_noiseless_press_needs_neither_draws_nor_frames() {
 
 #[test]
 fn the_chosen_rung_is_marked_for_projected_cameras_too() {
-    // Hertz contact also meets the tolerance, but it costs as much as the half-space and errs more.
+    // Hertz contact also meets the tolerance, but it costs as much as the half-space, and its error is larger.
     for (sensor, tolerance, rung) in [
         ("direct", 0.3, "half-space, at the markers' depth"),
         ("projected", 0.3, "half-space, at the markers' depth"),
@@ -149,7 +149,7 @@ fn the_chosen_rung_is_marked_for_projected_cameras_too() {
     }
 }
 
-/// Sweeps of two fields with many values.
+/// A study that sweeps two fields over many values.
 fn study_with_two_sweeps(counts: [usize; 2]) -> String {
     let axis = |path: &str, from: f64, to: f64, count: usize| {
         format!("[[sweep]]\npath = \"{path}\"\nfrom = {from}\nto = {to}\ncount = {count}\n")
@@ -194,7 +194,7 @@ fn all_cells_of_a_small_study_are_checked() {
     assert!(!printed.contains("sample"), "{printed}");
 }
 
-/// Scenes whose numbers are replaced by extreme ones, as lines of a config.
+/// Lines of a config, for scenes in which a number is replaced by an extreme one.
 const EXTREME: [&str; 3] = [
     "probe = { kind = \"sphere\", radius = 10.0 }\nobject = { kind = \"sphere\", radius = 30.0 }\n\
      motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }\n\
@@ -258,7 +258,7 @@ fn check_of_extremes_is_finite(kind: &str, scene: &str) {
     }
 }
 
-/// A press within the range of the random scenes, one that is deeper than all of them, and one with another estimator.
+/// Three presses: within the range of the random scenes, deeper than all of them, and with another estimator.
 #[test]
 fn check_reports_whether_intervals_were_tested() {
     let press = r#"
@@ -285,7 +285,9 @@ estimator = { kind = "half-space", indentation = "fitted" }
         assert!(texts[0].starts_with(line), "{printed}");
         texts[1].to_owned()
     };
-    assert!(after("tested: of 24 random scenes they held the truth in 9").starts_with("time"));
+    assert!(
+        after("tested: in 24 random scenes they contained the true value in 9").starts_with("time")
+    );
     desk.write(
         "c.toml",
         edited(press, "indentation = 1.0", "indentation = 2.0"),
@@ -294,7 +296,7 @@ estimator = { kind = "half-space", indentation = "fitted" }
         "not tested: random scenes have no scene.motion.indentation of 2 mm (they have 0.6 to 1.4 mm)",
     );
     assert!(
-        nearest.starts_with("nearest to them: of 24 random"),
+        nearest.starts_with("most similar: in 24 random"),
         "{nearest}"
     );
     desk.write(

@@ -1,8 +1,8 @@
-//! Scenes that are the same in other words have the same measured coverage.
+//! Scenes that are equal but described in different ways have the same measured coverage.
 
 use palpate::{Coverage, Family, coverage};
 
-/// Family of a scene, or why it has none.
+/// Family of a scene, or the reason why it has none.
 #[track_caller]
 fn family(text: &str) -> Result<&'static Family, String> {
     let study = palpate::parse("a-scene.toml", text).expect("a study");

@@ -1,11 +1,11 @@
-//! `palpate design`: which values of a field meet a target.
+//! `palpate design`: finds the values of a field that meet a target.
 
 use super::desk::{Desk, STUDY, Table, edited, noiseless, number_at as number};
 
 const TARGET: &str = "--target relative_rms_error(mean_curvature)<=0.05";
 const NOISE: &str = "--vary scene.noise.angular_velocity.fraction=0.001..0.2";
 
-/// The largest statistic of a quantity over the cells of a table.
+/// The largest value of a quantity's statistic over the cells of a table.
 fn worst(table: &Table, quantity: &str, statistic: &str) -> f64 {
     let rows = (0..table.rows.len()).filter(|&row| table.text(row, "quantity") == quantity);
     rows.map(|row| table.number(row, statistic))
@@ -29,7 +29,7 @@ fn both_sides_are_those_that_a_run_finds() {
         (&answer["format_version"], &answer["ended"]),
         (&1.into(), &"known".into())
     );
-    // The study of these two, in all its cells.
+    // A run of the study with each of these two values, in all its cells.
     for (fraction, is_met) in [(meets, true), (misses, false)] {
         desk.write(
             "one.toml",
@@ -44,7 +44,7 @@ fn both_sides_are_those_that_a_run_finds() {
         );
         assert_eq!(rms <= 0.05, is_met, "{fraction}: {rms}");
     }
-    // What was written says the same.
+    // The written files contain the same answer.
     let files = [
         "design.csv",
         "design.png",
@@ -114,7 +114,8 @@ fn values_may_be_listed_and_fields_set() {
             "design c.toml {kinds} --target relative_rms_error(mean_curvature)<=0.016 --set scene.noise.angular_velocity.fraction=0.01 --set scene.object.radius=50"
         ),
     );
-    // Errors of 1.2 and 2.1 %: uniform noise within ±0.01 has a standard deviation of 0.01/√3, Gaussian noise of 0.01.
+    // The expected errors are 1.2 and 2.1 %: uniform noise within ±0.01 has a standard deviation of 0.01/√3, Gaussian
+    // noise of 0.01.
     assert_eq!(
         answer["meets"],
         serde_json::json!([{ "from": "uniform", "to": "uniform" }])
@@ -125,7 +126,7 @@ fn values_may_be_listed_and_fields_set() {
     );
 }
 
-/// Short names and units ask the same question as full paths with numbers in the config's units.
+/// Short names and values with units ask the same question as full paths and numbers in the units of the config.
 #[test]
 fn fields_have_short_names_and_values_have_units() {
     let desk = Desk::with(STUDY);
@@ -135,7 +136,7 @@ fn fields_have_short_names_and_values_have_units() {
     let short = answer("--vary fraction=0.1%..20% --set object.radius=5cm");
     assert_eq!(plain["meets"], short["meets"]);
     assert_eq!(plain["answer"], short["answer"]);
-    // A table that the config leaves out.
+    // The config does not contain the table of this field.
     let more =
         answer("--vary fraction=0.1%..20% --set object.radius=5cm --set rotation.std_deg=0.02rad");
     assert_ne!(more["answer"], plain["answer"]);
@@ -144,14 +145,14 @@ fn fields_have_short_names_and_values_have_units() {
 #[test]
 fn nothing_is_random() {
     let desk = Desk::with(&noiseless());
-    // A mean curvature of 0.05 is that of a ball of 20 mm.
+    // A mean curvature of 0.05 /mm is that of a ball with a radius of 20 mm.
     let said = desk
         .palpate(
             "design c.toml --target mean(mean_curvature)>=0.05 --vary scene.object.radius=1..100",
         )
         .printed();
     assert!(
-        said.contains("trials   1 of each value: nothing is random"),
+        said.contains("trials   1 per value, because the scene has no random numbers"),
         "{said}"
     );
     assert!(said.starts_with("Object radius: 19"), "{said}");
@@ -159,7 +160,7 @@ fn nothing_is_random() {
 
 #[test]
 fn too_many_failures_miss_the_target() {
-    // Pads as wide as the whole path: many a roll changes none.
+    // The pads are as wide as the whole path, so many rolls do not change the pad.
     let pads = edited(
         STUDY,
         "noise = {",
@@ -176,7 +177,7 @@ fn too_many_failures_miss_the_target() {
     let [few, more] = ["0.05", "0.3"].map(of);
     let ends = [&few, &more].map(|answer| number(answer, "/meets/0/to"));
     assert!(ends[0] < ends[1], "{ends:?}");
-    // The answer names the failure that decides, with its share.
+    // The answer states the kind of failure that causes the miss, and its share.
     assert_eq!(few["failing_end"]["main_failure"], "not-rolling");
     assert!(number(&few, "/failing_end/failing") > 0.05);
     let said = few["answer"].as_str().unwrap();
@@ -190,11 +191,11 @@ const QUESTIONS: &str = "
 --target rms(mean_curvature)<=0.05 --vary a=1..2 | there is no statistic \"rms\"
 --target rms_error(weather)<=0.05 --vary a=1..2 | there is no quantity \"weather\"
 --target rms_error<=0 --vary a=1..2 | rms_error is above 0, and the limit is 0
---target rms_error<=nan --vary a=1..2 | is no finite number
---target rms_error --vary a=1..2 | is no STATISTIC(QUANTITY) <= LIMIT
+--target rms_error<=nan --vary a=1..2 | is not a finite number
+--target rms_error --vary a=1..2 | is not of the form STATISTIC(QUANTITY) <= LIMIT
 --target rms_error<=1 --vary a=2..1 | runs downwards
 --target rms_error<=1 --vary a=1..nan | needs a finite number
---target rms_error<=1 --vary a | is no PATH=LO..HI
+--target rms_error<=1 --vary a | is not of the form PATH=LO..HI
 --target rms_error<=1 --vary scene.object.radius=1..2 --set scene.seed=1..2 | --vary takes one
 --target rms_error<=1 --vary scene.object.radius=1..2 --set scene.seed=1,2 | is set to one value, and here are 2
 --target rms_error(class)<=1 --vary scene.object.radius=1..2 | a roll has no quantity \"class\" (known: normal_curvature_u,
@@ -203,10 +204,10 @@ const QUESTIONS: &str = "
 --target rms_error<=1 --vary object.radius=1s..2s | c.toml: scene.object.radius: \"1s\" has the unit \"s\"; its unit may be m, cm, mm, um
 --target rms_error<=1 --vary object.radius=1..2 --maximise radios | c.toml: radios: no field has this name
 --target rms_error<=1 --vary scene.object.radius=-1..2 | c.toml: scene.object.radius: must be > 0, is -1
---target rms_error<=1 --vary scene.object.kind=1..2 | scene.object.kind takes no numbers: list its values
+--target rms_error<=1 --vary scene.object.kind=1..2 | scene.object.kind has no numeric values: list its values
 --target rms_error<=1 --vary title=a,b | cannot sweep `title`
 --target rms_error<=1 --vary scene.object.radius=1..2 --set scene.object.radius=1 | scene.object.radius is given twice
---target rms_error<=1 --vary scene.object.radius=1..2 --max-failures 0 | no number of trials shows that none fails
+--target rms_error<=1 --vary scene.object.radius=1..2 --max-failures 0 | 0 cannot be verified with any number of trials
 --target rms_error<=1 --vary scene.object.radius=1..2 --gap -1 | gap is -1; it must be above 0
 --target coverage95(arc_length)>=0.5 --vary scene.object.radius=1..2 | the estimator states no standard deviation
 ";
@@ -214,7 +215,7 @@ const QUESTIONS: &str = "
 #[test]
 fn what_cannot_be_asked() {
     Desk::with(STUDY).refuses("design c.toml", QUESTIONS);
-    // What is undefined at some value names it.
+    // If the statistic is undefined at some value, the error states this value.
     let flat = edited(
         STUDY,
         "{ kind = \"sphere\", radius = 50.0 }",
@@ -248,8 +249,8 @@ fn files_of_others_stay() {
     desk.palpate(&design).printed();
 }
 
-/// The least roll with a noise of 0.07 mm for 5 % on a ball five times as large as the probe, told by its time, its angle and
-/// its path: 1 rad is 2 s, and 10 mm / (1 + 1/5) on the probe.
+/// The shortest roll with 5 % error on a ball five times as large as the probe, with a noise of 0.07 mm. Its length is
+/// stated as time, as angle and as path: 1 rad takes 2 s, and moves the contact by 10 mm / (1 + 1/5) on the probe.
 #[test]
 fn the_length_of_a_roll_is_asked_for_in_any_of_its_units() {
     let pads = edited(
@@ -283,7 +284,7 @@ fn the_length_of_a_roll_is_asked_for_in_any_of_its_units() {
     ] {
         let (said, ends) = least(path, range);
         assert!(said.contains(unit), "{path}: {said}");
-        // Both brackets hold the same roll, so that they overlap.
+        // The brackets contain the same roll length, so they overlap.
         let ends = ends.map(|end| end / per_second);
         assert!(
             ends[0] <= of_time[1] && of_time[0] <= ends[1],

@@ -1,4 +1,4 @@
-//! A directory for each test. The binary runs in it, and its tables are parsed.
+//! A directory for each test, in which the program runs, and parsers of its tables.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use assert_cmd::Command;
 use palpate::config::rename_settings;
 use tempfile::TempDir;
 
-/// A study of two noisy cells; short rolls of a sphere on spheres.
+/// A study with two noisy cells: short rolls of a sphere on spheres.
 pub(crate) const STUDY: &str = r#"name = "a-study"
 length_unit = "mm"
 seed = 7
@@ -24,7 +24,7 @@ path = "scene.object.radius"
 values = [50, 5]
 "#;
 
-/// One noiseless cell, nine lines long; more lines continue its scene.
+/// A study of one noiseless cell, nine lines long. Lines that are appended belong to its scene.
 pub(crate) const SCENE: &str = r#"name = "a-study"
 length_unit = "mm"
 trials = 20
@@ -36,19 +36,19 @@ object = { kind = "sphere", radius = 50.0 }
 motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
 "#;
 
-/// The study without its noise.
+/// The study [`STUDY`] without its noise.
 pub(crate) fn noiseless() -> String {
     let noise = "noise = { angular_velocity = { kind = \"uniform\", fraction = 0.01 } }\n";
     edited(STUDY, noise, "")
 }
 
-/// A text with one piece of it replaced.
+/// A text in which one part is replaced.
 pub(crate) fn edited(text: &str, from: &str, to: &str) -> String {
     assert!(text.contains(from), "{from:?} is not in the text");
     text.replacen(from, to, 1)
 }
 
-/// A temporary directory, in which the binary runs.
+/// A temporary directory in which the program runs.
 pub(crate) struct Desk(TempDir);
 
 impl Desk {
@@ -56,7 +56,7 @@ impl Desk {
         Self(tempfile::tempdir().unwrap())
     }
 
-    /// A desk with a config `c.toml`.
+    /// A directory with the config `c.toml`.
     pub(crate) fn with(config: &str) -> Self {
         let desk = Self::new();
         desk.write("c.toml", config);
@@ -79,7 +79,7 @@ impl Desk {
         Table::parse(&self.read(name))
     }
 
-    /// Sorted file names of a directory without the manifest; none if the directory is missing.
+    /// Sorted names of the files in a directory, without the manifest; empty if the directory is missing.
     pub(crate) fn names(&self, dir: &str) -> Vec<String> {
         let Ok(entries) = std::fs::read_dir(self.path(dir)) else {
             return Vec::new();
@@ -99,7 +99,7 @@ impl Desk {
         self.end(command)
     }
 
-    /// Runs a shell command line. In it, `$palpate` is the binary.
+    /// Runs a shell command line in which `$palpate` is the program.
     pub(crate) fn shell(&self, line: &str) -> Ended {
         let mut command = Command::new("sh");
         command
@@ -108,7 +108,7 @@ impl Desk {
         self.end(command)
     }
 
-    /// Checks for each row `arguments | words of the message` that the command fails with status 2 and writes nothing.
+    /// Checks that the command fails with status 2 and writes nothing, for each row `arguments | words of the message`.
     pub(crate) fn refuses(&self, command: &str, table: &str) {
         let before = self.names("");
         let is_wrong = |row: &&str| {
@@ -126,14 +126,15 @@ impl Desk {
         assert_eq!(self.names(""), before);
     }
 
-    /// JSON that a command prints.
+    /// The JSON that a command prints.
     #[track_caller]
     pub(crate) fn json(&self, arguments: &str) -> serde_json::Value {
         let printed = self.palpate(&format!("{arguments} --json")).printed();
         serde_json::from_str(&printed).unwrap_or_else(|error| panic!("{error}: {printed}"))
     }
 
-    /// Checks that a command writes the same bytes with one thread and with two. `out-1` holds the files of one thread.
+    /// Checks that a command writes the same bytes with one thread and with two. The files of the run with one thread
+    /// are in `out-1`.
     #[track_caller]
     pub(crate) fn assert_alike_on_any_threads(&self, arguments: &str, names: &[&str]) {
         for threads in [1, 2] {
@@ -154,9 +155,10 @@ impl Desk {
             .output()
             .unwrap();
         let stderr = String::from_utf8(output.stderr).unwrap();
-        // Many test configs also set the field that they sweep; another test checks the notes about it.
+        // Many test configs also set the field that they sweep. Another test checks the notes about it, so they are
+        // separated here.
         let is_swept =
-            |line: &&str| line.starts_with("note: ") && line.contains(" is swept over by ");
+            |line: &&str| line.starts_with("note: ") && line.contains(" is replaced by ");
         let lines = stderr.split_inclusive('\n');
         let (swept, stderr): (Vec<&str>, Vec<&str>) = lines.partition(is_swept);
         Ended {
@@ -168,24 +170,24 @@ impl Desk {
     }
 }
 
-/// How a command ended.
+/// Result of a command that has ended.
 #[derive(Debug)]
 pub(crate) struct Ended {
     pub(crate) status: Option<i32>,
     pub(crate) stdout: String,
-    /// Standard error without the notes in `swept`.
+    /// Standard error without the notes that are in `swept`.
     pub(crate) stderr: String,
-    /// Notes about fields that a config sets although it sweeps them.
+    /// Notes on standard error about fields that a config sets although it sweeps them.
     pub(crate) swept: String,
 }
 
-/// A message of the library, with the names of settings replaced by flags.
+/// A message of the library, in which the names of settings are replaced by flags.
 pub(crate) fn with_flags(text: &str) -> String {
     rename_settings(text, |key| format!("--{}", key.replace('_', "-")))
 }
 
 impl Ended {
-    /// Standard output of a command that must have succeeded. Standard error may only hold the warnings of its JSON,
+    /// Standard output of a command that must have succeeded. Standard error may contain only the warnings of its JSON,
     /// with settings named as flags.
     #[track_caller]
     pub(crate) fn printed(self) -> String {
@@ -199,7 +201,7 @@ impl Ended {
         self.stdout
     }
 
-    /// Message of a command that must have failed with `status` and printed nothing else.
+    /// Message of a command, which must have failed with `status` and printed nothing else.
     #[track_caller]
     pub(crate) fn said(self, status: i32) -> String {
         assert_eq!(
@@ -220,14 +222,14 @@ impl Ended {
         self.stderr
     }
 
-    /// Checks that a command succeeded and printed these words.
+    /// Checks that a command succeeded, and that its output contains these words.
     #[track_caller]
     pub(crate) fn prints(self, words: &str) {
         let printed = self.printed();
         assert!(printed.contains(words), "{words:?} is not in {printed}");
     }
 
-    /// Checks that a command failed with `status` and a message with these words.
+    /// Checks that a command failed with `status`, and that its message contains these words.
     #[track_caller]
     pub(crate) fn fails(self, status: i32, words: &str) {
         let said = self.said(status);
@@ -235,7 +237,7 @@ impl Ended {
     }
 }
 
-/// A table that the binary wrote.
+/// A table that the program wrote.
 pub(crate) struct Table {
     pub(crate) header: Vec<String>,
     pub(crate) rows: Vec<Vec<String>>,
@@ -265,7 +267,7 @@ impl Table {
             .unwrap_or_else(|_| panic!("{column} of row {row} is {text:?}"))
     }
 
-    /// The row of `cells.csv` of a quantity in a cell.
+    /// Index of the row of a quantity in a cell, in `cells.csv`.
     pub(crate) fn row_of(&self, cell: usize, quantity: &str) -> usize {
         (0..self.rows.len())
             .find(|&row| {
@@ -275,7 +277,7 @@ impl Table {
     }
 }
 
-/// The number at a JSON pointer.
+/// The number at this JSON pointer.
 #[track_caller]
 pub(crate) fn number_at(json: &serde_json::Value, place: &str) -> f64 {
     let number = json.pointer(place).and_then(serde_json::Value::as_f64);
@@ -292,10 +294,10 @@ pub(crate) fn assert_close(found: f64, expected: f64, relative: f64) {
     );
 }
 
-/// The files of a finished run.
+/// Names of the files of a finished run.
 pub(crate) const RUN_FILES: [&str; 3] = ["cells.csv", "failures.csv", "run.toml"];
 
-/// Checks that `c.toml` is the only file.
+/// Checks that `c.toml` is the only file in the directory.
 #[track_caller]
 pub(crate) fn assert_untouched(dir: &Path) {
     let names: Vec<_> = std::fs::read_dir(dir)

@@ -29,17 +29,17 @@ fn a_config_edited_by_hand_is_not_overwritten() {
             std::fs::remove_dir_all(&dir).unwrap();
         }
     }
-    // An empty file has no contents to lose.
+    // An empty file has no contents that could be lost.
     desk.write("ours/next-run.toml", "");
     desk.palpate("run c.toml --out ours").printed();
-    // This also holds if the file is the config of this run.
+    // The same is true if the file is the config of this run.
     desk.write("run.toml", STUDY);
     desk.palpate("run run.toml --out .").said(2);
     assert_eq!(desk.read("run.toml"), STUDY);
     assert_eq!(desk.names(""), ["c.toml", "ours", "run.toml"]);
 }
 
-/// A `#` inside a string is not a comment, even at the start of a line.
+/// A `#` in a string does not begin a comment, even at the start of a line.
 #[test]
 fn a_hash_in_a_title_does_not_count_as_an_edit() {
     let title = "title = \"\"\"\none\n# two, no. # 3\"\"\"\nlength_unit";
@@ -60,7 +60,7 @@ fn results_of_a_run_overwrite_those_of_another() {
     assert_eq!(desk.read("o/cells.csv"), first);
 }
 
-/// Limits files to 512 bytes, as a full disk would.
+/// Shell command that runs the program with a limit of 512 bytes per file, which acts like a full disk.
 const FULL: &str = "ulimit -f 1; trap '' XFSZ; exec \"$palpate\"";
 
 #[test]
@@ -89,7 +89,7 @@ fn a_full_disk_keeps_earlier_results() {
     }
 }
 
-/// The disk becomes full after the tables, before the last file is written.
+/// The disk becomes full after the tables are written and before the last file is written.
 #[test]
 fn a_disk_that_fills_up_keeps_no_table_of_another_run() {
     let desk = Desk::with(STUDY);
@@ -114,10 +114,10 @@ fn a_disk_that_fills_up_keeps_no_table_of_another_run() {
         RUN_FILES.map(|name| desk.read(&format!("o/{name}"))),
         before
     );
-    // When the disk has space again, the same command writes the results.
+    // When there is space on the disk again, the same command writes the results.
     let ended = desk.palpate("run c.toml --out o --seed 99");
     assert!(
-        ended.stderr.contains("note: goes on after 2 of 2 cells"),
+        ended.stderr.contains("note: resumes after 2 of 2 cells"),
         "{}",
         ended.stderr
     );
@@ -140,7 +140,7 @@ fn standard_output_is_full() {
         .fails(1, "cannot write to standard output");
 }
 
-/// Reader that closes the pipe early, like `palpate schema | head -1`.
+/// A reader may close the pipe early, like `palpate schema | head -1`.
 #[test]
 fn a_closed_pipe_is_no_error() {
     let ended = Desk::new().shell("{ \"$palpate\" schema; echo $? >&2; } | head -c 1");

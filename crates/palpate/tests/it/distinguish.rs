@@ -1,10 +1,10 @@
-//! `palpate distinguish`: how surely swept objects are told apart.
+//! `palpate distinguish`: how often single trials put swept objects in the right order.
 
 use serde_json::Value;
 
 use super::desk::{Desk, STUDY, edited, noiseless};
 
-/// Balls of 50 and 40 mm, told apart with noise of 20 %.
+/// A study of balls with radii of 50 and 40 mm, with a noise of 20 %.
 fn balls() -> String {
     let noisy = edited(STUDY, "fraction = 0.01", "fraction = 0.2");
     edited(
@@ -20,13 +20,14 @@ fn the_probability_is_that_of_single_trials() {
     let answer = desk.json("distinguish c.toml --out out");
     let pairs = answer["groups"][0]["pairs"].as_array().unwrap();
     assert_eq!(pairs.len(), 3);
-    // Sorted by curvature: 50, 40, 5 mm.
+    // The pairs are sorted by curvature: radii of 50, 40 and 5 mm.
     let of = |pair: &Value, key: &str| pair[key].as_f64().unwrap();
     assert_eq!(
         (&pairs[0]["first"], &pairs[0]["second"]),
         (&"50 mm".into(), &"40 mm".into())
     );
-    // Trials of a run, each of one object against that of the same number of the next: other pairs, drawn by a shell.
+    // The same share, counted from the trials of a run. The trials are paired in another way than in `palpate
+    // distinguish`.
     desk.palpate("run c.toml --trials 4000 --out run --trials-out trials.csv")
         .printed();
     let table = desk.table("trials.csv");
@@ -37,7 +38,7 @@ fn the_probability_is_that_of_single_trials() {
         rows.map(|row| table.number(row, "estimate")).collect()
     };
     let (flat, curved) = (estimates("0"), estimates("1"));
-    // Not of the same number: those share their noise.
+    // Trials with the same number are not paired, because they use the same random numbers.
     let pairs_of = flat.iter().zip(curved.iter().cycle().skip(7));
     let right = pairs_of.filter(|(one, other)| one < other).count() as f64 / flat.len() as f64;
     assert!(
@@ -93,16 +94,16 @@ values = [{ label = "flat", kind = "plane" }, { label = "ball", kind = "sphere",
         .palpate("distinguish c.toml --quantity class")
         .printed();
     assert!(
-        said.contains("flat and ball: 100 % of single glides tell them apart"),
+        said.contains("flat and ball: 100 % of single glides put them in the right order"),
         "{said}"
     );
     assert!(
-        said.contains("ball and larger ball are alike in "),
+        said.contains("ball and larger ball have the same "),
         "{said}"
     );
 }
 
-/// Rows: arguments | words of the error. If two names are wrong, the first is reported.
+/// Rows: arguments | words of the error. If two names are wrong, the error states the first.
 const QUESTIONS: &str = "
 --set scene.object.radius=5 | no field of `scene.object` is swept
 --quantity weather --set scene.object.radius=5 | a roll has no quantity \"weather\"
@@ -110,7 +111,7 @@ const QUESTIONS: &str = "
 --confidence 1 | confidence is 1; it must be above 0 and below 1
 --confidence nan | confidence is NaN
 --vary scene.object.radius=1..2 | list the values of scene.object.radius
---vary scene.object.radius=1,1 | stands twice on this axis
+--vary scene.object.radius=1,1 | occurs twice on this axis
 --vary scene.object.radius=0,1 | must be > 0, is 0
 --vary scene.object.radios=1,2 | c.toml: scene.object.radios
 ";
@@ -118,12 +119,12 @@ const QUESTIONS: &str = "
 #[test]
 fn what_cannot_be_told_apart() {
     Desk::with(STUDY).refuses("distinguish c.toml", QUESTIONS);
-    // Tables need no label.
+    // Tables among the values need no label.
     let shapes = "scene.object={kind=\"sphere\",radius=20},{kind=\"plane\"}";
     Desk::with(STUDY)
         .palpate(&format!("distinguish c.toml --trials 20 --vary {shapes}"))
         .prints("plane and sphere: ");
-    // Alike in the truth, and noiseless.
+    // The two objects have the same true value, and there is no noise.
     let desk = Desk::with(&noiseless());
-    desk.palpate("distinguish c.toml").prints("50 mm and 5 mm: 100 % of single trials of 8 rolls tell them apart (100 to 100); one is enough for 95 %.");
+    desk.palpate("distinguish c.toml").prints("50 mm and 5 mm: 100 % of single trials of 8 rolls put them in the right order (100 to 100); one is enough for 95 %.");
 }

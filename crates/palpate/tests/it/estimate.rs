@@ -1,16 +1,16 @@
-//! `palpate estimate roll` on good readings.
+//! `palpate estimate roll` on readings without mistakes.
 
 use serde_json::Value;
 
 use super::desk::{Desk, assert_close};
 
-/// Two exact rolls on a sphere of 40 mm by a probe of 10 mm.
+/// Two noiseless rolls of a probe of radius 10 mm on a sphere of radius 40 mm.
 const EXACT: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm
 0,0,-0.5,4,0
 1,0.5,0,0,4
 ";
 
-/// Readings of four rolls on the same sphere, with scatter.
+/// Readings of four rolls on the same sphere, with noise.
 const SCATTERED: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm
 0,0,-0.5,4.1,0
 1,0.5,0,0,4.1
@@ -65,7 +65,8 @@ fn intervals_use_students_t_unless_the_noise_is_stated() {
         assert_close(0.5 * (low + high), number(&quantity["value"]), 1e-12);
         (high - low) / (2.0 * number(&quantity["std"]))
     };
-    // Student's t of five degrees of freedom, and the normal distribution's.
+    // The half-widths are those of Student's t distribution with five degrees of freedom, and of the normal
+    // distribution.
     assert_close(half_width(""), 2.570_582, 1e-6);
     assert_close(half_width("--shift-std 0.1"), 1.959_964, 1e-6);
 }
@@ -87,14 +88,15 @@ fn the_last_row_of_a_time_series_counts() {
 fn standard_errors_are_estimated_from_the_residuals() {
     let json = estimate(SCATTERED, "");
     assert_eq!(json["std_from"], "the residuals");
-    // Four residuals of 0.1 mm over 2 · 4 − 3 degrees of freedom.
+    // Four residual components of 0.1 mm, with 2 · 4 − 3 degrees of freedom.
     let residual = (4.0 * 0.1_f64.powi(2) / 5.0).sqrt();
     assert_close(
         json["residual_rms"]["value"].as_f64().unwrap(),
         residual,
         1e-9,
     );
-    // Two rolls of 0.5 rad determine the travel per radian, 8 mm. The curvature follows from its inverse.
+    // Two rolls of 0.5 rad determine the travel of the contact per radian, 8 mm. The curvature depends on the inverse
+    // of this travel.
     let std = residual / (0.5 * 2.0_f64.sqrt()) / 64.0;
     assert_close(
         json["normal_curvature_u"]["std"].as_f64().unwrap(),
@@ -105,7 +107,7 @@ fn standard_errors_are_estimated_from_the_residuals() {
 
 #[test]
 fn an_outlier_is_named_by_its_number() {
-    // Rolls over 4 mm per half radian, with errors of 0.02 mm; the shift of probe 13 is 1 mm too short.
+    // The contact moves by 4 mm per half radian, with errors of 0.02 mm. The shift of probe 13 is 1 mm too short.
     let rows = [
         "10,0,-0.5,4.02,0",
         "11,0.5,0,-0.02,4",
@@ -137,7 +139,7 @@ fn an_outlier_is_named_by_its_number() {
         warnings.contains("probe 13 contradicts the others"),
         "{warnings}"
     );
-    // With estimated noise there is no p-value, but the warning still names the probe.
+    // If the noise is estimated, there is no p-value, but the warning nevertheless names the probe.
     let found = estimate(&readings, "");
     assert_eq!(found["p_value"], Value::Null);
     assert!(found["warnings"].to_string().contains("outlier"), "{found}");
@@ -177,18 +179,18 @@ fn a_contact_that_did_not_move_bounds_the_radius() {
     let readings = format!("{EXACT}12,0,-0.5,0,0\n13,0,0,0,0\n");
     let bound = |options| {
         let unresolved = estimate(&readings, options)["unresolved_probes"].clone();
-        // Probe 13 did not roll at all.
+        // Probe 13 did not roll at all and is therefore not listed.
         assert_eq!(unresolved.as_array().unwrap().len(), 1);
         assert_eq!(unresolved[0]["probe"], 12);
         assert_eq!(unresolved[0]["unit"], "mm");
         unresolved[0]["radius_below"].clone()
     };
-    // The contact moved by less than 1 mm: R₁R₂/(R₁ + R₂) · 0.5 < 1.
+    // The contact moved by less than 1 mm, so R₁R₂/(R₁ + R₂) · 0.5 < 1.
     assert_close(bound("--pitch 1").as_f64().unwrap(), 2.5, 1e-12);
-    // Even on a plane it would have moved by 5 mm only.
+    // Even on a plane the contact would have moved by only 5 mm, so a pitch of 6 mm gives no bound.
     assert_eq!(bound("--pitch 6"), Value::Null);
     assert_eq!(bound(""), Value::Null);
-    // If no contact moves along u, the command fails, and its message states the bound.
+    // If the contact does not move along u in any roll, the command fails, and its message states the bound.
     let desk = Desk::new();
     desk.write(
         "r.csv",
@@ -214,7 +216,7 @@ fn a_hundred_thousand_probes() {
     assert_close(curvatures(&json)[0], 0.025, 1e-9);
 }
 
-/// Noise so small that the squared residuals divided by it overflow double precision.
+/// The stated noise is so small that the squared residuals divided by it overflow double precision.
 #[test]
 fn a_far_too_small_stated_noise_prints_no_infinity() {
     let desk = Desk::new();

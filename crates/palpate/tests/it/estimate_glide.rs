@@ -1,4 +1,4 @@
-//! `palpate estimate glide` on synthetic contacts.
+//! `palpate estimate glide` with simulated contacts.
 
 use serde_json::Value;
 
@@ -6,7 +6,7 @@ use super::desk::{Desk, assert_close, number_at as number};
 
 const BARE: &str = "finger,x_mm,y_mm,z_mm";
 
-/// Contacts on a grid of `side` × `side`, placed by a function of x and y in [−1, 1].
+/// Contacts on a grid of `side` × `side` points. `row` computes the line of a contact from x and y in [−1, 1].
 fn grid(header: &str, side: usize, row: impl Fn(f64, f64) -> String) -> String {
     let mut text = format!("{header}\n");
     let at = |index: usize| 2.0 * index as f64 / (side - 1) as f64 - 1.0;
@@ -18,12 +18,12 @@ fn grid(header: &str, side: usize, row: impl Fn(f64, f64) -> String) -> String {
     text
 }
 
-/// The bowl z = 0.2 (x² + y²).
+/// Contacts on the bowl z = 0.2 (x² + y²).
 fn bowl() -> String {
     grid(BARE, 6, |x, y| format!("{x},{y},{}", 0.2 * (x * x + y * y)))
 }
 
-/// A desk with contacts in `r.csv`.
+/// A directory with the contacts in `r.csv`.
 fn desk(contacts: &str) -> Desk {
     let desk = Desk::new();
     desk.write("r.csv", contacts);
@@ -71,8 +71,8 @@ fn contacts_without_a_patch_are_refused() {
 
 #[test]
 fn a_vertical_wall_needs_the_outward_direction() {
-    // A cylinder of radius 5 around z; the patch is on its +x side. The default outward direction lies in the plane
-    // of this patch, so the command requires `--outward`.
+    // The patch is on the +x side of a cylinder with radius 5 around the z axis. The default outward direction lies in
+    // the plane of this patch, so that the command needs `--outward`.
     let wall = grid(BARE, 6, |y, z| format!("{},{y},{z}", (25.0 - y * y).sqrt()));
     desk(&wall)
         .palpate("estimate glide r.csv")
@@ -125,7 +125,8 @@ fn two_pass_of_one_finger_needs_a_unit() {
     desk(&one)
         .palpate("estimate glide r.csv --method two-pass")
         .fails(1, "needs --inter-finger-distance");
-    // The fingers of the grid are 0.4 apart. Stating this distance, which sets the unit of length, changes nothing.
+    // The fingers of the grid are 0.4 apart. Stating this distance, which is the unit of length of two-pass, does not
+    // change the estimate.
     let given = estimate(&bowl, "--method two-pass --inter-finger-distance 0.4");
     let found = estimate(&bowl, "--method two-pass");
     assert_close(mean(&given), mean(&found), 1e-9);
@@ -143,7 +144,8 @@ fn two_pass_of_one_finger_needs_a_unit() {
 
 #[test]
 fn a_map_at_the_contacts_has_their_positions_in_their_order() {
-    // The outward direction of the bowl is z, so lines along it meet z = 0.2 (x² + y²) at the contacts.
+    // The outward direction of the bowl is z; therefore, lines in this direction meet the surface z = 0.2 (x² + y²) at
+    // the contacts.
     let desk = desk(&bowl());
     let on_grid = desk
         .palpate("estimate glide r.csv --map grid.csv")

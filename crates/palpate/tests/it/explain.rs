@@ -8,16 +8,22 @@ fn words_are_explained() {
     for (word, words) in [
         (
             "not-rolling",
-            "not-rolling\n  The contact moved against the roll",
+            "not-rolling\n  The contact moved against the direction of the roll",
         ),
         ("IFD", "Inter-finger distance"),
         ("ifd", "Inter-finger distance"),
         ("rung", "One of several models"),
-        ("conforming", "as hollow as the probe or sensor is round"),
-        ("class", "class\n  Class of the shape at a place"),
+        (
+            "conforming",
+            "almost the same radius as the probe or sensor",
+        ),
+        ("class", "class\n  Shape class at a point of the patch"),
         ("relative curvature", "1/R_s + 1/R_o"),
         ("coverage95", "Share of the estimator's 95 % intervals"),
-        ("fingertip", "A scene without an object"),
+        (
+            "fingertip",
+            "A scene of a sensor with markers, without an object",
+        ),
         ("u", "First tangent direction"),
         (
             "Encoder",
@@ -42,7 +48,7 @@ fn words_are_explained() {
     assert!(all.lines().all(|line| line.chars().count() <= 102), "{all}");
     assert_eq!(
         desk.palpate("explain not-roling").said(2),
-        "error: `not-roling` is no word of palpate; did you mean not-rolling, not-round?\n"
+        "error: `not-roling` is not a word of palpate; did you mean not-rolling, not-round?\n"
     );
     desk.palpate("explain zzzzzz")
         .fails(2, "`palpate explain` lists all words");
@@ -93,7 +99,7 @@ fn quantities_have_units_and_meanings() {
         assert!(all.contains(entry), "{entry}: {all}");
     }
     let schema = desk.palpate("schema").printed();
-    assert!(schema.contains("A sensor with markers by itself, which touches nothing"));
+    assert!(schema.contains("A sensor with markers, without an object"));
 }
 
 #[test]
@@ -121,7 +127,7 @@ fn error_messages_name_the_term_to_explain() {
         assert_eq!(line, format!("explain {term}`"), "{said}");
         desk.palpate(line.trim_end_matches('`')).prints(term);
     }
-    // The message about a wrong setting needs no explanation.
+    // The message about an invalid setting needs no explanation.
     let said = desk
         .palpate("estimate press still.csv --sensor-radius 1e-320")
         .said(1);

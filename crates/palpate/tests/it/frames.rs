@@ -1,5 +1,4 @@
-//! Frames of a small camera sensor, drawn by the simplest rules: a disc of magenta and one of yellow per marker, on
-//! white.
+//! Frames of a small camera sensor, drawn in a simple way: each marker is a magenta disc and a yellow disc on white.
 
 use std::io::Cursor;
 
@@ -7,11 +6,12 @@ use image::{DynamicImage, ImageFormat, Rgb, RgbImage};
 
 use super::desk::Desk;
 
-/// Columns and rows of a frame, px.
+/// Number of columns and of rows of a frame, px.
 pub(crate) const SIDE: u32 = 400;
-/// The f of the fisheye, px per rad.
+/// Scale f of the fisheye lens, px per rad.
 pub(crate) const PX_PER_RAD: f64 = 151.3;
-/// Distance of the markers from the camera, mm: the sensor's skin has a radius of 20 and the markers lie 2 deep.
+/// Distance of the markers from the camera, mm: the skin has a radius of 20 mm, and the markers are 2 mm under the
+/// skin.
 pub(crate) const DISTANCE: f64 = 18.0;
 /// Angle between neighbouring markers, rad.
 const SPACING: f64 = 0.2;
@@ -20,14 +20,15 @@ const RIM: f64 = 190.0;
 /// Angular radius of a marker, rad.
 const RADIUS: f64 = 0.045;
 
-/// Positions of the markers: a square grid within a circle, rad.
+/// Positions of the markers on a square grid within a circle, rad.
 pub(crate) fn places() -> Vec<[f64; 2]> {
     let steps = || (-5..=5).map(|step| f64::from(step) * SPACING);
     let net = steps().flat_map(|y| steps().map(move |x| [x, y]));
     net.filter(|[x, y]| libm::hypot(*x, *y) < 1.05).collect()
 }
 
-/// A frame of markers, each displaced inward by `inward(position)` mm, without the markers in `without`.
+/// A frame of markers, each displaced inward by `inward(position)` mm. The markers with numbers in `without` are
+/// missing.
 pub(crate) fn frame(inward: impl Fn([f64; 2]) -> f64, without: &[usize]) -> RgbImage {
     let middle = 0.5 * (f64::from(SIDE) - 1.0);
     let mut image = RgbImage::from_fn(SIDE, SIDE, |column, row| {
@@ -41,14 +42,15 @@ pub(crate) fn frame(inward: impl Fn([f64; 2]) -> f64, without: &[usize]) -> RgbI
         let [x, y] = place;
         let radius = RADIUS * DISTANCE / (DISTANCE - inward(place)) * PX_PER_RAD;
         let centre = [middle + PX_PER_RAD * x, middle - PX_PER_RAD * y];
-        // Magenta absorbs green; yellow, drawn slightly to the side, absorbs blue.
+        // The magenta disc absorbs green light. The yellow disc, which is drawn slightly to the side, absorbs blue
+        // light.
         disc(&mut image, centre, radius, 1);
         disc(&mut image, [centre[0] + 0.3 * radius, centre[1]], radius, 2);
     }
     image
 }
 
-/// Darkens a colour channel within a disc, with an edge one pixel wide.
+/// Darkens one colour channel in a disc whose edge is one pixel wide.
 fn disc(image: &mut RgbImage, [x, y]: [f64; 2], radius: f64, channel: usize) {
     let within = |column: u32, row: u32| {
         let distance = libm::hypot(f64::from(column) - x, f64::from(row) - y);
@@ -66,19 +68,19 @@ fn disc(image: &mut RgbImage, [x, y]: [f64; 2], radius: f64, channel: usize) {
     }
 }
 
-/// Writes an image as PNG.
+/// Writes an image to a PNG file.
 pub(crate) fn write(desk: &Desk, name: &str, image: impl Into<DynamicImage>) {
     desk.write(name, png(image));
 }
 
-/// An image as PNG.
+/// Encodes an image as PNG.
 pub(crate) fn png(image: impl Into<DynamicImage>) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
     image.into().write_to(&mut bytes, ImageFormat::Png).unwrap();
     bytes.into_inner()
 }
 
-/// Start of a PNG file of this size: signature and header, no pixels.
+/// Beginning of a PNG file of this size: signature and header, but no pixels.
 pub(crate) fn png_header(width: u32, height: u32) -> Vec<u8> {
     let mut header = b"IHDR".to_vec();
     header.extend(width.to_be_bytes());

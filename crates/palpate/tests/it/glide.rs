@@ -1,10 +1,10 @@
-//! `palpate run`, `trace` and `check` of glides, and `estimate glide` from traced readings.
+//! `palpate run`, `trace` and `check` with glides, and `estimate glide` with traced readings.
 
 use serde_json::Value;
 
 use super::desk::{Desk, RUN_FILES, assert_close, edited};
 
-/// Three fingers on a saddle: a noiseless and a noisy cell.
+/// Three fingers on a saddle. The study has a noiseless and a noisy cell.
 pub(crate) const GLIDE: &str = r#"name = "a-glide"
 length_unit = "mm"
 seed = 7
@@ -63,7 +63,7 @@ fn a_run_writes_cells_trace_and_maps() {
     let map = desk.table("o/map.csv");
     assert_eq!(map.rows.len(), 50);
     assert_eq!(map.header[..4], ["cell", "x_mm", "y_mm", "z_mm"]);
-    // x slowest: the second row is one step along y.
+    // x varies slowest, so the second row differs by one step along y.
     assert_close(map.number(1, "x_mm"), -10.0, 1e-9);
     assert_close(map.number(1, "y_mm"), -5.0, 1e-9);
     let middle = 12;
@@ -102,7 +102,7 @@ fn estimates_from_a_trace_have_the_true_values() {
     );
     for row in 0..30 {
         let number = |column: &str| truth.number(row, column);
-        // The tip's centre is in the finger's plane. The contact is not; it is on the saddle.
+        // The tip's centre is in the plane of the finger, but the contact is beside this plane, on the saddle.
         assert_eq!(number("tip_y_mm"), [-15.0, 0.0, 15.0][row / 10]);
         let [x, y, z] = ["x_mm", "y_mm", "z_mm"].map(number);
         assert!((z - 0.01 * (x * x - y * y)).abs() < 1e-9);
@@ -194,7 +194,7 @@ fn check_prints_models_noise_and_estimator() {
         "contacts by Newton's method on the offset surface, tolerance 1e-12 (a round tip on a saddle has no closed form",
         "noise: Gaussian errors of x, y and z, drawn per contact",
         "ideal sensor: the contact, with its normal",
-        "penalised bicubic spline, weight by robust generalised cross validation (gamma 1.4), noise found from the contacts",
+        "penalised bicubic spline, weight by robust generalised cross validation (gamma 1.4), noise estimated from the contacts",
     ] {
         assert!(printed.contains(line), "{line:?} is not in {printed}");
     }
@@ -215,19 +215,19 @@ fn check_compares_the_finger_distance_with_the_fingers() {
 
 #[test]
 fn a_warning_names_cells_without_a_map() {
-    // Normals in random directions fit no patch.
+    // Normals in random directions do not determine a patch.
     let lost = edited(GLIDE, "values = [0, 0.05]", "values = [0, 1]").replace(
         "fraction_of_ifd = 0.0 } }",
         "fraction_of_ifd = 0.0 }, normal = { kind = \"gaussian\", std_deg = 90 } }",
     );
     let ended = Desk::with(&lost).palpate("run c.toml --out o");
-    let warning = "warning: the map lacks estimates, because trial 0 failed as `folded` (2 of 2 cells, the first is 0)\n";
+    let warning = "warning: the map has no estimates, because trial 0 failed as `folded` (2 of 2 cells, the first is 0)\n";
     assert!(ended.stderr.contains(warning), "{}", ended.stderr);
     assert!(ended.stderr.contains("\nerror: every trial failed: "));
     assert_eq!(ended.status, Some(1));
 }
 
-/// A study of tips of 4 mm on a ball of 20 mm; the sensor reports the lowest points of the tips.
+/// A study of fingertips of radius 4 mm on a ball of radius 20 mm. The sensor reports the lowest points of the tips.
 const ROUND: &str = r#"name = "round-tips"
 length_unit = "mm"
 seed = 7
@@ -256,7 +256,8 @@ fn the_tip_radius_is_subtracted_from_lowest_points_and_centres() {
         let estimate: Value = serde_json::from_str(&printed).unwrap();
         estimate["mean_curvature"]["value"].as_f64().unwrap()
     };
-    // Within the error of one smoothing spline. If the tip is ignored, the ball seems to have a radius of 24 mm.
+    // The tolerance is the error of one smoothing spline. Without the correction for the tip, the ball seems to have a
+    // radius of 24 mm.
     assert_close(mean(""), 1.0 / 24.0, 1e-2);
     assert_close(mean("--tip-radius 4"), 0.05, 1e-2);
     assert_close(
@@ -265,6 +266,6 @@ fn the_tip_radius_is_subtracted_from_lowest_points_and_centres() {
         1e-2,
     );
     assert_close(mean("--like c.toml"), 0.05, 1e-2);
-    // Centres are higher by the radius, which changes no curvature.
+    // The centres are higher than the lowest points by the radius of the tip, which does not change the curvature.
     assert_close(mean("--tip-radius 4 --reports centre"), 0.05, 1e-2);
 }

@@ -1,5 +1,5 @@
-//! A table of hostile calls, `hostile.txt`: each ends with its status and prints its words, nothing panics, and the
-//! user's files keep their bytes.
+//! Runs a table of hostile calls, `hostile.txt`. Each call must end with its status and print its words, nothing may
+//! panic, and the user's files must keep their bytes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -12,15 +12,15 @@ use super::desk::{Desk, STUDY};
 use super::frames::{frame, write};
 
 const TABLE: &str = include_str!("hostile.txt");
-/// Number of bytes compared per file; the length of the file is compared as well.
+/// Largest number of bytes that are compared per file; the length of the file is compared too.
 const MOST_BYTES: u64 = 1 << 24;
-/// Smallest number of rows; a table with fewer was not read completely.
+/// Smallest number of rows. If fewer rows are found, the table was not read completely.
 const LEAST: usize = 250;
 const PLOT: &str = "\n[[plot]]\nname = \"error\"\nx = \"scene.object.radius\"\ny = \"rms_error\"\nquantity = \
                     \"normal_curvature_u\"\n";
 const SHELL: &str = "palpate() { \"$palpate\" \"$@\"; }; E={examples}; F={shared}; ";
 
-/// A call of the table.
+/// A call in the table.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Call {
     before: String,
@@ -29,7 +29,7 @@ struct Call {
     words: String,
 }
 
-/// Replaces `@name` in a text, longer names first.
+/// Replaces each `@name` in a text; longer names are replaced first.
 fn replace_names(text: &str, names: &BTreeMap<&str, String>) -> String {
     let mut text = text.to_owned();
     let mut known: Vec<&str> = names.keys().copied().collect();
@@ -40,7 +40,7 @@ fn replace_names(text: &str, names: &BTreeMap<&str, String>) -> String {
     text
 }
 
-/// One line for each choice in the outermost braces. A comma after a backslash does not separate choices.
+/// Expands the outermost braces into one line for each choice. A comma after a backslash does not separate choices.
 fn expand_braces(line: &str) -> Vec<String> {
     let Some(start) = line.find('{') else {
         return vec![line.replace("\\,", ",")];
@@ -100,7 +100,7 @@ fn calls() -> Vec<Call> {
     calls
 }
 
-/// Kind and contents of each file in a directory, except palpate's own files.
+/// Kind and contents of each file in a directory, without the files that palpate wrote.
 fn user_files(dir: &Path, within: &str, is_ours: bool) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(dir.join(within)).unwrap() {
@@ -127,7 +127,7 @@ fn user_files(dir: &Path, within: &str, is_ours: bool) -> BTreeMap<String, Vec<u
     found
 }
 
-/// The fault in the result of a call, if any.
+/// The mistake in the result of a call, if there is one.
 fn find_fault(call: &Call, shell: &str) -> Option<String> {
     let desk = Desk::with(&(STUDY.to_owned() + PLOT));
     let before = desk.shell(&format!("{shell}{}", call.before));
@@ -148,7 +148,7 @@ fn find_fault(call: &Call, shell: &str) -> Option<String> {
     (!is_right).then(|| format!("{call:#?}\nlost: {lost:?}\n{before:?}\n{ended:?}\n"))
 }
 
-/// A desk with frames, a calibration, and results in `o`.
+/// A directory with frames, a calibration, and results in `o`.
 fn shared() -> Desk {
     let desk = Desk::with(&(STUDY.to_owned() + PLOT));
     for (name, depth) in [("rest", 0.0), ("pressed", 0.8), ("more", 1.2)] {

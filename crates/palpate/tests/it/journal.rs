@@ -1,4 +1,4 @@
-//! Runs that are killed and resumed.
+//! Runs that are killed and continued later.
 
 use std::fs;
 use std::process::{Child, Command, Stdio};
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::desk::{Desk, RUN_FILES, STUDY, edited};
 
-/// A study of `times` times a few seconds of work on one thread without optimisation.
+/// A study that takes `times` times a few seconds on one thread, in a build without optimisation.
 fn slow_study(times: u32) -> String {
     let values: Vec<String> = (10..34).map(|radius| radius.to_string()).collect();
     let study = edited(STUDY, "[50, 5]", &format!("[{}]", values.join(", ")));
@@ -27,8 +27,8 @@ fn start_run(desk: &Desk, arguments: &str) -> Child {
         .unwrap()
 }
 
-/// Desk of a run into `o` that is stopped when its journal exceeds `bytes`. `arguments` maps the factor by which the
-/// study is longer to the command; if the run ends too early, a longer study is tried.
+/// A directory with a run into `o` that was stopped when its journal exceeded `bytes`. `arguments` returns the command
+/// for a factor by which the study is longer; if the run ends too early, a longer study is tried.
 fn interrupt_run(
     bytes: u64,
     arguments: impl Fn(u32) -> String,
@@ -48,7 +48,7 @@ fn interrupt_run(
     panic!("every run ended before it was stopped");
 }
 
-/// Pauses a run; returns false if it had already ended.
+/// Pauses a run. Returns false if the run has already ended.
 fn pause(desk: &Desk, child: &mut Child) -> bool {
     desk.shell(&format!("kill -STOP {}", child.id()));
     child.try_wait().unwrap().is_none()
@@ -59,7 +59,7 @@ fn kill_run(bytes: u64, arguments: impl Fn(u32) -> String) -> (Desk, String) {
     (desk, arguments)
 }
 
-/// Whether the journal in `o` exceeded `bytes` before the run ended.
+/// Whether the journal in `o` became longer than `bytes` before the run ended.
 fn wait_for_journal(desk: &Desk, child: &mut Child, bytes: u64) -> bool {
     let start = Instant::now();
     let journal = desk.path("o/journal.palpate");
@@ -120,14 +120,14 @@ fn damaged_records_of_a_journal_are_computed_again() {
     };
     again(&torn);
     again(&torn[..torn.len() * 2 / 3]);
-    // Zeros, as some file systems write at a power failure, and a flipped bit.
+    // Two kinds of damage: zeros, which some file systems write at a power failure, and a flipped bit.
     let mut zeros = torn.clone();
     zeros.extend([0; 5000]);
-    assert!(again(&zeros).contains("is damaged, and is done again"));
+    assert!(again(&zeros).contains("is damaged; its cells run again"));
     let mut fallen = torn.clone();
     let place = fallen.len() - 20;
     fallen[place] ^= 4;
-    assert!(again(&fallen).contains("is damaged, and is done again"));
+    assert!(again(&fallen).contains("is damaged; its cells run again"));
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn a_run_stopped_by_a_signal_resumes() {
         let said = String::from_utf8(ended.stderr).unwrap();
         assert!(said.contains("error: stopped: "), "{said}");
         assert!(
-            said.contains("are in o/journal.palpate; the same command goes on from there"),
+            said.contains("are in o/journal.palpate; the same command resumes the run"),
             "{said}"
         );
         let said = desk.palpate("status o").printed();
@@ -154,7 +154,7 @@ fn a_run_stopped_by_a_signal_resumes() {
         desk.palpate("run c.toml --out whole").printed();
         let ended = desk.palpate("run c.toml --out o");
         assert!(
-            ended.stderr.contains("note: goes on after "),
+            ended.stderr.contains("note: resumes after "),
             "{}",
             ended.stderr
         );
@@ -166,7 +166,7 @@ fn a_run_stopped_by_a_signal_resumes() {
 fn another_run_is_refused_and_the_journal_is_kept() {
     let (desk, ..) = interrupt_run(3_000, on_one_thread, |desk, child| {
         let said = desk.palpate("run c.toml --out o --seed 8").said(1);
-        assert!(said.contains("o is held by process"), "{said}");
+        assert!(said.contains("o is locked by process"), "{said}");
         child.kill().unwrap();
     });
     let trials = desk.read("c.toml");
@@ -195,11 +195,11 @@ fn another_run_is_refused_and_the_journal_is_kept() {
     desk.palpate("run c.toml --out o --trials 7 --restart")
         .printed();
     assert_eq!(desk.names("o"), RUN_FILES);
-    // A file that is not a journal is not changed.
+    // A file with this name that is not a journal is not changed.
     desk.write("o/journal.palpate", "mine");
     let said = desk.palpate("run c.toml --out o --trials 7").said(2);
     assert!(
-        said.contains("o/journal.palpate is no journal of palpate"),
+        said.contains("o/journal.palpate is not a journal of palpate"),
         "{said}"
     );
     assert_eq!(desk.read("o/journal.palpate"), "mine");
@@ -214,6 +214,6 @@ fn a_resumed_run_keeps_the_chosen_number_of_trials() {
     desk.palpate(&line.replace("--out o", "--out whole"))
         .printed();
     let ended = desk.palpate(&line);
-    assert!(ended.stderr.contains("note: goes on after"), "{ended:?}");
+    assert!(ended.stderr.contains("note: resumes after"), "{ended:?}");
     assert_same_results(&desk, "o", "whole");
 }

@@ -1,4 +1,4 @@
-//! `palpate estimate … --like STUDY.toml`: recorded readings, estimated with the settings of a study.
+//! `palpate estimate … --like STUDY.toml`: estimates from recorded readings with the settings of a study.
 
 use serde_json::Value;
 
@@ -39,7 +39,7 @@ noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_di
 estimator = { kind = "bonded-layer", indentation = "fitted", gain_std = 0.02 }
 "#;
 
-/// A desk with a study as `c.toml` and the readings of its trial 3.
+/// A directory with a study as `c.toml` and the readings of its trial 3.
 fn traced(study: &str) -> Desk {
     let desk = Desk::with(study);
     desk.palpate("trace c.toml --out t --trial 3").printed();
@@ -50,7 +50,7 @@ fn json(desk: &Desk, arguments: &str) -> Value {
     serde_json::from_str(&desk.palpate(&format!("estimate {arguments}")).printed()).unwrap()
 }
 
-/// `--like` a study and the settings of that study as flags produce the same estimate.
+/// `--like` with a study, and the settings of this study as flags, give the same estimate.
 #[test]
 fn settings_of_a_study_equal_the_same_settings_as_flags() {
     for (study, kind, flags) in [
@@ -78,7 +78,7 @@ fn settings_of_a_study_equal_the_same_settings_as_flags() {
             json(&desk, &format!("{readings} {flags}")),
             "{kind}"
         );
-        // Without these settings the estimate differs, so the comparison above can fail.
+        // Without these settings the estimate is different, so the comparison above could fail.
         let bare = match kind {
             "roll" => "--probe-radius 10",
             "press" => "--sensor-radius 20 --depth 2 --method bonded-layer --thickness 5",
@@ -92,7 +92,7 @@ fn settings_of_a_study_equal_the_same_settings_as_flags() {
     }
 }
 
-/// Studies in other units of length produce the same estimate from readings in millimetres.
+/// Studies with other units of length result in the same estimate from readings in millimetres.
 #[test]
 fn lengths_are_converted_to_the_readings_unit() {
     let press = PRESS
@@ -167,7 +167,7 @@ fn a_flag_overrides_the_study() {
         found != 0.05 && (0.5..2.0).contains(&(found / 0.05)),
         "{found}"
     );
-    // The study fits the indentation; a stated indentation is used instead.
+    // The study fits the indentation, but a stated indentation is used instead.
     assert!(with("")["indentation"]["std"].as_f64().unwrap() > 0.0);
     let estimate = with("--indentation 1.5 --indentation-std 1e-9");
     assert_close(
@@ -175,13 +175,13 @@ fn a_flag_overrides_the_study() {
         1.5,
         1e-8,
     );
-    // The fitted gain of the study is kept for another method that also has a gain.
+    // The gain that the study fits is also used for another method that has a gain.
     assert!(!with("--method half-space")["gain"].is_null());
     desk.palpate(&format!("estimate {like} --window 5"))
         .fails(2, "--window is of use only to --method gaussian");
 }
 
-/// The indentation of a simulated press does not apply to recorded readings.
+/// The indentation of a simulated press is not used for recorded readings.
 #[test]
 fn the_indentation_of_a_study_is_not_used() {
     let desk = traced(&edited(
@@ -198,7 +198,7 @@ fn the_indentation_of_a_study_is_not_used() {
     assert!(estimate["indentation"]["std"].as_f64().unwrap() <= 0.01);
 }
 
-/// Every estimator setting of a config is also a flag for recorded readings.
+/// Every setting of an estimator in a config is also a flag for recorded readings.
 #[test]
 fn every_setting_is_a_flag() {
     let schema: Value = serde_json::from_str(&Desk::new().palpate("schema").printed()).unwrap();

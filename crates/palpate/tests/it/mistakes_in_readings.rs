@@ -1,4 +1,5 @@
-//! Warnings of mistakes of signs, columns and units in rolls and glides: present for wrong readings, absent for sound ones.
+//! Warnings about mistakes in the signs, columns and units of rolls and glides. They must appear for wrong readings,
+//! and not for readings without a mistake.
 
 use std::path::Path;
 
@@ -10,7 +11,7 @@ use palpate_scene::{Scene, Scenes};
 use palpate_sensing::{Channel, Stream};
 use palpate_study::config::{LengthUnit, SceneConfig, StudyConfig, load};
 
-/// Words of the warnings that these tests are about.
+/// Words by which the tests recognise these warnings.
 const WORDS: [&str; 6] = [
     "contradict the positions of the contacts",
     "but the readings show",
@@ -28,7 +29,7 @@ fn warnings(estimate: &impl serde::Serialize) -> Vec<String> {
         .collect()
 }
 
-/// Warnings of a trial's readings, estimated as the study would; `None` where the trial fails.
+/// Warnings about a trial's readings, estimated with the settings of the study; `None` if the trial fails.
 fn of_trial(scene: &Scene, config: &StudyConfig, trial: u64) -> Option<Vec<String>> {
     let unit = config.length_unit;
     let trace = scene.trace(Some(trial), unit).ok()?;
@@ -51,7 +52,7 @@ fn of_trial(scene: &Scene, config: &StudyConfig, trial: u64) -> Option<Vec<Strin
     }
 }
 
-/// No trial of a committed study of rolls or glides, nor of an example, has such a warning.
+/// No trial of a committed study of rolls or glides, and no trial of an example, has such a warning.
 #[test]
 fn readings_of_studies_cause_no_warnings() {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
@@ -84,7 +85,7 @@ fn readings_of_studies_cause_no_warnings() {
     assert!(estimated > 150, "{estimated}");
 }
 
-/// Rolls of a probe of 8 mm on a ball of 30 mm, eight of 0.5 rad, with Gaussian noise of the shifts.
+/// Eight rolls of 0.5 rad of a probe of radius 8 mm on a ball of radius 30 mm, with Gaussian noise of the shifts.
 fn rolls(std: f64, set: u64) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
     let mut stream = Stream::new(set, 0, Channel::WristContact);
     let mobility = 1.0 / (1.0 / 8.0 + 1.0 / 30.0);
@@ -115,8 +116,8 @@ fn shift_noise(shift_std: f64) -> ReadingNoise {
     }
 }
 
-/// Correctly stated noise gives no warning in 2,000 sets. Noise that is stated eight times too large gives one in all
-/// of 250 sets, and so do shifts in cm.
+/// Correctly stated noise gives no warning in 2,000 sets of readings. Noise that is stated eight times too large gives
+/// a warning in all of 250 sets, and so do shifts in cm.
 #[test]
 fn a_far_too_large_stated_noise_causes_a_warning() {
     let (mut sound, mut large, mut in_cm) = (0, 0, 0);
@@ -157,7 +158,7 @@ fn a_pitch_longer_than_the_shifts_causes_a_warning() {
             "{pitch}: {found:?}"
         );
     }
-    // A contact that does not move has no such shift.
+    // A contact that does not move is not a shift shorter than the pitch.
     let still = vec![[0.0, 0.0]; 8];
     let readings = RollRecording::new(&rotations, &still, Some(LengthUnit::Mm)).unwrap();
     let options = RollOptions {
@@ -168,7 +169,7 @@ fn a_pitch_longer_than_the_shifts_causes_a_warning() {
     assert!(!said.contains("is the pitch right"), "{said}");
 }
 
-/// Contacts of three fingers on z = −0.03 x² − 0.012 x y − 0.008 y² + 0.1 x, with noise, and their normals.
+/// Noisy contacts of three fingers on z = −0.03 x² − 0.012 x y − 0.008 y² + 0.1 x, with their normals.
 fn contacts(set: u64, std: f64) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, Vec<u64>) {
     let mut stream = Stream::new(set, 0, Channel::Position);
     let (mut points, mut normals, mut fingers) = (Vec::new(), Vec::new(), Vec::new());
@@ -190,7 +191,7 @@ fn contacts(set: u64, std: f64) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, Vec<u64>) {
     (points, normals, fingers)
 }
 
-/// Warnings of contacts, or the error.
+/// Warnings about contacts, or the error.
 fn of_contacts(points: &[[f64; 3]], normals: &[[f64; 3]], fingers: &[u64]) -> String {
     let readings =
         GlideRecording::new(points, Some(normals), Some(fingers), Some(LengthUnit::Mm)).unwrap();
@@ -232,7 +233,7 @@ fn mirrored_or_swapped_normals_cause_a_warning() {
     }
 }
 
-/// A plane and a ridge look the same with some components turned, and seven contacts are too few to say.
+/// On a plane or a ridge, wrong components of the normals may go unnoticed; seven contacts are too few to detect them.
 #[test]
 fn few_contacts_or_a_plane_cause_no_warning_of_normals() {
     let (points, normals, fingers) = contacts(1, 0.02);

@@ -1,4 +1,4 @@
-//! Every object with every sensor and every noise.
+//! Tests every object with every sensor and every noise.
 
 use super::desk::Desk;
 
@@ -65,7 +65,7 @@ motion = {{ rate_rad_per_s = 0.1, duration_s = 1.0 }}
         for quantity in ["normal_curvature_u", "normal_curvature_v", "mean_curvature"] {
             let row = table.row_of(cell, quantity);
             let [mean, truth] = ["mean", "truth"].map(|column| table.number(row, column));
-            // A hundredth of the probe's radius, over a tenth of a radian.
+            // The pitch is a hundredth of the probe's radius, and the roll a tenth of a radian.
             assert!(
                 (mean - truth).abs() < 0.25,
                 "{:?}: {mean}, {truth}",

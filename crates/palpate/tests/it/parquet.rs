@@ -1,4 +1,4 @@
-//! Tables as Parquet, read back and compared with the same tables as CSV.
+//! Tables in Parquet format, compared with the same tables in CSV format.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -18,7 +18,7 @@ use super::shards::{PRESSES, many};
 
 const TABLES: [&str; 3] = ["cells", "failures", "map"];
 
-/// Rolls with axes of all kinds: integers, words, tables with awkward labels, a parameter of a formula.
+/// A study of rolls with axes of all types: integers, words, tables with unusual labels, and a parameter of a formula.
 const KINDS: &str = r#"name = "kinds"
 length_unit = "cm"
 
@@ -49,7 +49,7 @@ to = 0.2
 count = 2
 "#;
 
-/// A Parquet file: its columns with type and unit, its rows, and its metadata.
+/// A Parquet file that was read: its columns with type and unit, its rows, and its metadata.
 struct Read {
     columns: Vec<(String, &'static str, Option<String>)>,
     rows: Vec<Vec<Field>>,
@@ -113,7 +113,7 @@ fn read(desk: &Desk, name: &str) -> Read {
     }
 }
 
-/// Compares every name and every value with a table as CSV; returns the number of values.
+/// Compares every name and every value with a CSV table, and returns the number of values.
 fn compare_tables(desk: &Desk, name: &str, csv: &str) -> usize {
     let (found, expected) = (read(desk, name), desk.table(csv));
     let names: Vec<&String> = found.columns.iter().map(|(name, ..)| name).collect();
@@ -144,7 +144,7 @@ fn compare_tables(desk: &Desk, name: &str, csv: &str) -> usize {
 
 #[test]
 fn every_value_equals_that_of_the_csv() {
-    // Whether there is a failure, and a map.
+    // A study, whether it has failures, and whether it has a map.
     for (study, fails, maps) in [
         (many(), false, false),
         (KINDS.to_owned(), false, false),
@@ -282,7 +282,7 @@ fn threads_shards_and_pipes_write_the_same_bytes() {
         );
     }
     assert!(bytes("t.parquet") == bytes("u.parquet") && bytes("t.parquet") == bytes("v.parquet"));
-    // Standard output holds the file and nothing else.
+    // Standard output contains only the file.
     let ended = desk.shell(
         "\"$palpate\" merge s --out n --format parquet --trials-out - > w.parquet && \
          \"$palpate\" run c.toml --out q --format parquet --trials-out - > x.parquet",
@@ -323,13 +323,13 @@ fn a_run_removes_the_tables_of_an_earlier_run() {
         let said = desk.palpate(command).said(1);
         assert!(said.contains("o has its tables as Parquet"), "{said}");
     }
-    // Another study overwrites them, and so do tables as CSV.
+    // A run of another study overwrites the tables, and so does a run with CSV tables.
     desk.palpate("run c.toml --out o --format parquet --seed 8")
         .printed();
     desk.palpate("run c.toml --out o --seed 9").printed();
     assert_eq!(desk.names("o"), ["cells.csv", "failures.csv", "run.toml"]);
     assert_eq!(desk.palpate("status o").printed(), words);
-    // A table that was edited by hand is kept and named.
+    // A table that was edited by hand is kept, and the message names it.
     let edited = desk.read("o/cells.csv") + "\n";
     desk.write("o/cells.csv", &edited);
     let ended = desk.palpate("run c.toml --out o --format parquet --seed 9");
@@ -341,7 +341,7 @@ fn a_run_removes_the_tables_of_an_earlier_run() {
     desk.write("o/cells.parquet", "mine");
     let said = desk.palpate("run c.toml --out o --format parquet").said(2);
     assert!(said.contains("o/cells.parquet was changed since"), "{said}");
-    // Without a manifest, the config in the same directory marks the tables as palpate's.
+    // Without a manifest, the config in the same directory shows that the tables are palpate's.
     desk.palpate("run c.toml --out n --format parquet")
         .printed();
     fs::remove_file(desk.path("n/.palpate.toml")).unwrap();
@@ -357,7 +357,7 @@ fn a_table_of_trials_overwrites_only_another_one() {
     let first = fs::read(desk.path("t.parquet")).unwrap();
     desk.palpate(&format!("{line} --seed 3")).printed();
     assert!(fs::read(desk.path("t.parquet")).unwrap() != first);
-    // Another kind of table, and a file that is not a table.
+    // Neither another kind of table nor a file that is no table is overwritten.
     desk.palpate("run c.toml --out p --format parquet")
         .printed();
     fs::copy(desk.path("p/cells.parquet"), desk.path("t.parquet")).unwrap();
@@ -369,7 +369,7 @@ fn a_table_of_trials_overwrites_only_another_one() {
     assert_eq!(desk.read("t.parquet"), "mine");
     desk.palpate("run c.toml --out q --trials-out q/cells.parquet")
         .fails(2, "the run writes another file of that name");
-    // The extension of the file overrides --format.
+    // The extension of the file is used instead of --format.
     desk.palpate("run c.toml --out q --format parquet --trials-out u.csv")
         .printed();
     assert!(desk.read("u.csv").starts_with("cell,trial,"));

@@ -1,11 +1,11 @@
-//! `palpate run`, `trace` and `check` of presses, and `estimate press` from traced readings.
+//! `palpate run`, `trace` and `check` with presses, and `estimate press` with traced readings.
 
 use serde_json::Value;
 
 use super::desk::{Desk, RUN_FILES, STUDY, assert_close, edited};
 use palpate::Warning;
 
-/// A ball, a plane, a dish, and a dish with a smaller radius than the sensor.
+/// A study of a ball, a plane, a dish, and a dish with a smaller radius than the sensor.
 pub(crate) const PRESS: &str = r#"name = "a-press"
 length_unit = "mm"
 seed = 7
@@ -49,9 +49,9 @@ fn a_run_writes_cells_trace_and_profiles() {
     );
     assert_eq!(
         ended.stderr,
-        "warning: no press; every trial fails as `edge-contact`: the relative curvature is -0.05, below 0: the contact \
-         is at the edge (cell 3)\n\
-         warning: the map lacks estimates, because trial 0 failed as `edge-contact` (cell 3)\n"
+        "warning: no press; every trial fails as `edge-contact`: the relative curvature is -0.05, below 0: the sensor \
+         touches the edge of the object (cell 3)\n\
+         warning: the map has no estimates, because trial 0 failed as `edge-contact` (cell 3)\n"
     );
     let warnings: Vec<Warning> = serde_json::from_str(&desk.read("o/warnings.json")).unwrap();
     let codes = warnings.iter().map(|warning| warning.code.as_str());
@@ -76,7 +76,7 @@ fn a_run_writes_cells_trace_and_profiles() {
 
     let cells = desk.table("o/cells.csv");
     assert_eq!(cells.header.last().unwrap(), "std_bound");
-    // The plane has no radius.
+    // The plane has no row for the radius.
     assert_eq!(cells.rows.len(), 7 + 6 + 7 + 7);
     for (row, (quantity, unit, truth)) in [
         ("relative_curvature", "1/mm", 1.0 / 12.0),
@@ -132,7 +132,7 @@ fn a_run_writes_cells_trace_and_profiles() {
         3.0 * 12.0_f64.sqrt(),
         1e-12,
     );
-    // At a depth of 2, u(0)/δ of a half-space with R = 20, δ = 1 is 0.844 as fitted, 0.87 at most.
+    // At a depth of 2 in a half-space with R = 20 and δ = 1, u(0)/δ is 0.844 by the fit, and at most 0.87.
     let middle = map.number(121, "normal_displacement_mm");
     assert!((0.8..0.875).contains(&middle), "{middle}");
     assert_close(
@@ -240,7 +240,7 @@ fn estimates_from_a_trace_have_the_true_values() {
     let said = desk.palpate("trace c.toml --out e --cell 3").said(1);
     assert_eq!(
         said,
-        "error: the relative curvature is -0.05, below 0: the contact is at the edge\n"
+        "error: the relative curvature is -0.05, below 0: the sensor touches the edge of the object\n"
     );
     assert!(desk.names("e").is_empty());
 }
@@ -277,7 +277,7 @@ fn normal_displacements_alone_or_of_one_row_are_enough() {
     );
     let desk = Desk::with(&row);
     desk.palpate("trace c.toml --out t").printed();
-    // Positions in another unit, for --radial-scale.
+    // The positions are in another unit, which --radial-scale corrects.
     let readings = desk.table("t/readings.csv");
     let mut text = "radial_position_mm,normal_displacement_mm\n".to_owned();
     for one in 0..readings.rows.len() {
@@ -310,7 +310,7 @@ fn forces_follow_from_a_modulus() {
         )
     };
     let press = estimate("--young 0.3");
-    // (4/3) E* √R δ^1.5 and (2 E*/π) √(δ/R), E* = E/(1 − 1/4).
+    // The expected force is (4/3) E* √R δ^1.5, and the highest pressure (2 E*/π) √(δ/R), with E* = E/(1 − 1/4).
     assert_close(
         number(&press["force"]["value"]),
         4.0 / 3.0 * 0.4 * 20.0_f64.sqrt(),
@@ -333,7 +333,7 @@ fn outliers_are_named_by_row_and_line() {
         fields[2] = "-1.5";
         lines[line] = fields.join(",");
     }
-    // A blank line is no row.
+    // A blank line is not a row.
     lines.insert(10, String::new());
     desk.write("r.csv", lines.join("\n"));
     let estimate = json(
@@ -355,7 +355,7 @@ fn a_gaussian_is_calibrated_on_a_plane() {
         r#"{ kind = "half-space", indentation_std = 0.02 }"#,
         r#"{ kind = "gaussian" }"#,
     );
-    // 60 steps to either side, out to twice the contact radius.
+    // The profile has 60 steps to either side, up to twice the contact radius.
     let gaussian = edited(
         &gaussian,
         "marker_depth = 2.0",
@@ -377,7 +377,7 @@ fn a_gaussian_is_calibrated_on_a_plane() {
     assert!(cells.text(0, "std_bound").is_empty());
     let map = desk.table("o/map.csv");
     assert!(map.text(5, "estimated_radial_displacement_mm").is_empty());
-    // The command line finds the same calibration.
+    // `palpate estimate press` computes the same calibration.
     desk.palpate("trace c.toml --out t --cell 1").printed();
     let estimate = json(
         &desk,
@@ -385,7 +385,7 @@ fn a_gaussian_is_calibrated_on_a_plane() {
     );
     assert_close(number(&estimate["effective_radius"]["value"]), 20.0, 1e-6);
     let c = number(&estimate["c"]);
-    // Computed by another program: an unweighted fit has σ²/δ = 22.7 and R² = 0.978.
+    // Another program computed σ²/δ = 22.7 and R² = 0.978 for an unweighted fit.
     assert_close(c, 20.0 / 22.7, 0.005);
     assert_close(number(&estimate["r_squared"]), 0.978, 0.001);
     let paper = json(
@@ -403,7 +403,7 @@ fn check_prints_models_noise_and_estimator() {
         "trials  160",
         "    Hertz contact on a half-space, at the markers' depth: closed form",
         "    convex contact: the object bulges",
-        "    warning: no press; every trial fails as `edge-contact`: the relative curvature is -0.05, below 0: the contact is at the edge",
+        "    warning: no press; every trial fails as `edge-contact`: the relative curvature is -0.05, below 0: the sensor touches the edge of the object",
         "    noise: Gaussian errors of normal displacements, drawn per marker; of tangential displacements, drawn per marker and component; of the given indentation",
         "    direct sensor: 77 markers, with displacements along the skin",
         "    least-squares fit of a half-space, indentation given, noise as stated",

@@ -1,9 +1,9 @@
-//! The numbers of the 1996 paper, from the binary.
+//! Compares numbers of the 1996 paper with results of the program.
 
 use super::desk::{Desk, assert_close};
 
-/// Mean relative errors of a normal curvature if the angular velocity of each of eight probes
-/// has an error of 1 %, from an independent simulation.
+/// Mean relative errors of a normal curvature if the angular velocity of each of eight probes has an error of 1 %. The
+/// expected values come from an independent simulation.
 #[test]
 fn monte_carlo_reference() {
     let desk = Desk::with(
@@ -36,7 +36,8 @@ values = [500, 50, 5, 1, 0.5]
     }
 }
 
-/// Pads of 0.5 and 1 mm in a square grid estimate a curvature of exactly 0 for a sphere of 50 mm.
+/// Square grids of pads with a pitch of 0.5 and 1 mm give an estimated curvature of exactly 0 for a sphere of radius 50
+/// mm.
 fn assert_exact_zeros(unit: &str, millimetre: f64) {
     let [probe, object, fine, coarse] = [10.0, 50.0, 0.5, 1.0].map(|length| length * millimetre);
     let desk = Desk::with(&format!(
@@ -63,7 +64,7 @@ values = [{fine}, {coarse}, {}]
         assert_eq!(table.text(row, "mean"), "0", "pitch {}", table.rows[row][1]);
         assert_eq!(table.number(row, "relative_mean_abs_error"), 1.0);
     }
-    // Finer pads estimate a positive curvature.
+    // With finer pads, the estimated curvature is positive.
     assert!(table.number(table.row_of(2, "normal_curvature_u"), "mean") > 0.0);
 }
 

@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::desk::{Desk, with_flags};
 use super::readings::{GLIDE, PRESS, ROLL, changed, glide, press, roll, scaled, warnings};
 
-/// Options of a command, and words of its warning; `[]` if it prints no warning.
+/// Rows: options of a command | words of its warning, or `[]` if it prints no warning.
 const PRESSES: &str = "
  | at the skin's surface
 --depth 0 | []
@@ -57,7 +57,7 @@ fn stated_values_that_contradict_the_readings_cause_warnings() {
             let message = if ended.status == Some(0) {
                 let json: Value = serde_json::from_str(&ended.stdout).unwrap();
                 assert_eq!(json["format_version"], 2);
-                // The warnings are also printed on stderr.
+                // The warnings are also printed on standard error.
                 let lines = warnings(&json)
                     .into_iter()
                     .map(|warning| format!("warning: {}\n", with_flags(warning)));
@@ -98,7 +98,7 @@ fn warnings_have_codes() {
     }
 }
 
-/// If no standard deviation is stated, 2 % of the stated indentation is assumed.
+/// If no standard deviation of the indentation is stated, 2 % of the indentation is assumed.
 #[test]
 fn an_indentation_is_never_exact() {
     let desk = Desk::new();
@@ -112,7 +112,7 @@ fn an_indentation_is_never_exact() {
     assert_eq!(bare["object_curvature"], stated["object_curvature"]);
 }
 
-/// Warnings of an estimate, or its error.
+/// Warnings of an estimate, or its error, as text.
 fn warnings_or_error(estimated: Result<Value, String>) -> String {
     estimated.map_or_else(|error| error, |json| warnings(&json).join("; "))
 }
@@ -129,7 +129,7 @@ fn of_press(table: &str) -> String {
     warnings_or_error(press(table, Form::default()))
 }
 
-/// Rows: columns to multiply | factor | words of the warning or error.
+/// Rows: columns that are multiplied | factor | words of the warning or error.
 const PRESS_MISTAKES: &str = "
 3 | -1 | the sign of tangential_x reversed
 4 | -1 | the sign of tangential_y reversed

@@ -1,4 +1,4 @@
-//! Tables of readings, and the library's estimates from them.
+//! Tables of readings, and the estimates that the library computes from them.
 
 use palpate::recorded::{
     Form, GlideOptions, PressOptions, RecordedFile, RollOptions, column_names, estimate_glide,
@@ -7,14 +7,15 @@ use palpate::recorded::{
 use serde::Serialize;
 use serde_json::Value;
 
-/// A ball of radius 10 rolls on a ball of radius 20: after 0.3 rad the contact has moved by 0.3 / (1/10 + 1/20) = 2.
+/// Rolls of a ball of radius 10 on a ball of radius 20: after 0.3 rad, the contact has moved by 0.3 / (1/10 + 1/20) =
+/// 2.
 pub(crate) const ROLLS: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n\
                      0,0,-0.3,2.125,0.25\n1,0.3,0,-0.25,2.125\n2,0,0.3,-2,0\n3,-0.3,0,0,-2\n";
 pub(crate) const ROLL: &str = include_str!("../../../../examples/roll-readings.csv");
 pub(crate) const GLIDE: &str = include_str!("../../../../examples/glide-readings.csv");
 pub(crate) const PRESS: &str = include_str!("../../../../examples/press-readings.csv");
 
-/// Form of a table with other column names.
+/// Form of a table whose columns have other names.
 pub(crate) fn named(columns: &str) -> Form {
     let columns = column_names(columns).unwrap();
     Form {
@@ -23,7 +24,7 @@ pub(crate) fn named(columns: &str) -> Form {
     }
 }
 
-/// Estimate as JSON, or the error's text.
+/// An estimate as JSON, or the text of the error.
 type Estimated = Result<Value, String>;
 
 fn json<T: Serialize>(estimate: Result<T, impl ToString>) -> Estimated {
@@ -35,7 +36,7 @@ fn file(contents: impl AsRef<[u8]>, form: Form) -> RecordedFile {
     RecordedFile::new("r.csv", contents.as_ref().to_vec()).written(form)
 }
 
-/// Estimate from rolls of a probe of radius 10.
+/// Estimate from rolls of a probe with radius 10.
 pub(crate) fn roll(contents: impl AsRef<[u8]>, form: Form) -> Estimated {
     let options = RollOptions {
         length_unit: form.length_unit,
@@ -53,7 +54,7 @@ pub(crate) fn glide(contents: impl AsRef<[u8]>, form: Form) -> Estimated {
     json(fitted.map(|(estimate, _)| estimate))
 }
 
-/// Estimate from a press of a sensor of radius 20 with markers at depth 2.
+/// Estimate from a press with a sensor of radius 20 and markers at a depth of 2.
 pub(crate) fn press(contents: impl AsRef<[u8]>, form: Form) -> Estimated {
     let options = PressOptions {
         marker_depth: Some(2.0),
@@ -63,8 +64,9 @@ pub(crate) fn press(contents: impl AsRef<[u8]>, form: Form) -> Estimated {
     json(readings.and_then(|readings| estimate_press(&readings, &options)))
 }
 
-/// Checks that tables are refused. Rows: `edit | columns | :line | words of the reason`. An edit is either
-/// `text => replacement` in the base or a whole table; `\n` and `\r` end lines. Columns: `--columns` or `-`.
+/// Checks that tables are rejected. Each row is `edit | columns | :line | words of the reason`. An edit is either `text
+/// => replacement` in the base table, or a whole table; `\n` and `\r` end lines. `columns` is the value of `--columns`,
+/// or `-`.
 pub(crate) fn refuses(estimate: fn(&str, Form) -> Estimated, base: &str, list: &str) {
     let mut wrong = Vec::new();
     for row in list.trim().lines() {
@@ -100,7 +102,7 @@ pub(crate) fn warnings(estimate: &Value) -> Vec<&str> {
         .collect()
 }
 
-/// A table with these columns multiplied by `factor`.
+/// A table in which these columns are multiplied by `factor`.
 pub(crate) fn scaled(csv: &str, columns: &[usize], factor: f64) -> String {
     changed(csv, |fields| {
         for &column in columns {
@@ -110,7 +112,7 @@ pub(crate) fn scaled(csv: &str, columns: &[usize], factor: f64) -> String {
     })
 }
 
-/// A table with the fields of each row changed.
+/// A table in which `change` has changed the fields of each row.
 pub(crate) fn changed(csv: &str, change: impl Fn(&mut Vec<String>)) -> String {
     let (header, rows) = csv.split_once('\n').unwrap();
     let row = |line: &str| {

@@ -1,4 +1,4 @@
-//! `palpate design` of several fields: the region in which they meet a target, and the best value of one.
+//! `palpate design` with several fields: the region in which they meet a target, and the best value of one field.
 
 use serde_json::Value;
 
@@ -8,7 +8,7 @@ const TARGET: &str = "--target relative_rms_error(mean_curvature)<=0.05";
 const RADII: &str = "--vary scene.object.radius=5,20,50";
 const FRACTION: &str = "scene.noise.angular_velocity.fraction";
 
-/// Column of an answer at a value of its only field of the grid.
+/// Column of an answer, for a value of the only field of its grid.
 fn column<'a>(answer: &'a Value, path: &str, value: &str) -> &'a Value {
     let columns = answer["columns"].as_array().unwrap();
     let found = columns.iter().find(|column| {
@@ -63,7 +63,7 @@ fn both_sides_of_every_column_are_those_that_a_run_finds() {
 
 #[test]
 fn the_best_value_is_that_of_the_kinder_noise() {
-    // Uniform noise within ±f has the standard deviation f/√3, Gaussian noise f.
+    // Uniform noise within ±f has a standard deviation of f/√3, Gaussian noise of f.
     let kinds = "--vary scene.noise.angular_velocity.kind=gaussian,uniform";
     let question = format!(
         "design c.toml {TARGET} --set scene.object.radius=20 --vary {FRACTION}=0.001..0.2 {kinds} --maximise {FRACTION} --gap 0.1"
@@ -85,7 +85,7 @@ fn the_best_value_is_that_of_the_kinder_noise() {
         sentence.starts_with("Largest angular velocity noise that meets the target (95 % sure): ")
             && sentence.contains(", at angular velocity kind noise uniform; ")
             && sentence.ends_with(
-                " misses it at both values of angular velocity kind noise that were looked at."
+                " misses it at both values of angular velocity kind noise that were tested."
             ),
         "{sentence}"
     );
@@ -93,7 +93,8 @@ fn the_best_value_is_that_of_the_kinder_noise() {
 
 #[test]
 fn the_grid_closes_in_on_the_best_value() {
-    // Without noise the mean curvature is 1/R exactly: the ball of 20 mm is the largest of 0.05/mm. The probe does not count.
+    // Without noise the mean curvature is exactly 1/R, so a ball of radius 20 mm is the largest with at least 0.05 /mm.
+    // The radius of the probe has no influence.
     let question = "design c.toml --target mean(mean_curvature)>=0.05 --vary scene.object.radius=1..100 \
                     --vary scene.probe.radius=1..30 --maximise scene.object.radius --gap 0.01";
     let desk = Desk::with(&noiseless());
@@ -115,7 +116,7 @@ fn the_grid_closes_in_on_the_best_value() {
 #[test]
 fn the_best_of_listed_values_and_of_a_single_field() {
     let desk = Desk::with(STUDY);
-    // With so much noise, flat balls miss the target whatever it is.
+    // With so much noise, flat balls miss the target at every tried value.
     let noise = format!("--vary {FRACTION}=0.05..0.2 --gap 0.3");
     let answer = desk.json(&format!(
         "design c.toml {TARGET} --vary scene.object.radius=5,20,500 {noise} --maximise scene.object.radius"
@@ -129,7 +130,7 @@ fn the_best_of_listed_values_and_of_a_single_field() {
     let largest = if met[1] { "20" } else { "5" };
     assert!(met[0], "{answer}");
     assert_eq!(answer["best_that_meets"]["scene.object.radius"], largest);
-    // Alone, what is sought is where the run ends.
+    // If only the noise varies, its largest value is the end of the run that meets the target.
     let alone = format!("--vary {FRACTION}=0.001..0.2 --gap 0.3");
     let [line, best] = ["".to_owned(), format!("--maximise {FRACTION}")]
         .map(|sought| desk.json(&format!("design c.toml {TARGET} {alone} {sought}")));
@@ -144,10 +145,10 @@ fn what_nothing_meets() {
     );
     let said = desk.palpate(&question).printed();
     assert!(
-        said.starts_with("No value of angular velocity noise meets the target at any of 3 values of object radius that were looked at (95 % sure); at best rms relative error is "),
+        said.starts_with("No value of angular velocity noise meets the target at any of 3 values of object radius that were tested (95 % sure); at best rms relative error is "),
         "{said}"
     );
-    // The sharpest ball is told best.
+    // The best result is for the ball with the smallest radius.
     assert!(
         said.lines()
             .next()
@@ -172,7 +173,7 @@ const QUESTIONS: &str = "
 --maximise scene.probe.radius --minimise scene.probe.radius | cannot be used with
 --vary scene.noise.angular_velocity.fraction=1,2 | is given twice
 --vary scene.object.radius=5,20 --set scene.object.radius=1 | scene.object.radius is given twice
---vary scene.object.radius=1..9 --vary scene.probe.radius=1..9 --vary scene.motion.duration_s=1..2 --vary scene.motion.rate_rad_per_s=0.1,0.2,0.3 | 81 combinations of values would each be searched, and at most 64 are
+--vary scene.object.radius=1..9 --vary scene.probe.radius=1..9 --vary scene.motion.duration_s=1..2 --vary scene.motion.rate_rad_per_s=0.1,0.2,0.3 | 81 combinations of values would each be searched; at most 64 are allowed
 --vary scene.object.radios=1..9 | c.toml: scene.object.radios
 ";
 

@@ -39,7 +39,7 @@ fn a_study_without_plots_gets_the_default_plot() {
     ] {
         assert!(svg.contains(words), "{words}: {svg}");
     }
-    // The next run removes it, like the plots of the config.
+    // The next run removes this figure, like the figures of the config's plots.
     desk.palpate("run c.toml --seed 3 --out o").printed();
     assert_eq!(desk.names("o"), RUN_FILES);
 }
@@ -51,7 +51,7 @@ fn a_study_without_sweeps_has_no_default_plot() {
     let printed = desk.palpate("plot o").printed();
     assert_eq!(
         printed,
-        "a-study has no [[plot]], and sweeps nothing that one could be of; nothing drawn\n"
+        "a-study has no [[plot]] and no sweep, so there is nothing to plot\n"
     );
     assert_eq!(desk.names("o"), RUN_FILES);
 }

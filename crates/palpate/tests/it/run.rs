@@ -1,4 +1,4 @@
-//! `palpate run`: its files, and results that do not depend on threads, shards or vector instructions.
+//! `palpate run`: its files, and that its results do not depend on threads, shards or vector instructions.
 
 use std::sync::atomic::AtomicBool;
 
@@ -46,7 +46,7 @@ fn cells_have_a_row_per_cell_and_quantity() {
         assert!((statistic("mean") - statistic("truth") - statistic("bias")).abs() < 1e-12);
         assert!(statistic("rms_error") >= statistic("mean_abs_error"));
         assert!(statistic("q05") <= statistic("q50") && statistic("q50") <= statistic("q95"));
-        // The estimator has no standard error of the arc length.
+        // The estimator computes no standard error of the arc length.
         assert_eq!(
             table.text(row, "coverage95").is_empty(),
             quantity == "arc_length"
@@ -125,7 +125,7 @@ fn overrides_have_the_effect_of_the_same_lines_in_the_config() {
 
 #[test]
 fn threads_shards_and_vectors_do_not_change_a_byte() {
-    // Three blocks of trials, the last one short.
+    // 2,500 trials are three blocks; the last block is shorter.
     let config = edited(STUDY, "trials = 20", "trials = 2500");
     let desk = Desk::with(&config);
     for line in [
@@ -152,7 +152,7 @@ fn threads_shards_and_vectors_do_not_change_a_byte() {
 
 #[test]
 fn every_nth_cell_keeps_numbers_and_bytes() {
-    // More cells than the run keeps prepared at one time.
+    // There are more cells than the run keeps set up at one time.
     let range = "from = 1\nto = 50\ncount = 70";
     let desk = Desk::with(&edited(STUDY, "values = [50, 5]", range));
     desk.palpate("run c.toml --out all").printed();
@@ -223,7 +223,7 @@ fn outputs_can_include_a_trace() {
 fn a_cell_in_which_every_trial_fails_still_has_rows() {
     let lines = "sensor = { kind = \"pads\", pitch = 1, cap_deg = 15 }\nnoise";
     let desk = Desk::with(&edited(STUDY, "noise", lines));
-    // On the large sphere the contact leaves the pads; on the small one it does not.
+    // On the large sphere, the contact leaves the area of the pads; on the small sphere, it does not.
     let ended = desk.palpate("run c.toml --out o");
     assert_eq!(
         (ended.status, ended.stdout.as_str()),
@@ -273,7 +273,7 @@ fn failures_name_their_kind_and_first_trial() {
         assert_eq!(cells.number(5 * cell, "failures"), counted);
         for row in of_cell {
             assert!(failures.number(row, "first_trial") < 200.0);
-            // No earlier trial fails in this way.
+            // No earlier trial fails with this kind of failure.
             let trials = failures.number(row, "first_trial") as usize;
             if trials == 0 {
                 continue;
@@ -287,7 +287,7 @@ fn failures_name_their_kind_and_first_trial() {
     }
 }
 
-/// The column `trials` holds the swept numbers and the statistic of that name.
+/// The column `trials` is both the swept number and the statistic with this name.
 #[test]
 fn trials_can_be_swept_and_drawn() {
     let plots = "\n[[plot]]\nname = \"along\"\nx = \"trials\"\ny = \"rms_error\"\nquantity = \"mean_curvature\"\n\

@@ -18,8 +18,8 @@ const MARKERS: [&str; 10] = [
     "dmean_hue_turns",
 ];
 
-/// Displacement in mm at a depth of 2 mm in an incompressible half-space. A sensor of radius 20 mm is pressed 1 mm onto
-/// a plane: closed form for the Hertz pressure.
+/// Displacement in mm at a depth of 2 mm in an incompressible half-space, when a sensor of radius 20 mm is pressed 1 mm
+/// onto a plane. It is the closed form for the Hertz pressure.
 fn pressed([x, y]: [f64; 2]) -> f64 {
     let (radius, depth, nu): (f64, f64, f64) = (20.0, 2.0, 0.5);
     let r = radius * libm::hypot(x, y);
@@ -31,12 +31,12 @@ fn pressed([x, y]: [f64; 2]) -> f64 {
     let of_pressure = (2.0 * a * a - r * r + 2.0 * z * z) * angle
         + (3.0 * l_1 * l_1 - 2.0 * a * a) / a * (l_2 * l_2 - a * a).sqrt();
     let of_depth = (a * a - l_1 * l_1).sqrt() - z * angle;
-    // Pressure at the centre divided by the shear modulus.
+    // Pressure at the centre of the contact, divided by the shear modulus.
     let pressure = 4.0 / std::f64::consts::PI / radius.sqrt() / (1.0 - nu);
     pressure / (4.0 * a) * ((1.0 - nu) * of_pressure + 2.0 * z * of_depth)
 }
 
-/// A desk with frames at rest and pressed, and with a calibration from the size of three frames.
+/// A directory with frames at rest and pressed, and with a calibration from the marker sizes in three frames.
 fn desk() -> Desk {
     let desk = Desk::new();
     write(&desk, "rest.png", frame(|_| 0.0, &[]));
@@ -53,7 +53,7 @@ fn desk() -> Desk {
     desk
 }
 
-/// Prints the figures of the published tables, each with its unit.
+/// The command prints the numbers of the published tables, each with its unit.
 #[test]
 fn the_published_calibration() {
     let examples = concat!(
@@ -133,13 +133,13 @@ fn frames_calibrate_and_are_tracked() {
             "{x} {y}: {normal} is not {expected}"
         );
     }
-    // `estimate press` reads the same readings.
+    // `estimate press` results in the same estimate from the readings that were written.
     let again = desk
         .palpate("estimate press o/readings.csv --sensor-radius 20 --depth 2 --indentation 1")
         .printed();
     let again: serde_json::Value = serde_json::from_str(&again).unwrap();
     assert_eq!(again["effective_radius"], json["effective_radius"]);
-    // The two commands agree for a layer on a core as well.
+    // The two commands also agree for a layer on a core.
     let layer = "--sensor-radius 20 --depth 2 --method bonded-layer --thickness 12 --indentation 1";
     let [tracked, estimated] = [
         format!("sensor track rest.png pressed.png --calibration c.toml --px-per-rad {PX_PER_RAD} --out o {layer}"),
@@ -204,7 +204,7 @@ fn swapped_frames_cause_a_warning_and_other_sensors_an_error() {
     let run = "--calibration c.toml --sensor-radius 20 --depth 2 --px-per-rad 151.3 --out o";
     desk.palpate(&format!("sensor track other.png other.png {run}"))
         .fails(1, &format!("a sensor with {} markers", places().len()));
-    // Nothing was pressed.
+    // The pressed frame equals the frame at rest, so there is no contact.
     let said = desk
         .palpate(&format!("sensor track rest.png rest.png {run}"))
         .said(1);
@@ -214,7 +214,7 @@ fn swapped_frames_cause_a_warning_and_other_sensors_an_error() {
     );
 }
 
-/// Frames with every kind of pixel have the same markers.
+/// Frames with all kinds of pixels have the same markers.
 #[test]
 fn all_kinds_of_pixels_are_read() {
     let desk = Desk::new();
@@ -273,10 +273,10 @@ fn unusable_frames_are_refused() {
         assert!(desk.names("o").is_empty(), "{name}");
     }
     desk.palpate("sensor track dot.png dot.png --out o")
-        .fails(1, "dot.png: 1 by 1 px are too few");
+        .fails(1, "dot.png: the frame has 1 by 1 px");
     desk.palpate("sensor track none.png rest.png --out o")
         .fails(1, "none.png");
-    // A grey image has no hues.
+    // A grey image contains no hues.
     write(&desk, "grey.png", DynamicImage::from(rest).to_luma8());
     let ended = desk.palpate("sensor track grey.png grey.png --out o");
     assert!(
@@ -377,12 +377,12 @@ fn invalid_calibration_files_are_refused() {
         );
         assert!(desk.names("o").is_empty());
     }
-    // The calibration has no px per length, so --px-per-rad is required.
+    // The calibration contains no px per length; therefore, --px-per-rad is required.
     desk.palpate("sensor track rest.png pressed.png --calibration c.toml --sensor-radius 20 --depth 2 --out o").fails(1, "--px-per-rad");
     assert!(desk.names("o").contains(&"markers.csv".to_owned()));
 }
 
-/// Reads columns, units and decimal commas of another program from standard input.
+/// Columns, units and decimal commas of another program are read from standard input.
 #[test]
 fn calibration_points_of_another_program_are_read() {
     let desk = Desk::new();

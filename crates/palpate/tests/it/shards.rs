@@ -1,10 +1,10 @@
-//! Shards of a study, and their merge.
+//! Shards of a study, and the command that merges them.
 
 use std::fs;
 
 use super::desk::{Desk, RUN_FILES, STUDY, assert_close, edited};
 
-/// Rolls in seven cells: some of them fail, and `check` warns about some. They have no maps.
+/// A study of rolls in seven cells. Some cells fail, and `check` warns about some cells. The study has no maps.
 pub(crate) fn many() -> String {
     let study = edited(
         STUDY,
@@ -14,7 +14,7 @@ pub(crate) fn many() -> String {
     edited(&study, "duration_s = 1.0", "duration_s = 2.0")
 }
 
-/// Presses with maps. Their tables have a lower bound of the standard deviation, and some cells have warnings.
+/// A study of presses with maps. Its tables have a lower bound of the standard deviation, and some cells have warnings.
 pub(crate) const PRESSES: &str = r#"name = "presses"
 length_unit = "mm"
 trials = 10
@@ -35,7 +35,7 @@ path = "scene.motion.indentation"
 values = [0.5, 1.0, 3.0, 7.0, 9.0]
 "#;
 
-/// Runs all shards of `c.toml`, each in a directory of its own.
+/// Runs all shards of `c.toml`, each in its own directory.
 fn shards(desk: &Desk, of: usize) {
     for number in (1..=of).rev() {
         let line = format!("run c.toml --shard {number}/{of} --out s/{number}");
@@ -65,7 +65,7 @@ fn merged_shards_equal_one_run() {
         (many(), 2),
         (many(), 3),
         (many(), 7),
-        // Some shards have no cells.
+        // With 9 shards for 7 cells, some shards have no cells.
         (many(), 9),
         (PRESSES.to_owned(), 3),
     ] {
@@ -116,7 +116,7 @@ fn missing_and_repeated_shards_are_named() {
     refused(&desk, "merge s --out m", &["shards 3, 5 of 5 are missing"]);
     fs::rename(desk.path("away/5"), desk.path("s/5")).unwrap();
     fs::rename(desk.path("away"), desk.path("s/3")).unwrap();
-    // Twice.
+    // The same shard now exists twice.
     fs::create_dir(desk.path("s/again")).unwrap();
     fs::copy(
         desk.path("s/3/journal.palpate"),
@@ -150,14 +150,14 @@ fn shards_of_another_run_are_named() {
     of_other(
         "c.toml --seed 9 --shard 2/2",
         &[
-            "s/2 is of another config than s/1",
+            "s/2 belongs to another config than s/1",
             "- seed = 7",
             "+ seed = 9",
         ],
     );
     of_other(
         "c.toml --trials 21 --shard 2/2",
-        &["s/2 is of another config", "+ trials = 21"],
+        &["s/2 belongs to another config", "+ trials = 21"],
     );
     of_other(
         "c.toml --every-nth-cell 2 --shard 2/2",
@@ -165,7 +165,7 @@ fn shards_of_another_run_are_named() {
     );
     of_other(
         "c.toml --shard 3/3",
-        &["s/2 is one of 3 shards, and s/1 of 2"],
+        &["s/2 is one of 3 shards, but s/1 is one of 2"],
     );
 }
 
@@ -185,7 +185,7 @@ fn damaged_shards_are_named_and_computed_again() {
         assert_eq!(desk.read("m/cells.csv"), desk.read("whole/cells.csv"));
         fs::remove_dir_all(desk.path("m")).unwrap();
     }
-    // If the first record is damaged, the rest cannot be used; it is deleted only with --restart.
+    // If the first record is damaged, the rest cannot be used. Only --restart deletes it.
     let mut headless = sound.clone();
     headless[100] ^= 8;
     fs::write(&place, &headless).unwrap();
@@ -243,7 +243,7 @@ fn status_counts_shards() {
     ] {
         assert!(said.contains(words), "{said}");
     }
-    // A shard that cannot be read and one that exists twice are named after the counts.
+    // A shard that cannot be read and a shard that exists twice are listed after the counts.
     fs::write(&place, &sound[..60]).unwrap();
     fs::create_dir(desk.path("s/again")).unwrap();
     fs::copy(
@@ -261,7 +261,7 @@ fn status_counts_shards() {
     ] {
         assert!(said.contains(words), "{said}");
     }
-    // If no other shard exists, the damage is the only message.
+    // If no other shard exists, the message about the damage is the only message.
     for number in ["1", "3", "again"] {
         fs::remove_dir_all(desk.path(&format!("s/{number}"))).unwrap();
     }
@@ -288,7 +288,7 @@ fn status_counts_cells_and_trials() {
     );
     let said = desk.palpate("status whole").said(1);
     assert!(
-        said.contains("cannot read whole/failures.csv: `many` is no number of trials"),
+        said.contains("cannot read whole/failures.csv: `many` is not a number of trials"),
         "{said}"
     );
 }
@@ -336,7 +336,7 @@ fn a_dry_run_prints_slurm_scripts_and_writes_nothing() {
         assert!(said.contains(words), "{words}: {said}");
     }
     assert_eq!(desk.names(""), ["c.toml"]);
-    // The shell accepts both scripts.
+    // The shell can parse both scripts.
     let parts: Vec<&str> = said.split("#!/bin/bash\n").collect();
     assert_eq!(parts.len(), 3);
     for script in &parts[1..] {
@@ -417,7 +417,7 @@ fn the_stop_rule_ends_each_cell_at_its_standard_error() {
     for (arguments, words) in [
         (
             "--trials 30",
-            "--trials sets the number of trials, and `stop` in c.toml decides it",
+            "--trials sets the number of trials, but `stop` in c.toml also decides it",
         ),
         ("--budget 9s", "--budget sets the number"),
     ] {
@@ -467,7 +467,7 @@ fn trials_out_has_one_row_per_trial_and_quantity() {
     let failed_rows = trials.rows.iter().filter(|row| !row[7].is_empty()).count();
     let counts = (0..kinds.rows.len()).map(|row| kinds.number(row, "count"));
     assert_eq!(failed_rows as f64, counts.sum::<f64>());
-    // The bytes do not depend on threads, on shards, or on a file or standard output.
+    // The bytes are the same for any number of threads or shards, and in a file or on standard output.
     let whole = desk.read("t.csv");
     desk.palpate("run c.toml --out p --threads 3 --trials-out u.csv");
     assert!(desk.read("u.csv") == whole);

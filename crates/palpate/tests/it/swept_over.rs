@@ -1,4 +1,4 @@
-//! Fields that a config sets although it sweeps them.
+//! Fields that a config sets although it sweeps over them.
 
 use super::desk::{Desk, STUDY, edited};
 
@@ -9,14 +9,15 @@ fn a_note_names_a_value_that_a_sweep_replaces() {
         "object = { kind = \"sphere\", radius = 50.0 }",
         "object = { kind = \"sphere\", radius = 0.7 }",
     ));
-    let note = "note: line 9: scene.object.radius = 0.7 is swept over by line 14, which sets it to 50, 5\n";
+    let note =
+        "note: line 9: scene.object.radius = 0.7 is replaced by line 14, which sets it to 50, 5\n";
     let ended = desk.palpate("check c.toml");
     assert_eq!((ended.swept.as_str(), ended.stderr.as_str()), (note, ""));
     let ended = desk.palpate("run c.toml --out o");
     assert_eq!((ended.swept.as_str(), ended.stderr.as_str()), (note, ""));
-    // The config written by a run has the first value of each sweep in these fields, so it causes no note.
+    // The config that a run writes has the first swept value in these fields, so it causes no note.
     assert_eq!(desk.palpate("run o/run.toml --out p").swept, "");
-    // A field that is set by an argument causes no note.
+    // There is no note about a field that is set by an argument.
     let line =
         "distinguish c.toml --vary scene.object.radius=20,30 --quantity mean_curvature --trials 20";
     assert_eq!(desk.palpate(line).swept, "");
@@ -44,12 +45,12 @@ fn notes_abbreviate_long_lists_and_print_no_tables() {
     );
     let said = Desk::with(&table).palpate("check c.toml").swept;
     assert!(
-        said.is_empty() || said.contains("line 9: scene.object is swept over by line 14"),
+        said.is_empty() || said.contains("line 9: scene.object is replaced by line 14"),
         "{said}"
     );
 }
 
-/// Users edit the lines of an example, so a sweep must not replace any of them.
+/// Users edit the lines of an example; therefore, no sweep may replace a value in these lines.
 #[test]
 fn the_examples_do_not_set_fields_that_they_sweep() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");

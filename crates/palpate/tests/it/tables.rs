@@ -1,4 +1,4 @@
-//! Tables of other programs: names, units, delimiters, decimal signs, encodings, JSON; and invalid files.
+//! Tables written by other programs: names, units, delimiters, decimal signs, encodings and JSON; and invalid files.
 
 use palpate::config::LengthUnit;
 use palpate::recorded::{Decimal, Delimiter, Form};
@@ -9,13 +9,13 @@ use super::readings::{
     GLIDE, ROLLS, glide, mean_curvature, named, press, refuses, roll, scaled, warnings,
 };
 
-/// Estimate from a table of rolls whose form is recognised without options.
+/// Estimate from a table of rolls whose form is detected without options.
 #[track_caller]
 fn rolls(contents: impl AsRef<[u8]>) -> Value {
     roll(contents, Form::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Rolls as JSON, one object per line.
+/// A table of rolls as JSON, one object per line.
 fn as_json(table: &str) -> String {
     let mut lines = table.lines().map(|line| line.split(','));
     let names: Vec<&str> = lines.next().unwrap().collect();
@@ -54,7 +54,7 @@ fn delimiters_encodings_and_headers_do_not_change_the_estimate() {
         ROLLS.replace("shift_u_mm", " Shift U [mm] "),
         ROLLS.replace("shift_v_mm", "shift_v(mm)"),
         named_probes,
-        // Comments before the header, and a row of units after it.
+        // The table has comments before the header, and a row of units after it.
         format!("# rig 3\n#\n# 2026-11-23, \"quoted\n\n{ROLLS}"),
         format!("# rig 3\n# {ROLLS}"),
         format!("sep=;\n{}", ROLLS.replace(',', ";")),
@@ -81,7 +81,7 @@ fn delimiters_encodings_and_headers_do_not_change_the_estimate() {
         ..Form::default()
     };
     assert_eq!(roll(&commas, form), Ok(expected.clone()));
-    // Fingers may have names, too.
+    // Fingers may also have names.
     let fingers = GLIDE.replace("\n0,", "\nindex,").replace("\n1,", "\nring,");
     assert_eq!(
         glide(fingers, Form::default()),
@@ -91,7 +91,8 @@ fn delimiters_encodings_and_headers_do_not_change_the_estimate() {
     assert!((mean_curvature(&rolls(in_degrees)) - mean_curvature(&expected)).abs() > 0.01);
 }
 
-/// An ambiguous number such as `1,234` is read like the other numbers of the table, or as the form states.
+/// An ambiguous number such as `1,234` is read in the same way as the other numbers of the table, or as the form
+/// states.
 #[test]
 fn unambiguous_numbers_decide_the_decimal_sign() {
     let table =
@@ -128,7 +129,7 @@ fn units_come_from_the_header_or_the_option() {
     assert_eq!(unit(ROLLS, Some(LengthUnit::Mm)), "1/mm^2");
     assert_eq!(unit(&bare, Some(LengthUnit::Um)), "1/um^2");
     assert_eq!(unit(&bare, None), "1/unit^2");
-    // One column may state the unit for all, and inches are converted to millimetres.
+    // The unit of one column is used for all columns, and inches are converted to millimetres.
     assert_eq!(unit(&ROLLS.replace("v_mm", "v"), None), "1/mm^2");
     let inches =
         scaled(ROLLS, &[3, 4], 1.0 / 25.4).replace("u_mm,shift_v_mm", "u_in,shift_v [inch]");
@@ -200,7 +201,7 @@ probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,-0.5,0,0\n1,0.5,0,0,4\n
 {"rotation_x_rad":1,"rotation_y_rad":1,"shift_u":1,"shift_v":1e999}\n | - | :1 | out of range
 "#;
 
-/// Refused numbers in tables with semicolons as delimiters.
+/// Rows of tables with semicolons as delimiters, whose numbers are rejected.
 const DECIMALS: &str = r#"
 rotation_x_rad;rotation_y_rad;shift_u_mm;shift_v_mm\n0;-1;1,234;0\n1;0;0;2,345\n | - | :2 | `1,234` may be 1.234 or 1234
 -1 => -1,5 | - | :2 | one decimal sign
@@ -294,7 +295,7 @@ fn the_form_renames_columns_and_converts_units() {
         assert_eq!(found["arc_length"]["unit"], "mm");
         assert!(warnings(&found)[0].contains("each of the 4 rows counts as a probe"));
     }
-    // If a header states no unit, the unit in palpate's column name applies.
+    // If a header contains no unit, the unit in palpate's column name is used.
     let bare = ROLLS.replace("shift_u_mm", "u").replace("shift_v_mm", "v");
     assert_eq!(
         roll(bare, named("shift_u_mm=u,shift_v_mm=v")),
@@ -307,7 +308,7 @@ fn the_form_renames_columns_and_converts_units() {
     assert_close(mean_curvature(&found), 0.05, 1e-12);
 }
 
-/// With the setting `columns` that a message proposes, the table can be read. This works for any names in the file.
+/// With the setting `columns` that a message proposes, the table can be read. This is true for any names in the file.
 #[test]
 fn messages_propose_names_of_columns() {
     fn proposed(said: &str) -> &str {
@@ -346,7 +347,7 @@ fn messages_propose_names_of_columns() {
             columns
         );
     }
-    // If no column in the file resembles the required one, the proposal contains `…`.
+    // If no column in the file is similar to the required one, the proposal contains `…`.
     let said = roll(
         "p,q,rotation_y,shift_u,shift_v\n1,2,3,4,5\n",
         Form::default(),
@@ -358,7 +359,8 @@ fn messages_propose_names_of_columns() {
     );
 }
 
-/// The book's two commands for a foreign table: the first fails and proposes the second; that prints the curvature.
+/// The book has two commands for a table of another program: the first fails and proposes the second, and the second
+/// prints the curvature.
 #[test]
 fn the_second_command_prints_the_curvature() {
     const NAME: &str = "examples/foreign-glide.csv";
@@ -375,7 +377,7 @@ fn the_second_command_prints_the_curvature() {
         .shell(&line.replacen("palpate", "\"$palpate\"", 1))
         .printed();
     let found: Value = serde_json::from_str(&printed).unwrap();
-    // The same contacts as examples/glide-readings.csv, without normals: a mug of radius 40 mm.
+    // The contacts are those of examples/glide-readings.csv, without normals: a mug of radius 40 mm.
     let std = found["mean_curvature"]["std"].as_f64().unwrap();
     assert!(
         (mean_curvature(&found) - 1.0 / 80.0).abs() < 2.0 * std,
@@ -383,7 +385,7 @@ fn the_second_command_prints_the_curvature() {
     );
 }
 
-/// Flags set the form of a table; a study can set its column names.
+/// Flags set the form of a table. A study can set its column names.
 #[test]
 fn flags_and_studies_set_the_form_of_a_table() {
     let desk = Desk::new();
@@ -433,9 +435,9 @@ fn additional_columns_are_kept_as_labels() {
         columns,
         serde_json::json!({ "Force [N]": "3", "note": "slow, \"so\"" })
     );
-    // The additional columns change nothing else.
+    // The additional columns change nothing else in the output.
     assert_eq!(found, rolls(&rolled));
-    // An outlier is reported with its own label.
+    // The message about an outlier contains the label of its row.
     let rows = super::readings::PRESS.lines().enumerate();
     let labelled = rows.map(|(number, line)| match number {
         0 => format!("{line},label\n"),
@@ -468,7 +470,7 @@ fn additional_columns_are_kept_as_labels() {
     assert!(!desk.read("grid.csv").contains("readings_class"));
 }
 
-/// Contacts of three fingers on a bowl, with the text `between` after each finger.
+/// Contacts of three fingers on a bowl. The text `between` follows each finger.
 fn three_fingers(header: &str, between: &str, row: impl Fn(usize, [f64; 3]) -> String) -> String {
     let mut text = format!("{header}\n");
     for finger in 0..3 {
@@ -504,7 +506,7 @@ fn fingers_and_probes_without_names_are_separated_by_jumps_or_blank_lines() {
             "{found}"
         );
     }
-    // A path without jumps counts as one finger. Blank lines are ignored if there is a column `finger`.
+    // A path without jumps is treated as one finger. Blank lines are ignored if there is a column `finger`.
     let one = estimate(&three_fingers(places, "", |finger, [x, y, z]| {
         numbers([if finger == 1 { 7.0 - x } else { x }, 0.1 * y, z])
     }));

@@ -1,4 +1,4 @@
-//! `palpate trace`: true values, readings, and estimates from them.
+//! `palpate trace`: true values, readings, and estimates from these readings.
 
 use super::desk::{Desk, SCENE, STUDY, Table, assert_close, edited};
 
@@ -50,7 +50,7 @@ struct Golden {
     rate_rad_per_s: f64,
     duration_s: f64,
     radius: f64,
-    /// Contact on the object and on the probe.
+    /// Last contact point on the object and on the probe.
     end: [f64; 6],
     arc_length: f64,
 }
@@ -226,7 +226,7 @@ fn estimates_from_a_trace_have_the_true_values() {
     assert_eq!(json["normal_curvature_u"]["unit"], "1/mm");
 }
 
-/// Noise on every channel: estimates from a traced trial equal those of the run.
+/// With noise on every channel, the estimates from a traced trial equal those of the run.
 #[test]
 fn a_traced_trial_has_the_estimates_of_the_run() {
     let motions = [

@@ -1,8 +1,9 @@
-//! Contacts from a table, for fits: contacts are solved at a few radii and interpolated by polynomials.
+//! Contacts from a table, for use in fits. Contacts are solved for a few radii and interpolated by polynomials.
 //!
-//! The table has the coefficients of the pressure and the correction for the base. Both are smooth functions of the contact's
-//! radius, and the correction is smooth in the distance too. The effect of the pressure on a half-space is not smooth at the
-//! edge of the contact; it is computed from the interpolated coefficients.
+//! The table contains the coefficients of the pressure and the correction for the rigid base. Both are smooth functions
+//! of the contact's radius, and the correction is also a smooth function of the distance. The displacement of a
+//! half-space under the pressure is not smooth at the edge of the contact, so it is computed from the interpolated
+//! coefficients.
 
 use std::f64::consts::PI;
 
@@ -12,38 +13,38 @@ use super::reflection::{BEYOND, Spectrum, Wave, bessel};
 use crate::PressError;
 use crate::body::Field;
 
-/// Ends of the ranges of contact radii; each range has a table.
+/// Ends of the ranges of contact radii, relative to the thickness. Each range has its own table.
 pub(super) const ENDS: [f64; 10] = [0.0, 0.75, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.5, 12.0];
-/// Number of contact radii in a table, and of distances in a panel.
+/// Number of contact radii in a table, and number of distances in a panel.
 const NODES: usize = 16;
-/// Width of a panel of distances within and near the contact.
+/// Width of a panel of distances within the contact and near it.
 const PANEL: f64 = 1.0;
 /// Ratio of the widths of neighbouring panels far from the contact.
 const GROWTH: f64 = 1.5;
-/// Terms of the pressure smaller than this, relative to the largest, are omitted.
+/// Terms of the pressure are omitted if they are smaller than this value, relative to the largest term.
 const RELATIVE_CUTOFF: f64 = 1e-12;
 
-/// Contacts within a range of radii.
+/// Contacts in one range of radii, at one depth.
 #[derive(Clone, Debug)]
 pub(super) struct Table {
     range: [f64; 2],
     /// Ends of the panels of distances.
     panels: Vec<f64>,
     terms: usize,
-    /// One for each radius, see [`row`].
+    /// One row for each radius; see [`row`].
     rows: Vec<Vec<f64>>,
 }
 
-/// A contact interpolated in a table.
+/// A contact that was interpolated in a table.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
-    /// Indentation, slope, force and peak, see [`Pressure`].
+    /// The indentation, its derivative with respect to the radius, the force and the peak pressure; see [`Pressure`].
     pub(super) numbers: [f64; 4],
     pub(super) terms: Vec<Term>,
     pub(super) panels: Panels,
 }
 
-/// Correction of the displacement for the base, as polynomials of the distance.
+/// Correction of the displacement for the rigid base, as polynomials of the distance.
 #[derive(Clone, Debug)]
 pub(super) struct Panels {
     ends: Vec<f64>,
@@ -51,12 +52,12 @@ pub(super) struct Panels {
 }
 
 impl Table {
-    /// Index of the table for this radius, if there is one.
+    /// Index of the table for this radius; `None` if the radius is beyond all ranges.
     pub(super) fn place(contact: f64) -> Option<usize> {
         ENDS[1..].iter().position(|end| contact <= *end)
     }
 
-    /// Tables of one range at each of these depths. The contacts are solved once for all depths.
+    /// The tables of one range, one for each of these depths. Each contact is solved once for all depths.
     pub(super) fn all(place: usize, depths: &[f64]) -> Result<Vec<Self>, PressError> {
         let range = [ENDS[place], ENDS[place + 1]];
         let panels = panels(range[1]);
@@ -81,8 +82,8 @@ impl Table {
             })
             .collect();
         for pressure in &pressures {
-            // The wavenumbers of the widest contact and the largest depth serve for all, so that the Bessel functions are
-            // evaluated only once.
+            // The wavenumbers for the widest contact and the largest depth are used for all depths, so that the Bessel
+            // functions are evaluated only once.
             let reach = range[1] + panels[panels.len() - 1] - pressure.contact;
             let spectrum = Spectrum::new(pressure, deepest, reach, 1.0);
             for (table, depth) in tables.iter_mut().zip(depths) {
@@ -130,7 +131,7 @@ impl Table {
         }
     }
 
-    /// Only the numbers of an entry, see [`Entry::numbers`].
+    /// The same as [`Self::entry`], but only the numbers [`Entry::numbers`].
     pub(super) fn numbers(&self, contact: f64) -> [f64; 4] {
         let mut row = [0.0; 4];
         self.interpolate(contact, &mut row);
@@ -151,7 +152,7 @@ fn numbers_of(row: &[f64], a: f64) -> [f64; 4] {
 }
 
 impl Panels {
-    /// Correction for the base at this distance; 0 beyond the last panel.
+    /// Correction for the rigid base at this distance; 0 beyond the last panel.
     pub(super) fn field(&self, r: f64) -> Field {
         let place = self.ends[1..].partition_point(|end| *end < r);
         if place + 1 >= self.ends.len() {
@@ -176,9 +177,9 @@ impl Panels {
     }
 }
 
-/// A row of a table: the numbers, the terms of φ and of ∂φ/∂a, and for each panel of distances the Chebyshev coefficients of
-/// normal and radial displacement and of their derivatives by the contact's radius. Each value is divided by the power of the
-/// radius to which it is proportional for small contacts.
+/// A row of a table. It contains the numbers, the terms of φ and of ∂φ/∂a, and, for each panel of distances, the
+/// Chebyshev coefficients of the normal and the radial displacement and of their derivatives with respect to the
+/// contact's radius. Each value is divided by the power of the radius to which it is proportional for small contacts.
 fn row(
     pressure: &Pressure,
     terms: usize,
@@ -248,12 +249,12 @@ fn panels(contact: f64) -> Vec<f64> {
     ends
 }
 
-/// Position of a value between two ends: −1 at the first and 1 at the second.
+/// Position of a value between two ends: −1 at the first end and 1 at the second.
 fn position([from, to]: [f64; 2], value: f64) -> f64 {
     (2.0 * value - from - to) / (to - from)
 }
 
-/// Angle of a Chebyshev node.
+/// Angle whose cosine is a Chebyshev node.
 fn angle(node: usize) -> f64 {
     PI * (node as f64 + 0.5) / NODES as f64
 }
@@ -263,7 +264,8 @@ fn nodes([from, to]: [f64; 2]) -> [f64; NODES] {
     std::array::from_fn(|node| 0.5 * (from + to) + 0.5 * (to - from) * libm::cos(angle(node)))
 }
 
-/// Weights of the values at [`nodes`] in the value of the polynomial, by the barycentric formula of Lagrange.
+/// Weights with which the values at [`nodes`] contribute to the interpolating polynomial at `value` (Lagrange's
+/// barycentric formula).
 fn lagrange(range: [f64; 2], value: f64) -> [f64; NODES] {
     let x = position(range, value);
     let mut sign = -1.0;
@@ -289,7 +291,7 @@ impl Polynomials {
         }))
     }
 
-    /// Chebyshev coefficients of values at [`nodes`], the first halved.
+    /// Chebyshev coefficients of a function from its values at [`nodes`]. The first coefficient is halved.
     fn coefficients(&self, values: &[f64; NODES]) -> [f64; NODES] {
         std::array::from_fn(|order| {
             let products = values.iter().zip(&self.0[order]);
@@ -299,7 +301,7 @@ impl Polynomials {
     }
 }
 
-/// A Chebyshev series and its derivative by x, by Clenshaw's recurrence.
+/// A Chebyshev series and its derivative with respect to x, by Clenshaw's recurrence.
 fn chebyshev(coefficients: &[f64], x: f64) -> [f64; 2] {
     let ([mut b, mut b_next], [mut d, mut d_next]) = ([0.0; 2], [0.0; 2]);
     for c in coefficients[1..].iter().rev() {

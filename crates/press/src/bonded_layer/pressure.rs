@@ -1,16 +1,18 @@
-//! The pressure of a frictionless rigid paraboloid on a layer, from the contact's radius.
+//! Computes the pressure of a frictionless rigid paraboloid on a layer from the contact's radius.
 //!
-//! Lengths are in units of the thickness, displacements per unit relative curvature. The transform of the pressure is
-//! written Q(k) = ∫₀^α φ(t) cos(kt) dt. Then the pressure vanishes beyond α by itself, and the displacement
-//! D − r²/2 within the contact is a Fredholm equation of the second kind (Copson's method; Lebedev and Ufliand 1958):
+//! Lengths are in units of the thickness, and displacements are for a relative curvature of 1. α is the contact's
+//! radius. The Hankel transform of the pressure is written as Q(k) = ∫₀^α φ(t) cos(kt) dt, so that the pressure is
+//! automatically zero beyond α. The condition that the displacement within the contact is D − r²/2 becomes a Fredholm
+//! equation of the second kind for φ (Copson's method; Lebedev and Ufliand 1958):
 //!
 //! ```text
 //! φ(t) − (2/π) ∫₀^α φ(s) ∫₀^∞ g(k) cos kt cos ks dk ds = (2/π)(D − t²)
 //! ```
 //!
-//! with g of [`reflection::at_surface`](super::reflection::at_surface). It is solved at Gauss nodes for the right-hand
-//! sides 1 and t²; the pressure vanishes at the edge, φ(α) = 0, which gives D. A wider contact adds the pressure of a
-//! flat punch, ∂φ/∂α = (2/π) D' φ₁, where φ₁ solves for 1; with φ(α) = 0 again, D' = −(π/2) φ'(α)/φ₁(α).
+//! with g of [`reflection::at_surface`](super::reflection::at_surface). The equation is solved at Gauss nodes for the
+//! right-hand sides 1 and t². The indentation D follows from the condition that the pressure is zero at the edge, φ(α)
+//! = 0. If the contact becomes wider, the pressure of a flat punch is added: ∂φ/∂α = (2/π) D' φ₁, where φ₁ is the
+//! solution for the right-hand side 1. From φ(α) = 0 for the wider contact follows D' = −(π/2) φ'(α)/φ₁(α).
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 use std::num::NonZeroUsize;
@@ -22,39 +24,40 @@ use super::pressure_field::Term;
 use super::reflection;
 use crate::PressError;
 
-/// Wavenumbers for a smooth function alone.
+/// Smallest number of wavenumbers, which is enough for a smooth function without waves.
 const SMOOTH: f64 = 48.0;
-/// Coefficients below this share of the largest are rounding.
+/// Coefficients that are smaller than this value, relative to the largest, are rounding errors.
 const ROUNDING: f64 = 3e-14;
 
-/// A solved contact.
+/// The solution of the equations for one contact.
 #[derive(Clone, Debug)]
 pub(super) struct Pressure {
-    /// Radius of the contact.
+    /// Radius α of the contact.
     pub(super) contact: f64,
     /// The indentation D.
     pub(super) indentation: f64,
-    /// Its derivative by the radius.
+    /// Derivative of the indentation with respect to the radius.
     pub(super) slope: f64,
-    /// ∫ φ dt, which is the force over π E* C_r.
+    /// ∫ φ dt, which is the force divided by π E* C_r.
     pub(super) force: f64,
-    /// −∫ φ'/t dt, which is the pressure in the middle over E* C_r/2.
+    /// −∫ φ'/t dt, which is the pressure in the middle divided by E* C_r/2.
     pub(super) peak: f64,
-    /// φ and ∂φ/∂α.
+    /// Legendre coefficients of φ and of ∂φ/∂α.
     pub(super) terms: Vec<Term>,
-    /// Nodes t and, times their weights, φ and ∂φ/∂α there.
+    /// Quadrature nodes t, with the values of φ and ∂φ/∂α at these nodes, multiplied by the weights.
     nodes: Vec<[f64; 3]>,
 }
 
 impl Pressure {
-    /// Solves for the contact of this radius. At resolution 1 the relative error is about 1e-11, and the nodes are less
-    /// than half the thickness apart.
+    /// Solves the equations for a contact of this radius. At resolution 1, the relative error is about 1e-11, and the
+    /// nodes are less than half the thickness apart.
     pub(super) fn solve(contact: f64, resolution: f64) -> Result<Self, PressError> {
         palpate_statistics::work::solved_layer(1);
         let count = (resolution * (16.0 + 5.0 * contact)).ceil() as usize;
         let shares = positive_gauss(count);
         let waves = wavenumbers(reflection::SURFACE_REACH, 2.0 * contact, resolution);
-        // Symmetric with the square roots of the weights on either side; positive definite, for g < 1.
+        // The matrix is made symmetric by the square roots of the weights on both sides. It is positive definite
+        // because g < 1.
         let ripples = DMatrix::from_fn(count, waves.len(), |row, column| {
             let ([share, weight], [k, dk]) = (shares[row], waves[column]);
             let strength = FRAC_2_PI * contact * weight * dk * reflection::at_surface(k);
@@ -62,7 +65,7 @@ impl Pressure {
         });
         let mut matrix = DMatrix::identity(count, count);
         for ripple in ripples.column_iter() {
-            // The lower triangle, which is all that the factors need.
+            // Only the lower triangle is computed, because the Cholesky factorisation needs no more.
             matrix.syger(-1.0, &ripple, &ripple, 1.0);
         }
         let solved = matrix.cholesky().ok_or(PressError::OutOfRange)?;
@@ -83,7 +86,7 @@ impl Pressure {
     fn assemble(contact: f64, shares: &[[f64; 2]], ones: &[f64], squares: &[f64]) -> Self {
         let (one, square) = (legendre(shares, ones), legendre(shares, squares));
         let edge: f64 = one.iter().sum();
-        // The indentation in units of α², the square of the contact's radius in thicknesses.
+        // Here, the indentation is in units of α².
         let indentation = square.iter().sum::<f64>() / edge;
         let unit = contact * contact;
         let values: Vec<f64> = ones
@@ -92,7 +95,7 @@ impl Pressure {
             .map(|(one, square)| FRAC_2_PI * (indentation * one - square))
             .collect();
         let scaled = legendre(shares, &values);
-        // P_n'(1) = n(n+1)/2.
+        // The slope at the edge follows from P_n'(1) = n(n+1)/2.
         let edge_slope: f64 = scaled
             .iter()
             .enumerate()
@@ -119,7 +122,7 @@ impl Pressure {
         }
     }
 
-    /// Q(k) and ∂Q/∂α.
+    /// The transform Q(k) and its derivative ∂Q/∂α.
     pub(super) fn transform(&self, k: f64) -> [f64; 2] {
         self.nodes
             .iter()
@@ -130,8 +133,8 @@ impl Pressure {
     }
 }
 
-/// −∫ φ'/t dt over a contact of radius 1: −∫ P_n'/t dt over [0, 1] is (−1)ʲ n (2/3)(4/5) ⋯ ((n−2)/(n−1)) for n = 2j.
-/// P₀ is the pressure of a flat punch; its term is 1.
+/// −∫ φ'/t dt over a contact of radius 1. For n = 2j, the integral −∫ P_n'/t dt over [0, 1] is (−1)ʲ n (2/3)(4/5) ⋯
+/// ((n−2)/(n−1)). P₀ is the pressure of a flat punch; its term is 1.
 fn middle(coefficients: &[f64]) -> f64 {
     let (mut product, mut sign) = (1.0, -1.0);
     let mut sum = coefficients[0];
@@ -144,9 +147,10 @@ fn middle(coefficients: &[f64]) -> f64 {
     sum
 }
 
-/// Gauss–Legendre nodes and weights on [−1, 1] of twice that count: the positive half, for even functions.
+/// The `count` positive Gauss–Legendre nodes on [−1, 1], with their weights. Together with the negative nodes, they
+/// form the rule with 2 `count` nodes; for even functions, the positive half is enough.
 fn positive_gauss(count: usize) -> Vec<[f64; 2]> {
-    let degree = NonZeroUsize::new(2 * count).expect("a contact takes some nodes");
+    let degree = NonZeroUsize::new(2 * count).expect("the number of nodes is not 0");
     let rule = GaussLegendre::new(degree);
     rule.iter()
         .filter(|(node, _)| *node > 0.0)
@@ -154,10 +158,11 @@ fn positive_gauss(count: usize) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Wavenumbers and weights on [0, reach] for a smooth decaying function times waves over that distance.
+/// Wavenumbers and weights on [0, reach] for integrals of a smooth decaying function, multiplied by waves up to this
+/// distance.
 pub(super) fn wavenumbers(reach: f64, distance: f64, resolution: f64) -> Vec<[f64; 2]> {
     let count = (resolution * (0.27 * reach * distance + SMOOTH)).ceil() as usize;
-    let degree = NonZeroUsize::new(count).expect("a least count is positive");
+    let degree = NonZeroUsize::new(count).expect("the number of nodes is not 0");
     let half = 0.5 * reach;
     let rule = GaussLegendre::new(degree);
     rule.iter()
@@ -165,7 +170,7 @@ pub(super) fn wavenumbers(reach: f64, distance: f64, resolution: f64) -> Vec<[f6
         .collect()
 }
 
-/// Coefficients of P₀, P₂, … of an even function with these values at [`positive_gauss`].
+/// Coefficients of the Legendre polynomials P₀, P₂, … for an even function, from its values at [`positive_gauss`].
 fn legendre(shares: &[[f64; 2]], values: &[f64]) -> Vec<f64> {
     let mut coefficients = vec![0.0; shares.len()];
     for ([share, weight], value) in shares.iter().zip(values) {
@@ -188,7 +193,7 @@ fn legendre(shares: &[[f64; 2]], values: &[f64]) -> Vec<f64> {
     coefficients
 }
 
-/// Both series' coefficients times a factor and (−1)ʲ.
+/// The coefficients of both series as terms, each multiplied by its factor and by (−1)ʲ.
 fn terms(curved: &[f64], curved_factor: f64, flat: &[f64], flat_factor: f64) -> Vec<Term> {
     let at = |series: &[f64], j: usize| series.get(j).copied().unwrap_or(0.0);
     let count = curved.len().max(flat.len());

@@ -1,36 +1,37 @@
 //! Displacements of an incompressible half-space under the pressure of a contact.
 //!
-//! With Φ = ∫₀^a φ(t) Re[r² + (z + it)²]^{−1/2} dt the displacements are Φ − z ∂Φ/∂z inward and −z ∂Φ/∂r outward.
-//! Legendre polynomials of t/a give oblate spheroidal harmonics (Hobson 1931, §251): with z = aξη and
-//! r² = a²(1 + ξ²)(1 − η²), and φ = Σ (−1)ʲ cₙ Pₙ(t/a), n = 2j,
+//! The displacements are Φ − z ∂Φ/∂z inward and −z ∂Φ/∂r outward, with Φ = ∫₀^a φ(t) Re[r² + (z + it)²]^{−1/2} dt. If φ
+//! is a series of Legendre polynomials, Φ is a series of oblate spheroidal harmonics (Hobson 1931, §251): for φ = Σ
+//! (−1)ʲ cₙ Pₙ(t/a) with n = 2j, z = aξη and r² = a²(1 + ξ²)(1 − η²),
 //!
 //! ```text
 //! Φ = Σ cₙ Pₙ(η) qₙ(ξ)      (n + 1) qₙ₊₁ = n qₙ₋₁ − (2n + 1) ξ qₙ      q₀ = acot ξ
 //! ```
 //!
-//! No term of the sum grows: |Pₙ| ≤ 1, and qₙ falls as e^{−nϑ}, ϑ = asinh ξ. The recurrence of qₙ runs upward while e^{nϑ} is
-//! small, and downward otherwise.
+//! The terms of the sum do not grow, because |Pₙ| ≤ 1 and qₙ decreases as e^{−nϑ} with ϑ = asinh ξ. The recurrence of
+//! qₙ is computed upward as long as e^{nϑ} is small, and downward otherwise.
 
 use crate::body::Field;
 use crate::half_space::{self, Spheroidal};
 
-/// A contact smaller than this, relative to the distance, acts as a point force.
+/// A contact acts as a point force if the ratio of its radius to the distance is below this value.
 const POINT: f64 = 1e-10;
-/// The upward recurrence may multiply rounding errors by e to this power.
+/// The upward recurrence is used as long as it multiplies rounding errors by at most e to this power.
 const UPWARD: f64 = 9.0;
-/// Terms below e to minus this power are omitted.
+/// Terms below e^−32 are omitted.
 const NEGLIGIBLE: f64 = 32.0;
-/// The downward recurrence starts so high that e to minus this power, squared, is the error of its start.
+/// The downward recurrence starts at an order so high that the error of its start is e^−30 (twice this exponent).
 const START_DECAY: f64 = 15.0;
-/// Number of orders that are computed without allocating memory.
+/// Number of orders that are computed without allocation of memory.
 const FEW: usize = 64;
-/// Lower limit of ξ² + η² where it is a divisor, to limit cancellation near the edge.
+/// Lower limit of ξ² + η² in divisions. It limits the cancellation near the contact's edge.
 const EDGE: f64 = 1e-7;
 
-/// Coefficients of a pressure: the (−1)ʲ cₙ of φ and of ∂φ/∂a.
+/// Coefficients of a pressure: (−1)ʲ cₙ of φ and of ∂φ/∂a.
 pub(super) type Term = [f64; 2];
 
-/// The field at distance `r` and depth `z` under a pressure within the radius `a` on a half-space.
+/// The displacements and their derivatives at the distance `r` and the depth `z` in a half-space under a pressure
+/// within the radius `a`.
 pub(super) fn field(a: f64, terms: &[Term], z: f64, r: f64) -> Field {
     if a * a < POINT * POINT * (r * r + z * z) {
         return half_space::field(0.5, z, a, r);
@@ -56,7 +57,7 @@ pub(super) fn field(a: f64, terms: &[Term], z: f64, r: f64) -> Field {
     }
 }
 
-/// Computes q₀, q₁, … and returns how many of them are not negligible.
+/// Computes q₀, q₁, … and returns the number of those that are not negligible.
 fn second_kind(xi: f64, q: &mut [f64]) -> usize {
     let angle = libm::log(xi + (1.0 + xi * xi).sqrt());
     let zeroth = libm::atan2(1.0_f64, xi);
@@ -92,7 +93,7 @@ fn second_kind(xi: f64, q: &mut [f64]) -> usize {
     top + 1
 }
 
-/// Φ and its derivatives by ξ and η.
+/// Φ and its derivatives with respect to ξ and η.
 #[derive(Default)]
 struct Sums {
     value: f64,
@@ -103,16 +104,16 @@ struct Sums {
     weighted: f64,
 }
 
-/// The sums of φ and of ∂φ/∂a; the second without the sums for second derivatives.
+/// The sums for φ and for ∂φ/∂a. The latter does not include the sums for second derivatives.
 fn sums(terms: &[Term], place: Spheroidal, q: &[f64]) -> [Sums; 2] {
     let Spheroidal { xi, eta, .. } = place;
     let [mut curved, mut flat] = [Sums::default(), Sums::default()];
-    // P and P' of the previous order and of this one; qₙ₋₁.
+    // The variables are P and P' of the previous and of the current order, and qₙ₋₁.
     let ([mut before, mut slope_before], [mut here, mut slope]) = ([0.0, 0.0], [1.0, 0.0]);
     let mut q_before = 0.0;
     let mut n = 0.0;
     for ([c, c_flat], q) in terms.iter().zip(q.chunks(2)) {
-        // (1 + ξ²) qₙ' = n (ξ qₙ − qₙ₋₁), and −1 for n = 0.
+        // `q_slope` is (1 + ξ²) qₙ' = n (ξ qₙ − qₙ₋₁); for n = 0 it is −1.
         let q_slope = if n == 0.0 {
             -1.0
         } else {
@@ -145,7 +146,7 @@ fn sums(terms: &[Term], place: Spheroidal, q: &[f64]) -> [Sums; 2] {
 }
 
 impl Sums {
-    /// Inward and outward displacement.
+    /// Inward and outward displacement at a point.
     fn displacement(&self, place: Spheroidal) -> [f64; 2] {
         let Spheroidal {
             xi,
@@ -154,7 +155,7 @@ impl Sums {
             r,
             edge,
         } = place;
-        // z/a over ξ² + η².
+        // `lift` is z/a divided by ξ² + η².
         let lift = xi * eta / edge;
         let down = eta * (1.0 + xi * xi) * self.by_xi + xi * off_axis * self.by_eta;
         let outward = xi * self.by_xi - eta * self.by_eta;
@@ -172,16 +173,16 @@ impl Sums {
         let [normal, radial] = self.displacement(place);
         let metric = 1.0 + xi * xi;
         let lift = xi * eta / edge;
-        // ∂Φ/∂z = down/(a edge) and ∂Φ/∂r = r outward/(a² edge), r in length.
+        // The derivatives are ∂Φ/∂z = down/(a edge) and ∂Φ/∂r = r outward/(a² edge), where r is a length.
         let down = eta * metric * self.by_xi + xi * off_axis * self.by_eta;
         let outward = xi * self.by_xi - eta * self.by_eta;
         let down_by_xi =
             eta * self.weighted + off_axis * self.by_eta + xi * off_axis * self.by_both;
         let down_by_eta = metric * self.by_xi + eta * metric * self.by_both - xi * self.weighted;
-        // ξ ∂/∂ξ − η ∂/∂η of edge is 2(ξ² − η²).
+        // The operator ξ ∂/∂ξ − η ∂/∂η, applied to `edge`, gives 2(ξ² − η²).
         let stretch = 2.0 * (xi * xi - eta * eta) / edge;
         let down_outward = xi * down_by_xi - eta * down_by_eta - stretch * down;
-        // ξ² Φ_ξξ and, times 1 − η², η² Φ_ηη.
+        // These are ξ² Φ_ξξ and, multiplied by 1 − η², η² Φ_ηη.
         let along_xi = xi * xi * (self.weighted - 2.0 * xi * self.by_xi) / metric;
         let along_eta = eta * eta * (2.0 * eta * self.by_eta - self.weighted);
         let mixed = xi * self.by_xi + eta * self.by_eta - 2.0 * xi * eta * self.by_both;

@@ -1,25 +1,26 @@
-//! Effect of the rigid base: the difference between the displacements of the layer and of a half-space, as a sum over
-//! wavenumbers.
+//! The effect of the rigid base, which is the difference between the displacements of the layer and of a half-space, as
+//! a sum over wavenumbers.
 //!
-//! In units of the thickness, with H the wavenumber, ζ the depth and x = H(1 − ζ), a pressure of Hankel transform Q
-//! moves the layer by ∫ Q N J₀ dk inward and ∫ Q R J₁ dk outward,
+//! Lengths are in units of the thickness; H is the wavenumber, ζ the depth, and x = H(1 − ζ). A pressure with the
+//! Hankel transform Q displaces the layer by ∫ Q N J₀ dk inward and ∫ Q R J₁ dk outward,
 //!
 //! ```text
 //! N = [(cosh H + H sinh H)(sinh x − x cosh x) + H cosh H · x sinh x] / (cosh² H + H²)      R = ∂N/∂x likewise
 //! ```
 //!
-//! and the half-space by N = (1 + Hζ) e^{−Hζ}, R = Hζ e^{−Hζ}. Their difference decays as e^{−(2−ζ)H}. The code computes it
-//! from its terms in e^{−2H} and e^{−2x}, so that there is no cancellation where it is small.
+//! and the half-space by N = (1 + Hζ) e^{−Hζ}, R = Hζ e^{−Hζ}. The difference decays as e^{−(2−ζ)H}. It is computed
+//! from its terms in e^{−2H} and e^{−2x}, so there is no cancellation where it is small.
 
 use std::sync::OnceLock;
 
 use super::pressure::{Pressure, wavenumbers};
 use crate::body::Field;
 
-/// Exponent beyond which a term e^{−x} is neglected.
+/// A term e^{−x} is negligible for x above this value.
 const NEGLIGIBLE: f64 = 36.0;
 
-/// Difference half-space − layer at the surface, relative to the half-space: 1 − (sinh 2H − 2H)/(cosh 2H + 2H² + 1).
+/// Difference between half-space and layer at the surface, relative to the half-space:
+/// 1 − (sinh 2H − 2H)/(cosh 2H + 2H² + 1).
 pub(super) fn at_surface(wavenumber: f64) -> f64 {
     let h = wavenumber;
     let q = libm::exp(-2.0 * h);
@@ -29,7 +30,7 @@ pub(super) fn at_surface(wavenumber: f64) -> f64 {
 /// The wavenumber beyond which [`at_surface`] is negligible.
 pub(super) const SURFACE_REACH: f64 = NEGLIGIBLE / 2.0;
 
-/// Difference layer − half-space at a depth: the inward factor of J₀ and the outward factor of J₁.
+/// The difference between layer and half-space at a depth, as two factors: of J₀ (inward) and of J₁ (outward).
 fn at_depth(wavenumber: f64, depth: f64) -> [f64; 2] {
     let (h, x) = (wavenumber, wavenumber * (1.0 - depth));
     let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));
@@ -50,41 +51,43 @@ fn reach_at(depth: f64) -> f64 {
     NEGLIGIBLE / (2.0 - depth)
 }
 
-/// Distance beyond the contact's edge, in thicknesses, at which displacements are below 1e-9 of the largest one: they decay
-/// as e^{−0.739 r}, where cos 0.739 = 0.739.
+/// Distance beyond the contact's edge, in thicknesses, at which all displacements are below 1e-9 of the largest
+/// displacement. They decay as e^{−0.739 r}, where cos 0.739 = 0.739.
 pub(super) const BEYOND: f64 = 30.0;
 
-/// Largest distance for which the first sum is accurate; each following sum is accurate up to twice the distance.
+/// Largest distance for which the first sum is accurate. Each further sum is accurate up to twice the distance of the
+/// sum before.
 const FIRST_REACH: f64 = 4.0;
 
-/// Sums over wavenumbers of a pressure's reflection at one depth.
+/// Sums over wavenumbers for the effect of the base on a pressure at one depth.
 #[derive(Clone, Debug)]
 pub(super) struct Waves {
     pressure: Pressure,
     depth: f64,
     resolution: f64,
-    /// Sums in ascending order of their distances, each computed at first use.
+    /// Sums for increasing distances. Each is computed when it is first needed.
     bands: Vec<OnceLock<Vec<Wave>>>,
 }
 
-/// One wavenumber.
+/// One wavenumber of the sum.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wave {
     pub(super) wavenumber: f64,
-    /// Amplitudes of the displacement: the inward factor of J₀ and the outward factor of J₁.
+    /// Amplitudes of the displacement: the factor of J₀ (inward) and the factor of J₁ (outward).
     pub(super) strength: [f64; 2],
-    /// The same amplitudes for ∂φ/∂a.
+    /// Amplitudes of the waves for the derivative ∂φ/∂a.
     pub(super) per_contact: [f64; 2],
 }
 
-/// Wavenumbers with their weights, and the transforms of a pressure and of its derivative by the contact's radius.
+/// Wavenumbers with their weights, and the Hankel transforms of a contact's pressure and of its derivative with respect
+/// to the contact's radius.
 pub(super) struct Spectrum {
     nodes: Vec<[f64; 2]>,
     transforms: Vec<[f64; 2]>,
 }
 
 impl Spectrum {
-    /// All wavenumbers of this pressure that the base reflects at a depth. At resolution 1 they are dense enough for distances
+    /// All wavenumbers that matter for this pressure at a depth. At resolution 1, they are dense enough for distances
     /// up to `reach`.
     pub(super) fn new(pressure: &Pressure, depth: f64, reach: f64, resolution: f64) -> Self {
         let distance = pressure.contact + reach;
@@ -98,7 +101,7 @@ impl Spectrum {
         }
     }
 
-    /// Waves at a depth.
+    /// The terms of the sum at a depth.
     pub(super) fn waves(&self, depth: f64) -> Vec<Wave> {
         let pairs = self.nodes.iter().zip(&self.transforms);
         let waves = pairs.map(|(&[wavenumber, weight], [curved, flat])| {
@@ -124,7 +127,7 @@ impl Waves {
         }
     }
 
-    /// Correction for the base at this distance.
+    /// Correction of the displacement for the rigid base, at this distance from the middle of the contact.
     pub(super) fn field(&self, r: f64) -> Field {
         let reaches = std::iter::successors(Some(FIRST_REACH), |reach| Some(2.0 * reach));
         let band = self

@@ -1,4 +1,4 @@
-//! The reported estimate of displacements, with a correction of its bias.
+//! The estimate that is reported for displacements, with a correction of its bias.
 
 use super::problem::{BASELINE, GAIN, Problem};
 use crate::least_squares::LeastSquares;
@@ -8,7 +8,7 @@ use crate::unknowns::{CURVATURE, OTHERS, Square, Sums, UNKNOWNS, Unknowns};
 use crate::{Estimated, GoodnessOfFit, Interval, PressError, PressEstimate};
 
 impl Problem<'_> {
-    /// The estimate at the least chi-squared; `limit` is half the width of a 95 % interval in standard deviations.
+    /// The estimate at the minimum of chi-squared. `limit` is half the width of a 95 % interval in standard errors.
     pub(super) fn outcome(
         &self,
         (state, sums): (&State, &Sums),
@@ -44,13 +44,13 @@ impl Problem<'_> {
         outcome(self, (state, sums), covariance, limit, readings)
     }
 
-    /// Goodness of a fit whose noise is stated.
+    /// Goodness of fit; `None` if the noise is not stated.
     pub(super) fn goodness(&self, sums: &Sums) -> Option<GoodnessOfFit> {
         self.knows_noise()
             .then(|| GoodnessOfFit::new(sums.chi_squared, self.freedom()))
     }
 
-    /// The share of the variance of the used normal displacements that the model explains.
+    /// Share of the variance of the used normal displacements that the model explains.
     fn r_squared(&self, state: &State) -> Result<f64, PressError> {
         let contact = self.contact(state)?;
         let moved = self.displacements(&contact, state);
@@ -68,8 +68,8 @@ impl Problem<'_> {
     }
 }
 
-/// A curvature corrected for its relative bias, within its interval. The estimated radius is nearly normally distributed; if it
-/// may be 0, the curvature is the inverse of a radius of two standard deviations.
+/// The curvature, corrected for its relative bias and limited to its interval. The estimated radius is nearly normally
+/// distributed. If a radius of 0 is possible, the curvature is the inverse of a radius of two standard errors.
 fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
     let corrected = if bias > 1.0 {
         curvature / (2.0 * bias.sqrt())
@@ -82,15 +82,15 @@ fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
     interval.high.map_or(corrected, |high| corrected.min(high))
 }
 
-/// Step of the second differences, in standard deviations.
+/// Step of the second differences, in standard errors.
 const STEP: f64 = 0.3;
 
-/// Relative bias of the estimated relative curvature, to first order: the bias of its logarithm (Box 1971) plus half
-/// its variance. Positive where it is overestimated on average.
+/// Relative bias of the estimated relative curvature, to first order: the bias of the logarithm (Box 1971) plus half of
+/// the logarithm's variance. It is positive if the curvature is overestimated on average.
 ///
-/// The readings are nearly linear in the radius, not in the curvature. The distribution of the estimated curvature therefore
-/// has a long tail towards sharp objects. If the variance is large, or if the second differences are not in the domain of
-/// presses, the bias is that of 1/x for a normally distributed x.
+/// The readings are nearly linear in the radius, not in the curvature. The distribution of the estimated curvature
+/// therefore has a long tail towards sharp objects. If the variance is large, or if the states for the second
+/// differences are impossible presses, the bias of 1/x for a normally distributed x is used.
 fn relative_bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> f64 {
     let variance = covariance[(CURVATURE, CURVATURE)];
     match bias(problem, state, covariance) {
@@ -101,7 +101,8 @@ fn relative_bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> f
     }
 }
 
-/// −½ Σ Jᵀ d with d the second derivatives of the model along the axes of the covariance Σ.
+/// Bias of the fit parameters: −½ Σ Jᵀ d, where d are the second derivatives of the model along the axes of the
+/// covariance Σ.
 fn bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> Result<Unknowns, PressError> {
     let factor = covariance.cholesky().ok_or(PressError::OutOfRange)?;
     let middle = problem.residuals_of_all(state)?;
@@ -113,7 +114,7 @@ fn bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> Result<Unk
         let behind = problem.residuals_of_all(&problem.stepped(state, &-step))?;
         for (marker, bend) in bends.iter_mut().enumerate() {
             for part in 0..3 {
-                // The sign is negative, because residuals are readings minus model.
+                // The sign is negative because residuals are readings minus model.
                 let second =
                     2.0 * middle[marker][part] - ahead[marker][part] - behind[marker][part];
                 bend[part] += second / (STEP * STEP);

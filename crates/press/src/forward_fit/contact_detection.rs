@@ -1,4 +1,4 @@
-//! Detection of a contact in the readings.
+//! Decides whether the readings show a contact.
 
 use palpate_statistics::HALF_WIDTHS;
 
@@ -11,19 +11,21 @@ use crate::markers::see;
 use crate::no_contact::no_contact;
 use crate::state::State;
 
-/// Rate of false detections without contact, if contacts are only searched at the markers. On a thin layer a fit also finds
-/// contacts between the markers, which adds about 0.005.
+/// Rate of false detections without a contact, if contacts are only searched at the markers. On a thin layer, a fit
+/// also finds contacts between the markers, which increases the rate by about 0.005.
 const FALSE_ALARM_RATE: f64 = 0.04;
-/// Least improvement of chi-squared by the other markers if one marker moved significantly, because this marker may be an
-/// outlier.
+/// If one marker moved significantly, it may be an outlier. Then the other markers must improve chi-squared by at least
+/// this value.
 const MIN_IMPROVEMENT_OF_OTHERS: f64 = 9.0;
 
 impl Problem<'_> {
-    /// Least improvement of chi-squared by a detected contact, compared with no contact.
+    /// Smallest improvement of chi-squared by a contact, compared with no contact, for which the contact counts as
+    /// detected.
     ///
-    /// At each marker, noise alone allows a contact of the best depth and width, with two degrees of freedom; half of these
-    /// contacts are outward. The number of independent places is at most the number of markers (Bonferroni). With noise that is
-    /// estimated from the residuals, the test is Fisher's ratio.
+    /// If there is only noise, a contact with the best depth and width can be fitted at each marker. It has two degrees
+    /// of freedom, and half of these contacts are outward and therefore impossible. The number of independent places is
+    /// at most the number of markers (Bonferroni). If the noise is estimated from the residuals, the test uses the F
+    /// distribution.
     pub(super) fn needed(&self) -> f64 {
         let odds = libm::log(self.counting().count() as f64 / (2.0 * FALSE_ALARM_RATE));
         if self.knows_noise() {
@@ -33,7 +35,7 @@ impl Problem<'_> {
         freedom * libm::expm1(2.0 * odds / freedom)
     }
 
-    /// The error of readings for which a contact improves chi-squared only by `improvement`.
+    /// The error for readings in which a contact improves chi-squared only by `improvement`.
     pub(super) fn without_contact(&self, improvement: f64) -> PressError {
         let (squares, each) = at_rest(self);
         let improvement = improvement.max(0.0);
@@ -41,11 +43,11 @@ impl Problem<'_> {
     }
 }
 
-/// Rejects a state whose contact does not improve chi-squared enough. Returns the number of a marker if only this marker moved
-/// significantly.
+/// Returns an error if the contact of a state does not improve chi-squared enough. If only one marker moved
+/// significantly, returns the number of this marker.
 ///
 /// # Errors
-/// [`PressError::NoContact`], or [`PressError::OtherBody`] if the markers moved nevertheless.
+/// [`PressError::NoContact`], or [`PressError::OtherBody`] if the markers moved significantly.
 pub(super) fn detect(problem: &Problem<'_>, state: &State) -> Result<Option<usize>, PressError> {
     let baseline = resting(problem);
     let contact = problem.contact(state)?;
@@ -65,8 +67,9 @@ pub(super) fn detect(problem: &Problem<'_>, state: &State) -> Result<Option<usiz
     Ok(is_alone.then_some(marker))
 }
 
-/// Chi-squared of each marker against rest, and the number of readings per marker: all readings if the noise is stated, else
-/// only the normal displacement, with noise estimated from the median of all markers.
+/// Chi-squared of each marker compared with rest, and the number of readings per marker. If the noise is stated, all
+/// readings are used. Otherwise only normal displacements are used, with noise estimated from the median of all
+/// markers.
 fn at_rest(problem: &Problem<'_>) -> (Vec<f64>, usize) {
     let baseline = resting(problem);
     let markers = 0..problem.kept.len();
@@ -75,7 +78,8 @@ fn at_rest(problem: &Problem<'_>) -> (Vec<f64>, usize) {
         return (readings.map(squared).collect(), problem.components());
     }
     let normal: Vec<f64> = readings.map(|[normal, ..]| normal.abs()).collect();
-    // Three standard deviations of the median of normally distributed noise.
+    // Upper bound of the noise: the median plus three of its standard errors. For n normally distributed readings, the
+    // relative standard error of the median is 1.17/√n, and 3 · 1.17 = 3.5.
     let chance = 1.0 + 3.5 / (normal.len() as f64).sqrt();
     let noise = chance * median(&normal) / HALF_WIDTHS[0];
     let squares = normal
@@ -88,9 +92,10 @@ fn squared(residuals: [f64; 3]) -> f64 {
     residuals.iter().map(|one| one * one).sum()
 }
 
-/// The most likely normal displacement common to all markers without a contact, from the mean reading and the prior.
+/// The most likely common normal displacement of all markers without a contact. It follows from the mean reading and
+/// the prior of the baseline.
 fn resting(problem: &Problem<'_>) -> f64 {
-    // Number of readings with the same weight as the prior, whose mean is 0.
+    // The prior has the mean 0 and the same weight as this number of readings.
     let known = match problem.fit.baseline {
         Prior::Exact => return 0.0,
         Prior::Within(std) => (problem.normal_std / std).powi(2),
@@ -105,7 +110,7 @@ fn resting(problem: &Problem<'_>) -> f64 {
     sum / count
 }
 
-/// Rejects a state whose contact has no marker near it and is not surrounded by markers.
+/// Returns an error if the contact of a state has no marker near it and is not surrounded by markers.
 ///
 /// # Errors
 /// [`PressError::OffMarkers`].

@@ -1,4 +1,4 @@
-//! Tests of a fit: do the displacements contradict its model?
+//! Tests whether displacements contradict the model that was fitted to them.
 
 use nalgebra::{SMatrix, SVector};
 use palpate_statistics::{
@@ -13,16 +13,18 @@ use crate::state::State;
 use crate::unknowns::{INDENTATION, Square, Sums};
 use crate::{PressError, PressEstimate};
 
-/// Ratio of the residuals to the stated noise, or its inverse, from which on the stated noise is wrong.
+/// The stated noise is reported as wrong if the ratio of the residuals to the stated noise, or the inverse of this
+/// ratio, is at least this value.
 const MIN_NOISE_RATIO: f64 = 1.5;
 
 impl ForwardFit {
-    /// Tests the stated indentation of a reading, except with elliptic contacts, by a likelihood ratio: the increase of chi-squared from a fit of the
-    /// displacements alone to a fit that also includes the stated value. Outliers of `estimate` far from the contact are
-    /// excluded; others may be right if the stated indentation is wrong.
+    /// Tests the stated indentation of a reading by a likelihood ratio. The test statistic is the increase of
+    /// chi-squared from a fit of the displacements alone to a fit that also includes the stated value. There is no test
+    /// for elliptic contacts. Outliers of `estimate` that are far from the contact are excluded. Other outliers are
+    /// included, because they may be correct if the stated indentation is wrong.
     ///
     /// # Errors
-    /// The reason why the displacements alone do not determine the indentation.
+    /// The reason for which the displacements alone do not determine the indentation.
     pub fn check_indentation(
         &self,
         reading: &Reading<'_>,
@@ -76,8 +78,8 @@ impl ForwardFit {
         stated_indentation(stated, &alone.indentation, p_value)
     }
 
-    /// The least-squares problem of a reading, with the markers and the noise of an estimate of this fit, and the state of the
-    /// estimate.
+    /// The least-squares problem of a reading, with the same markers and noise as in an estimate of this fit, and the
+    /// state of this estimate.
     fn problem_of<'a>(
         &'a self,
         reading: &'a Reading<'a>,
@@ -105,10 +107,11 @@ impl ForwardFit {
         (problem, state)
     }
 
-    /// Tests an estimate of this fit, and returns the ways in which the readings contradict the model; a stated indentation is
-    /// tested by [`Self::check_indentation`]. Only the size of the residuals is tested for elliptic contacts, for a Gaussian, which is only an
-    /// approximation, for a contact that is not detected, and if there are hardly more equations than unknowns. If the residuals
-    /// are too large for the stated noise, the tests for outliers and patterns use the residuals instead.
+    /// Tests an estimate of this fit and returns the ways in which the readings contradict the model. A stated
+    /// indentation is tested separately by [`Self::check_indentation`]. Only the size of the residuals is tested in
+    /// these cases: elliptic contacts, the Gaussian approximation, an undetected contact, and few more equations than
+    /// fit parameters. If the residuals are too large for the stated noise, the tests for outliers and patterns compare
+    /// with the residuals instead of the stated noise.
     ///
     /// # Errors
     /// Errors of [`ForwardFit::estimate`], and [`PressError::OutOfRange`] if the estimate is not from this fit.
@@ -129,7 +132,7 @@ impl ForwardFit {
         let noise = problem.stated_noise(&state)?;
         let mut misfits: Vec<Misfit> = poor_fit.into_iter().chain(noise).collect();
         let noise = problem.noise(&sums);
-        // These tests are valid only at the best fit, which an undetected contact is not.
+        // These tests are only valid at the best fit, so an undetected contact is not tested.
         if let Some((noise, covariance)) = noise.zip(problem.covariance(&sums).ok())
             && estimate.is_detected
         {
@@ -137,7 +140,8 @@ impl ForwardFit {
             let mut fit = Some((problem, state, sums));
             if p_value < SIGNIFICANCE_LEVEL {
                 misfits.push(Misfit::Outlier { reading, p_value });
-                // A pattern that the outlier explains is no evidence of another body.
+                // The marker is left out of the further tests, because a pattern that an outlier causes is no evidence
+                // of another body.
                 fit = fit.and_then(|(problem, state, _)| problem.without(reading, &state));
             }
             if let Some((problem, state, sums)) = fit
@@ -151,7 +155,7 @@ impl ForwardFit {
 }
 
 impl Problem<'_> {
-    /// A stated noise that is not that of the residuals.
+    /// Reports a stated noise that does not agree with the residuals.
     fn stated_noise(&self, state: &State) -> Result<Option<Misfit>, PressError> {
         let contact = self.contact(state)?;
         let (mut normal, mut tangential) = (0.0, 0.0);

@@ -1,4 +1,4 @@
-//! Test for a marker that contradicts the others: an outlier.
+//! Tests for an outlier, which is a marker that contradicts the others.
 
 use nalgebra::{DMatrix, DVector};
 use palpate_statistics::{Explained, LEFT, least_likely};
@@ -10,18 +10,18 @@ use crate::misfit::Noise;
 use crate::state::State;
 use crate::unknowns::{CURVATURE, Square, Sums, Unknowns};
 
-/// Estimated noise below this, relative to the largest displacement, may be rounding.
+/// If the estimated noise is below this value, relative to the largest displacement, it may be due to rounding.
 const ROUNDING: f64 = 1e-3;
-/// Least degrees of freedom for a test with estimated noise.
+/// Smallest number of degrees of freedom for a test with estimated noise.
 const MIN_FREEDOM: usize = 8;
 
-/// If the residuals keep less than this share of a reading's noise, the fit follows the marker. The test then needs a fit
-/// without the marker.
+/// If the fit reduces the residual of a reading to less than this share of its noise, the fit follows the marker. The
+/// test must then use a fit without the marker.
 const MIN_RESIDUAL_SHARE: f64 = 0.1;
 
 impl Problem<'_> {
-    /// Noise for the tests of a fit. `None` for a Gaussian, which is only an approximation, if there are hardly more equations
-    /// than unknowns, or if the estimated noise may be rounding.
+    /// The noise for the tests of a fit. `None` for the Gaussian approximation, if there are few more equations than
+    /// fit parameters, or if the estimated noise may be due to rounding.
     pub(super) fn noise(&self, sums: &Sums) -> Option<Noise> {
         let freedom = self.freedom();
         let largest = self.reading.normal.iter();
@@ -37,8 +37,8 @@ impl Problem<'_> {
         Some(self.goodness(sums).map_or(found, Noise::stated_or_found))
     }
 
-    /// The marker that contradicts the others most, among those that can change the curvature, and its p-value among all of
-    /// these markers.
+    /// The marker that contradicts the others most, among the markers that can change the curvature, and the p-value of
+    /// its contradiction, corrected for the number of these markers.
     pub(super) fn slipped(
         &self,
         state: &State,
@@ -53,7 +53,8 @@ impl Problem<'_> {
             let slopes = slopes.map(|slopes| self.of_sought(&slopes));
             let by = slopes.map(|slopes| covariance * slopes);
             let moves: f64 = by.iter().map(|by| by[CURVATURE] * by[CURVATURE]).sum();
-            // An error that is too small for rejection cannot spoil the interval.
+            // If an error of this marker is too small to be rejected, its effect on the curvature is too small to
+            // matter for the interval.
             if WRONG * WRONG * moves < variance {
                 return None;
             }
@@ -79,7 +80,8 @@ impl Problem<'_> {
         Ok(least_likely(counting.filter_map(chance)))
     }
 
-    /// Fit without one marker, from the fit with it; `None` if the others do not determine the press.
+    /// The fit without one marker, starting from the fit with it; `None` if the other markers do not determine the
+    /// press.
     pub(super) fn without(&self, marker: usize, state: &State) -> Option<(Self, State, Sums)> {
         let mut others = self.clone();
         others.kept[marker] = false;
@@ -88,7 +90,7 @@ impl Problem<'_> {
         Some((others, state, sums))
     }
 
-    /// A copy of `slopes` with 0 for each unknown that is not fitted.
+    /// A copy of `slopes` in which the derivatives with respect to parameters that are not fitted are 0.
     pub(super) fn of_sought(&self, slopes: &Unknowns) -> Unknowns {
         Unknowns::from_fn(|unknown, _| match self.fitted.sought[unknown] {
             true => slopes[unknown],

@@ -1,4 +1,4 @@
-//! Chi-squared of a press's readings, with its derivatives.
+//! Chi-squared of the readings of a press, and its derivatives.
 
 use nalgebra::{UnitVector3, Vector2, Vector3};
 
@@ -9,32 +9,36 @@ use crate::state::State;
 use crate::unknowns::{Fitted, OTHERS, Sums, Unknowns};
 use crate::{Body, Contact, MarkerDisplacement, Place, PressError, Skin};
 
-/// Unknowns of this fit beside those of every press: an offset of all normal displacements and a factor on them.
+/// Index of the offset of all normal displacements, a fit parameter that only this fit has.
 pub(super) const BASELINE: usize = OTHERS;
+/// Index of the factor on all normal displacements, a fit parameter that only this fit has.
 pub(super) const GAIN: usize = OTHERS + 1;
 
-/// A residual beyond this many standard deviations is an outlier: noise alone exceeds it once in two million.
+/// A residual beyond this number of standard deviations is an outlier. Noise alone exceeds it once in two million
+/// readings.
 pub(super) const WRONG: f64 = 5.0;
 
-/// The least-squares problem: the readings, their weights, and the fitted unknowns.
+/// A least-squares problem: the readings, their weights, and the fitted parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Problem<'a> {
     pub(super) fit: &'a ForwardFit,
     pub(super) reading: &'a Reading<'a>,
     pub(super) fitted: Fitted,
-    /// Standard deviation of a normal displacement, and of a tangential component.
+    /// Standard deviation of a normal displacement.
     pub(super) normal_std: f64,
+    /// Standard deviation of each component of a tangential displacement.
     pub(super) tangential_std: f64,
     /// Whether each marker is used.
     pub(super) kept: Vec<bool>,
-    /// Pole of the great circle on which the contact must lie. There is one if all markers lie on a great circle and only their
-    /// normal displacements are used.
+    /// Pole of the great circle on which the contact must lie. `None` unless all markers are on a great circle and only
+    /// their normal displacements are used.
     pub(super) circle: Option<Vector3<f64>>,
-    /// Residuals beyond this many standard deviations have a decreasing weight; infinite for equal weights.
+    /// Residuals beyond this number of standard deviations have a reduced weight. If it is infinite, all weights are
+    /// equal.
     pub(super) tolerance: f64,
 }
 
-/// Displacement of one marker by the model, normal and tangential, with its derivatives by the unknowns.
+/// Normal and tangential displacement of one marker by the model, with derivatives with respect to the fit parameters.
 struct Predicted {
     moved: (f64, Vector2<f64>),
     normal_slopes: Unknowns,
@@ -42,7 +46,7 @@ struct Predicted {
 }
 
 impl<'a> Problem<'a> {
-    /// The tangential readings, if they are used.
+    /// The tangential readings; `None` if they are not used.
     fn tangential(&self) -> Option<&'a [[f64; 2]]> {
         self.reading
             .tangential
@@ -60,19 +64,20 @@ impl<'a> Problem<'a> {
             && (!self.uses_tangential() || is_stated(self.fit.tangential_std))
     }
 
-    /// Number of used displacements of each marker.
+    /// Number of displacement components that are used of each marker.
     pub(super) fn components(&self) -> usize {
         if self.uses_tangential() { 3 } else { 1 }
     }
 
-    /// Positions of the markers relative to a place.
+    /// Positions of all markers relative to a place.
     pub(super) fn sights(&self, place: &Place) -> Vec<Sight> {
         let markers = self.reading.markers;
         let places = markers.places().iter();
         places.map(|marker| markers.sight(place, marker)).collect()
     }
 
-    /// Only chi-squared, if the model displaces the markers by `moved`, normal and tangential.
+    /// Chi-squared without its derivatives. `moved` are the normal and tangential displacements of the markers by the
+    /// model.
     pub(super) fn cost(
         &self,
         state: &State,
@@ -93,7 +98,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Chi-squared with its derivatives, of normal displacements only or (`TANGENTIAL`) also of tangential ones.
+    /// Chi-squared with its derivatives, either for normal displacements only or (with `TANGENTIAL`) for normal and
+    /// tangential displacements.
     fn sums_of<const TANGENTIAL: bool>(&self, state: &State) -> Result<Sums, PressError> {
         let contact = self.contact(state)?;
         let [_, slope] = self.fit.body.indentation_of(contact.radius)?;
@@ -119,7 +125,8 @@ impl<'a> Problem<'a> {
         Ok(sums)
     }
 
-    /// Residuals of a marker at a state, in standard deviations: one normal and two tangential ones, 0 if not used.
+    /// Residuals of a marker at a state, in standard deviations: one normal and two tangential residuals. Unused
+    /// residuals are 0.
     pub(super) fn residuals_at(
         &self,
         contact: &Contact<'_>,
@@ -129,7 +136,7 @@ impl<'a> Problem<'a> {
         self.residuals(marker, moved(contact, state, &self.sight(state, marker)))
     }
 
-    /// Residuals of a marker without a contact, in standard deviations.
+    /// Residuals of a marker if there is no contact, in standard deviations.
     pub(super) fn readings_of(&self, marker: usize, baseline: f64) -> [f64; 3] {
         self.residuals(marker, (baseline, Vector2::zeros()))
     }
@@ -151,7 +158,7 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
-    /// Σ slopes × values over the markers that count, values and slopes in standard deviations.
+    /// The sum Σ slopes × values over the used markers. Values and slopes are in standard deviations.
     pub(super) fn projected(
         &self,
         state: &State,
@@ -166,14 +173,15 @@ impl<'a> Problem<'a> {
         Ok(sum)
     }
 
-    /// Residuals of the markers that count.
+    /// Residuals of all used markers.
     pub(super) fn residuals_of_all(&self, state: &State) -> Result<Vec<[f64; 3]>, PressError> {
         let contact = self.contact(state)?;
         let residuals = |marker| self.residuals_at(&contact, state, marker);
         Ok(self.counting().map(residuals).collect())
     }
 
-    /// Slopes of the readings of each used marker by all unknowns, in standard deviations: normal, tangential.
+    /// Derivatives of the readings of each used marker (normal, tangential) with respect to all fit parameters, in
+    /// standard deviations.
     pub(super) fn slopes(
         &self,
         state: &State,
@@ -254,7 +262,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The place at a direction. If there is a circle, the x axis is along the circle.
+    /// The place in a direction. If the contact must lie on a circle, the x axis of the place is along the circle.
     pub(super) fn place_at(&self, direction: &Vector3<f64>) -> Place {
         let Some(pole) = self.circle else {
             return self.reading.markers.skin().place_at(direction);
@@ -272,7 +280,7 @@ impl LeastSquares for Problem<'_> {
     type Fit = (State, Sums);
     const SINGULAR: f64 = 1e-7;
     const FREE: &'static str =
-        "some combination of curvature, place, indentation, baseline and gain is free";
+        "a combination of curvature, position, indentation, baseline and gain is undetermined";
     const ENOUGH_OF_PROFILE: f64 = 1e-4;
 
     fn state_of((state, _): &Self::Fit) -> &State {
@@ -327,12 +335,13 @@ impl LeastSquares for Problem<'_> {
     fn is_better(&self, (state, sums): &Self::Fit, (_, best): &Self::Fit) -> bool {
         let is_less =
             |sums: &Sums| sums.chi_squared - best.chi_squared < -1e-6 * (1.0 + best.chi_squared);
-        // The minimum is a prediction, so check it by the true chi-squared.
+        // The minimum is a prediction, so it is checked with the true chi-squared.
         is_less(sums) && self.sums(state).is_ok_and(|sums| is_less(&sums))
     }
 }
 
-/// Displacement of a marker by a contact: the normal one, including gain and baseline, and the tangential one.
+/// Displacement of a marker by a contact: the normal displacement, including gain and baseline, and the tangential
+/// displacement.
 fn moved(contact: &Contact<'_>, state: &State, sight: &Sight) -> (f64, Vector2<f64>) {
     let moved = contact.displacement(sight.distance);
     let [baseline, gain] = state.others;
@@ -348,21 +357,22 @@ pub(super) fn finite(value: f64) -> Result<f64, PressError> {
     }
 }
 
-/// Limit of a product of factors, before its logarithm is computed.
+/// Limit of a product of factors, at which its logarithm is computed.
 const MAX_PRODUCT: f64 = 1e100;
 
-/// Robust chi-squared: the sum of Cauchy's loss c² ln(1 + s/c²) over the markers, with the sum of squares s of each marker. It
-/// is about s if s is less than c², with the tolerance c.
+/// Robust chi-squared: the sum over the markers of Cauchy's loss c² ln(1 + s/c²), where s is the sum of squared
+/// residuals of a marker and c the tolerance. The loss is about s if s is much smaller than c².
 pub(super) struct RobustSum {
-    /// c², in variances.
+    /// The limit c², in variances.
     limit: f64,
     sum: f64,
-    /// Product of 1 + s/c² over the last markers: one logarithm serves for many markers.
+    /// Product of 1 + s/c² over the last markers, so that one logarithm is enough for many markers.
     product: f64,
 }
 
 impl RobustSum {
-    /// An empty sum, for a tolerance in standard deviations. If it is infinite, all residuals have equal weights.
+    /// An empty sum for a tolerance in standard deviations. With an infinite tolerance, all residuals have equal
+    /// weights.
     pub(super) const fn new(tolerance: f64) -> Self {
         Self {
             limit: tolerance * tolerance,
@@ -371,7 +381,7 @@ impl RobustSum {
         }
     }
 
-    /// Adds a marker with these residuals, in standard deviations, and returns the weight of its slopes.
+    /// Adds a marker with these residuals (in standard deviations), and returns the weight of its slopes.
     pub(super) fn add(&mut self, residuals: [f64; 3]) -> f64 {
         let squared: f64 = residuals.iter().map(|residual| residual * residual).sum();
         if self.limit == f64::INFINITY {
@@ -389,7 +399,7 @@ impl RobustSum {
         rise.recip()
     }
 
-    /// The sum.
+    /// The robust sum of all residuals so far.
     pub(super) fn total(&self) -> f64 {
         if self.product == 1.0 {
             self.sum

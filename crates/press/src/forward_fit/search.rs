@@ -1,4 +1,4 @@
-//! The search for an estimate: start, robust fit, outliers, noise, intervals.
+//! Searches the best fit of a press: start values, robust fit, outliers, noise and intervals.
 
 use nalgebra::Vector3;
 use palpate_statistics::{HALF_WIDTHS, NORMAL_95, student_half_width};
@@ -15,42 +15,44 @@ use crate::state::State;
 use crate::unknowns::{ACROSS, EXACT, Fitted, Square, Sums};
 use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 
-/// Largest share of outliers among the markers; if there are more, the model is wrong.
+/// Largest share of outliers among the markers. If there are more, the model is wrong.
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
-/// Number of outliers from which on a used marker may be their cause.
+/// If there are at least this number of outliers, one of the used markers may be their cause.
 const SEVERAL: usize = 2;
-/// Markers are in a row if their variance across the row is less than this, relative to the variance along it.
+/// Markers are in a row if the ratio of their variance across the row to that along it is below this value.
 const ROW: f64 = 1e-5;
-/// P-value of an outlier below which the interval also contains the estimate without this marker.
+/// If the p-value of the marker that contradicts most is below this value, the interval is extended by the interval
+/// without this marker.
 const SUSPECT: f64 = 0.05;
-/// Residual, in standard deviations, beyond which the weight decreases before the outliers are found.
+/// Before the outliers are found, the weight of residuals beyond this number of standard deviations is reduced.
 const ROBUST: f64 = 3.0;
-/// Least predicted decrease of chi-squared for a further step before the outliers are found.
+/// Before the outliers are found, a search stops if the next step is predicted to decrease chi-squared by less than
+/// this value.
 const ROUGHLY: f64 = 1e-2;
 
-/// The search for the press that fits a reading.
+/// A search for the press that fits a reading best.
 #[derive(Clone)]
 pub(super) struct Search<'a> {
     problem: Problem<'a>,
-    /// Whether the noise of normal and of tangential displacements must be estimated.
+    /// Whether the noise of normal displacements must be estimated; the next field is for tangential displacements.
     find_normal: bool,
     find_tangential: bool,
     /// The largest displacement of the reading.
     largest: f64,
-    /// Fits from other starts.
+    /// Fits that started from other start values.
     rivals: Vec<State>,
 }
 
-/// A contact of readings that show none at first.
+/// Result of a further search if the first fit shows no contact.
 enum Found<'a> {
     /// A contact that the readings show at another place.
     Contact(Box<(Search<'a>, State, Sums)>),
-    /// The estimate of a contact that only the stated indentation shows.
+    /// An estimate of a contact that the readings do not show, but that is stated by the indentation.
     Left(Box<PressEstimate>),
 }
 
 impl<'a> Problem<'a> {
-    /// The problem with all unknown parameters fitted and all markers used, with standard deviations of 1.
+    /// A search in which all unknown parameters are fitted, all markers are used, and standard deviations are 1.
     pub(super) fn new(fit: &'a ForwardFit, reading: &'a Reading<'a>) -> Self {
         let largest = reading
             .normal
@@ -86,7 +88,7 @@ impl<'a> Problem<'a> {
         problem
     }
 
-    /// Uses only the markers within the window.
+    /// Restricts the used markers to those within the window.
     pub(super) fn keep_window(&mut self, state: &State) {
         let Some(window) = self.fit.window else {
             return;
@@ -99,7 +101,7 @@ impl<'a> Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// The least chi-squared near a state, with one unknown held constant if `held` names it.
+    /// The minimum of chi-squared near a state. If `held` names an unknown, this unknown is held constant.
     pub(super) fn minimum(
         &self,
         state: State,
@@ -109,8 +111,8 @@ impl Problem<'_> {
         minimise(self, self.fit_at(state)?, enough, held)
     }
 
-    /// Sum of the squared residuals of all markers, each limited to the least value of an outlier; infinite if there is no such
-    /// contact.
+    /// Sum of the squared residuals of all markers, where each marker contributes at most the threshold of an outlier.
+    /// Infinite if the contact is impossible.
     fn unexplained(&self, state: &State) -> f64 {
         let Ok(contact) = self.contact(state) else {
             return f64::INFINITY;
@@ -123,7 +125,7 @@ impl Problem<'_> {
         (0..self.kept.len()).map(square).sum()
     }
 
-    /// Chi-squared of the unused markers against rest.
+    /// Chi-squared of the unused markers, compared with rest.
     fn left_out(&self) -> f64 {
         let mut sum = RobustSum::new(self.tolerance);
         for marker in (0..self.kept.len()).filter(|&marker| !self.kept[marker]) {
@@ -191,7 +193,8 @@ impl<'a> Search<'a> {
                         (self, state, sums) = *found;
                         None
                     }
-                    // If the noise was estimated, a bad fit may be a wrong local minimum.
+                    // If the noise was estimated, a bad fit may be a wrong local minimum, so another possible contact
+                    // is not accepted.
                     Some(Found::Left(_)) if matches!(shown, Err(PressError::OtherBody { .. })) => {
                         shown?
                     }
@@ -224,12 +227,13 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// A contact of readings that show none at the fitted place, or only by one marker. It is a contact that the readings show
-    /// elsewhere, or, with a stated indentation, the range of curvatures that the readings allow. `None` if there is neither.
+    /// Searches a contact for readings that show no contact at the fitted place, or show it only by one marker. The
+    /// result is a contact that the readings show at another place. If there is none and an indentation is stated, the
+    /// result is the range of curvatures that the readings allow. Otherwise it is `None`.
     fn undetected(&self, only_marker: Option<usize>) -> Option<Found<'a>> {
         let mut problem = self.problem.clone();
         if let Some(marker) = only_marker {
-            // A needle under this marker would not contradict the others.
+            // This marker is left out, because a very sharp object under it would not contradict the other markers.
             problem.kept[marker] = false;
         }
         problem.determined().ok()?;
@@ -246,7 +250,7 @@ impl<'a> Search<'a> {
         let covariance = problem.covariance(&sums).ok()?;
         let estimate = problem.outcome((&state, &sums), &covariance, interval, limit);
         let estimate = estimate.ok()?;
-        // The correction must not increase the curvature: far from a clear minimum, noise makes it too large.
+        // The bias correction must not increase the curvature: far from a clear minimum, noise would make it too large.
         let corrected = estimate.relative_curvature;
         let value = corrected.value.min(estimate.most_likely_curvature);
         let mut wrong_markers = estimate.wrong_markers;
@@ -264,8 +268,8 @@ impl<'a> Search<'a> {
         })))
     }
 
-    /// The interval extended by the intervals of other fits that explain the readings about as well. The error is a state with a
-    /// smaller chi-squared.
+    /// The interval, extended by the intervals of other fits that explain the readings about equally well. If one of
+    /// them has a smaller chi-squared, its state is returned as the error.
     fn with_rivals(
         &self,
         best: &State,
@@ -290,14 +294,14 @@ impl<'a> Search<'a> {
                 return Err(state);
             }
             let around = |_| profile(&self.problem, &(state, least), limit - rise.max(0.0)).ok();
-            // If the interval of another fit is unbounded, so is the result.
+            // If the interval of another fit is unbounded, the result is unbounded too.
             let other = self.problem.covariance(&least).ok().and_then(around);
             hull = other.map_or(Interval::UNBOUNDED, |interval| hull.hull(interval));
         }
         Ok(hull)
     }
 
-    /// The interval extended by the interval without one marker, if this marker contradicts the others.
+    /// The interval, extended by the interval without one marker if this marker contradicts the others.
     fn or_without_slipped(
         &self,
         state: &State,
@@ -315,7 +319,7 @@ impl<'a> Search<'a> {
         }
         let limit = self.limit() * self.limit();
         let mut told = problem.without(marker, state);
-        // The profile may find a better fit than the one it starts from.
+        // The profile may find a fit that is better than its start. It is then repeated from the better fit.
         for _ in 0..4 {
             let Some((others, state, sums)) = told else {
                 break;
@@ -325,11 +329,11 @@ impl<'a> Search<'a> {
                 Err(better) => told = others.without(marker, &better),
             }
         }
-        // The other markers do not bound the curvature.
+        // The other markers do not determine a bound of the curvature.
         Ok(Interval::UNBOUNDED)
     }
 
-    /// Whether two fits are the same minimum.
+    /// Whether two states belong to the same minimum.
     fn is_same(&self, one: &State, other: &State) -> bool {
         let near = |contact: Contact<'_>| {
             let markers = self.problem.reading.markers;
@@ -339,11 +343,11 @@ impl<'a> Search<'a> {
             && self.problem.contact(one).is_ok_and(near)
     }
 
-    /// The best of the fits from all starts; if the noise is estimated, the one with the least noise.
+    /// The best of the fits from all start values. If the noise is estimated, it is the fit with the smallest noise.
     fn begin(&mut self) -> Result<(State, Sums), PressError> {
         let mut fits = self.robust_fits()?;
         if self.problem.fit.window.is_some() {
-            // Residuals of fits to different markers cannot be compared.
+            // The residuals of fits cannot be compared if the fits use different markers.
             fits.truncate(1);
         }
         self.rivals.clone_from(&fits);
@@ -371,11 +375,12 @@ impl<'a> Search<'a> {
         Ok(self.without_nearest(&state).unwrap_or((state, sums)))
     }
 
-    /// If there are several outliers, a fit without the marker nearest to the contact, if it explains all markers better: an
-    /// error of this marker looks like a needle under it.
+    /// If there are several outliers, tries a fit without the marker nearest to the contact, because an error of this
+    /// marker looks like a sharp object under it. Returns this fit if it explains all markers better.
     fn without_nearest(&mut self, state: &State) -> Option<(State, Sums)> {
         let wrong = self.problem.kept.iter().filter(|kept| !**kept).count();
-        // Markers outside a window are not outliers, and fits with different noise cannot be compared by their residuals.
+        // Markers outside of a window are not outliers, and the residuals of fits with different estimated noise cannot
+        // be compared, so no such fit is tried.
         let finds_noise =
             self.find_normal || self.find_tangential && self.problem.uses_tangential();
         if finds_noise || self.problem.fit.window.is_some() || wrong < SEVERAL {
@@ -415,7 +420,7 @@ impl<'a> Search<'a> {
         Some((there, sums))
     }
 
-    /// Robust fits, one for each different minimum, the best first.
+    /// Robust fits, one for each different minimum, best fit first.
     fn robust_fits(&self) -> Result<Vec<State>, PressError> {
         let mut problem = self.problem.clone();
         if !problem.fit.body.is_approximate() {
@@ -446,7 +451,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Least squares over the markers without outliers, with the noise estimated if it is not stated.
+    /// Least squares over the markers that are not outliers. The noise is estimated if it is not stated.
     fn settle(&mut self, state: &mut State) -> Result<Sums, PressError> {
         const ROUNDS: usize = 8;
         let (mut last, mut sums) = (None, None);
@@ -461,7 +466,8 @@ impl<'a> Search<'a> {
             let least = self.problem.minimum(*state, EXACTLY, None)?;
             (*state, sums) = (least.0, Some(least.1));
         }
-        // A marker at the limit may alternate between used and rejected without end.
+        // The number of iterations is limited, because a marker at the threshold may alternate between used and
+        // rejected.
         self.problem.sums(state)
     }
 
@@ -479,7 +485,8 @@ impl<'a> Search<'a> {
         is_new
     }
 
-    /// Estimates standard deviations from the residuals of the used markers: from their median (`robustly`) or their squares.
+    /// Estimates standard deviations from the residuals of the used markers: from their median if `robustly`, otherwise
+    /// from their squares.
     fn find_noise(&mut self, state: &State, robustly: bool) -> Result<(), PressError> {
         if !(self.find_normal || self.find_tangential) {
             return Ok(());
@@ -513,7 +520,7 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Selects the used markers: those within the window that are not outliers.
+    /// Selects the used markers, which are the markers within the window that are not outliers.
     fn choose(&mut self, state: &State) -> Result<(), PressError> {
         let problem = &mut self.problem;
         problem.kept.fill(true);
@@ -534,7 +541,7 @@ impl<'a> Search<'a> {
         problem.determined()
     }
 
-    /// The half-width of a 95 % interval, in standard deviations.
+    /// Half-width of a 95 % interval, in standard errors.
     fn limit(&self) -> f64 {
         if self.find_normal {
             student_half_width(0.95, self.problem.freedom())

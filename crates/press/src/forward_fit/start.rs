@@ -1,4 +1,4 @@
-//! Start values of a fit.
+//! Start values for a fit.
 
 use std::f64::consts::PI;
 
@@ -11,20 +11,20 @@ use crate::markers::Sight;
 use crate::state::State;
 use crate::{Displacement, Place};
 
-/// Number of markers, those that moved most, at which a contact is tried; it is also tried between the first two, three, …
-/// of them.
+/// Number of markers at which a contact is tried. These are the markers that moved most. Contacts are also tried
+/// between the first two, three, … of them.
 const MARKERS: usize = 4;
 /// Distances beyond the markers at which a contact is also tried, in scales of the markers.
 const BEYOND: [f64; 3] = [0.2, 0.7, 1.5];
-/// A start beyond the markers is omitted if its chi-squared is larger by more than this.
+/// A start value beyond the markers is omitted if its chi-squared exceeds the smallest one by more than this value.
 const MAX_EXCESS: f64 = 50.0;
 /// Tried radii of the contact, in scales of the markers, a medium one first.
 pub(super) const RADII: [f64; 5] = [0.14, 0.03, 0.07, 0.24, 0.4];
-/// Number of directions in which all radii are tried.
+/// Number of directions for which all radii are tried.
 const VIEWS: usize = 3;
 
-/// Start values: the `few` most likely ones, and the most likely one with a contact beyond the markers if it is not much less
-/// likely.
+/// Start values: the `few` most likely ones and, if it is not much less likely, the most likely one with a contact
+/// beyond the markers.
 pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
     let shapes = Shapes::new(problem, &RADII);
     let mut near = tried(problem, &shapes, &with_between(most_moved(problem)));
@@ -46,8 +46,8 @@ pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
 pub(super) struct Shapes {
     /// Distance of the last node, length.
     furthest: f64,
-    /// For each radius, the indentation at a relative curvature of 1 and the displacements at the nodes; `None` for an
-    /// impossible contact.
+    /// For each radius, the indentation at a relative curvature of 1 and the displacements at the nodes; `None` if the
+    /// contact is impossible.
     contacts: Vec<Option<(f64, Vec<Displacement>)>>,
 }
 
@@ -74,14 +74,14 @@ impl Shapes {
         }
     }
 
-    /// For each radius, the best state with a contact at this place, with its chi-squared.
+    /// For each radius, the best state with a contact at this place, and its chi-squared.
     pub(super) fn states(&self, problem: &Problem<'_>, place: Place) -> Vec<Option<(f64, State)>> {
         let sights = problem.sights(&place);
         let state = |shape: &Option<_>| of_shape(problem, self, shape.as_ref(), place, &sights);
         self.contacts.iter().map(state).collect()
     }
 
-    /// Displacement at a distance, linear between the nodes.
+    /// Displacement at a distance, interpolated linearly between the nodes.
     fn at(&self, nodes: &[Displacement], distance: f64) -> Displacement {
         let place = Self::INTERVALS * (distance / self.furthest).sqrt().min(1.0);
         let before = (place as usize).min(nodes.len() - 2);
@@ -95,8 +95,8 @@ impl Shapes {
     }
 }
 
-/// States with a contact in these directions, with their chi-squared, the most likely first: with a medium radius in each
-/// direction, and with all radii in the best few.
+/// States with contacts in these directions, with their chi-squared, most likely state first. A medium radius is tried
+/// in each direction; all radii are tried in the best few directions.
 fn tried(problem: &Problem<'_>, shapes: &Shapes, directions: &[Vector3<f64>]) -> Vec<(f64, State)> {
     let [middling, others @ ..] = &shapes.contacts[..] else {
         return Vec::new();
@@ -121,7 +121,8 @@ fn tried(problem: &Problem<'_>, shapes: &Shapes, directions: &[Vector3<f64>]) ->
     states
 }
 
-/// The state with a contact of this shape and the best indentation or gain if they are free, with its chi-squared.
+/// The state with a contact of this radius, and its chi-squared. Indentation or gain have their best values if they are
+/// fitted.
 fn of_shape(
     problem: &Problem<'_>,
     shapes: &Shapes,
@@ -139,7 +140,7 @@ fn of_shape(
         Prior::Exact => 0.0,
         Prior::Within(_) | Prior::Free => median(problem.reading.normal),
     };
-    // Factor between the readings and the displacements.
+    // Factor that converts the displacements of the contact to the readings.
     let amplitude = || {
         let (mut product, mut square) = (0.0, 0.0);
         for (read, moved) in problem.reading.normal.iter().zip(&moved) {
@@ -171,7 +172,7 @@ fn of_shape(
     Some((cost, state))
 }
 
-/// The directions of the markers that moved most, in descending order.
+/// Directions of the markers that moved most, sorted by decreasing displacement.
 fn most_moved(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
     let normal = problem.reading.normal;
     let mut order: Vec<usize> = (0..normal.len()).collect();
@@ -198,7 +199,7 @@ fn with_between(mut directions: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     directions
 }
 
-/// Directions beyond the markers, on the side with larger displacements.
+/// Directions beyond the markers, on the side on which displacements are larger.
 fn beyond(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
     let directions = || {
         let places = problem.reading.markers.places().iter();

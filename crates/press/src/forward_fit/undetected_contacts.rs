@@ -1,4 +1,4 @@
-//! Curvatures that the readings allow for a contact that they do not show.
+//! Computes which curvatures are compatible with the readings if the readings do not show a contact.
 
 use std::cmp::Ordering;
 
@@ -10,24 +10,27 @@ use crate::least_squares::LeastSquares;
 use crate::state::State;
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, Sums};
 
-/// Radii of contacts, in radii of the sensor: the largest, the ratio of neighbouring ones, and their number.
+/// Largest radius of the contacts that are tried, relative to the sensor's radius.
 const MAX_RADIUS: f64 = 0.9;
+/// Ratio of consecutive radii.
 const RADIUS_RATIO: f64 = 0.8;
+/// Number of radii.
 const RADII: usize = 32;
 /// Largest number of places at which contacts are tried.
 const MAX_PLACES: usize = 100;
-/// Radius of the widest contact that fits between neighbouring markers, relative to their distance.
+/// Radius of the widest contact that is not noticed between neighbouring markers, relative to the distance of the
+/// markers.
 const HIDDEN: f64 = 0.5;
-/// Least predicted decrease of chi-squared for a further step.
+/// A search stops if the next step is predicted to decrease chi-squared by less than this value.
 const ENOUGH: f64 = 1e-2;
-/// Standard deviation of a weak prior of the logarithm of the curvature, which makes standard deviations finite.
+/// Standard deviation of a weak prior for the logarithm of the curvature. The prior makes standard errors finite.
 const PRIOR_STD: f64 = 3.0;
 
-/// Contacts of the stated indentation that are compatible with the readings: for each radius, from wide to narrow, the place on
-/// the markers with the least chi-squared.
+/// Contacts with the stated indentation that are possible although the readings show no contact. For each of several
+/// contact radii, the list contains the contact at the position with the smallest chi-squared.
 pub(super) struct UndetectedContacts<'p, 'a> {
     problem: &'p Problem<'a>,
-    /// Candidates in ascending order of their curvatures.
+    /// Possible contacts, sorted by their curvatures.
     found: Vec<Candidate>,
 }
 
@@ -36,7 +39,7 @@ pub(super) struct UndetectedContacts<'p, 'a> {
 struct Candidate {
     state: State,
     sums: Sums,
-    /// Radius relative to that of the widest contact between neighbouring markers.
+    /// Radius, relative to that of the widest contact that is not noticed between neighbouring markers.
     relative_radius: f64,
 }
 
@@ -47,7 +50,7 @@ impl Candidate {
 }
 
 impl<'p, 'a> UndetectedContacts<'p, 'a> {
-    /// The contacts; `None` without a stated indentation.
+    /// The possible contacts; `None` without a stated indentation.
     pub(super) fn new(problem: &'p Problem<'a>) -> Option<Self> {
         problem.reading.indentation?;
         let narrower = |radius: &f64| Some(RADIUS_RATIO * radius);
@@ -89,7 +92,7 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
                 .collect(),
             problem,
         };
-        // The best radius may lie between two tried ones.
+        // The best radius may be between two of the radii that were tried, so it is fitted too.
         let best = unseen.likeliest().and_then(|best| near(best, None));
         unseen.found.extend(best);
         let log_curvature = |one: &Candidate| one.state.log_curvature;
@@ -104,8 +107,9 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
         Some(self.found.iter().min_by(Candidate::likelier)?.state)
     }
 
-    /// The most likely contact and the interval of the curvatures whose chi-squared is less than `limit` above its own. `None` if
-    /// this is true for all contacts, or only for contacts between the markers, or if noise hides every contact.
+    /// The most likely contact, and the interval of the curvatures whose chi-squared exceeds that of the most likely
+    /// contact by less than `limit`. `None` if all contacts are in this interval, if only contacts between the markers
+    /// are, or if every contact would be hidden by noise.
     pub(super) fn left(&self, limit: f64) -> Option<(State, Sums, Interval)> {
         let best = self.found.iter().min_by(Candidate::likelier)?;
         let least = best.sums.chi_squared;
@@ -121,7 +125,8 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
         {
             return None;
         }
-        // At the end, the square root of chi-squared's increase equals that of the limit, by linear interpolation.
+        // At an end of the interval, the square root of the increase of chi-squared equals the square root of the
+        // limit. The end is interpolated linearly.
         let end = |inside: usize, outside: Option<usize>| {
             let (inside, outside) = (&self.found[inside], self.found.get(outside?)?);
             let share = (limit.sqrt() - root(inside)) / (root(outside) - root(inside));
@@ -142,7 +147,7 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
 }
 
 impl UndetectedContacts<'_, '_> {
-    /// Chi-squared of the displacements by a contact against rest.
+    /// Chi-squared of the displacements by a contact, compared with rest.
     fn clarity(&self, state: &State) -> f64 {
         let problem = self.problem;
         let Ok(contact) = problem.contact(state) else {
@@ -166,7 +171,7 @@ impl UndetectedContacts<'_, '_> {
     }
 }
 
-/// Distance of the nearest other marker.
+/// Distance from a place to the nearest other marker.
 fn neighbour(problem: &Problem<'_>, place: &crate::Place) -> f64 {
     let distances = problem
         .sights(place)

@@ -1,9 +1,9 @@
-//! The mean of the posterior of the relative curvature.
+//! Computes the posterior mean of the relative curvature.
 //!
-//! The pictures are not linear in the random departures of the sensor from its nominal parameters. Products of uncertain
-//! depths and colours therefore shift the most likely curvature from the mean over all possible sensors. By Laplace's method,
-//! the mean is the mode − ½ C ∇ ln det H, with the Hessian H of half of chi-squared by all unknowns, and its inverse C
-//! (Tierney, Kass and Kadane 1989, to the same order).
+//! The images of the markers are not linear in the random deviations of the sensor from its nominal parameters.
+//! Therefore the most likely curvature (the mode) differs from the mean over all possible sensors. By Laplace's method,
+//! the mean is the mode − ½ C ∇ ln det H, where H is the Hessian of half of chi-squared with respect to all fit
+//! parameters, and C is its inverse (Tierney, Kass and Kadane 1989, to the same order).
 
 use super::fit_state::FitState;
 use super::image_problem::Problem;
@@ -13,16 +13,17 @@ use crate::least_squares::LeastSquares;
 use crate::state::State;
 use crate::unknowns::{CURVATURE, Square, Unknowns};
 
-/// Step of the curvature, in its standard deviations; the other unknowns follow it.
+/// Step of the curvature, in its standard errors. The other fit parameters change with it.
 const STEP: f64 = 0.3;
-/// Variance of the logarithm of the curvature above which the pictures determine only its order of magnitude.
+/// If the variance of the logarithm of the curvature is above this value, the images only determine the order of
+/// magnitude of the curvature.
 const MAX_VARIANCE: f64 = 1.0;
-/// Largest distance of the mean from the mode, in standard deviations, for which the expansion is valid.
+/// Largest difference between mean and mode, in standard errors, for which the expansion is valid.
 const MAX_SHIFT: f64 = 1.0;
 
 impl<V: View + Clone> Problem<'_, V> {
-    /// Distance of the mean of the logarithm of the curvature from its most likely value, computed at the state where the weights
-    /// were computed; 0 if it cannot be computed.
+    /// Difference between the mean and the most likely value of the logarithm of the curvature, computed at the state
+    /// at which the weights were computed; 0 if it cannot be computed.
     pub(super) fn mean_beside(&self, weighed: &FitState, covariance: &Square) -> f64 {
         let variance = covariance[(CURVATURE, CURVATURE)];
         let std = variance.sqrt();
@@ -41,11 +42,12 @@ impl<V: View + Clone> Problem<'_, V> {
         }
     }
 
-    /// Logarithm of the determinant after a step of the unknowns, with the sensor that fits best there.
+    /// Logarithm of the determinant after a step of the fit parameters, with the sensor that fits best after this step.
     fn stepped_aside(&self, weighed: &FitState, step: &Unknowns) -> Option<f64> {
         let moved = &weighed.slopes.jacobian * step;
         let mut sensor = self.updated_sensor(&(&weighed.residuals - moved)).ok()?;
-        // The sensor of the weights moves by the same departures as the most likely sensor.
+        // The sensor at which the weights were computed is changed by the same sensor deviations as the most likely
+        // sensor.
         sensor.shift(&self.sensor, &self.updated_sensor(&weighed.residuals).ok()?);
         let state: State = self.stepped(&weighed.state, step);
         let mut there = self.clone();
@@ -56,14 +58,15 @@ impl<V: View + Clone> Problem<'_, V> {
         there.log_determinant(&fitted)
     }
 
-    /// Logarithm of the determinant of the Hessian by all unknowns, except for a constant, at the state of the weights.
+    /// Logarithm of the determinant of the Hessian with respect to all fit parameters, without an additive constant, at
+    /// the state of the weights.
     fn log_determinant(&self, fitted: &FitState) -> Option<f64> {
         let of_press = inverse(&fitted.sums.hessian, 0.0)?.determinant();
         let mut sum = 2.0 * self.root.diagonal().map(libm::log).sum() - libm::log(of_press);
         for (&marker, whiten) in self.counting.iter().zip(&self.whiten) {
             sum -= 2.0 * whiten.diagonal().map(libm::log).sum();
             let spread = self.rest.local[marker].as_ref()?.spread.determinant();
-            // Aligned discs have no unknown misalignment.
+            // If the discs are aligned, there is no unknown misalignment.
             if spread > 0.0 {
                 sum -= libm::log(spread);
             }

@@ -1,30 +1,32 @@
-//! Prior of a sensor's departures from another source than the frame at rest.
+//! A prior of a sensor's deviations that comes from another source than the frame at rest.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::PressError;
 
-/// Prior of some common departures, from another frame of the same sensor or from the frame at rest itself. The fit then uses
-/// no information on them from the frame at rest, so that no frame counts twice. The frame still determines the other
-/// departures and the misalignments, conditional on these.
+/// A prior of some common sensor deviations. It comes from another frame of the same sensor, or from an earlier fit of
+/// the frame at rest itself. Information on these sensor deviations from the frame at rest is then ignored, so that no
+/// frame is used twice. The frame still determines the other sensor deviations and the misalignments, given these
+/// sensor deviations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeparturePrior {
-    /// Numbers of the departures, in ascending order; none of them is exact.
+    /// Indices of the sensor deviations in ascending order. None of them may be exact.
     pub numbers: Vec<usize>,
-    /// Covariance of the departures, in the order of their numbers and in their units.
+    /// Covariance of the sensor deviations, in the order of their indices and in their units.
     pub covariance: DMatrix<f64>,
 }
 
-/// The prior in the form of the equations of a frame at rest.
+/// The prior, in the form of the equations of a frame at rest.
 pub(super) struct FreePrior {
-    /// Indices of the departures among the free ones.
+    /// Indices of the sensor deviations among the sensor deviations that are not exact.
     places: Vec<usize>,
-    /// Inverse of their covariance, in their standard deviations.
+    /// Inverse of the covariance, with each sensor deviation divided by its standard deviation.
     precision: DMatrix<f64>,
 }
 
 impl DeparturePrior {
-    /// The prior among the departures that are not exact, from the standard deviations of all.
+    /// The prior for the sensor deviations that are not exact. `stds` are the standard deviations of all sensor
+    /// deviations.
     pub(super) fn of_free(&self, stds: &[f64]) -> Result<FreePrior, PressError> {
         let Self {
             numbers,
@@ -60,9 +62,9 @@ impl DeparturePrior {
 }
 
 impl FreePrior {
-    /// Replaces the information of a frame on the departures of the prior by the prior. With the departures C of the prior and
-    /// the others D, the conditional distribution of D given C does not change; the marginal distribution of C becomes the
-    /// prior. `None` if the equations do not determine D.
+    /// In the equations of a frame, replaces the information on the deviations of the prior by the prior. If C are the
+    /// deviations of the prior and D the others, the conditional distribution of D given C does not change, and the
+    /// marginal distribution of C becomes the prior. `None` if the equations do not determine D.
     pub(super) fn cut(
         &self,
         common: &DVector<f64>,

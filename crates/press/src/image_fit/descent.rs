@@ -1,4 +1,4 @@
-//! Least-squares search for the sensor that fits its frame at rest.
+//! Least-squares search for the sensor parameters that fit a frame at rest best.
 
 use nalgebra::DVector;
 
@@ -8,18 +8,23 @@ use super::view::{NUMBERS, View};
 use crate::{GoodnessOfFit, PressError};
 
 const MAX_STEPS: usize = 200;
-/// Damping of the first step, relative to the information of the priors.
+/// Damping of the first step, relative to the information in the priors.
 const DAMPING: f64 = 1.0;
+/// Damping above which the search ends.
 const MAX_DAMPING: f64 = 1e9;
-/// Decrease of chi-squared at which a search ends: the last one, and those with increased variances.
+/// A search ends if chi-squared decreases by less than this value.
 const ENOUGH: f64 = 1e-6;
+/// Decrease of chi-squared below which a search with increased variances ends.
 const ROUGHLY: f64 = 1.0;
-/// Largest factor of the variances, and the ratio of successive factors.
+/// Largest factor by which variances are multiplied.
 const MAX_VARIANCE: f64 = 1e12;
+/// Ratio of consecutive factors.
 const FALL: f64 = 10.0;
-/// Exponents of the first factor of the variances; the next one is tried if chi-squared remains large.
+/// Exponents that determine the first factor on the variances. The next exponent is tried if chi-squared remains too
+/// large.
 const ROOTS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
-/// P-value of an acceptable chi-squared: for one good sensor in a thousand, further searches are useless.
+/// Chi-squared is acceptable if its p-value is at least this value. For one good sensor in a thousand, useless further
+/// searches are made.
 const PLAUSIBLE: f64 = 1e-3;
 
 /// The minimum of a search.
@@ -29,8 +34,8 @@ struct Minimum {
     cost: Cost,
 }
 
-/// Cost of a state: first the number of markers that have a reading but are hidden in the model, then the sum of the squares of
-/// all others.
+/// Cost of a state. States are compared first by the number of markers that have a reading but are hidden in the model,
+/// then by the sum of the squares of all others.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 struct Cost {
     hidden: usize,
@@ -38,7 +43,7 @@ struct Cost {
 }
 
 impl Cost {
-    /// Decrease of the cost to another one.
+    /// Decrease from this cost to another cost.
     fn less(self, other: Self) -> f64 {
         match self.hidden == other.hidden {
             true => self.squares - other.squares,
@@ -48,7 +53,7 @@ impl Cost {
 }
 
 impl<V: View> Resting<'_, V> {
-    /// The most likely sensor.
+    /// Finds the most likely sensor.
     pub(super) fn rest(&self) -> Result<Rest, PressError> {
         let start = State {
             common: DVector::zeros(self.free.len()),
@@ -56,7 +61,7 @@ impl<V: View> Resting<'_, V> {
         };
         let variance = self.variance_at(&start).ok_or(PressError::OutOfRange)?;
         let mut least: Option<(Minimum, f64)> = None;
-        // Searches with different first factors may end in different minima.
+        // Searches with different first factors may end in different minima, so the best of them is used.
         for root in ROOTS {
             let Ok(minimum) = self.cooled(start.clone(), libm::pow(variance, root)) else {
                 continue;
@@ -89,9 +94,10 @@ impl<V: View> Resting<'_, V> {
         Ok(self.result(state, equations, slopes, cost.squares))
     }
 
-    /// Finds the minimum by a search that starts with the variances multiplied by a factor and decreases it to 1. Far from the
-    /// minimum there are local minima and narrow valleys. With variances as large as the first residuals there are none, and
-    /// with a decreasing factor the state stays near the global minimum.
+    /// Finds the minimum by a sequence of searches. In the first search, the variances are multiplied by a factor,
+    /// which then decreases to 1. Far from the minimum, there are local minima and narrow valleys. With variances that
+    /// are as large as the first residuals, these disappear, and while the factor decreases, the state stays near the
+    /// global minimum.
     fn cooled(&self, mut state: State, mut variance: f64) -> Result<Minimum, PressError> {
         while variance > 1.0 {
             let noisier = self.noisier(variance);
@@ -110,12 +116,13 @@ impl<V: View> Resting<'_, V> {
         }
     }
 
-    /// Sum of the squares of each marker: infinite if it has a reading but is hidden in the model, `None` without a reading.
+    /// Sum of the squares of each marker. It is infinite if the marker has a reading but is hidden in the model, and
+    /// `None` without a reading.
     fn own_costs(&self, state: &State, pictures: &Pictures) -> Vec<Option<f64>> {
         let own = |marker: usize| {
             let weight = self.frame.weights[marker].as_ref()?;
             let residual = self.frame.residual(marker, pictures);
-            // A marker with a reading cannot be hidden.
+            // A marker with a reading must be visible in the model too.
             let square =
                 residual.map_or(f64::INFINITY, |residual| residual.dot(&(weight * residual)));
             let [x, y] = state.misalignments[marker];
@@ -128,14 +135,15 @@ impl<V: View> Resting<'_, V> {
         (0..self.markers()).map(own).collect()
     }
 
-    /// Sum of the squares, each limited to the least value of an outlier.
+    /// Sum of the squares of all markers, where each marker contributes at most the threshold of an outlier.
     fn robust(&self, minimum: &Minimum) -> f64 {
         let own = self.own_costs(&minimum.state, &minimum.pictures);
         let own = own.into_iter().flatten().map(|square| square.min(WRONG));
         minimum.state.common.norm_squared() + own.sum::<f64>()
     }
 
-    /// Median over the markers of their mean squared residual, in stated variances; half of the markers may be outliers.
+    /// Median over the markers of their mean squared residual, relative to the stated variances. Up to half of the
+    /// markers may be outliers.
     fn variance_at(&self, state: &State) -> Option<f64> {
         let pictures = self.pictures(state)?;
         let costs = self.own_costs(state, &pictures);
@@ -145,7 +153,7 @@ impl<V: View> Resting<'_, V> {
         Some((middle / NUMBERS as f64).min(MAX_VARIANCE))
     }
 
-    /// The fit with the variances of all readings multiplied by a factor.
+    /// This fit with the variances of all readings multiplied by a factor.
     fn noisier(&self, variance: f64) -> Self {
         let mut frame = (*self.frame).clone();
         for weight in frame.weights.iter_mut().flatten() {
@@ -159,7 +167,7 @@ impl<V: View> Resting<'_, V> {
         }
     }
 
-    /// The minimum near a state; the search ends if chi-squared decreases by less than `enough`.
+    /// The minimum near a state. The search ends if chi-squared decreases by less than `enough`.
     fn minimised(&self, mut state: State, enough: f64) -> Result<Minimum, PressError> {
         let impossible = PressError::OutOfRange;
         let mut pictures = self.pictures(&state).ok_or(impossible)?;
@@ -178,7 +186,7 @@ impl<V: View> Resting<'_, V> {
                 Some((tried, seen, less)) => {
                     let gain = cost.less(less);
                     (state, pictures, cost) = (tried, seen, less);
-                    // With strong damping a small decrease does not mean convergence.
+                    // With strong damping, a small decrease does not mean that the search has converged.
                     if gain <= enough && damping <= DAMPING {
                         break;
                     }

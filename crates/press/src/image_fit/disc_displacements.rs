@@ -1,4 +1,4 @@
-//! Forward model: displacements of both discs of each marker in a press.
+//! Computes the displacements of both discs of each marker in a press.
 
 use nalgebra::{SMatrix, Vector2};
 
@@ -10,16 +10,16 @@ use crate::state::State;
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, UNKNOWNS, Unknowns};
 use crate::{Body, MarkerDisplacement, Place, PressError};
 
-/// Step of the differences for slopes of shifted discs, relative to the scale of each unknown.
+/// Step for numerical derivatives of shifted discs, relative to the scale of each unknown.
 const STEP: f64 = 1e-5;
 
 /// Displacements of the magenta and the yellow disc of each marker.
 pub(super) type Discs = Vec<[MarkerDisplacement; 2]>;
 
-/// Slopes of a disc's displacement by the unknowns: inward, and along both axes.
+/// Derivatives of a disc's displacement (inward, and along both axes) with respect to the fit parameters.
 pub(super) type DiscSlopes = SMatrix<f64, 3, UNKNOWNS>;
 
-/// Displacements of the discs of every marker, with their slopes by the unknowns.
+/// Displacements of the discs of every marker, with their derivatives with respect to the fit parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Moving {
     pub(super) moved: Discs,
@@ -32,7 +32,7 @@ impl<V: View> ImageFit<V> {
         self.moved_by(&self.bodies, state)
     }
 
-    /// The displacements with their slopes by the unknowns.
+    /// The displacements, with their derivatives with respect to the fit parameters.
     pub(super) fn moving(&self, state: &State) -> Result<Moving, PressError> {
         if self.shifts() {
             self.moving_by_differences(state)
@@ -108,7 +108,7 @@ impl<V: View> ImageFit<V> {
         Ok(Moving { moved, slopes })
     }
 
-    /// Derivatives of the displacements by the depths of the discs; `None` if the depths are exact.
+    /// Derivatives of the displacements with respect to the depths of the discs; `None` if the depths are exact.
     pub(super) fn per_depth(
         &self,
         state: &State,

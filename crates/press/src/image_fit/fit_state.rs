@@ -1,4 +1,4 @@
-//! A state of a fit of images with its residuals and slopes.
+//! A state of an image fit, with its residuals and derivatives.
 
 use super::image_problem::{Problem, Residuals, Slopes};
 use super::view::{NUMBERS, View};
@@ -8,33 +8,35 @@ use crate::state::State;
 use crate::unknowns::{Fitted, Sums, Unknowns};
 use crate::{Body, PressError, Skin};
 
-/// Least predicted decrease of chi-squared far from a minimum: four standard deviations.
+/// If an undamped step is predicted to decrease chi-squared by at least this value (four standard deviations, squared),
+/// the state is far from a minimum.
 const STUCK: f64 = 16.0;
 
-/// Distance of the logarithm of the curvature up to which slopes are kept.
+/// Derivatives are kept as long as the logarithm of the curvature changes by less than this value.
 const NEAR: f64 = 0.3;
 
-/// A state with its residuals and slopes.
+/// A state with its residuals and derivatives.
 #[derive(Clone)]
 pub(super) struct FitState {
     pub(super) state: State,
     pub(super) residuals: Residuals,
     pub(super) slopes: Slopes,
-    /// Norm of the slope of each used marker's whitened picture by an inward displacement of both discs.
+    /// For each used marker, norm of the derivative of its whitened image with respect to an inward displacement of
+    /// both discs.
     pub(super) normal_slopes: Vec<f64>,
     pub(super) sums: Sums,
-    /// Whether the search keeps the slopes as long as their predictions are good.
+    /// Whether the search keeps the derivatives as long as their predictions are good.
     pub(super) keeps_slopes: bool,
 }
 
 impl FitState {
-    /// The fit whose slopes the search keeps as long as their predictions are good.
+    /// This fit, with the setting that the search keeps derivatives as long as their predictions are good.
     pub(super) fn keeping_slopes(mut self) -> Self {
         self.keeps_slopes = true;
         self
     }
 
-    /// A nearby state with the same slopes.
+    /// A nearby state with the same derivatives.
     fn near<V: View>(
         self,
         problem: &Problem<'_, V>,
@@ -50,8 +52,8 @@ impl FitState {
         })
     }
 
-    /// Standard deviation of the normal displacement of both discs of a marker by its own picture: the median of the used
-    /// markers.
+    /// Standard error of the normal displacement of a marker's two discs, estimated from its own image. It is the
+    /// median over the used markers.
     pub(super) fn normal_std(&self) -> f64 {
         let mut stds: Vec<f64> = self
             .normal_slopes
@@ -62,14 +64,14 @@ impl FitState {
         stds.get(stds.len() / 2).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Predicted decrease of chi-squared by an undamped step; 0 if there is no such step.
+    /// Predicted decrease of chi-squared by an undamped step; 0 if this step cannot be computed.
     pub(super) fn promise(&self) -> f64 {
         let gradient = self.sums.gradient;
         solve(&self.sums.hessian, &gradient).map_or(0.0, |step| gradient.dot(&step))
     }
 
-    /// Whether the search ended far from a minimum, for example at a limit of possible presses: an undamped step is predicted to
-    /// remove most of chi-squared.
+    /// Whether the search ended far from a minimum, for example at a limit of possible presses. This is the case if an
+    /// undamped step is predicted to remove most of chi-squared.
     pub(super) fn is_stuck(&self) -> bool {
         self.promise() > (0.5 * self.sums.chi_squared).max(STUCK)
     }
@@ -78,7 +80,8 @@ impl FitState {
 impl<V: View> LeastSquares for Problem<'_, V> {
     type Fit = FitState;
     const SINGULAR: f64 = 1e-6;
-    const FREE: &'static str = "some combination of curvature, place and indentation is free";
+    const FREE: &'static str = "a combination of curvature, position and indentation is \
+         undetermined";
     const ENOUGH_OF_PROFILE: f64 = 1e-3;
 
     fn state_of(fit: &FitState) -> &State {
@@ -126,7 +129,7 @@ impl<V: View> LeastSquares for Problem<'_, V> {
             return Ok(None);
         };
         let gain = from.sums.chi_squared - tried.cost;
-        // Recompute slopes with bad predictions, and keep those with good ones.
+        // Derivatives are recomputed if their predictions were bad, and kept if they were good.
         let is_predicted = match from.keeps_slopes {
             true => gain > 0.3 * promise,
             false => (gain - promise).abs() < 0.2 * promise,

@@ -1,4 +1,5 @@
-//! Tests of a fit of images: do the images contradict its model? They include the departures common to all markers.
+//! Tests whether images contradict the model that was fitted to them. The model includes the sensor deviations that are
+//! common to all markers.
 
 use nalgebra::{DMatrix, SMatrix};
 use palpate_statistics::{Misfit, SIGNIFICANCE_LEVEL, chi_squared_tail, normal_tail};
@@ -14,10 +15,10 @@ use crate::state::State;
 use crate::{Measured, PressError, PressEstimate};
 
 impl<V: View + Clone> ImageFit<V> {
-    /// Compares a stated indentation with the one estimated from the images alone.
+    /// Compares a stated indentation with the indentation that is estimated from the images alone.
     ///
     /// # Errors
-    /// The reason why the images alone do not determine the indentation.
+    /// The reason for which the images alone do not determine the indentation.
     pub fn check_indentation(
         &self,
         rest: &Rest,
@@ -32,9 +33,9 @@ impl<V: View + Clone> ImageFit<V> {
         stated_indentation(stated, &alone, 2.0 * normal_tail(difference))
     }
 
-    /// Tests an estimate of this fit, and returns the ways in which the images contradict the model; a stated indentation is
-    /// tested by [`Self::check_indentation`]. If the residuals are too large for the stated errors, the tests for outliers and
-    /// patterns use the residuals instead.
+    /// Tests an estimate of this fit and returns the ways in which the images contradict the model. A stated
+    /// indentation is tested separately by [`Self::check_indentation`]. If the residuals are too large for the stated
+    /// errors, the tests for outliers and patterns compare with the residuals instead of the stated errors.
     ///
     /// # Errors
     /// Errors of [`ImageFit::estimate`].
@@ -99,7 +100,7 @@ impl<V: View> Problem<'_, V> {
         })
     }
 
-    /// Patterns of the displacements of both discs in the whitened pictures, one column each.
+    /// Effects of displacement patterns of both discs on the whitened images, one column per pattern.
     fn patterns(&self, state: &State) -> Result<DMatrix<f64>, PressError> {
         let fit = self.fit;
         let slopes = self.by_displacements(&self.displaced(state)?)?;

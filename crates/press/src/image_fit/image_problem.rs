@@ -1,4 +1,4 @@
-//! Chi-squared of the images of a press, with its derivatives.
+//! Chi-squared of the images of a press, and its derivatives.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -19,54 +19,55 @@ use crate::state::State;
 use crate::unknowns::{Fitted, OTHERS, Square, Sums, UNKNOWNS};
 use crate::{MarkerDisplacement, Measured, PressError};
 
-/// First of the unknowns of this fit beside those of every press: both components of a sideways shift of the object.
+/// Index of the first of two fit parameters that only this fit has: the components of a sideways shift of the object.
 const SHIFT: usize = OTHERS;
 
-/// Whitened residuals of the used markers.
+/// Whitened residuals of the used markers (transformed such that their errors are independent and have unit variance).
 pub(super) type Residuals = DVector<f64>;
-/// Slopes of the whitened pictures by the unknowns.
+/// Derivatives of the whitened images with respect to the fit parameters.
 pub(super) type Jacobian = MatrixXx6<f64>;
 
-/// Slopes with the products that the derivatives of chi-squared need.
+/// Derivatives, with the products that the derivatives of chi-squared need.
 #[derive(Clone, Debug)]
 pub(super) struct Slopes {
     pub(super) jacobian: Jacobian,
-    /// Components that departures common to all markers may explain.
+    /// Those components of the derivatives that sensor deviations common to all markers may explain.
     pub(super) shared: Jacobian,
-    /// Products of the slopes by two unknowns, without these components.
+    /// Products of the derivatives with respect to two fit parameters, without the components in `shared`.
     pub(super) square: Square,
 }
 
-/// The least-squares problem: the readings, their weights at some state, and the fitted unknowns.
+/// A least-squares problem: the readings, their weights at some state, and the fitted parameters.
 #[derive(Clone)]
 pub(super) struct Problem<'a, V> {
     pub(super) fit: &'a ImageFit<V>,
     pub(super) rest: Cow<'a, Rest>,
-    /// The sensor at which the model is linearised in the departures.
+    /// The sensor at which the model is linearised with respect to the sensor deviations.
     pub(super) sensor: Sensor,
     pub(super) seen: &'a [Option<Seen>],
     pub(super) indentation: Option<Measured>,
     pub(super) fitted: Fitted,
-    /// Numbers of the used markers: visible at rest and pressed, and no outliers.
+    /// Indices of the used markers, which are visible at rest and in the press and are not outliers.
     pub(super) counting: Vec<usize>,
     /// Square root of the robust weight of each used marker.
     pub(super) trust: Vec<f64>,
-    /// Additional displacements due to the difference between the fitted and the nominal depths of the discs, at the state
-    /// where the weights were computed.
+    /// Additional displacements, because the fitted depths of the discs differ from the nominal depths. They are
+    /// computed at the state at which the weights were computed.
     by_depth: Vec<[MarkerDisplacement; 2]>,
-    /// Whitening matrix of each used marker.
+    /// Whitening matrix of each used marker, which transforms its errors to independent errors of unit variance.
     pub(super) whiten: Vec<Matrix4<f64>>,
-    /// Whitened slopes of their pictures by their misalignments.
+    /// Derivatives of the whitened images of these markers with respect to their misalignments.
     pub(super) by_local: Vec<Matrix4x2<f64>>,
-    /// Whitened difference, to first order, between the pictures of the sensor fitted at rest and those of `sensor`.
+    /// Whitened difference, to first order, between the images for the sensor fitted at rest and for `sensor`.
     from_rest: Vec<Vector4<f64>>,
-    /// Whitened slopes by the common departures: one row per equation, one column per departure.
+    /// Whitened derivatives with respect to the common sensor deviations, with one row per equation and one column per
+    /// sensor deviation.
     pub(super) common: DMatrix<f64>,
-    /// Lower Cholesky factor of the information of both frames on the departures.
+    /// Lower Cholesky factor of the information on the sensor deviations from both frames.
     pub(super) root: DMatrix<f64>,
 }
 
-/// A tried state, with the values needed to compute its slopes.
+/// A state that was tried, with the values from which its derivatives can be computed.
 pub(super) struct Tried {
     pub(super) state: State,
     pub(super) residuals: Residuals,
@@ -123,8 +124,8 @@ impl<'a, V: View> Problem<'a, V> {
             .ok_or(PressError::OutOfRange)
     }
 
-    /// Computes the weights of all readings at a state from their noise, the uncertainty of the misalignments, and the
-    /// uncertainty of the departures common to all markers.
+    /// Computes the weights of all readings at a state. The weights follow from the noise of the readings, the
+    /// uncertainty of the misalignments, and the uncertainty of the sensor deviations that are common to all markers.
     pub(super) fn weigh(&mut self, state: &State) -> Result<FitState, PressError> {
         let moving = self.fit.moving(state)?;
         let per_depth = self.fit.per_depth(state, &moving.moved)?;
@@ -145,7 +146,7 @@ impl<'a, V: View> Problem<'a, V> {
         self.fitted(*state, residuals, &slopes, &moving.slopes)
     }
 
-    /// Computes the weights of all readings for markers at rest.
+    /// Computes the weights of all readings for markers without displacement.
     pub(super) fn weigh_at_rest(&mut self) -> Result<(), PressError> {
         let slopes = Arc::clone(&self.rest.slopes);
         self.weigh_by(&slopes)
@@ -195,7 +196,7 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(())
     }
 
-    /// Displacements of discs at the depths that were fitted at rest.
+    /// Displacements of discs at the depths that were fitted at rest, from their displacements at the nominal depths.
     fn deeper(&self, mut moved: Vec<[MarkerDisplacement; 2]>) -> Vec<[MarkerDisplacement; 2]> {
         for (moved, more) in moved
             .iter_mut()
@@ -218,7 +219,7 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(self.deeper(self.fit.moved(state)?))
     }
 
-    /// A state with its residuals and chi-squared.
+    /// A state, with its residuals and chi-squared.
     pub(super) fn tried(&self, state: State) -> Result<Tried, PressError> {
         let mut moving = self.fit.moving(&state)?;
         moving.moved = self.deeper(moving.moved);
@@ -232,7 +233,7 @@ impl<'a, V: View> Problem<'a, V> {
         })
     }
 
-    /// A tried state with its slopes.
+    /// A state that was tried, with its derivatives.
     pub(super) fn reached(&self, tried: Tried) -> Result<FitState, PressError> {
         let Tried {
             state,
@@ -244,7 +245,7 @@ impl<'a, V: View> Problem<'a, V> {
         self.fitted(state, residuals, &pictures, &slopes)
     }
 
-    /// Pictures with their slopes only by displacements.
+    /// Images with their derivatives with respect to displacements only.
     pub(super) fn by_displacements(
         &self,
         moved: &[[MarkerDisplacement; 2]],
@@ -253,8 +254,8 @@ impl<'a, V: View> Problem<'a, V> {
         slopes.ok_or(PressError::OutOfRange)
     }
 
-    /// A state with slopes by the unknowns, by the chain rule: slopes of pictures by displacements, and of displacements by the
-    /// unknowns.
+    /// A state with its derivatives with respect to the fit parameters, by the chain rule: derivatives of images with
+    /// respect to displacements, and of displacements with respect to the fit parameters.
     fn fitted(
         &self,
         state: State,
@@ -295,7 +296,7 @@ impl<'a, V: View> Problem<'a, V> {
         self.whitened(|marker| pictures[marker])
     }
 
-    /// Whitened residuals without displacements.
+    /// Whitened residuals for markers without displacement.
     pub(super) fn residuals_at_rest(&self) -> Result<Residuals, PressError> {
         self.whitened(|marker| self.rest.slopes.pictures[marker])
     }
@@ -318,12 +319,13 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(residuals)
     }
 
-    /// Residuals minus the part that the departures common to all markers explain.
+    /// Residuals without the part that the sensor deviations common to all markers explain.
     pub(super) fn own(&self, residuals: &Residuals) -> Result<Residuals, PressError> {
         Ok(residuals - &self.common * self.departures(residuals)?)
     }
 
-    /// Components of whitened columns that departures common to all markers may explain, one per departure.
+    /// Those components of whitened columns that sensor deviations common to all markers may explain, one per sensor
+    /// deviation.
     pub(super) fn shared<C: Dim, S: Storage<f64, Dyn, C>>(
         &self,
         columns: &Matrix<f64, Dyn, C, S>,
@@ -336,7 +338,7 @@ impl<'a, V: View> Problem<'a, V> {
         is_solved.then_some(shared).ok_or(PressError::OutOfRange)
     }
 
-    /// Sum of squared residuals without the part that departures common to all markers may explain.
+    /// Sum of squared residuals without the part that sensor deviations common to all markers may explain.
     pub(super) fn own_squares(&self, residuals: &Residuals) -> Result<f64, PressError> {
         Ok(residuals.norm_squared() - self.shared(residuals)?.norm_squared())
     }
@@ -374,7 +376,7 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(sums)
     }
 
-    /// Slopes, with the part that common departures may explain removed from their products.
+    /// Products of the derivatives, without the part that common sensor deviations may explain.
     fn slopes(&self, jacobian: Jacobian) -> Result<Slopes, PressError> {
         let shared = self.shared(&jacobian)?;
         Ok(Slopes {

@@ -1,4 +1,4 @@
-//! The search for the press that fits an image, and the reported estimate.
+//! Searches the press that fits an image best, and computes the reported estimate.
 
 use nalgebra::Vector3;
 use palpate_statistics::NORMAL_95;
@@ -15,37 +15,41 @@ use crate::state::State;
 use crate::unknowns::CURVATURE;
 use crate::{Estimated, GoodnessOfFit, Measured, PressError, PressEstimate};
 
-/// Sum of the squares of a marker's four residuals beyond which it is an outlier: noise alone exceeds it once in three million.
+/// A marker is an outlier if the sum of its four squared residuals is above this value. Noise alone exceeds it once in
+/// three million markers.
 pub(super) const WRONG: f64 = 36.0;
-/// Sum of squares beyond which the weight of a marker decreases before the outliers are found.
+/// Before the outliers are found, the weight of a marker is reduced if its sum of squares is above this value.
 const ROBUST: f64 = 16.0;
-/// Largest share of outliers among the markers; if there are more, the model is wrong.
+/// Largest share of outliers among the markers. If there are more, the model is wrong.
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
-/// Largest number of iterations of the robust weights.
+/// Maximum number of iterations of the robust weights.
 const ROUNDS: usize = 20;
-/// Largest number of updates of the sensor by both frames.
+/// Maximum number of updates of the sensor with both frames.
 const SENSOR_UPDATES: usize = 5;
-/// Predicted decrease of chi-squared after an update of the sensor at which the updates end: a twentieth of a standard
-/// deviation.
+/// The updates of the sensor end if chi-squared is predicted to decrease by less than this value, which is 1/20 of a
+/// standard deviation, squared.
 const SETTLED: f64 = 2.5e-3;
-/// Least improvement of chi-squared by a detected contact, compared with no contact: the threshold for displacements of 240
-/// markers, because noise can change each number of a marker's picture.
+/// Smallest improvement of chi-squared by a contact, compared with no contact, for which the contact counts as
+/// detected. It is the threshold for displacements of 240 markers, because noise can change each of the numbers that
+/// are measured of a marker.
 const MIN_IMPROVEMENT: f64 = 16.0;
-/// Standard deviation of the logarithm of the curvature above which the images are compatible with any needle.
+/// If the standard error of the logarithm of the curvature is above this value, the images are compatible with objects
+/// of any sharpness.
 const MAX_LOG_STD: f64 = 10.0;
-/// Least predicted decrease of chi-squared for a further step, of a rough and of an exact fit.
+/// A rough fit stops if the next step is predicted to decrease chi-squared by less than this value.
 const ROUGHLY: f64 = 1e-1;
+/// Predicted decrease of chi-squared below which an exact fit stops.
 const EXACTLY: f64 = 1e-6;
 
 impl<V: View + Clone> ImageFit<V> {
-    /// Estimates the press from the readings of one frame, `None` for markers that are not visible, and from the sensor at rest.
-    /// For readings without error, whatever their stated errors, the error of the most likely curvature is below a thousandth of
-    /// its standard deviation, if this is less than the curvature.
+    /// Estimates the press from the readings of one frame and from the sensor at rest. The reading of a marker that is
+    /// not visible is `None`. For exact readings with any stated errors, the error of the most likely curvature is
+    /// below 1/1000 of its standard error, if the standard error is smaller than the curvature.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for invalid settings and readings;
-    /// [`PressError::NoContact`] if the markers have not moved; [`PressError::OtherBody`] if they did not move as in a press of
-    /// this body; [`PressError::OffMarkers`], [`PressError::Undetermined`] and errors of
+    /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for invalid settings and
+    /// readings; [`PressError::NoContact`] if the markers have not moved; [`PressError::OtherBody`] if they did not
+    /// move as in a press on this body; [`PressError::OffMarkers`], [`PressError::Undetermined`] and errors of
     /// [`Body::press`](crate::Body::press) if no press fits the readings.
     pub fn estimate(
         &self,
@@ -59,9 +63,9 @@ impl<V: View + Clone> ImageFit<V> {
         search(problem)
     }
 
-    /// The Cramér–Rao bound on the standard deviation of the relative curvature, 1/length, from the stated errors of the markers
-    /// and of the sensor. The press has this relative curvature, these chart coordinates and this indentation; the readings are
-    /// those of its image.
+    /// The Cramér–Rao bound on the standard error of the relative curvature, 1/length, from the stated errors of the
+    /// markers and of the sensor. It is for a press with this relative curvature, position in the coordinates of the
+    /// skin, and indentation.
     ///
     /// # Errors
     /// [`PressError::Undetermined`] if the readings do not determine the press, and errors of
@@ -125,7 +129,7 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
                 what: "the sum of squares has no clear minimum",
             });
         }
-        // The interval is scaled with the mean.
+        // The ends of the interval are multiplied by the same factor as the mean.
         let factor = libm::exp(problem.mean_beside(&weighed, &covariance));
         let unbiased = contact.relative_curvature * factor;
         let readings = OfReadings {
@@ -147,7 +151,7 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
     })
 }
 
-/// The fit near a state, with the sensor fitted to both frames.
+/// The fit near a state, in which the sensor is fitted to both frames.
 pub(super) fn settle<V: View + Clone>(
     problem: &mut Problem<'_, V>,
     near: State,
@@ -157,7 +161,7 @@ pub(super) fn settle<V: View + Clone>(
     minimise(problem, near.keeping_slopes(), EXACTLY, None)
 }
 
-/// The fit with the sensor fitted to both frames.
+/// The fit after the sensor was fitted to both frames.
 fn update_sensor<V: View + Clone>(
     problem: &mut Problem<'_, V>,
     near: FitState,
@@ -170,7 +174,7 @@ fn update_sensor<V: View + Clone>(
         match problem.weigh(&best.state) {
             Ok(fitted) if is_possible => best = fitted,
             _ => {
-                // The updated sensor is impossible.
+                // The updated sensor is impossible, so the previous one is kept.
                 *problem = before;
                 break;
             }
@@ -182,7 +186,7 @@ fn update_sensor<V: View + Clone>(
     Ok(best)
 }
 
-/// A robust fit, which a few outliers do not change much.
+/// A robust fit, which a few outliers change only slightly.
 fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, PressError> {
     let starts = problem.starts()?;
     let mut best: Option<FitState> = None;
@@ -210,7 +214,7 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, Pre
     let near = best.ok_or(failure)?;
     let near = problem.weigh(&near.state)?;
     let mut best = minimise(problem, near.keeping_slopes(), ROUGHLY, None)?;
-    // If the fit is bad, outliers may be the reason.
+    // A bad fit may be due to outliers, so the weights are computed again.
     let mut is_weighed = false;
     for _ in 0..ROUNDS {
         let squares = problem.squares(&best.residuals)?;
@@ -239,7 +243,7 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, Pre
     Ok(best)
 }
 
-/// Removes outliers, and returns their numbers.
+/// Removes outliers from the used markers, and returns their numbers.
 fn drop_wrong<V: View>(
     problem: &mut Problem<'_, V>,
     best: &FitState,
@@ -264,7 +268,7 @@ impl<V: View> Problem<'_, V> {
         GoodnessOfFit::new(fitted.sums.chi_squared, self.freedom())
     }
 
-    /// The error of images for which a contact improves chi-squared only by `improvement`.
+    /// The error for images in which a contact improves chi-squared only by `improvement`.
     fn no_contact(&self, improvement: f64) -> PressError {
         let at_rest = self.residuals_at_rest();
         match at_rest.and_then(|at_rest| self.squares(&at_rest)) {
@@ -273,7 +277,7 @@ impl<V: View> Problem<'_, V> {
         }
     }
 
-    /// Sum of the squared residuals of each used marker, without the part that common departures explain.
+    /// Sum of the squared residuals of each used marker, without the part that common sensor deviations explain.
     pub(super) fn squares(&self, residuals: &Residuals) -> Result<Vec<f64>, PressError> {
         let own = self.own(residuals)?;
         Ok((0..self.counting.len())
@@ -282,17 +286,18 @@ impl<V: View> Problem<'_, V> {
     }
 }
 
-/// Tried radii of the contact, in radii of the sensor.
+/// Radii of the contact that are tried, relative to the sensor's radius.
 const RADII: [f64; 4] = [0.08, 0.14, 0.22, 0.35];
-/// Number of markers, those that moved most, at which contacts are tried too.
+/// Number of further markers, among those that moved most, at which contacts are tried too.
 const BESIDE: usize = 2;
 
 impl<V: View> Problem<'_, V> {
-    /// Start values, the most likely first.
+    /// Start values, most likely first.
     pub(super) fn starts(&self) -> Result<Vec<State>, PressError> {
         let skin = self.fit.markers.skin();
         let at_rest = &self.rest.slopes.pictures;
-        // For a camera in the centre, a disc grows by the same share by which its distance decreases.
+        // For a camera in the sensor's centre, the relative growth of a disc's image equals the relative decrease of
+        // its distance.
         let mut inward: Vec<(f64, usize)> = Vec::new();
         for &marker in &self.counting {
             if let (Some(seen), Some(rest)) = (&self.seen[marker], &at_rest[marker]) {
@@ -324,7 +329,7 @@ impl<V: View> Problem<'_, V> {
             .iter()
             .filter_map(|&share| state(&mean, share))
             .collect();
-        // The best radius is also tried at the markers that moved most.
+        // The best radius is also tried at the other markers that moved most.
         let best = states.iter().min_by(|one, other| one.0.total_cmp(&other.0));
         if let Some(&(_, width, _)) = best {
             let beside = inward.iter().take(BESIDE);

@@ -1,4 +1,4 @@
-//! Displacements of single markers beyond those of the fitted press.
+//! Computes displacements of single markers that the fitted press does not explain.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -10,13 +10,14 @@ use crate::state::State;
 use crate::{Estimated, MarkerDisplacement, Measured, PressError, PressEstimate};
 
 impl<V: View> ImageFit<V> {
-    /// Displacement of each marker beyond that of an estimated press, by least squares from its own picture. The relative motion
-    /// of the two discs is that of the press; the picture determines their additional common motion. `None` for markers that are
-    /// not visible in both frames, and if the picture does not determine all components.
+    /// Displacement of each marker in addition to its displacement in an estimated press, by least squares from its own
+    /// image. The discs of the marker move relative to each other as in the press; the image determines their
+    /// additional common displacement. `None` for markers that are not visible in both frames, and if the image does
+    /// not determine all components.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`] and [`PressError::NotFinite`] for invalid settings and readings; [`PressError::OutOfRange`] if
-    /// the press is impossible.
+    /// [`PressError::BadSetting`] and [`PressError::NotFinite`] for invalid settings and readings;
+    /// [`PressError::OutOfRange`] if the press is impossible.
     pub fn beyond(
         &self,
         rest: &Rest,

@@ -1,4 +1,4 @@
-//! Fit of the sensor to its markers at rest.
+//! Fits the sensor's parameters to the markers at rest.
 
 use std::sync::Arc;
 
@@ -11,26 +11,29 @@ use super::view::{
 };
 use crate::{MarkerDisplacement, PressError};
 
-/// The sensor fitted to its markers at rest: misalignments, and departures common to all markers.
+/// The sensor's parameters, fitted to its markers at rest: misalignments, and sensor deviations that are common to all
+/// markers.
 #[derive(Clone, Debug)]
 pub struct Rest {
-    /// The most likely departures common to all markers from the nominal parameters.
+    /// The most likely deviations from the nominal parameters, common to all markers.
     pub common: Vec<f64>,
-    /// The most likely misalignment of each marker's discs, rad at the sensor's centre.
+    /// The most likely misalignment of each marker's discs; angles at the sensor's centre, rad.
     pub misalignments: Vec<[f64; 2]>,
     /// Whether each marker was visible at rest.
     pub seen: Vec<bool>,
-    /// Chi-squared, including the priors: about `freedom` if the model holds.
+    /// Chi-squared, including the priors. It is about `freedom` if the model is correct.
     pub chi_squared: f64,
     /// Degrees of freedom of chi-squared.
     pub freedom: usize,
-    /// Information on the free common departures, after the frame at rest.
+    /// Information (inverse covariance) on the uncertain common sensor deviations from the frame at rest and the
+    /// priors.
     pub(super) information: DMatrix<f64>,
-    /// Derivative of each marker's misalignment by the free common departures, and its conditional covariance.
+    /// For each marker, the derivative of its misalignment with respect to the uncertain common sensor deviations, and
+    /// the conditional covariance of the misalignment.
     pub(super) local: Vec<Option<Local>>,
-    /// Pictures at rest with their slopes, at the sensor where the model was linearised.
+    /// Images at rest with their derivatives, for the sensor at which the model was linearised.
     pub(super) slopes: Arc<PictureSlopes>,
-    /// The fitted frame.
+    /// The frame that was fitted.
     pub(super) frame: Arc<RestFrame>,
 }
 
@@ -43,7 +46,8 @@ impl Rest {
         }
     }
 
-    /// Covariance of the common departures that are not exact, in their standard deviations; `None` if it cannot be computed.
+    /// Covariance of the common sensor deviations that are not exact, with each sensor deviation divided by its
+    /// standard deviation; `None` if it cannot be computed.
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
         let factor = self.information.clone().cholesky()?;
         Some(factor.inverse())
@@ -58,12 +62,13 @@ pub(super) struct Local {
 }
 
 impl<V: View> ImageFit<V> {
-    /// Fits the sensor to its markers at rest: one reading per marker, `None` for markers that are not visible.
+    /// Fits the sensor to its markers at rest. `seen` contains one reading per marker; `None` for markers that are not
+    /// visible.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`], [`PressError::NotFinite`] for invalid settings and readings; [`PressError::TooFewMarkers`]
-    /// without a marker; [`PressError::HiddenMarker`] if a marker has a reading but is hidden in the model;
-    /// [`PressError::OutOfRange`] if no sensor fits.
+    /// [`PressError::BadSetting`], [`PressError::NotFinite`] for invalid settings and readings;
+    /// [`PressError::TooFewMarkers`] without a marker; [`PressError::HiddenMarker`] if a marker has a reading but is
+    /// hidden in the model; [`PressError::OutOfRange`] if no sensor fits.
     pub fn at_rest(&self, seen: &[Option<Seen>]) -> Result<Rest, PressError> {
         self.validate()?;
         let frame = RestFrame {
@@ -103,7 +108,7 @@ impl<V: View> ImageFit<V> {
         })
     }
 
-    /// The fit of the frame at rest, linearised at a sensor; `None` if this sensor is impossible.
+    /// The fit of the frame at rest, linearised at another sensor; `None` if this sensor is impossible.
     pub(super) fn rest_about(&self, rest: &Rest, sensor: &Sensor) -> Option<Rest> {
         let resting = self.resting(Arc::clone(&rest.frame)).ok()?;
         let free = resting.free.iter();
@@ -123,7 +128,7 @@ impl<V: View> ImageFit<V> {
 #[derive(Clone, Debug)]
 pub(super) struct RestFrame {
     seen: Vec<Option<Seen>>,
-    /// Inverse covariances of the readings; `None` for markers without a reading.
+    /// Inverse covariance of each reading; `None` for markers without a reading.
     pub(super) weights: Vec<Option<Matrix4<f64>>>,
 }
 
@@ -133,7 +138,7 @@ impl RestFrame {
         self.weights.iter().flatten().count()
     }
 
-    /// Difference between the reading of a marker and its predicted picture.
+    /// Difference between the reading of a marker and its predicted image.
     pub(super) fn residual(
         &self,
         marker: usize,
@@ -144,26 +149,27 @@ impl RestFrame {
     }
 }
 
-/// The fit of a sensor to its frame at rest.
+/// A fit of a sensor to its frame at rest.
 pub(super) struct Resting<'a, V> {
     pub(super) fit: &'a ImageFit<V>,
     pub(super) free: Vec<usize>,
-    /// Prior of free departures, if there is one.
+    /// Prior of the uncertain sensor deviations, if there is one.
     pub(super) known: Option<Arc<FreePrior>>,
     pub(super) frame: Arc<RestFrame>,
 }
 
-/// Unknowns of the fit: free common departures in standard deviations, and misalignments, rad.
+/// Values of the fitted parameters: the uncertain common sensor deviations, in standard deviations, and the
+/// misalignments, rad.
 #[derive(Clone)]
 pub(super) struct State {
     pub(super) common: DVector<f64>,
     pub(super) misalignments: Vec<[f64; 2]>,
 }
 
-/// Pictures of the markers.
+/// The four numbers of each marker's image.
 pub(super) type Pictures = Vec<Option<[f64; NUMBERS]>>;
 
-/// Equations of one step, with the misalignments eliminated.
+/// The equations of one step, from which the misalignments were eliminated.
 pub(super) struct Equations {
     information: DMatrix<f64>,
     right: DVector<f64>,
@@ -204,7 +210,7 @@ impl Own {
     }
 }
 
-/// Product of a transposed matrix and another matrix; it must be symmetric.
+/// Product of a transposed matrix with another matrix. The result must be symmetric.
 pub(super) fn products(one: &DMatrix<f64>, other: &DMatrix<f64>) -> DMatrix<f64> {
     let count = one.ncols();
     let mut products = DMatrix::zeros(count, count);
@@ -219,7 +225,7 @@ pub(super) fn products(one: &DMatrix<f64>, other: &DMatrix<f64>) -> DMatrix<f64>
 }
 
 impl<V: View> Resting<'_, V> {
-    /// The fitted sensor from equations with the solution `state`.
+    /// The fitted sensor. `state` is the solution of the equations.
     pub(super) fn result(
         &self,
         state: State,
@@ -251,7 +257,7 @@ impl<V: View> Resting<'_, V> {
         }
     }
 
-    /// Degrees of freedom: the number of readings, because each unknown has a prior.
+    /// Degrees of freedom. They equal the number of readings, because each unknown has a prior.
     pub(super) fn freedom(&self) -> usize {
         NUMBERS * self.frame.markers()
     }
@@ -286,7 +292,7 @@ impl<V: View> Resting<'_, V> {
         self.fit.slopes(&sensor, &self.still(), None)
     }
 
-    /// No displacement of any disc.
+    /// Displacements of 0 for all discs.
     fn still(&self) -> Vec<[MarkerDisplacement; 2]> {
         vec![[MarkerDisplacement::default(); 2]; self.markers()]
     }

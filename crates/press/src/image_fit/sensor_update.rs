@@ -1,8 +1,8 @@
-//! Update of the sensor by both frames.
+//! Updates the sensor's parameters with both frames.
 //!
-//! The fit of the pressed frame is linear in the departures of the sensor. If the two discs of a marker nearly coincide, their
-//! edges may touch, and pictures are nonlinear within the uncertainty of the departures. The fit then continues with the model
-//! linearised at the sensor that fits both frames.
+//! The model of the pressed frame is linearised with respect to the deviations of the sensor. If the two discs of a
+//! marker nearly coincide, their edges may touch, and the image is nonlinear within the uncertainty of the sensor
+//! deviations. Therefore the fit is continued with the model linearised at the sensor that fits both frames.
 
 use std::borrow::Cow;
 
@@ -14,7 +14,8 @@ use super::view::{MAX_MISALIGNMENT, NUMBERS, Sensor, View};
 use crate::PressError;
 
 impl<V: View> Problem<'_, V> {
-    /// Free common departures from `sensor` to the sensor fitted at rest, in their standard deviations.
+    /// Differences of the uncertain common sensor deviations between the sensor fitted at rest and `sensor`, in
+    /// standard deviations.
     pub(super) fn to_rest(&self) -> DVector<f64> {
         let free = self.fit.free();
         let steps = free.iter().map(|&number| {
@@ -29,7 +30,8 @@ impl<V: View> Problem<'_, V> {
             - Vector2::from(self.sensor.misalignments[marker])
     }
 
-    /// Free common departures from the sensor fitted at rest that fit both frames best, in their standard deviations.
+    /// Differences of the uncertain common sensor deviations between the sensor that fits both frames best and the
+    /// sensor fitted at rest, in standard deviations.
     pub(super) fn departures(&self, residuals: &Residuals) -> Result<DVector<f64>, PressError> {
         let departures = self
             .root
@@ -37,8 +39,8 @@ impl<V: View> Problem<'_, V> {
         departures.ok_or(PressError::OutOfRange)
     }
 
-    /// Linearises the model at the sensor that fits both frames, after a fit with the present one. Returns whether this sensor is
-    /// possible.
+    /// After a fit with the current sensor, linearises the model at the sensor that fits both frames. Returns whether
+    /// this sensor is possible.
     pub(super) fn update_sensor(&mut self, best: &FitState) -> Result<bool, PressError> {
         let sensor = self.updated_sensor(&best.residuals)?;
         Ok(self.linearise_at(sensor))
@@ -55,7 +57,7 @@ impl<V: View> Problem<'_, V> {
         is_possible
     }
 
-    /// The sensor that fits both frames, from the residuals with the present one.
+    /// The sensor that fits both frames, from the residuals for the current sensor.
     pub(super) fn updated_sensor(&self, residuals: &Residuals) -> Result<Sensor, PressError> {
         let departures = self.departures(residuals)?;
         let own = residuals - &self.common * &departures;

@@ -1,39 +1,42 @@
-//! Camera model: pictures of the markers and their slopes.
+//! The camera model: images of the markers and their derivatives.
 //!
-//! The picture of a marker has four numbers: both coordinates of its centroid, its hue and the logarithm of its size.
+//! The image of a marker has four numbers: the two coordinates of its centroid, its hue, and the logarithm of its size.
 
 use nalgebra::{DMatrix, Matrix4, Matrix4x2, Matrix4x3, Vector3, Vector4};
 
 use super::ImageFit;
 use crate::{MarkerDisplacement, PressError};
 
-/// Count of numbers of a marker's picture: both coordinates of the centroid, px; hue, turns; logarithm of the size.
+/// Number of numbers that describe the image of a marker: two coordinates of the centroid, px; hue, turns; logarithm of
+/// the size.
 pub(super) const NUMBERS: usize = 4;
 /// Index of the hue, which is periodic.
 const HUE: usize = 2;
 /// Index of the size.
 pub(super) const SIZE: usize = 3;
 
-/// Steps of differences: of departures, in their standard deviations; of misalignments, rad; of displacements, in radii of the
-/// skin.
+/// Step of numerical derivatives with respect to deviations of the sensor, in standard deviations.
 const DEPARTURE_STEP: f64 = 1e-2;
+/// Step of numerical derivatives with respect to misalignments, rad.
 const MISALIGNMENT_STEP: f64 = 1e-6;
+/// Step of numerical derivatives with respect to displacements, in radii of the skin.
 const DISPLACEMENT_STEP: f64 = 1e-6;
 
-/// Relative error of a picture's numbers by rounding in a model; absolute error of numbers below 1.
+/// Relative error of the four numbers due to rounding in a model; for numbers below 1, the absolute error.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Reading of a marker's picture by the tracker.
+/// A reading of a marker's image by the tracker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// Both coordinates of the centroid, px; hue of the summed light, turns; natural logarithm of the size in px².
+    /// Image of a marker: both coordinates of the centroid, px; hue of the summed light, turns; natural logarithm of
+    /// the size in px².
     pub picture: [f64; 4],
-    /// Covariance of the errors of these numbers, positive definite.
+    /// Covariance of the errors of these numbers. It must be positive definite.
     pub covariance: Matrix4<f64>,
 }
 
 impl Seen {
-    /// Rejects an invalid reading of this marker.
+    /// Returns an error if this reading is invalid.
     pub(super) fn check(&self, marker: usize) -> Result<(), PressError> {
         let mut numbers = self.picture.iter().chain(&self.covariance);
         if !numbers.all(|number| number.abs() <= 1e50) {
@@ -45,8 +48,8 @@ impl Seen {
         PressError::unless_good("covariance", least, good, expected).map(|_| ())
     }
 
-    /// Covariance of the errors of these numbers, with variances at least those of rounding: a fit with smaller variances has no
-    /// clear minimum.
+    /// Covariance of the errors of these numbers. The variances are at least those of rounding errors, because a fit
+    /// with smaller variances has no clear minimum.
     pub(super) fn errors(&self) -> Matrix4<f64> {
         let mut errors = self.covariance;
         for (at, number) in self.picture.iter().enumerate() {
@@ -60,17 +63,17 @@ impl Seen {
 /// Values of the uncertain parameters of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorState<'a> {
-    /// Departures common to all markers from the nominal parameters. The first two are the additional depths of the magenta and
-    /// of the yellow discs, lengths; the [`View`] defines the others.
+    /// Deviations of the parameters from their nominal values (sensor deviations), common to all markers. The first two
+    /// are the additional depths of the magenta and of the yellow discs, lengths; the [`View`] defines the others.
     pub common: &'a [f64],
-    /// Misalignment of each marker's discs, rad at the sensor's centre.
+    /// Misalignment of each marker's discs; angles at the sensor's centre, rad.
     pub misalignments: &'a [[f64; 2]],
 }
 
 /// Upper limit of a misalignment, rad.
 pub(super) const MAX_MISALIGNMENT: f64 = 0.5;
 
-/// A sensor: departures common to all markers, and misalignments.
+/// The parameters of a sensor: sensor deviations that are common to all markers, and misalignments.
 #[derive(Clone, Debug)]
 pub(super) struct Sensor {
     pub(super) common: Vec<f64>,
@@ -78,7 +81,7 @@ pub(super) struct Sensor {
 }
 
 impl Sensor {
-    /// Adds the difference between two sensors to the departures and misalignments.
+    /// Adds the difference `to` − `from` between two sensors to the sensor deviations and misalignments.
     pub(super) fn shift(&mut self, to: &Self, from: &Self) {
         for ((one, to), from) in self.common.iter_mut().zip(&to.common).zip(&from.common) {
             *one += to - from;
@@ -103,32 +106,33 @@ impl Sensor {
     }
 }
 
-/// Scales of the parameters of slopes, for views that compute slopes by differences.
+/// Scales of the parameters, for views that compute derivatives numerically.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steps<'a> {
-    /// Numbers, from 0, of the departures for which slopes are requested, with the standard deviation of each, > 0.
+    /// Indices of the sensor deviations for which derivatives are requested, each with its standard deviation, > 0.
     pub departures: &'a [(usize, f64)],
     /// Radius of the skin, length.
     pub radius: f64,
 }
 
-/// Images of all markers with their derivatives (slopes): four rows per marker, in the order of the four numbers of
-/// its image.
+/// Images of all markers with their derivatives (slopes). The matrices have four rows per marker, in the order of the
+/// four numbers of its image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureSlopes {
-    /// Picture of each marker, see [`View::pictures`].
+    /// The image of each marker; see [`View::pictures`].
     pub pictures: Vec<Option<[f64; 4]>>,
-    /// Slopes of all markers, one after the other, by the requested departures, one column each; 0 for markers that are not
-    /// visible.
+    /// Derivatives with respect to the requested sensor deviations. The rows contain all markers one after the other,
+    /// and each sensor deviation has one column. They are 0 for markers that are not visible.
     pub common: DMatrix<f64>,
-    /// Slopes by both components of each marker's misalignment, per rad.
+    /// Derivatives with respect to the two components of each marker's misalignment, per rad.
     pub misalignments: Vec<Matrix4x2<f64>>,
-    /// Slopes by the displacements of each marker's magenta and yellow disc, per length: inward, and along both axes.
+    /// Derivatives with respect to the displacements of each marker's magenta and yellow disc, per length: inward, and
+    /// along both axes.
     pub displacements: Vec<[Matrix4x3<f64>; 2]>,
 }
 
 impl PictureSlopes {
-    /// Whether the sizes match these numbers of markers and departures.
+    /// Whether the sizes of the lists agree with these numbers of markers and sensor deviations.
     pub(super) fn are_of(&self, markers: usize, departures: usize) -> bool {
         self.pictures.len() == markers
             && self.common.shape() == (NUMBERS * markers, departures)
@@ -137,17 +141,18 @@ impl PictureSlopes {
     }
 }
 
-/// A camera model: pictures of markers with displaced discs. A result with a wrong number of markers counts as no result.
+/// A camera model that computes the images of markers with displaced discs. A result with a wrong number of markers is
+/// treated as no result.
 pub trait View {
-    /// Picture of each marker, as in [`Seen`], after the displacements of its magenta and its yellow disc; `None` for markers
-    /// that are not visible. The result is `None` for an impossible sensor or motion.
+    /// The image of each marker, as in [`Seen`], after the displacements of its magenta and its yellow disc; `None` for
+    /// markers that are not visible. The whole result is `None` if the sensor or a motion is impossible.
     fn pictures(
         &self,
         sensor: &SensorState<'_>,
         moved: &[[MarkerDisplacement; 2]],
     ) -> Option<Vec<Option<[f64; 4]>>>;
 
-    /// These pictures with their slopes. The default computes the slopes by differences.
+    /// The same images with their derivatives. The default implementation computes numerical derivatives.
     fn slopes(
         &self,
         sensor: &SensorState<'_>,
@@ -219,7 +224,7 @@ pub trait View {
 }
 
 impl<V: View> ImageFit<V> {
-    /// Pictures of all markers; `None` for an impossible sensor or motion.
+    /// Images of all markers; `None` if the sensor or a motion is impossible.
     pub(super) fn pictures(
         &self,
         sensor: &SensorState<'_>,
@@ -229,7 +234,8 @@ impl<V: View> ImageFit<V> {
         pictures.filter(|pictures| pictures.len() == moved.len())
     }
 
-    /// Pictures with their slopes by displacements and misalignments, and by some departures with their standard deviations.
+    /// Images with their derivatives with respect to displacements, misalignments and some sensor deviations, whose
+    /// standard deviations are given.
     pub(super) fn slopes_by(
         &self,
         departures: &[(usize, f64)],
@@ -244,9 +250,9 @@ impl<V: View> ImageFit<V> {
         slopes.filter(|slopes| slopes.are_of(moved.len(), departures.len()))
     }
 
-    /// Pictures with their slopes by the uncertain parameters of the sensor: by free departures, in their standard deviations,
-    /// and by misalignments. The markers move by `moved`; `per_depth` has the derivatives of their displacements by the depths
-    /// of the discs.
+    /// Images with their derivatives with respect to the uncertain parameters of the sensor: the uncertain sensor
+    /// deviations, in standard deviations, and the misalignments. `moved` are the displacements of the markers, and
+    /// `per_depth` the derivatives of these displacements with respect to the depths of the discs.
     pub(super) fn slopes(
         &self,
         sensor: &SensorState<'_>,
@@ -276,7 +282,7 @@ impl<V: View> ImageFit<V> {
     }
 }
 
-/// Difference of two pictures.
+/// Difference between two images.
 pub(super) fn difference(one: &[f64; NUMBERS], other: &[f64; NUMBERS]) -> [f64; NUMBERS] {
     let mut difference = std::array::from_fn(|number| one[number] - other[number]);
     let turn: f64 = difference[HUE];

@@ -1,4 +1,5 @@
-//! The bonded layer against values of an independent solver, limits, and equations that every solution satisfies.
+//! Compares the bonded layer with values of an independent solver and with limits, and checks equations that every
+//! solution satisfies.
 
 use std::f64::consts::PI;
 
@@ -8,8 +9,8 @@ use crate::body::Field;
 use crate::bonded_layer::{BondedLayer, LayerContact};
 use crate::{Body, PressError};
 
-/// effective radius, indentation, thickness, contact radius, depth, radial position, normal displacement; good to
-/// 0.3 %.
+/// Columns: effective radius, indentation, thickness, contact radius, depth, radial position, normal displacement. The
+/// values are accurate to 0.3 %.
 const GOLDEN: [[f64; 7]; 45] = [
     [20.0, 1.0, 5.0, 6.17679, 0.0, 0.0, 1.0],
     [20.0, 1.0, 5.0, 6.17679, 0.0, 1.0, 0.975],
@@ -110,7 +111,7 @@ fn the_surface_follows_the_object_within_the_contact() {
                 "a = {a}, r = {r}: off by {error:e}"
             );
         }
-        // Outside the contact the object does not touch the layer.
+        // Outside of the contact, there is a gap between the object and the layer.
         let gap = contact.field(1.2 * a).normal - (indentation - 0.72 * a * a);
         assert!(gap > 0.0, "a = {a}: {gap:e}");
     }
@@ -118,7 +119,7 @@ fn the_surface_follows_the_object_within_the_contact() {
 
 #[test]
 fn the_volume_is_conserved() {
-    // The divergence of the displacement; the derivative in depth is a finite difference.
+    // The divergence of the displacement is 0. The derivative with respect to depth is a finite difference.
     for (a, depth) in [(0.3, 0.2), (1.2, 0.4), (1.2, 0.9), (4.0, 0.5), (9.0, 0.3)] {
         let step = 1e-4;
         let [above, here, below] =
@@ -165,7 +166,8 @@ fn a_thick_layer_is_a_half_space() {
 
 #[test]
 fn a_thin_layer_flows_outward() {
-    // a² = 4 R δ, and by lubrication the pressure (3/128) (E*/h³ R) (a² − r²)². The neglected terms decrease with h/a.
+    // By lubrication theory, a² = 4 R δ, and the pressure is (3/128) (E*/h³ R) (a² − r²)². The neglected terms decrease
+    // with h/a.
     let ratios = |a: f64| {
         let contact = solve_contact(1.0, 0.0, a);
         [
@@ -185,7 +187,8 @@ fn a_thin_layer_flows_outward() {
 fn nothing_moves_at_the_base() {
     for a in [0.01, 1.0, 10.0] {
         assert_eq!(solve_contact(1.0, 1.0, a).field(0.5), Field::default());
-        // The normal displacement falls as the square of the distance from the base, the radial one as the distance.
+        // Near the base, the normal displacement is proportional to the square of the distance from the base, and the
+        // radial displacement to the distance.
         let [near, nearer] =
             [0.998, 0.999].map(|depth| solve_contact(1.0, depth, a).field(0.5 * a));
         assert!(
@@ -336,7 +339,7 @@ fn errors_decrease_with_resolution_and_invalid_ones_are_refused() {
     }
 }
 
-/// Layers that share tables have the same displacements as layers with separate tables.
+/// If layers share tables, their displacements are the same as those of layers with separate tables.
 #[test]
 fn a_layer_at_several_depths_equals_separate_layers() {
     for thickness in [1e-40, 1.0, 1e40] {

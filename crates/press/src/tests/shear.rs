@@ -1,13 +1,13 @@
-//! Sideways motion of the skin, compared with a Fourier integral over wavenumbers and directions and with known
-//! closed forms; relations at the surface.
+//! Compares the sideways motion of the skin with a Fourier integral over wavenumbers and directions and with closed
+//! forms, and checks relations at the surface.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::shear::stuck_shift;
 use crate::{Markers, Skin, sneddon_indentation};
 
-/// Poisson ratio, depth, contact radius, distance, azimuth; along, across, inward. Computed as a sum of
-/// traction waves over 4,000 wavenumbers (Gauss) and 256 directions.
+/// Columns: Poisson's ratio, depth, contact radius, distance, azimuth; displacement along, across and inward. The
+/// displacements were computed as a sum of traction waves over 4,000 wavenumbers (Gauss) and 256 directions.
 #[rustfmt::skip]
 const QUADRATURE: [[f64; 8]; 18] = [
     [0.0, 0.5, 2.0, 0.0, 0.0, 0.806593517359, 0.0, 0.0],
@@ -59,7 +59,8 @@ fn the_contact_moves_as_a_rigid_body() {
 
 #[test]
 fn far_from_the_contact_the_shift_is_that_of_a_point_force() {
-    // Cerruti's solution. The force is chosen so that force × π(2−ν)/(8 a G), the shift of the contact, is 1.
+    // The reference is Cerruti's solution. The force is chosen such that the shift of the contact, force × π(2−ν)/(8 a
+    // G), is 1.
     for (poisson, r, z, azimuth) in [
         (0.0, 3.0, 4.0, 0.5),
         (0.3, 5.0, 0.0, 2.0),
@@ -88,7 +89,8 @@ fn far_from_the_contact_the_shift_is_that_of_a_point_force() {
     }
 }
 
-/// The share of a shift that the skin below the centre follows. At depth z, in contact radii, it is 1/(π(2 − ν)) times 2(2 − ν) atan(1/z) − z/(1 + z²).
+/// Below the centre, the skin follows a share of the shift. At the depth z, in contact radii, the share is 1/(π(2 − ν))
+/// times 2(2 − ν) atan(1/z) − z/(1 + z²).
 #[test]
 fn the_shift_below_the_centre_has_a_closed_form() {
     for depth in [0.0, 1e-12, 1e-3, 1.0, 1e3, 1e15] {
@@ -112,7 +114,7 @@ fn sneddons_indentation_contains_an_inverse_hyperbolic_tangent() {
         for ratio in [1e-140, 1e-9, 0.5, 0.999_999] {
             let a = ratio * radius;
             let found = sneddon_indentation(radius, a).unwrap();
-            // `atanh` amplifies the rounding error of a/R if a/R is nearly 1.
+            // `atanh` amplifies the rounding error of a/R where a/R is nearly 1.
             let bound = 1e-15 / (1.0 - ratio);
             assert!(
                 (found / (a * libm::atanh(a / radius)) - 1.0).abs() < bound,
@@ -171,7 +173,7 @@ fn markers_of_a_nearly_flat_skin_move_as_on_a_plane() {
         )
         .unwrap();
         let expected = [flat.along, flat.across, flat.normal].map(|one| one * shift);
-        // `across` counts a quarter turn from the shift, which is along x.
+        // `across` is a quarter turn from the direction of the shift, which is along x.
         let found = [moved.tangential[0], moved.tangential[1], moved.normal];
         for (found, expected) in found.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-6, "{found} {expected}");

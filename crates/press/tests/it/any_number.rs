@@ -1,4 +1,5 @@
-//! Possible presses have a contact and an estimate. Any other numbers return a finite result or the expected error.
+//! Presses that are possible have a contact and an estimate. For any other numbers, the result is finite or the
+//! expected error.
 
 use palpate_press::sneddon_indentation;
 use palpate_press::{
@@ -40,8 +41,8 @@ fn assert_finite(contact: &Contact<'_>, r: f64, young: f64) {
     );
 }
 
-/// Contacts with a dish whose curvature is nearly the sensor's, and with a plane at indentations from nearly zero to
-/// the sensor's radius.
+/// Contacts with a dish whose curvature is nearly opposite to the sensor's, and with a plane, at indentations from
+/// nearly zero to the radius of the sensor.
 #[test]
 fn contacts_on_skins_of_any_size_have_the_hertz_radius() {
     let body = Body::hertz(0.5).unwrap();
@@ -50,7 +51,7 @@ fn contacts_on_skins_of_any_size_have_the_hertz_radius() {
         for gap in [0.5, 1e-6, 1e-11] {
             let (object, indentation) = (-(1.0 - gap) / radius, 1e-3 * gap * radius);
             let found = skin.contact(&body, object, indentation).unwrap();
-            // The difference of nearly equal curvatures has a rounding error that grows as 1/gap.
+            // The difference of two nearly equal curvatures has a rounding error proportional to 1/gap.
             let bound = 1e-15 / gap;
             assert!((found.relative_curvature * radius / gap - 1.0).abs() <= bound);
             let due = 1e-3_f64.sqrt() * radius;
@@ -86,12 +87,12 @@ fn shifts_out_of_range_are_refused() {
     }
 }
 
-/// A number in the range, or with probability 1/8 any number.
+/// A number in the range; with a probability of 1/8, any number.
 fn mostly(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![7 => range, 1 => any_number()]
 }
 
-/// A power of ten with an exponent in the range.
+/// A power of ten whose exponent is in the range.
 fn power(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     exponents.prop_map(|exponent| libm::pow(10f64, exponent))
 }
@@ -100,7 +101,7 @@ fn is_setting(value: f64, range: impl std::ops::RangeBounds<f64>) -> bool {
     range.contains(&value)
 }
 
-/// The value if the settings are valid; otherwise checks that the error is `bad-setting`.
+/// The value, if the settings are valid; otherwise checks that the error is `bad-setting`.
 fn valid_value<T: std::fmt::Debug>(is_good: bool, result: Result<T, PressError>) -> Option<T> {
     if is_good {
         return Some(result.unwrap());
@@ -111,7 +112,7 @@ fn valid_value<T: std::fmt::Debug>(is_good: bool, result: Result<T, PressError>)
 
 const POSITIVE: std::ops::RangeInclusive<f64> = 5e-324..=f64::MAX;
 
-/// Five by five markers with a spacing of 3, centred on the apex of a sensor of radius 20.
+/// A grid of 5 × 5 markers with a spacing of 3, centred on the apex of a sensor of radius 20.
 fn square_of_markers() -> Markers {
     let at = |index: u32| 3.0 * (f64::from(index) - 2.0);
     let places: Vec<[f64; 2]> = (0..25)
@@ -142,7 +143,7 @@ fn is_finite(found: &PressEstimate) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// With indentations up to a fiftieth of the radius, no contact is wider than the sensor.
+    /// If indentations are at most a fiftieth of the radius, no contact is wider than the sensor.
     #[test]
     fn shallow_presses_on_any_sensor_have_a_contact(
         radius in power(-9.0..9.0),
@@ -223,7 +224,7 @@ proptest! {
         prop_assert!(moved.iter().flatten().flat_map(parts).all(|part| part.is_finite()));
     }
 
-    /// Readings of any ball or plane that is pressed between the markers have an estimate.
+    /// If a ball or a plane is pressed between the markers, its readings have an estimate.
     #[test]
     fn presses_among_the_markers_are_estimated(
         (object, indentation) in (0.0..0.5, 0.5..2.0),
@@ -245,7 +246,8 @@ proptest! {
         prop_assert!(is_finite(&found), "{found:?}");
         let left = found.goodness.map_or(f64::INFINITY, |goodness| goodness.chi_squared);
         prop_assert!(left < 1e-3, "{found:?}");
-        // A sharp, shallow press barely determines its curvature under the stated noise, so any estimate is accepted.
+        // A shallow press of a sharp object hardly determines the curvature with the stated noise, so that any estimate
+        // is accepted.
         let is_resolved = found.relative_curvature.std < 0.3 * found.relative_curvature.value;
         let off = found.most_likely_curvature - 0.05 - object;
         prop_assert!(off.abs() < 1e-4 || !is_resolved, "{found:?}");
@@ -290,7 +292,7 @@ proptest! {
         prop_assert!(found.is_err() || is_finite(found.as_ref().unwrap()), "{found:?}");
     }
 
-    /// With all lengths multiplied by a power of two, displacements are multiplied by it and curvatures divided by it.
+    /// If all lengths are multiplied by a power of two, displacements are multiplied and curvatures are divided by it.
     #[test]
     fn scaled_lengths_scale_the_press(power in -60..60, object in -0.9..20.0, share in 1e-6..0.05, x in -10.0..10.0) {
         let scale = 2f64.powi(power);
@@ -306,7 +308,7 @@ proptest! {
         }
     }
 
-    /// If contact and markers are rotated together, the size of the displacements does not change.
+    /// If the contact and the markers are rotated together, the magnitudes of the displacements do not change.
     #[test]
     fn displacements_rotate_with_the_markers(angle in 0.0..6.3, r in 0.0..40.0, at in 0.0..40.0, bearing in 0.0..6.3) {
         let skin = Skin::new(20.0).unwrap();

@@ -1,4 +1,4 @@
-//! Misfits of estimates: hardly any where the model holds, the right ones where it does not.
+//! Misfits of estimates: hardly any are reported if the model is right, and the expected ones if it is wrong.
 
 use palpate_press::{Body, ForwardFit, Interval, Measured, Misfit, PressEstimate, Reading};
 
@@ -11,8 +11,8 @@ const STATED: Measured = Measured {
     std: 0.02,
 };
 
-/// Codes of the misfits of presses on `pressed` whose readings are changed, fitted by `body`. A fit that is refused as
-/// another body has that misfit.
+/// Codes of the misfits of presses on the body `pressed`. Their readings are changed and then fitted with the body
+/// `body`. If the fit fails because the body is wrong, the misfit of another body is counted.
 fn codes(
     [body, pressed]: [&Body; 2],
     stated: Measured,
@@ -49,7 +49,7 @@ fn sound_readings_seldom_have_a_misfit() {
     let layer = Body::bonded_layer(5.0, DEPTH).unwrap();
     for body in [&half_space(), &layer] {
         let codes = codes([body; 2], STATED, no_change);
-        // Of 60 presses 3 are expected at 5 %; more than 6 have a chance of 3 %.
+        // At 5 %, 3 of 60 presses are expected to have a misfit; the probability of more than 6 is 3 %.
         assert!(misfit_share(&codes, None) <= 0.1, "{codes:?}");
     }
 }
@@ -64,7 +64,8 @@ fn another_body_is_found() {
     }
 }
 
-/// The noise is three times the stated one. Patterns are compared with the residuals.
+/// The noise is three times the stated noise. Other misfits are not reported, because they are tested relative to the
+/// residuals.
 #[test]
 fn larger_noise_than_stated_is_found() {
     let codes = codes([&half_space(); 2], STATED, |readings, trial| {
@@ -100,10 +101,12 @@ fn smaller_noise_than_stated_is_found() {
     );
 }
 
-/// A stated indentation that differs from the one by the displacements by 5 standard deviations.
+/// The stated indentation is smaller than the indentation that follows from the displacements, by 5 standard
+/// deviations.
 #[test]
 fn a_smaller_stated_indentation_is_found() {
-    // A larger one is seldom found: a sharper object that is pressed deeper moves the markers almost alike.
+    // A stated indentation that is too large is seldom found, because a sharper object that is pressed deeper moves the
+    // markers almost in the same way.
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0);
     let exact = Readings::of(&markers, &contact.unwrap(), at(6.0, 20.0));
@@ -118,7 +121,7 @@ fn a_smaller_stated_indentation_is_found() {
     assert!(share >= 0.9, "{share} {codes:?}");
 }
 
-/// An outlier of 8 standard deviations.
+/// The outlier has an error of 8 standard deviations.
 #[test]
 fn an_outlier_is_found() {
     let codes = codes([&half_space(); 2], STATED, |readings, trial| {
@@ -133,7 +136,7 @@ fn an_elongated_press_is_not_round() {
     let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0).unwrap();
     let [x, y] = at(6.0, 20.0);
     let codes = codes([&body; 2], STATED, |readings, _| {
-        // Two more contacts at either side, half as deep.
+        // Two more contacts are added, one on each side, with half of the displacements.
         for side in [-6.0, 6.0] {
             let beside = Readings::of(&markers, &contact, [x + side, y]);
             for (normal, more) in readings.normal.iter_mut().zip(beside.normal) {
@@ -144,7 +147,8 @@ fn an_elongated_press_is_not_round() {
     assert!(misfit_share(&codes, Some("not-round")) > 0.9, "{codes:?}");
 }
 
-/// A fit to displacements in all directions, with errors of this size and two fifths of it.
+/// A fit to normal and tangential displacements. The standard deviations are `std` for normal and 0.4 `std` for
+/// tangential displacements.
 fn in_all_directions(body: &Body, std: f64) -> ForwardFit {
     ForwardFit {
         normal_std: Some(std),
@@ -153,7 +157,8 @@ fn in_all_directions(body: &Body, std: f64) -> ForwardFit {
     }
 }
 
-/// A slip of the marker under the object would fit a needle there, if the markers beside it did not contradict.
+/// A slip of the marker under the object would look like a needle there, if the neighbouring markers did not contradict
+/// it.
 #[test]
 fn a_slip_at_the_contact_is_not_taken_for_a_needle() {
     let (markers, body) = (published(), half_space());
@@ -176,7 +181,8 @@ fn a_slip_at_the_contact_is_not_taken_for_a_needle() {
     };
     let is_left_out = |trial: &u64| estimate(0.01, *trial).wrong_markers == [apex];
     assert!((0..20).filter(is_left_out).count() >= 17);
-    // With five times the noise, most intervals must still contain the true curvature, although one marker is wrong.
+    // If the noise is five times as large, most intervals must still contain the true curvature, although one marker is
+    // wrong.
     let is_held = |trial: &u64| {
         let curvature = estimate(0.05, *trial).relative_curvature;
         curvature.interval.holds(contact.relative_curvature)
@@ -184,7 +190,7 @@ fn a_slip_at_the_contact_is_not_taken_for_a_needle() {
     assert!((0..20).filter(is_held).count() >= 15);
 }
 
-/// Markers, the nearest to the contact first.
+/// Indices of the `count` markers nearest to the contact, the nearest first.
 fn nearest(count: usize) -> Vec<usize> {
     let distances = published().distances(at(6.0, 20.0));
     let mut order: Vec<usize> = (0..distances.len()).collect();
@@ -193,7 +199,7 @@ fn nearest(count: usize) -> Vec<usize> {
     order
 }
 
-/// A marker beside the contact may move the curvature; one far from it does not.
+/// A wrong marker near the contact may change the curvature; a wrong marker far away does not.
 #[test]
 fn one_marker_among_sound_ones_is_named_if_it_changes_the_curvature() {
     let order = nearest(61);
@@ -203,12 +209,13 @@ fn one_marker_among_sound_ones_is_named_if_it_changes_the_curvature() {
         });
         misfit_share(&codes, Some("outlier"))
     };
-    // The marker is excluded if noise adds to its error. Of sound readings 0.5 % have an outlier.
+    // The marker is left out if noise increases its error. Among readings without a wrong marker, 0.5 % have an
+    // outlier.
     let [near, far] = [order[3], order[60]].map(named);
     assert!(near > 0.3 && far < 0.05, "{near} {far}");
 }
 
-/// Curvatures estimated without the marker belong to the interval, because either may be right.
+/// The interval also contains the curvatures estimated without the marker, because either estimate may be right.
 #[test]
 fn an_interval_contains_the_estimate_without_a_marker_that_contradicts() {
     let (markers, body) = (published(), half_space());
@@ -236,7 +243,8 @@ fn an_interval_contains_the_estimate_without_a_marker_that_contradicts() {
     );
 }
 
-/// A press far below the noise excludes only blunt objects, and is reported as not detected.
+/// The displacements of the press are far smaller than the noise. It excludes only blunt objects, and is reported as
+/// not detected.
 #[test]
 fn undetected_presses_are_bounded_and_reported() {
     let (markers, body) = (published(), half_space());
@@ -268,7 +276,7 @@ fn undetected_presses_are_bounded_and_reported() {
     );
 }
 
-/// An estimate whose numbers have been changed to those of no press.
+/// The numbers of an estimate are changed so that no press has these numbers.
 #[test]
 fn estimates_of_no_press_are_refused() {
     let markers = published();

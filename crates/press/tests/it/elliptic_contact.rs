@@ -1,9 +1,10 @@
-//! Elliptic contacts against golden values and the closed form of the round contact.
+//! Compares elliptic contacts with golden values and with the closed form of a round contact.
 
 use palpate_press::{Body, EllipticContact};
 
-/// Half the relative curvatures along x and y, indentation, Poisson ratio, semi-axes, peak pressure over E*, depth, x, y, and
-/// displacements inward, along x and along y: by quadrature of Boussinesq's point forces.
+/// Columns: half of the relative curvatures along x and y, indentation, Poisson ratio, semi-axes, peak pressure divided
+/// by E*, depth, x, y, and displacements inward, along x and along y. The values were computed by quadrature of
+/// Boussinesq's point forces.
 const GOLDEN: &str = include_str!("elliptic-half-space.csv");
 
 #[test]

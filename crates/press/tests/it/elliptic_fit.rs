@@ -1,11 +1,11 @@
-//! Principal curvatures from presses of cylinders, ellipsoids and balls.
+//! Principal curvatures that are estimated from presses on cylinders, ellipsoids and balls.
 
 use palpate_press::{EllipticContact, ForwardFit, Markers, Measured, PressError, Reading};
 use palpate_sensing::{Channel, Stream};
 
 use crate::sensor::{DEPTH, RADIUS, Readings, at, half_space, published};
 
-/// An object of two principal curvatures, the smaller one at an angle to the x axis.
+/// A press on an object with two principal curvatures. The direction of the smaller one forms an angle with the x axis.
 struct Press {
     curvatures: [f64; 2],
     axis: f64,
@@ -34,7 +34,7 @@ fn elliptic(normal_std: Option<f64>) -> ForwardFit {
     }
 }
 
-/// Cylinders, ellipsoids and a saddle.
+/// Presses on cylinders, ellipsoids and a saddle.
 fn presses() -> Vec<Press> {
     let objects = [
         [0.1, 0.0],

@@ -1,4 +1,4 @@
-//! Fits of presses: exact data, noisy data, wrong markers, published data.
+//! Fits of presses to exact data, noisy data, data with wrong markers, and published data.
 
 use approx::assert_relative_eq;
 use palpate_press::{
@@ -49,7 +49,7 @@ fn exact_readings_determine_the_curvature() {
     }
 }
 
-/// The grid of 7 × 7 markers extends to half the skin's radius along x and y.
+/// Along x and y, the grid of 7 × 7 markers extends to half of the skin's radius.
 #[test]
 fn exact_readings_on_sensors_of_any_size_determine_the_curvature() {
     type OfRadius = fn(f64) -> Body;
@@ -104,7 +104,7 @@ fn tangential_readings_reduce_the_standard_error_if_the_indentation_is_fitted() 
             bounds.unwrap().relative_curvature
         };
         assert!(bound(true) < 0.8 * bound(false));
-        // The standard error of the fit equals the bound.
+        // The standard error of the fit is equal to the bound.
         let readings = Readings::of(&markers, &contact, [0.0; 2]);
         let reading = Reading {
             tangential: Some(&readings.tangential),
@@ -115,7 +115,7 @@ fn tangential_readings_reduce_the_standard_error_if_the_indentation_is_fitted() 
     }
 }
 
-/// In an independent calculation the bound is 6.7 % of the curvature.
+/// In an independent calculation, the bound is 6.7 % of the curvature.
 #[test]
 fn the_bound_matches_an_independent_calculation() {
     let (markers, body) = (published(), half_space());
@@ -124,7 +124,7 @@ fn the_bound_matches_an_independent_calculation() {
     let bounds = fit.bounds(&markers, &contact, [0.0; 2], false, Some(0.02));
     let share = bounds.unwrap().relative_curvature / contact.relative_curvature;
     assert_relative_eq!(share, 0.067, max_relative = 0.01);
-    // The bounds are proportional to the noise, as long as its square is within the range of a double.
+    // The bounds are proportional to the noise, if the square of the noise is within the range of doubles.
     let by = |std| {
         let fit = ForwardFit {
             normal_std: Some(std),
@@ -138,8 +138,8 @@ fn the_bound_matches_an_independent_calculation() {
     assert!(by(1e-300).is_none());
 }
 
-/// The rms error of 400 presses equals the bound within its statistical uncertainty, and their intervals contain the
-/// truth: with a stated indentation, and with a fitted one and tangential readings.
+/// The rms error of 400 presses is equal to the bound within its statistical uncertainty, and their intervals contain
+/// the true value. This is tested with a stated indentation, and with a fitted indentation and tangential readings.
 #[test]
 fn errors_from_noisy_readings_reach_the_bound() {
     const PRESSES: u64 = 400;
@@ -159,7 +159,7 @@ fn errors_from_noisy_readings_reach_the_bound() {
         let bound = bounds.unwrap().relative_curvature;
         let (mut squares, mut held) = (0.0, 0);
         for press in 0..PRESSES {
-            // The error of the robot is its stated standard deviation, alternately positive and negative.
+            // The error of the robot is equal to its stated standard deviation, alternately positive and negative.
             let value = 1.4 + KNOWN_STD * if press % 2 == 0 { 1.0 } else { -1.0 };
             let known = known_std.map(|std| Measured { value, std });
             let readings = exact.noisy_along(0.07, 0.02, press);
@@ -181,8 +181,8 @@ fn errors_from_noisy_readings_reach_the_bound() {
     }
 }
 
-/// On average over 600 presses the curvature has no bias compared with its scatter of about 20 %. The curvature of the
-/// best fit is too large.
+/// The curvature scatters by about 20 %. Relative to this scatter, the mean over 600 presses has no bias. The curvature
+/// of the best fit is too large.
 #[test]
 fn curvatures_are_without_bias() {
     const PRESSES: u64 = 600;
@@ -204,7 +204,8 @@ fn curvatures_are_without_bias() {
     assert!(bias(sum_of_best) > 0.015, "bias {}", bias(sum_of_best));
 }
 
-/// A Gaussian differs from a press by more than the small noise; this does not make a marker an outlier.
+/// A Gaussian differs from the displacements of a press by more than the small noise; this must not make a marker an
+/// outlier.
 #[test]
 fn a_gaussian_model_reports_no_outliers() {
     let (markers, body) = (published(), half_space());
@@ -222,7 +223,7 @@ fn a_gaussian_model_reports_no_outliers() {
     assert!(libm::hypot(found.contact[0], found.contact[1]) < 0.3);
 }
 
-/// A needle with an unknown indentation is not estimated as a dish.
+/// The press of a needle with an unknown indentation must not be estimated as the press of a dish.
 #[test]
 fn a_needle_is_not_estimated_as_a_dish() {
     let (markers, body) = (published(), half_space());
@@ -269,7 +270,7 @@ fn wrong_markers_are_named() {
     }
 }
 
-/// Markers outside the window do not move the estimated contact away.
+/// Markers outside of the window do not draw the estimated contact away.
 #[test]
 fn a_window_stays_on_the_contact() {
     let (markers, body) = (published(), half_space());
@@ -321,8 +322,9 @@ fn a_gain_prior_widens_the_interval_to_contain_the_truth() {
     assert!((wary.gain.unwrap().value - 1.17).abs() < 0.05);
 }
 
-/// Effective radius, indentation; amplitude, σ, R² and σ²/δ of a Gaussian through the half-space's profile at 2 mm, at
-/// 60 equal steps from 0 to 2a, by unweighted least squares in another program.
+/// Columns: effective radius, indentation; amplitude, σ, R² and σ²/δ of a Gaussian. The Gaussian was fitted by another
+/// program, by unweighted least squares, to the displacements of a half-space at the depth 2 mm, at 60 equal steps from
+/// 0 to 2a.
 const GAUSSIANS: [[f64; 6]; 4] = [
     [26.67, 1.0, 0.870, 5.385, 0.977, 29.0],
     [20.0, 1.0, 0.844, 4.763, 0.978, 22.7],
@@ -373,7 +375,8 @@ fn a_calibrated_gaussian_estimates_its_calibration_plane() {
     assert_relative_eq!(found.effective_radius().value, RADIUS, max_relative = 1e-5);
 }
 
-/// Radial position as drawn and normal displacement, mm: Fig. 7c of the 2020 paper, a plane and a dish of 80 mm.
+/// Data of Fig. 7c of the 2020 paper: radial position as drawn and normal displacement, mm, of a plane and of a dish
+/// with radius 80 mm.
 const PLANE: [[f64; 2]; 11] = [
     [-9.576, -0.0006],
     [-7.684, -0.0268],
@@ -401,7 +404,7 @@ const DISH: [[f64; 2]; 11] = [
     [9.476, -0.0361],
 ];
 
-/// Most likely effective radius of a published profile with a stretched axis, and its interval.
+/// Most likely effective radius of a published profile whose axis is stretched by `stretch`, and its interval.
 fn published_radius(profile: &[[f64; 2]], stretch: f64) -> (f64, Interval) {
     let positions: Vec<f64> = profile
         .iter()
@@ -422,7 +425,8 @@ fn published_radius(profile: &[[f64; 2]], stretch: f64) -> (f64, Interval) {
     )
 }
 
-/// The axis in the figure is compressed about 2.19 times. An independent fit of it has the radii 21.7 and 31.5.
+/// The axis in the figure is compressed by a factor of about 2.19. An independent fit results in the radii 21.7 and
+/// 31.5.
 #[test]
 fn published_profiles() {
     let (plane, _) = published_radius(&PLANE, 2.19);
@@ -431,7 +435,7 @@ fn published_profiles() {
     assert_relative_eq!(dish, 31.5, max_relative = 0.01);
     assert!(interval.holds(26.7));
 
-    // The axis is stretched so that the radius from the plane is the sensor's.
+    // The axis is stretched until the effective radius of the press on the plane is equal to the radius of the sensor.
     let (mut low, mut high) = (1.9, 2.3);
     while high - low > 1e-6 {
         let middle = 0.5 * (low + high);

@@ -1,19 +1,19 @@
-//! A camera with a closed-form model, in a sensor of any size.
+//! A camera whose model has a closed form, in a sensor of any size.
 
 use palpate_press::{Body, ImageFit, MarkerDisplacement, Markers, SensorState, Skin, View};
 
 /// Radius of the skin, in units of length.
 pub(crate) const RADIUS: f64 = 20.0;
-/// Standard deviations of centroid, hue and logarithm of the size.
+/// Standard deviations of both centroid coordinates, the hue and the logarithm of the size.
 pub(crate) const STDS: [f64; 4] = [0.01, 0.01, 1e-4, 4e-4];
-/// Standard deviations of uncertain parameters: depths of the discs, in units of length; the image's centre; pixels per
-/// radian.
+/// Standard deviations of uncertain sensor parameters: of both disc depths, in units of length; of both coordinates of
+/// the image centre; of the pixels per radian.
 pub(crate) const ROUGHLY: [f64; 5] = [0.02, 0.02, 0.3, 0.3, 0.01];
 /// Depths of the magenta and the yellow discs, in units of length.
 const DEPTHS: [f64; 2] = [3.0, 1.0];
 
-/// A camera that measures the midpoint of the two discs, their distance from each other (hue), and their distance from
-/// the camera (size).
+/// A camera that measures the position midway between the two discs (centroid), the distance between the discs (hue),
+/// and their distance from the camera (size).
 #[derive(Clone, Debug)]
 pub(crate) struct Ideal {
     /// Unit of length.
@@ -39,7 +39,8 @@ impl Ideal {
         Markers::new(self.skin(), &self.places).unwrap()
     }
 
-    /// Half-spaces, or layers of this thickness, with discs `deeper` below their usual depth; in units of length.
+    /// Bodies for both discs, which are `deeper` below their usual depths, in units of length: layers with the
+    /// thickness `layer`, or half-spaces without it.
     pub(crate) fn bodies(&self, layer: Option<f64>, deeper: [f64; 2]) -> [Body; 2] {
         [0, 1].map(|disc| {
             let depth = (DEPTHS[disc] + deeper[disc]) * self.unit;
@@ -51,7 +52,7 @@ impl Ideal {
         })
     }
 
-    /// A fit with these standard deviations of the sensor parameters, lengths in units.
+    /// A fit with these standard deviations of the sensor parameters; lengths are in units of length.
     pub(crate) fn fit(&self, layer: Option<f64>, common_stds: [f64; 5]) -> ImageFit<Self> {
         let [magenta, yellow, rest @ ..] = common_stds;
         let [magenta, yellow] = [magenta, yellow].map(|std| std * self.unit);

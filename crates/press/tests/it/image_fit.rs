@@ -1,4 +1,4 @@
-//! Fits of pictures from a camera with a closed-form model.
+//! Fits to the images of a camera whose model has a closed form.
 
 use nalgebra::Matrix4;
 use palpate_press::{
@@ -79,7 +79,7 @@ impl Truth {
         pictures.into_iter().map(erring).collect()
     }
 
-    /// Displacements of both discs at their true depths.
+    /// Displacements of both discs of each marker, at their true depths.
     fn moved(&self, layer: Option<f64>, at: [f64; 2], depth: f64) -> Vec<[MarkerDisplacement; 2]> {
         let skin = Skin::new(RADIUS).unwrap();
         let markers = Markers::new(skin, &places()).unwrap();
@@ -97,7 +97,7 @@ impl Truth {
     }
 }
 
-/// Estimate of trial `number`, fitted with the standard deviations `known` of the sensor parameters.
+/// Estimate of trial `number`. The fit assumes the standard deviations `known` of the sensor parameters.
 fn trial(number: u64, known: [f64; 5]) -> Result<(PressEstimate, f64), PressError> {
     let truth = Truth::drawn(number, ROUGHLY);
     let mut noise = Stream::new(2, number, Channel::Centroid);
@@ -117,7 +117,7 @@ fn noiseless_pictures_determine_the_press() {
         let rest = fit.at_rest(&truth.at_rest(None)).unwrap();
         for (found, true_one) in rest.misalignments.iter().zip(&truth.misalignments) {
             for axis in 0..2 {
-                // The prior shrinks them slightly towards 0.
+                // The prior pulls the estimates slightly towards 0.
                 assert!((found[axis] - true_one[axis]).abs() < 2e-4 * 0.06);
             }
         }
@@ -138,7 +138,7 @@ fn noiseless_pictures_determine_the_press() {
     }
 }
 
-/// One marker has an additional displacement; one is not visible.
+/// One marker has an additional displacement, and one is not visible.
 #[test]
 fn noiseless_pictures_determine_the_displacements() {
     let truth = Truth::drawn(0, [0.0; 5]);
@@ -172,7 +172,7 @@ fn noiseless_pictures_determine_the_displacements() {
     assert!(matches!(few, Err(PressError::BadSetting(_))), "{few:?}");
 }
 
-/// The sensor of each trial is drawn from the covariance that the fit assumes.
+/// The sensor parameters of each trial are drawn from the covariance that the fit assumes.
 #[test]
 fn intervals_contain_the_truth_for_uncertain_sensors() {
     let (mut held, mut squared, mut stated, mut at_rest) = (0.0, 0.0, 0.0, 0.0);
@@ -186,7 +186,7 @@ fn intervals_contain_the_truth_for_uncertain_sensors() {
         at_rest += share;
     }
     let count = trials as f64;
-    // Three standard deviations of a share of 0.95 in 150 are 0.053.
+    // For a share of 0.95 in 150 trials, three standard deviations are 0.053.
     assert!(held / count > 0.89, "{}", held / count);
     let ratio = (stated / squared).sqrt();
     assert!((0.83..1.2).contains(&ratio), "{ratio}");
@@ -219,7 +219,7 @@ fn a_known_indentation_narrows_the_interval() {
     assert_eq!(exactly.indentation.value, 1.2);
 }
 
-/// The scatter of the estimates equals the bound, which is computed at the true press.
+/// The scatter of the estimates is equal to the bound, which is computed for the true press.
 #[test]
 fn estimates_scatter_by_the_bound() {
     let trials = 150;
@@ -234,7 +234,7 @@ fn estimates_scatter_by_the_bound() {
         let press = (1.0 / RADIUS + CURVATURE, [2.5, -1.0], 1.0);
         bounds += fit.std_bound(&rest, &seen, None, press).unwrap().powi(2);
     }
-    // A root mean square of 150 scatters by 6 %.
+    // The root mean square of 150 numbers has a relative standard error of 6 %.
     let ratio = f64::sqrt(squared / bounds);
     assert!((0.83..1.2).contains(&ratio), "{ratio}");
 }
@@ -271,7 +271,8 @@ fn markers_at_rest_are_no_contact() {
     );
 }
 
-/// A shift moves the skin sideways under the contact. The fit includes it, so the curvature does not change.
+/// A sideways shift moves the skin under the contact. The fit includes the shift, so that the curvature does not
+/// change.
 #[test]
 fn a_fitted_sideways_shift_does_not_change_the_curvature() {
     let truth = Truth::drawn(8, [0.0; 5]);
@@ -323,7 +324,7 @@ fn a_non_finite_reading_is_refused_with_its_marker() {
     assert_eq!(few.unwrap_err().name(), "bad-setting");
 }
 
-/// A camera with a hidden marker, or one that returns another number of markers.
+/// A camera that does not see one marker, or that returns another number of markers.
 #[derive(Clone)]
 struct Partial {
     whole: Ideal,
@@ -346,7 +347,7 @@ impl View for Partial {
     }
 }
 
-/// A fit with another camera model.
+/// The same fit with another camera model.
 fn through<V>(fit: ImageFit<Ideal>, view: impl FnOnce(Ideal) -> V) -> ImageFit<V> {
     ImageFit {
         view: view(fit.view),
@@ -393,7 +394,7 @@ fn camera_models_with_another_number_of_markers_are_refused() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Any readings of a tracker return finite numbers or an error.
+    /// For any readings of a tracker, the fit returns finite numbers or an error.
     #[test]
     fn any_pictures_return_finite_numbers_or_an_error(
         numbers in prop::collection::vec(any::<u64>().prop_map(f64::from_bits), 8),

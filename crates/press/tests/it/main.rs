@@ -1,4 +1,4 @@
-//! Presses against golden values and closed forms.
+//! Tests of presses, with golden values and closed forms.
 #![allow(clippy::unwrap_used)]
 
 mod any_number;

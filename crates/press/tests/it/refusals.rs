@@ -1,4 +1,4 @@
-//! Impossible presses, and readings without information.
+//! Presses that are impossible, and readings that contain no information.
 
 use palpate_press::{
     Body, ForwardFit, Markers, Measured, PressError, PressEstimate, Skin, Verdict, calibrated_c,
@@ -106,7 +106,7 @@ fn noise_alone_is_no_contact() {
     }
 }
 
-/// One marker moved: the object may be a needle under it.
+/// Only one marker moved, so that the object may be a needle under this marker.
 #[test]
 fn intervals_of_objects_sharper_than_the_marker_spacing_contain_the_truth() {
     let (markers, body) = (published(), half_space());
@@ -131,7 +131,7 @@ fn intervals_of_objects_sharper_than_the_marker_spacing_contain_the_truth() {
     assert!(share > 0.85, "{held} of {estimates}");
 }
 
-/// If the contact is far from the markers, a needle under one marker fits the readings almost as well.
+/// If the contact is far from all markers, a needle under one marker fits the readings almost as well.
 #[test]
 fn intervals_off_the_markers_contain_the_truth_or_are_refused() {
     let (markers, body) = (published(), half_space());
@@ -160,7 +160,7 @@ fn intervals_off_the_markers_contain_the_truth_or_are_refused() {
     }
 }
 
-/// A thin layer moves only under the contact, so a marker that slips looks like a needle under that marker.
+/// A thin layer moves only under the contact, so that a slip of one marker looks like a needle under it.
 #[test]
 fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     let (markers, std) = (published(), 0.03);
@@ -173,7 +173,8 @@ fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     let mut slipped = pressed.clone();
     slipped.normal.fill(0.0);
     slipped.normal[7] = 0.5;
-    // Over 15 presses: number of estimates from this marker alone, and of their intervals that contain the curvature.
+    // For 15 presses: the number of estimates that depend on this marker alone, and how many of their intervals contain
+    // the curvature.
     let from_marker_alone = |readings: &Readings, marker: usize, curvature: f64| {
         let (mut estimates, mut held) = (0, 0);
         for trial in 0..15 {
@@ -192,7 +193,7 @@ fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     assert!(of_press >= 13 && held >= 12, "{held} of {of_press}");
     let (of_slip, _) = from_marker_alone(&slipped, 7, 0.0);
     assert!(of_slip >= 13, "{of_slip}");
-    // With a stated indentation the other markers exclude more curvatures, but this marker is still not an outlier.
+    // With a stated indentation, the other markers exclude more curvatures, but this marker is still no outlier.
     let indentation = exactly(0.6);
     let estimates = (0..15).filter_map(|trial| {
         let readings = pressed.noisy(std, trial);
@@ -207,7 +208,7 @@ fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     assert!(counts.1 >= 7 && counts.2 <= 2, "{counts:?}");
 }
 
-/// Five markers, and their readings of a press of 1 mm without error.
+/// Five markers, and their readings of a press 1 mm deep without errors.
 fn five_markers() -> (Markers, Readings) {
     let places = [[0.0, 0.0], [4.0, 0.5], [-4.0, 1.0], [0.5, 4.0], [0.0, -4.0]];
     let skin = Skin::new(RADIUS).unwrap();
@@ -218,7 +219,7 @@ fn five_markers() -> (Markers, Readings) {
     (markers, exact)
 }
 
-/// Noise can be estimated only from more used markers than fitted parameters.
+/// The noise can only be estimated if there are more used markers than fitted parameters.
 #[test]
 fn noise_is_not_estimated_without_more_used_markers_than_parameters() {
     let (markers, exact) = five_markers();
@@ -239,8 +240,8 @@ fn noise_is_not_estimated_without_more_used_markers_than_parameters() {
     assert!(estimated > 20, "{estimated}");
 }
 
-/// If no contact on the assumed body fits the readings of a press, the error is not `no-contact`, even if the noise is
-/// not stated.
+/// If no contact on the assumed body fits the readings, the error must not be `no-contact`, even if the noise is not
+/// stated.
 #[test]
 fn a_bad_fit_with_estimated_noise_is_not_called_no_contact() {
     let markers = published();

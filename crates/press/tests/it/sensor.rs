@@ -10,7 +10,8 @@ pub(crate) const RADIUS: f64 = 20.0;
 /// Depth of the markers under the skin, mm.
 pub(crate) const DEPTH: f64 = 2.0;
 
-/// 77 markers: one at the apex; rows of 1, 3, 3, 5 and 7 in each of four gores, 11.9 degrees apart.
+/// The 77 markers: one at the apex, and rows of 1, 3, 3, 5 and 7 markers in each of four gores. The rows are 11.9
+/// degrees apart.
 pub(crate) fn published() -> Markers {
     let mut positions = vec![[0.0, 0.0]];
     for gore in 0..4 {
@@ -26,7 +27,7 @@ pub(crate) fn published() -> Markers {
     Markers::new(Skin::new(RADIUS).unwrap(), &positions).unwrap()
 }
 
-/// Markers along a great circle through the apex.
+/// Markers on a great circle through the apex, at these distances from the apex.
 pub(crate) fn along(distances: &[f64]) -> Markers {
     let positions: Vec<[f64; 2]> = distances.iter().map(|&distance| [distance, 0.0]).collect();
     Markers::new(Skin::new(RADIUS).unwrap(), &positions).unwrap()
@@ -44,7 +45,7 @@ pub(crate) fn half_space() -> Body {
     Body::half_space(0.5, DEPTH).unwrap()
 }
 
-/// A fit with this body and a stated standard deviation of the normal displacements.
+/// A fit with this body and this stated standard deviation of the normal displacements.
 pub(crate) fn fit_of(body: &Body, std: f64) -> ForwardFit {
     ForwardFit {
         normal_std: Some(std),
@@ -52,7 +53,7 @@ pub(crate) fn fit_of(body: &Body, std: f64) -> ForwardFit {
     }
 }
 
-/// Kolmogorov's distance of p-values from the uniform distribution.
+/// Kolmogorov distance between the distribution of p-values and the uniform distribution.
 pub(crate) fn distance_from_uniform(mut p_values: Vec<f64>) -> f64 {
     p_values.sort_by(f64::total_cmp);
     let count = p_values.len() as f64;
@@ -63,7 +64,7 @@ pub(crate) fn distance_from_uniform(mut p_values: Vec<f64>) -> f64 {
     p_values.iter().enumerate().map(apart).fold(0.0, f64::max)
 }
 
-/// Share of trials with a misfit of this code, or with any.
+/// Share of trials that have a misfit with this code or, for `None`, any misfit.
 pub(crate) fn misfit_share(codes: &[Vec<&str>], code: Option<&str>) -> f64 {
     let has = |one: &&Vec<&str>| code.map_or(!one.is_empty(), |code| one.contains(&code));
     codes.iter().filter(has).count() as f64 / codes.len() as f64
@@ -86,7 +87,7 @@ impl Readings {
         }
     }
 
-    /// These readings with errors of the normal displacements.
+    /// The readings with errors of the normal displacements added.
     pub(crate) fn noisy(&self, std: f64, trial: u64) -> Self {
         let mut stream = Stream::new(2020, trial, Channel::Position);
         let mut readings = self.clone();
@@ -96,7 +97,7 @@ impl Readings {
         readings
     }
 
-    /// These readings with errors of the tangential displacements too.
+    /// The readings with errors of the normal and the tangential displacements added.
     pub(crate) fn noisy_along(&self, std: f64, tangential_std: f64, trial: u64) -> Self {
         let mut stream = Stream::new(2020, trial, Channel::Normal);
         let mut readings = self.noisy(std, trial);

@@ -21,7 +21,7 @@ explain a word                        explain(word)
 ====================================  ==========================================================
 
 Lengths have the unit of the caller. Angles are in radians, or in degrees if the name ends in ``_deg``. The curvature of a
-convex object is positive. All errors are a PalpateError, which is a ValueError.
+convex object is positive. Every error is a PalpateError, which is a ValueError.
 """
 
 from . import _native

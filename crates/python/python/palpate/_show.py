@@ -12,12 +12,12 @@ _FEW = 3
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Number with few digits."""
+    """A number as text, with few digits."""
     return f"{value:.{digits}g}"
 
 
 def _measured(table: dict[str, Any]) -> str | None:
-    """Value with its standard deviation, interval and unit; None for other tables."""
+    """A value as text, with its standard deviation, interval and unit; None for a table without a value."""
     if "value" not in table:
         return None
     value, unit = table["value"], table.get("unit", "")
@@ -35,7 +35,7 @@ def _measured(table: dict[str, Any]) -> str | None:
 
 
 def _words(value: Any) -> str | None:
-    """One line for a field; None for an empty field."""
+    """A field as one line of text; None for an empty field."""
     if value is None or value == [] or value == {}:
         return None
     if isinstance(value, bool):
@@ -75,7 +75,7 @@ def _rows(record: Any) -> list[tuple[str, str]]:
 
 
 def text(record: Any) -> str:
-    """Record in lines, one per field; a single value in one line."""
+    """A record as text with one line per field; a single value is one line."""
     name = type(record).__name__
     for field in ("what", "text"):
         if isinstance(words := getattr(record, field, None), str):
@@ -90,7 +90,7 @@ def text(record: Any) -> str:
 
 
 def html(record: Any) -> str:
-    """Record as a table, with its figure below if it has one."""
+    """A record as an HTML table, with its figure below it if it has one."""
     rows = "".join(
         f'<tr><th style="text-align:left">{_html.escape(key)}</th>'
         f'<td style="text-align:left">{_html.escape(words)}</td></tr>'
@@ -121,7 +121,7 @@ def _svg(width: float, height: float, parts: list[str]) -> str:
 
 
 def _heat(values: np.ndarray[Any, Any], title: str) -> str:
-    """Squares, the first axis to the right and the second upwards. Larger values are darker."""
+    """A map of squares: the first axis points to the right, the second upwards. Larger values are darker."""
     low, high = float(np.min(values)), float(np.max(values))
     columns, rows = values.shape
     side = 240 / max(columns, rows)
@@ -136,7 +136,7 @@ def _heat(values: np.ndarray[Any, Any], title: str) -> str:
 
 
 def _intervals(record: Any) -> str:
-    """Curvatures of one unit as points with 95 % bars; empty without curvatures."""
+    """A figure of curvatures with the same unit: points with 95 % intervals. Empty if there are no curvatures."""
     lines: list[tuple[str, float, float, float]] = []
     for name, value in record.to_dict().items():
         if not isinstance(value, dict) or not str(value.get("unit", "")).startswith("1/"):

@@ -11,10 +11,11 @@ if typing.TYPE_CHECKING:
 
 
 class Table(dict[str, "NDArray[Any]"]):
-    """Arrays of one value per row by the names of their columns, numbers as float64 with NaN for an empty field.
+    """Table of results: a dictionary from the name of each column to an array with its values.
 
-    ``pandas.DataFrame(table)`` and ``polars.DataFrame(table)`` accept it. Names do not contain the unit of length:
-    ``units`` has the unit of each column, or None if the column has no unit or a unit per row.
+    Numbers are float64, with NaN for an empty field. ``pandas.DataFrame(table)`` and ``polars.DataFrame(table)`` make data
+    frames. Names do not contain the unit of length: ``units`` has the unit of each column, or None if the column has no
+    unit or a unit per row.
     """
 
     def __init__(self, arrays: dict[str, NDArray[Any]], units: dict[str, str | None], text: str) -> None:
@@ -28,7 +29,7 @@ class Table(dict[str, "NDArray[Any]"]):
         return len(next(iter(self.values())))
 
     def to_csv(self) -> str:
-        """The table as CSV, with units in the names: the bytes that the command line writes."""
+        """The table as CSV, with units in the names of columns: the same bytes that the command line writes."""
         return self._text
 
     def __missing__(self, name: str) -> NDArray[Any]:
@@ -46,7 +47,7 @@ class Table(dict[str, "NDArray[Any]"]):
         return f"<Table of {self.height} rows: {', '.join(self)}>"
 
     def _repr_html_(self) -> str:
-        # Imported here, to import palpate quickly.
+        # These modules are imported only here, so that importing palpate is fast.
         import csv
         import io
 

@@ -1,4 +1,4 @@
-//! Tables and figures of answers.
+//! Tables and figures of the answers.
 
 use palpate::{ReportError, Study, Table as Rows};
 use pyo3::prelude::*;

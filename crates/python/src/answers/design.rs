@@ -1,4 +1,4 @@
-//! Which values of fields meet a target.
+//! Finds the values of fields that meet a target.
 
 use std::time::{Duration, Instant};
 
@@ -16,10 +16,10 @@ use crate::watch::watched;
 
 record!(
     DesignAnswer,
-    "Values of one or several fields that, taken together, meet a target. The answer as a whole is right with 95 %.\n\nFields: those that `palpate design --json` prints: `answer`, a sentence; `columns`, one per combination of the grid, each with\n`at` (values by their paths: `column.at[\"scene.object.radius\"]`), `meets` and `misses`, lists of runs of the searched\nfield with `from` and `to`, `best` and `failing_end` with `value`, `statistic`, `std_error`, `failing` and `main_failure`,\n`narrowed` (ends of runs that fresh trials did not verify) and `ended` (\"known\", \"time\" or \"trials\"). If a single field is\nvaried, the fields of its only column are also fields of the answer. `best_that_meets` has values by their paths, or is\nNone; `grid`, `path`, `unit`, `target`, `max_failures`, `confidence` and `sought` repeat the question. `lines` are details\nin words; `table` is a Table of all trials, `runs` a Table of the runs that meet or miss the target, `figure` a Figure of\nthem."
+    "Values of one or several fields with which a study meets a target. The answer as a whole is right with a probability of 95 %.\n\nFields: those that `palpate design --json` prints: `answer`, a sentence; `columns`, one per combination of the grid, each with\n`at` (values by their paths: `column.at[\"scene.object.radius\"]`), `meets` and `misses`, lists of runs of the searched\nfield with `from` and `to`, `best` and `failing_end` with `value`, `statistic`, `std_error`, `failing` and `main_failure`,\n`narrowed` (ends of runs that new trials did not verify) and `ended` (\"known\", \"time\" or \"trials\"). If a single field is\nvaried, the fields of its only column are also fields of the answer. `best_that_meets` has values by their paths, or is\nNone; `grid`, `path`, `unit`, `target`, `max_failures`, `confidence` and `sought` repeat the question. `lines` are details\nin words, `table` is a Table of all trials, `runs` a Table of the runs that meet or miss the target, `figure` a Figure of\nthem."
 );
 
-/// Answer of a design, with its study.
+/// Answer of `design`, together with its study.
 struct Found {
     region: Region,
     study: palpate::Study,
@@ -45,24 +45,26 @@ impl Made for Found {
     }
 }
 
-/// Values of fields at which all cells of a study meet a target, for example the pads, the roll or the camera that suffice.
+/// Finds values of fields with which all cells of a study meet a target, for example a pad pitch, a roll length or a
+/// camera.
 ///
-/// The search scans at least 16 values, narrows every crossing, and verifies the answer with fresh trials. The answer as a
-/// whole is right with 95 %. It makes no statement about values between those that were tried. If several fields are varied,
-/// one of them is searched at each combination of a grid of the others.
+/// The search tries at least 16 values, brackets every change between meeting and missing the target, and verifies the
+/// answer with new trials. The answer as a whole is right with a probability of 95 %. Values between the tried values
+/// are not tested. If several fields are varied, one field is searched at each combination of the values of the others.
 ///
 /// Parameters
 /// ----------
 /// study : Study
-///     Scene with its cells. The target must hold in all cells at once.
+///     Study whose cells must all meet the target.
 /// target : str
 ///     "STATISTIC(QUANTITY) <= LIMIT" or ">= LIMIT", with the names of `Results.cells`, for example
-///     "relative_rms_error(mean_curvature) <= 5 %". The default quantity is the first of the scene.
+///     "relative_rms_error(mean_curvature) <= 5 %". The default quantity is the first quantity of the scene.
 /// vary : str, list of str, or dict
 ///     The varied fields with their values: "scene.sensor.pitch=0.05..2" or `{"scene.sensor.pitch": (0.05, 2)}` for a
 ///     range, `{"scene.sensor.normal_from": ["hue", "both"]}` for a list.
 /// maximise, minimise : str, optional
-///     Path of a varied field. The answer has its largest, or smallest, value that meets the target. Give one of them.
+///     Path of a varied field. The answer states the largest, or smallest, value of this field that meets the target.
+///     Give at most one of the two arguments.
 /// set : dict, optional
 ///     Fields with one value each. They replace the values and the sweeps of the study.
 /// max_failures : float
@@ -74,9 +76,9 @@ impl Made for Found {
 ///     Largest number of trials of a cell at one value.
 /// budget : float, optional
 ///     Time limit of the search, s, by default 60. The scan and the verification are always completed. With None there is
-///     no limit, and the answer depends on the question alone.
+///     no time limit, and the answer does not depend on the speed of the machine.
 /// seed, threads, progress
-///     As of `Study.run`.
+///     The same arguments as in `Study.run`.
 ///
 /// Returns
 /// -------
@@ -132,7 +134,7 @@ pub(crate) fn design<'py>(
     }
     let (argument, extreme, path) = match (maximise, minimise) {
         (Some(_), Some(_)) => {
-            let message = "minimise is of no use with maximise: one of them";
+            let message = "minimise and maximise cannot be combined: give one of them";
             return Err(error::argument("minimise", &[], None, message));
         }
         (Some(path), None) => ("maximise", Extreme::Largest, Some(path)),

@@ -1,4 +1,4 @@
-//! Probabilities that objects are distinguished.
+//! Computes how often single trials put objects in the right order.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,10 +13,10 @@ use crate::watch::watched;
 
 record!(
     Distinction,
-    "Probabilities that one trial of each of two objects puts them in the right order, and the number of trials that\nsuffices.\n\nFields: those that `palpate distinguish --json` prints: `answer`, a sentence for every two neighbours; `groups`, each with\n`settings`, `objects` with the share of their trials that fail, `failing`, and the most frequent kind, `main_failure`, and `pairs`\nof `first`, `second`, `told_apart` (a probability, None if they are equal), `low95`, `high95` and `repeats`; `quantity` and `confidence`. `table` is a Table of all pairs, `figure` a Figure of them."
+    "Probabilities that one trial of each of two objects puts their estimates in the right order, and the number of\ntrials that suffices.\n\nFields: those that `palpate distinguish --json` prints: `answer`, a sentence for every two neighbours; `groups`, each with\n`settings`, `objects` with the share of their trials that fail, `failing`, and the most frequent kind, `main_failure`, and `pairs`\nof `first`, `second`, `told_apart` (a probability, None if they are equal), `low95`, `high95` and `repeats`; `quantity` and `confidence`. `table` is a Table of all pairs, `figure` a Figure of them."
 );
 
-/// Answer with its study.
+/// Answer of `distinguish`, together with its study.
 struct Found {
     discrimination: palpate::Discrimination,
     study: palpate::Study,
@@ -43,27 +43,29 @@ impl Made for Found {
     }
 }
 
-/// Probability that one trial of each of two objects distinguishes them, for every two objects that a study sweeps, and the
-/// number of trials that suffices.
+/// Computes, for every two objects that a study sweeps, the probability that one trial of each puts their estimates in
+/// the right order. Also computes the number of trials that must be averaged for a reliable order.
 ///
-/// Two trials distinguish two objects if their estimates are in the right order; by the quantity "class" of a glide, if most
-/// points of both are classified correctly. A trial that fails distinguishes nothing.
+/// For the quantity "class" of a glide, two trials count as being in the right order if most points of both are
+/// classified correctly. A failed trial counts as wrong.
 ///
 /// Parameters
 /// ----------
 /// study : Study
-///     Scene; its swept fields of `scene.object` make the objects, the others the groups.
+///     Study that sweeps fields of `scene.object`, which define the objects. Other swept fields define groups of
+///     objects.
 /// vary : dict, optional
-///     Fields of the object with lists of values, which replace those of the study:
+///     Fields of the object with lists of values, which replace the values in the study:
 ///     `{"scene.object.radius": [20, 25, 30]}`.
 /// set : dict, optional
 ///     Fields with one value each. They replace the values and the sweeps of the study.
 /// quantity : str, optional
-///     Quantity that distinguishes the objects; by default "object_curvature" of a press, else "mean_curvature".
+///     Quantity whose estimates order the objects; by default "object_curvature" of a press, otherwise
+///     "mean_curvature".
 /// confidence : float
-///     Probability that the mean of several trials must reach, above 0 and below 1.
+///     Probability with which the mean of several trials must give the right order, above 0 and below 1.
 /// trials, seed, threads
-///     As of `Study.run`; no result depends on the threads.
+///     The same arguments as in `Study.run`. The results do not depend on the number of threads.
 /// progress : callable, optional
 ///     Function that is called from time to time with the number of cells done since its last call.
 ///

@@ -1,4 +1,4 @@
-//! Fields of a question, from the arguments of a call.
+//! Reads a question from the arguments of a call.
 
 use palpate::AnswerError;
 use palpate::config::{Varied, Vary};
@@ -9,7 +9,7 @@ use serde_json::Value as Json;
 use crate::error;
 use crate::json::{from_python, to_toml};
 
-/// Error of a question that has no answer; `quantity` is the argument that names the quantity.
+/// Error of a question that has no answer. `quantity` is the name of the argument that states the quantity.
 pub(super) fn unanswered(error: AnswerError, quantity: &str) -> PyErr {
     let message = error.to_string();
     let (argument, value) = match error {
@@ -25,12 +25,12 @@ pub(super) fn unanswered(error: AnswerError, quantity: &str) -> PyErr {
     error::argument(argument, &[], value, message)
 }
 
-/// Error of the varied fields.
+/// Error in the argument that states the varied fields.
 pub(super) fn wrong(message: impl std::fmt::Display) -> PyErr {
     error::argument("vary", &[], None, format!("vary: {message}"))
 }
 
-/// Varied fields with their values: texts as on the command line, or a dictionary.
+/// The varied fields with their values. They are given as texts, as on the command line, or as a dictionary.
 pub(super) fn varied(vary: &Bound<'_, PyAny>) -> PyResult<Vec<Vary>> {
     let text = |text: &Bound<'_, PyString>| text.to_cow()?.parse::<Vary>().map_err(wrong);
     if let Ok(one) = vary.cast::<PyString>() {
@@ -60,7 +60,7 @@ pub(super) fn varied(vary: &Bound<'_, PyAny>) -> PyResult<Vec<Vary>> {
     }
 }
 
-/// Values of a field: a tuple is a range, a list has the values one by one.
+/// Values of a varied field: a tuple is a range, a list has single values.
 fn values_of(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Varied> {
     if let Ok(range) = values.cast::<PyTuple>() {
         let (from, to): (f64, f64) = range
@@ -81,7 +81,7 @@ fn values_of(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Varied> {
     }
 }
 
-/// Values of a list; `None` of anything else.
+/// The values of a list; `None` for any other object.
 pub(super) fn listed(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Option<Vec<toml::Value>>> {
     let Json::Array(values) = from_python(values)? else {
         return Ok(None);
@@ -90,7 +90,7 @@ pub(super) fn listed(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Option<V
     values.collect::<PyResult<_>>().map(Some)
 }
 
-/// Fields with one value each.
+/// Fields that are set to one value each.
 pub(super) fn set(set: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String, toml::Value)>> {
     let fields = set.into_iter().flat_map(|fields| fields.iter());
     let field = |(path, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {

@@ -1,4 +1,4 @@
-//! Scores of the papers' claims, and the page of studies.
+//! Scores of the papers' claims, and the HTML page of studies.
 
 use std::path::PathBuf;
 
@@ -15,10 +15,10 @@ use crate::study::Results;
 
 record!(
     Report,
-    "Scores of the papers' claims on the results of studies, and their page.\n\nFields: `scores`, in the order of the claims, each with `claim` (its number), `study`, `paper_says`, `measured`,\n`verdict` (\"holds\", \"differs\" or \"not testable\") and `why`; `text`, the scores in words; `html`, the page of the studies:\nscores, figures, failures and configs. It loads nothing."
+    "Scores of the papers' claims on the results of studies, and their page.\n\nFields: `scores`, in the order of the claims, each with `claim` (its number), `study`, `paper_says`, `measured`,\n`verdict` (\"holds\", \"differs\" or \"not testable\") and `why`; `text`, the scores in words; `html`, the page of the studies:\nscores, figures, failures and configs. The page loads no other files."
 );
 
-/// Scores the published claims that the studies list (`claims = […]`), and makes a page of the studies' results.
+/// Tests the published claims that the studies list (`claims = […]`), and makes a page of the studies' results.
 ///
 /// Parameters
 /// ----------

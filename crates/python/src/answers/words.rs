@@ -7,7 +7,7 @@ use pyo3::types::PyDict;
 
 use crate::error;
 
-/// Meaning of a word of palpate, for example "pitch", "unresolved" or "coverage95".
+/// Returns the meaning of a word that palpate uses, for example "pitch", "unresolved" or "coverage95".
 ///
 /// Parameters
 /// ----------
@@ -17,12 +17,12 @@ use crate::error;
 /// Raises
 /// ------
 /// ArgumentError
-///     For a word that palpate does not have, with similar words.
+///     For a word that palpate does not explain. The message lists similar words.
 ///
 /// Examples
 /// --------
 /// >>> palpate.explain("relative curvature")[:45]
-/// 'Curvature of the sensor plus that of the obje'
+/// 'Curvature of the sensor plus curvature of the'
 /// >>> "indentation" in palpate.explain()["Surfaces and contact"]
 /// True
 #[pyfunction]
@@ -36,7 +36,7 @@ pub(crate) fn explain<'py>(py: Python<'py>, word: Option<&str>) -> PyResult<Boun
             [] => "palpate.explain() has all words".to_owned(),
             similar => format!("did you mean {}?", similar.join(", ")),
         };
-        let message = format!("word: {word:?} is no word of palpate; {hint}");
+        let message = format!("word: {word:?} is not a word of palpate; {hint}");
         error::argument("word", &[], None, message)
     })?;
     Ok(term.meaning.into_pyobject(py)?.into_any())

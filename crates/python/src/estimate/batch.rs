@@ -1,4 +1,4 @@
-//! Many estimates of one kind.
+//! Batches: many estimates of the same kind.
 
 use std::sync::Arc;
 
@@ -15,14 +15,15 @@ use crate::error;
 use crate::record::{Alone, Made, Record, number};
 use crate::watch::{pool, watched};
 
-/// Estimates of many sets of readings, in their order.
+/// Estimates of many sets of readings, in the order of the sets.
 ///
-/// A field of the batch is that field of all its estimates: numbers as an array of float64 with NaN where an estimate has
-/// none, lists of as many numbers as an array with a row each, a unit once, everything else as a list; None if no estimate
-/// has the field. `batch[i]` is one estimate, or raises the error of its readings.
+/// A field of the batch combines the fields with this name of all estimates. Numbers become an array of float64, with
+/// NaN for an estimate without the number. Lists of equally many numbers become an array with one row per estimate. A
+/// unit is stored once, and everything else becomes a list. The field is None if no estimate has it. `batch[i]` is one
+/// estimate, or raises the error of its readings.
 #[pyclass(frozen, sequence, module = "palpate")]
 pub(crate) struct Batch {
-    /// Estimates, or the errors in their place.
+    /// For each set, the estimate, or the error if the set has no estimate.
     estimates: Vec<Result<Member, String>>,
 }
 
@@ -60,7 +61,7 @@ impl Member {
     }
 }
 
-/// Batch of estimates from sets of readings. Threads make them without the interpreter's lock.
+/// Makes a batch of estimates from sets of readings. Threads compute them without the interpreter's lock.
 pub(super) fn batch<'py, R: Send + 'static, E: Made + 'static>(
     py: Python<'py>,
     sets: Vec<R>,
@@ -82,7 +83,8 @@ pub(super) fn batch<'py, R: Send + 'static, E: Made + 'static>(
     Ok(Bound::new(py, Batch { estimates })?.into_any())
 }
 
-/// Error of an array, with the number of the set before the place in it if the array has one axis for the sets.
+/// Error in an array of readings. If the array has an axis for sets, the index in the message begins with the number of
+/// the set.
 pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> RecordedError {
     match error {
         RecordedError::Array {
@@ -100,7 +102,7 @@ pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> Re
     }
 }
 
-/// One field of many estimates; a missing value is `None`.
+/// One field of many estimates, combined to one value. An entry is `None` if the estimate does not have the field.
 fn stacked<'py>(py: Python<'py>, all: &[Option<Bound<'py, PyAny>>]) -> PyResult<Bound<'py, PyAny>> {
     let Some(first) = all.iter().flatten().find(|one| !one.is_none()) else {
         return Ok(py.None().into_bound(py));
@@ -145,7 +147,7 @@ fn row(value: &Bound<'_, PyAny>) -> Option<Vec<f64>> {
     list.iter().map(|item| number(&item)).collect()
 }
 
-/// One field of many estimates, each made without the other fields.
+/// One field of many estimates, without computing the other fields.
 fn of_alone(py: Python<'_>, all: Vec<Option<Alone>>) -> PyResult<Bound<'_, PyAny>> {
     let mut rows = Vec::with_capacity(all.len());
     let mut unit = None;
@@ -245,7 +247,7 @@ impl Batch {
         }
     }
 
-    /// Messages of the sets without an estimate, by their numbers.
+    /// Error messages by the numbers of the sets that have no estimate.
     #[getter]
     fn errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let errors = PyDict::new(py);
@@ -278,7 +280,7 @@ impl Batch {
         Ok(names)
     }
 
-    /// Fields as a dictionary of arrays, lists and dictionaries of them.
+    /// The fields as a dictionary of arrays, lists and dictionaries.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let fields = PyDict::new(py);
         for name in self.names(py)? {

@@ -26,12 +26,12 @@ record!(
     "Curvature of a patch, from contacts of gliding fingers.\n\nFields: those that `palpate estimate glide` prints, for the middle of the patch: `gaussian_curvature`, `mean_curvature`,\n`k_min`, `k_max` (each with `value`, `std` or None, and `unit`), `position`, `normal`, `direction_of_min`,\n`direction_of_max` (arrays of 3), `shape_index`, `class_`, `class_probabilities`,\n`thresholds`, `noise`, `regions`, `p_value`, `effective_contacts`, `left_out` (rows from 1, with a reason) and `warnings`\n(each with `code`, `text` and `numbers`); for methods plane, sphere, cylinder and shape also `shape`, `radius` and\n`rms_misfit`; for one stroke `stroke`, and None as curvatures; `covariance`, (2, 2), of Gaussian and mean curvature, NaN where\nthe method states no uncertainty; and `map`: arrays (grid, grid), along the fingers' travel first, or (n,) at the\ncontacts that are not left out: `position`, `normal`, `direction_of_min`, `direction_of_max` with 3 numbers each, `gaussian_curvature`,\n`gaussian_curvature_std`, `mean_curvature`, `mean_curvature_std`, `k_min`, `k_max`, `shape_index`, `class_index` of\n`palpate.SHAPE_CLASSES`, `region` (-1: none) and `class_probabilities` with 8 numbers each."
 );
 
-/// A patch: the fitted surface and its curvatures. Everything else is computed when it is asked for.
+/// A patch: the fitted surface and its curvatures. All other values are computed only when Python reads them.
 struct Patch {
     fitted: GlideFitResult<'static>,
     curvatures: Vec<Curvature>,
     report: OnceLock<(recorded::GlideEstimate, GlideMap)>,
-    /// Shape of an array with a number per point of the map.
+    /// Shape of an array that has one number per point of the map.
     shape: Vec<usize>,
 }
 
@@ -178,7 +178,7 @@ impl Made for Map {
 }
 
 impl Map {
-    /// Array of `D` numbers of each point.
+    /// Array that has `D` numbers for each point.
     fn stacked<'py, const D: usize>(
         &self,
         py: Python<'py>,
@@ -201,19 +201,20 @@ impl Map {
 /// Parameters
 /// ----------
 /// points : array, (n, 3)
-///     Positions of the contacts, length. Those of a finger are in the order of its path.
+///     Positions of the contacts, length. The contacts of a finger are in the order of its path.
 /// normals : array, (n, 3), optional
 ///     Measured normals out of the object, of any length.
 /// fingers : array, (n,), optional
-///     Number, from 0, or name of the finger of each contact; by default all contacts are of one finger.
+///     Number (from 0) or name of the finger of each contact; by default all contacts belong to one finger.
 /// grid : int, optional
 ///     Number of points along each side of the map, from 1 to 1000; 30 by default.
 /// at_contacts : bool
-///     Whether the map has a point per contact, in their order, instead of a grid.
+///     Whether the map has one point per contact, in the order of the contacts, instead of a grid.
 /// tip_radius : float, optional
 ///     Radius of round fingertips, length, if `points` are not the contacts but the points that `reports` names.
 /// reports : str, optional
-///     Point of the fingertips: "lowest-point" (the default), the farthest against `outward`, or "centre".
+///     Which point of the fingertips `points` are: "lowest-point" (the default, the point farthest against `outward`)
+///     or "centre".
 /// outward : array, (3,), optional
 ///     Direction out of the object, for contacts without normals and for lowest points; +z by default.
 /// gaussian_threshold, mean_threshold : float, optional
@@ -224,7 +225,8 @@ impl Map {
 /// length_unit : str, optional
 ///     Unit of all lengths: "m", "cm", "mm", "um" or "unit", which is the default.
 /// like : Study, optional
-///     Study of kind glide. Its estimator, finger distance and thresholds replace arguments that are not given.
+///     Study of kind glide. It supplies the estimator, the inter-finger distance and the thresholds, unless an argument
+///     states them.
 /// cell : int
 ///     Number of the study's cell, from 0.
 /// threads : int, optional
@@ -234,14 +236,15 @@ impl Map {
 /// Returns
 /// -------
 /// GlideEstimate
-///     A Batch of them for points (m, n, 3) and normals (m, n, 3). All m sets share fingers (n,).
+///     For points and normals of shape (m, n, 3), the result is a Batch of m estimates. All m sets share the fingers,
+///     which have the shape (n,).
 ///
 /// Raises
 /// ------
 /// ArgumentError
-///     For a shape, a number that is not finite, or a setting out of its range or of no use to the method.
+///     If a shape is wrong, a number is not finite, or a setting is out of its range or has no effect on the method.
 /// ReadingsError
-///     If the contacts do not determine the patch: too few, on one line, or on a surface that is no graph.
+///     If the contacts do not determine the patch: they are too few, on one line, or on a surface that is not a graph.
 ///
 /// Source
 /// ------
@@ -306,7 +309,7 @@ pub(crate) fn estimate_glide<'py>(
     batch(py, all, threads, estimate, GlideEstimate::of)
 }
 
-/// Numbers of the fingers, which may have names.
+/// Numbers of the fingers. If the fingers are given by name, each name gets a number.
 fn numbered(fingers: &Bound<'_, PyAny>) -> PyResult<Vec<u64>> {
     let numpy = fingers.py().import("numpy")?;
     let names = numpy.call_method1("asarray", (fingers,));

@@ -1,4 +1,4 @@
-//! Options of an estimate from a study.
+//! Options of an estimate, read from a study.
 
 use palpate::config::{LengthUnit, StudyConfig};
 use palpate::recorded::StudyMismatch;
@@ -7,7 +7,8 @@ use pyo3::prelude::*;
 use crate::error;
 use crate::study::Study;
 
-/// Options like those of a cell of a study. Their lengths are in the readings' unit, or in the study's if none is stated.
+/// Options of an estimate, read from a cell of a study. Their lengths are converted to the unit of the readings. If no
+/// unit is stated, they keep the unit of the study.
 pub(crate) fn like<T>(
     study: Option<&Bound<'_, Study>>,
     cell: usize,

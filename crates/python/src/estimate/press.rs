@@ -26,7 +26,7 @@ impl Made for recorded::PressReport {
 }
 
 #[doc = include_str!("press_signature.txt")]
-/// Curvature of an object, from the displacements of the markers of a soft sphere that is pressed onto it.
+/// Curvature of an object, from the displacements of the markers in a soft sphere that is pressed onto the object.
 ///
 /// Parameters
 /// ----------
@@ -34,26 +34,27 @@ impl Made for recorded::PressReport {
 ///     Positions of the markers on the skin at rest, length: (x, y) lies sqrt(x² + y²) along the skin from the apex,
 ///     in the direction (x, y). One number for each marker is its signed position along a row through the apex.
 /// displacements : array, (n,) or (n, 3)
-///     Displacement of each marker inward, length; with two more columns those along the skin, along the axes of the
-///     apex carried along the meridian.
+///     Inward displacement of each marker, length. Two more columns are the displacements along the skin: components
+///     along the axes at the apex, parallel-transported along the meridian to the marker.
 /// sensor_radius : float
 ///     Radius of the skin, length; needed unless `like` states it.
 /// depth : float, optional
 ///     Depth of the markers under the skin, length; 0 by default.
 /// indentation : float, optional
-///     Indentation, length, if it was measured otherwise; by default it is fitted.
+///     Indentation, length, if it was measured by another sensor; by default it is fitted.
 /// indentation_std : float, optional
-///     Its standard deviation, length; 2 % of it by default.
+///     Standard deviation of the indentation, length; by default 2 % of the indentation.
 /// normal_std, tangential_std : float, optional
-///     Standard deviations of the displacements inward and along the skin, length; by default from the residuals.
+///     Standard deviations of the displacements inward and along the skin, length; by default estimated from the
+///     residuals.
 /// radial_scale : float, optional
-///     Factor on the positions; 1 by default.
+///     Factor by which the positions are multiplied; 1 by default.
 /// young : float, optional
 ///     Young's modulus of the soft body, force per length², for `force` and `peak_pressure`.
 /// length_unit : str, optional
 ///     Unit of all lengths: "m", "cm", "mm", "um" or "unit", which is the default.
 /// like : Study, optional
-///     Study of kind press. Its sensor, noise and estimator replace arguments that are not given.
+///     Study of kind press. It supplies the sensor, the noise and the estimator, unless an argument states them.
 /// cell : int
 ///     Number of the study's cell, from 0.
 /// threads : int, optional
@@ -63,14 +64,14 @@ impl Made for recorded::PressReport {
 /// Returns
 /// -------
 /// PressEstimate
-///     A Batch of them for displacements (m, n) or (m, n, 3).
+///     For displacements of shape (m, n) or (m, n, 3), the result is a Batch of m estimates.
 ///
 /// Raises
 /// ------
 /// ArgumentError
-///     For a shape, a number that is not finite, or a setting out of its range or of no use to the method.
+///     If a shape is wrong, a number is not finite, or a setting is out of its range or has no effect on the method.
 /// ReadingsError
-///     If the displacements show no press.
+///     If the displacements show no contact.
 ///
 /// Source
 /// ------

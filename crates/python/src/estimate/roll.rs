@@ -57,22 +57,23 @@ impl Made for recorded::RollEstimate {
     }
 }
 
-/// Curvature of an object at a point, from small rolls of a spherical probe over it.
+/// Curvature of an object at a point, from small rolls of a spherical probe on the object.
 ///
 /// Parameters
 /// ----------
 /// rotations : array, (n, 2) or (n, 3)
-///     Rotation of each of n >= 2 probes summed in its first contact frame, about u and v (and the normal,
-///     which moves no contact), rad. A contact that moves to +u has a negative rotation about v.
+///     Rotation vector of each of n >= 2 rolls in its first contact frame, rad: components about u, about v, and
+///     optionally about the normal, which does not move the contact. If the contact moves to +u, the rotation about v
+///     is negative.
 /// shifts : array, (n, 2)
-///     Displacement of each contact on the probe along u and v, as of a great circle, length.
+///     Displacement of each contact on the probe along u and v, measured along a great circle, length.
 /// probe_radius : float
 ///     Radius of the probe, length; needed unless `like` states it.
 /// pitch : float, optional
-///     Pitch of the pads that read the shifts, length. Standard deviations follow from it, and the largest radius of
-///     an object on which a contact did not move.
+///     Pitch of the pads that read the shifts, length. It determines the standard deviations and, if a contact did not
+///     move, the upper bound on the object's radius.
 /// shift_std : float, optional
-///     Standard deviation of each component of a shift, of a sensor without pads, length.
+///     Standard deviation of each component of a shift, length, for a sensor without pads.
 /// rotation_std_rad : float, optional
 ///     Standard deviation of each component of a rotation, rad, from 0 to pi.
 /// relative_rotation_std : float, optional
@@ -82,7 +83,7 @@ impl Made for recorded::RollEstimate {
 /// length_unit : str, optional
 ///     Unit of all lengths: "m", "cm", "mm", "um" or "unit", which is the default.
 /// like : Study, optional
-///     Study of kind roll. Its probe, noise and estimator replace arguments that are not given.
+///     Study of kind roll. It supplies the probe, the noise and the estimator, unless an argument states them.
 /// cell : int
 ///     Number of the study's cell, from 0.
 /// threads : int, optional
@@ -91,7 +92,8 @@ impl Made for recorded::RollEstimate {
 /// Returns
 /// -------
 /// RollEstimate
-///     A Batch of them for arrays (m, n, 2). If one of the arrays is (n, 2), all m sets share it.
+///     For arrays of shape (m, n, 2), the result is a Batch of m estimates. If one of the arrays has the shape (n, 2),
+///     all m sets share it.
 ///     If no noise is stated, standard deviations follow from the residuals.
 ///
 /// Raises
@@ -155,10 +157,11 @@ pub(crate) fn estimate_roll<'py>(
     batch(py, all, threads, estimate, RollEstimate::of)
 }
 
-/// Settings, unit and options of a call.
+/// Settings, unit and options of one call of `estimate_roll`.
 type Call = (Py<PyDict>, Option<LengthUnit>, RollOptions);
 
-/// The last call without `like`. A loop over readings repeats its settings, and reading them takes longer than an estimate.
+/// The last call that did not use `like`. It is stored because a loop over readings repeats the same settings, and
+/// parsing them takes longer than an estimate.
 static LAST: Mutex<Option<Call>> = Mutex::new(None);
 
 fn options<'py>(
@@ -169,7 +172,7 @@ fn options<'py>(
 ) -> PyResult<RollOptions> {
     let last = || LAST.lock().unwrap_or_else(PoisonError::into_inner);
     let settings = settings.unwrap_or_else(|| PyDict::new(py));
-    // The lock must not be held while Python compares.
+    // Release the lock before the comparison, because Python may run other code while it compares.
     let known = last()
         .as_ref()
         .map(|(settings, unit, options)| (settings.clone_ref(py), *unit, options.clone()));
@@ -184,7 +187,7 @@ fn options<'py>(
     let base = self::like(like.as_ref(), cell, unit, palpate::study_options::roll)?;
     let options = RollOptions::with_settings(base, &given, unit).map_err(error::setting)?;
     if like.is_none() {
-        // The previous settings are dropped without the lock.
+        // Drop the previous settings only after the lock is released.
         let _previous = last().replace((settings.unbind(), unit, options.clone()));
     }
     Ok(options)

@@ -1,4 +1,4 @@
-//! Settings of readings and estimators by their keys.
+//! Settings of readings and estimators, by their keys.
 
 use palpate::config::{Accepts, LengthUnit, Setting};
 use pyo3::exceptions::PyTypeError;
@@ -8,8 +8,8 @@ use serde_json::{Map, Value as Json};
 
 use crate::error;
 
-/// Settings among the keyword arguments of a call, by their keys. `tables` find a setting of the readings or of the
-/// estimator by its key.
+/// Settings among the keyword arguments of a call, by their keys. The functions `tables` return the setting of the
+/// readings or of the estimator that has a given key.
 pub(crate) fn given(
     arguments: Option<&Bound<'_, PyDict>>,
     tables: [fn(&str) -> Option<Setting>; 2],
@@ -51,7 +51,7 @@ fn json(name: &str, value: &Bound<'_, PyAny>, accepts: &Accepts) -> PyResult<Jso
     }
 }
 
-/// Number of a setting, as JSON; a number that is not finite is an error.
+/// Converts the number of a setting to JSON. A number that is not finite is an error.
 fn number(name: &str, number: f64) -> PyResult<Json> {
     let json = serde_json::Number::from_f64(number).map(Json::Number);
     json.ok_or_else(|| {
@@ -60,7 +60,7 @@ fn number(name: &str, number: f64) -> PyResult<Json> {
     })
 }
 
-/// Unit of lengths.
+/// Parses the unit of lengths.
 pub(crate) fn length_unit(name: Option<&str>) -> PyResult<Option<LengthUnit>> {
     let unit = |name: &str| {
         let unit = serde_json::from_value(Json::String(name.to_owned()));

@@ -16,14 +16,15 @@ use crate::json::to_python;
 use crate::pixels::frame;
 use crate::record::records;
 
-/// Relation between the displacements of a sensor's markers and their hue, size and centroid in the frames.
+/// Calibration of a sensor: the relation between the displacements of its markers and their hue, size and centroid in
+/// the frames.
 ///
-/// `Calibration(toml)` reads what `palpate sensor calibrate` writes. `summary` is lines of text.
+/// `Calibration(toml)` reads the text that `palpate sensor calibrate` writes. `summary` is a list of lines of text.
 #[pyclass(frozen, module = "palpate")]
 pub(crate) struct Calibration {
     pub(super) calibration: recorded::Calibration,
     pub(super) unit: LengthUnit,
-    /// The calibration in words, a line each: slopes, standard errors, R² and residuals.
+    /// The calibration in words, as a list of lines: slopes, standard errors, R² and residuals.
     #[pyo3(get)]
     summary: Vec<String>,
     /// Warnings, each with `code`, `text` and `numbers`.
@@ -62,7 +63,7 @@ impl Calibration {
         })
     }
 
-    /// Unit of its lengths.
+    /// Unit of the calibration's lengths.
     #[getter]
     fn length_unit(&self) -> &'static str {
         self.unit.as_str()
@@ -73,7 +74,7 @@ impl Calibration {
         calibration_toml(&self.calibration, self.unit)
     }
 
-    /// Fields as a dictionary.
+    /// The fields as a dictionary.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let parsed: toml::Value = toml::from_str(&self.to_toml()).map_err(error::run)?;
         to_python(py, &parsed)
@@ -114,9 +115,9 @@ fn source(name: &str) -> PyResult<NormalFrom> {
 /// Parameters
 /// ----------
 /// *tables : mapping of str to array, (n,)
-///     Each with `normal_displacement` (length, inward) and `hue_turns`, `growth` (of the logarithm of the marker's
-///     diameter) or both; with `tangential_displacement` (length) and `centroid_shift_px`; or with all of these. `series`
-///     and `marker` may number the series and the markers. Other columns are ignored. A table may be a data frame.
+///     Each table has `normal_displacement` (length, inward) and `hue_turns`, `growth` (change of the logarithm of the
+///     marker's diameter) or both; or `tangential_displacement` (length) and `centroid_shift_px`; or all of these.
+///     `series` and `marker` may number the series and the markers. Other columns are ignored. A table may be a data frame.
 /// source : str
 ///     Source of the normal displacements: "hue", "size" or "both".
 /// per_marker : bool
@@ -160,7 +161,7 @@ pub(crate) fn calibrate(
     Calibration::of(py, report)
 }
 
-/// A table of columns as CSV, with every digit of its numbers.
+/// Converts a table with columns to CSV. Every digit of the numbers is kept.
 fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
     let py = table.py();
     let columns = py
@@ -173,7 +174,7 @@ fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
     for (name, column) in columns.iter() {
         let name: String = name.extract()?;
         let Ok(numbers) = Numbers::of("tables", &column) else {
-            // Not a number: an empty field in each row.
+            // The column has a value that is not a number, so each row has an empty field.
             texts.push(Column::text(&name));
             continue;
         };
@@ -215,7 +216,7 @@ fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
 /// px_per_rad : float, optional
 ///     Focal length of the fisheye; by default the scale in the middle of the frames is used everywhere.
 /// source, per_marker, length_unit
-///     As for `calibrate`.
+///     The same arguments as in `calibrate`.
 ///
 /// Returns
 /// -------

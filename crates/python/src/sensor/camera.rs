@@ -9,9 +9,9 @@ use crate::pixels::frame;
 use crate::record::records;
 use crate::study::Study;
 
-/// Camera of a sensor: its place, its turn and its scale, with their covariance.
+/// Camera of a sensor: its position, rotation and scale, with their covariance.
 ///
-/// `CameraCalibration(toml)` reads what `palpate sensor calibrate --rest` writes.
+/// `CameraCalibration(toml)` reads the text that `palpate sensor calibrate --rest` writes.
 #[pyclass(frozen, module = "palpate")]
 pub(crate) struct CameraCalibration {
     pub(super) camera: CameraEstimate,
@@ -26,7 +26,7 @@ impl CameraCalibration {
         Ok(Self { camera })
     }
 
-    /// The camera in words.
+    /// Description of the camera in words.
     #[getter]
     fn summary(&self) -> String {
         self.camera.summary()
@@ -38,7 +38,7 @@ impl CameraCalibration {
         records(py, &self.camera.warnings)
     }
 
-    /// Unit of its lengths.
+    /// Unit of the camera's lengths.
     #[getter]
     fn length_unit(&self) -> &'static str {
         self.camera.length_unit.as_str()
@@ -50,8 +50,9 @@ impl CameraCalibration {
     }
 
     /// Dictionary of the camera: `place`, `turn_deg` and `px_per_rad` with `place_std`, `turn_std_deg` and
-    /// `px_per_rad_std`, `centre_px`, `covariance` (9 x 9: of the centre, px; px per rad, a share; place; turn, rad),
-    /// `residuals_px` of the layout's markers, `residual_px`, `reduced_chi_squared` and `warnings`.
+    /// `px_per_rad_std`, `centre_px`, `covariance` (9 x 9: of the centre, px; of px per rad, as a share; of the
+    /// position; of the rotation, rad), `residuals_px` of the layout's markers, `residual_px`, `reduced_chi_squared`
+    /// and `warnings`.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.camera)
     }
@@ -69,7 +70,7 @@ impl CameraCalibration {
     }
 }
 
-/// Finds the camera of a sensor from one frame at rest.
+/// Estimates the camera of a sensor from one frame at rest.
 ///
 /// Parameters
 /// ----------

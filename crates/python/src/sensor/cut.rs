@@ -1,4 +1,4 @@
-//! Pattern that a skin is cut from.
+//! Flat pattern for cutting a skin.
 
 use palpate::CutPattern;
 use pyo3::prelude::*;
@@ -11,10 +11,10 @@ use crate::table::table_of;
 
 record!(
     Pattern,
-    "Flat pattern that a skin is cut from.\n\nFields: `gores`, `markers`, `greatest_fold_strain` and `rms_fold_strain`; `svg`, the drawing in millimetres; `dxf`,\nthe drawing with the layers CUT, FOLD, MAGENTA and YELLOW; `strain`, a Table of the strain of folding over the half of\na gore, from its middle meridian; `strain_by_gores`, a Table of its largest value and its root mean square for 3 to 12\ngores."
+    "Flat pattern for cutting a skin.\n\nFields: `gores`, `markers`, `greatest_fold_strain` and `rms_fold_strain`; `svg`, the drawing in millimetres; `dxf`,\nthe drawing with the layers CUT, FOLD, MAGENTA and YELLOW; `strain`, a Table of the strain of folding over the half of\na gore, from its middle meridian; `strain_by_gores`, a Table of the largest strain and the rms strain for 3 to 12\ngores."
 );
 
-/// A pattern with the unit of its tables.
+/// A flat pattern, together with the unit of its tables.
 struct Cut(CutPattern, palpate::config::LengthUnit);
 
 impl Made for Cut {
@@ -44,7 +44,7 @@ impl Made for Cut {
     }
 }
 
-/// Pattern of the sensor of a study's first cell.
+/// Flat pattern for the skin of the sensor in the first cell of a study.
 pub(crate) fn pattern_of<'py>(
     py: Python<'py>,
     study: &palpate::Study,

@@ -23,11 +23,11 @@ impl Made for TrackedPress {
 
 record!(
     Tracked,
-    "Markers of two frames of a camera sensor, and with a calibration the estimate from them.\n\nFields: `fates`, how many markers had which fate (`at_rest`, `tracked`, `lost`, `merged`, `split`, `new`,\n`cut_at_rest`); `warnings` about the frames, each with `code`, `text` and `numbers` (`estimate` has them too);\n`markers`, a Table of one row per marker: place and hue at rest, their changes, and its fate; `overlay`, the pressed\nframe with the fate of each marker, and `difference`, the signed difference of the frames (magenta if green light was\nlost, green if gained), (h, w, 3) of uint8. With a calibration or `method=\"image\"` also `readings`, a Table of the\ndisplacements of the tracked markers, `field`, a Table of displacements on a grid between the markers, and `estimate`,\nthe PressEstimate from them; None otherwise."
+    "Markers of two frames of a camera sensor, and with a calibration the estimate from them.\n\nFields: `fates`, the number of markers with each status (`at_rest`, `tracked`, `lost`, `merged`, `split`, `new`,\n`cut_at_rest`); `warnings` about the frames, each with `code`, `text` and `numbers` (`estimate` has them too);\n`markers`, a Table of one row per marker: position and hue at rest, their changes, and its status; `overlay`, the pressed\nframe with the status of each marker, and `difference`, the signed difference of the frames (magenta if green light was\nlost, green if gained), (h, w, 3) of uint8. With a calibration or `method=\"image\"` also `readings`, a Table of the\ndisplacements of the tracked markers, `field`, a Table of displacements on a grid between the markers, and `estimate`,\nthe PressEstimate from them; None otherwise."
 );
 
-/// Finds the markers of a frame at rest in a pressed one. With a calibration, or with `method="image"`, it estimates the
-/// object that pressed them.
+/// Finds the markers of a frame at rest in a pressed frame. With a calibration, or with `method="image"`, also
+/// estimates the curvature of the pressed object.
 ///
 /// Parameters
 /// ----------
@@ -35,7 +35,7 @@ record!(
 ///     Frames of one size, red, green and blue. The camera looks at the apex from the sensor's centre, through a fisheye
 ///     with r = f angle, columns along x, rows against y.
 /// calibration : Calibration or CameraCalibration, optional
-///     All lengths are in its unit. A Calibration needs `sensor_radius` and `depth`, or `like`. A CameraCalibration is for
+///     All lengths are in the calibration's unit. A Calibration needs `sensor_radius` and `depth`, or `like`. A CameraCalibration is for
 ///     `method="image"`: its camera, with its covariance, replaces the study's.
 /// px_per_rad : float, optional
 ///     Focal length of the fisheye; by default the calibration's px per length times the markers' distance from the
@@ -45,7 +45,7 @@ record!(
 /// filter : float
 ///     Standard deviation of the Gaussian that smooths the field, length along the skin.
 /// like, cell
-///     As of `estimate_press`.
+///     The same arguments as in `estimate_press`.
 /// **settings
 ///     All other arguments of `estimate_press` except `radial_scale`, `length_unit` and `threads`. `method="image"` fits
 ///     centroid, hue and size of each marker in the frames, with the errors that the frames show: `like` states layout,

@@ -1,4 +1,4 @@
-//! Markers along a skin.
+//! Layout of the markers along a skin.
 
 use palpate::{CutPattern, config, marker_places};
 use pyo3::prelude::*;
@@ -10,7 +10,7 @@ use crate::error;
 use crate::json::from_python;
 use crate::study::Study;
 
-/// Markers along the skin of a spherical sensor.
+/// Layout of the markers along the skin of a spherical sensor.
 ///
 /// Parameters
 /// ----------
@@ -68,14 +68,14 @@ impl Layout {
         Self::of(Py::new(py, Study::of("layout".to_owned(), text)?)?)
     }
 
-    /// Layout of the sensor of a study's first cell.
+    /// Layout of the sensor in the first cell of a study.
     #[staticmethod]
     fn of(study: Py<Study>) -> PyResult<Self> {
         marker_places(study.get().study()).map_err(error::config)?;
         Ok(Self { study })
     }
 
-    /// Places of the markers along the skin, (n, 2), as `estimate_press` takes them.
+    /// Positions of the markers along the skin, (n, 2), in the form that `estimate_press` accepts.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let places = marker_places(self.study.get().study()).map_err(error::config)?;
@@ -83,7 +83,8 @@ impl Layout {
         array(py, places.into_flattened(), &[markers, 2])
     }
 
-    /// Flat pattern that the skin is cut from: a Pattern. Raises ConfigError without gores, discs or a metric unit.
+    /// Flat pattern for cutting the skin: a Pattern. Raises ConfigError if there are no gores, no discs or no metric
+    /// unit.
     fn pattern<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         pattern_of(py, self.study.get().study())
     }
@@ -104,7 +105,7 @@ impl Layout {
     }
 }
 
-/// Flat pattern that a sensor's skin is cut from, as SVG text in millimetres; `study.pattern()` has DXF and strains too.
+/// Flat pattern for cutting a sensor's skin, as SVG text in millimetres; `study.pattern()` also has DXF and strains.
 ///
 /// Parameters
 /// ----------

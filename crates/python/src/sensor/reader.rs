@@ -1,4 +1,4 @@
-//! Methods from tracked markers to the object that pressed them.
+//! Reads from a call how the pressed object is estimated from tracked markers.
 
 use palpate::recorded::{FrameReader, PictureOptions, PressOptions};
 use pyo3::prelude::*;
@@ -14,7 +14,7 @@ fn refused(argument: &str, message: impl Into<String>) -> PyErr {
     error::argument(argument, &[], None, message)
 }
 
-/// The method that a call states, if it states one.
+/// The method of estimation that a call states; `None` if it states none.
 pub(super) fn reader(
     calibration: Option<&Bound<'_, PyAny>>,
     px_per_rad: Option<f64>,
@@ -30,11 +30,13 @@ pub(super) fn reader(
     }
     if PictureOptions::are_asked_for(given, config.as_ref()) {
         if other.is_some() {
-            let message = "calibration: method=\"image\" takes a CameraCalibration, as calibrate_camera makes it";
+            let message = "calibration: method=\"image\" needs a CameraCalibration, as \
+                 calibrate_camera returns it";
             return Err(refused("calibration", message));
         }
         if px_per_rad.is_some() {
-            let message = "px_per_rad is of no use to method=\"image\": like states the camera, or calibration does";
+            let message = "px_per_rad has no effect with method=\"image\": like or calibration \
+                 states the camera";
             return Err(refused("px_per_rad", message));
         }
         let camera = camera.map(|camera| camera.get().camera.clone());
@@ -59,7 +61,7 @@ pub(super) fn reader(
     let is_stated = base.is_some() || given.contains_key("depth");
     let options = PressOptions::with_settings(base, given, None, true).map_err(error::setting)?;
     if !is_stated {
-        return Err(refused("depth", "calibration needs depth, or like"));
+        return Err(refused("depth", "calibration needs either depth or like"));
     }
     Ok(Some(FrameReader::Displacements {
         calibration: Box::new(calibration.clone()),

@@ -22,30 +22,33 @@ const CELLS: &str = "cells.csv";
 const FAILURES: &str = "failures.csv";
 const MAP: &str = "map.csv";
 const WARNINGS: [&str; 2] = ["warnings.txt", "warnings.json"];
-/// Files of a pass.
+/// File names of a trace.
 const PASS: [&str; 3] = ["trace.csv", "readings.csv", "markers.csv"];
 
 /// Results of a run of a study.
 #[pyclass(frozen, module = "palpate")]
 pub(crate) struct Results {
-    /// Texts of the files that the command line writes, by their names.
+    /// Contents of the files that the command line writes, by their names.
     files: BTreeMap<String, String>,
     /// The study of the run.
     #[pyo3(get)]
     study: Py<Study>,
-    /// Table of one row per cell and quantity: swept values, truth, mean, bias, errors, quantiles.
+    /// Table with one row per cell and quantity. It has the swept values, the true value, and the mean, bias, errors
+    /// and quantiles of the estimates.
     #[pyo3(get)]
     cells: Py<PyAny>,
-    /// Table of the trials without an estimate, by cell and kind.
+    /// Table with the number of trials without an estimate, by cell and kind of failure.
     #[pyo3(get)]
     failures: Py<PyAny>,
-    /// Table of the maps, or profiles, of trial 0 of each cell; None unless the config's `outputs` contain it.
+    /// Table of the maps of trial 0 of each cell; for a press, of the profiles. None unless the config's `outputs`
+    /// request it.
     #[pyo3(get)]
     map: Option<Py<PyAny>>,
-    /// Table of all trials, a row per observation or failure; None without `trials_out=True`.
+    /// Table of all trials, with one row per observation or failure; None without `trials_out=True`.
     #[pyo3(get)]
     trials_out: Option<Py<PyAny>>,
-    /// Warnings of cells in which the theory or the estimator does not hold, each with `code`, `text` and `numbers`.
+    /// Warnings, for example that the contact model or the estimator is not valid in a cell. Each has `code`, `text`
+    /// and `numbers`.
     #[pyo3(get)]
     warnings: Py<PyAny>,
 }
@@ -76,7 +79,7 @@ impl Results {
         Self::of_files(py, files, ran.trials)
     }
 
-    /// Results whose files have these texts.
+    /// Makes results from the contents of files.
     fn of_files(
         py: Python<'_>,
         files: BTreeMap<String, String>,
@@ -108,7 +111,7 @@ impl Results {
         &self.study.get().study().config
     }
 
-    /// Files that the command line writes, in memory.
+    /// The files that the command line would write, but in memory.
     pub(crate) fn in_memory(&self) -> Files {
         Files::in_memory(self.files.clone())
     }
@@ -116,8 +119,8 @@ impl Results {
 
 #[pymethods]
 impl Results {
-    /// Results in a directory that `palpate run` wrote, as CSV. Raises RunError for a file that is missing or no table,
-    /// ConfigError for an invalid config.
+    /// Reads the results in a directory into which `palpate run` has written CSV files. Raises RunError for a file that
+    /// is missing or not a table, and ConfigError for an invalid config.
     #[staticmethod]
     fn read(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
         let names = [CONFIG, CELLS, FAILURES, MAP].into_iter();
@@ -160,7 +163,8 @@ impl Results {
         Ok(drawn.into_iter().map(Figure::from).collect())
     }
 
-    /// Table of scores of the papers' claims that the config names: the `claims.csv` of `palpate report`. Raises RunError.
+    /// Table with the scores of the claims that the config lists: the `claims.csv` of `palpate report`. Raises
+    /// RunError.
     #[getter]
     fn claims<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let study = Scored::read(self.in_memory()).map_err(error::run)?;
@@ -209,7 +213,7 @@ impl Results {
         Ok(drawn.map_err(error::run)?.into())
     }
 
-    /// Records one pass of a cell, like `Study.trace`.
+    /// Traces one trial of a cell, like `Study.trace`.
     #[pyo3(signature = (cell=0, trial=None))]
     fn trace<'py>(
         &self,
@@ -220,7 +224,8 @@ impl Results {
         follow(py, self.study.get().shared(), cell, trial)
     }
 
-    /// Texts of the files that `palpate run` writes, by their names, byte for byte. `trace` has the frames of a pass.
+    /// Contents of the files that `palpate run` writes, by their names, byte for byte. `trace` returns the frames of a
+    /// trial.
     fn files(&self) -> BTreeMap<String, String> {
         self.files.clone()
     }

@@ -22,7 +22,7 @@ pub(crate) fn runner(threads: Option<usize>) -> PyResult<Runner> {
     runner.map_err(error::run)
 }
 
-/// Error of cells that cannot be run.
+/// Error for cells that cannot be run.
 fn of_sweep(error: SweepError<palpate::ConfigError>) -> PyErr {
     match error {
         SweepError::SetUp(error) => error::config(error),
@@ -30,8 +30,7 @@ fn of_sweep(error: SweepError<palpate::ConfigError>) -> PyErr {
     }
 }
 
-/// Results of some cells of a study, by default of all, and the pass of the first cell if the config has it among its
-/// outputs.
+/// Results of some cells of a study, by default of all cells, and a trace of the first cell if the config requests it.
 pub(super) fn run(
     py: Python<'_>,
     (study, cells): (Arc<Study>, Option<Vec<usize>>),
@@ -58,7 +57,7 @@ pub(super) fn run(
     Ok((ran, trace.transpose().map_err(of_trace)?))
 }
 
-/// Error of a pass.
+/// Error in a trace.
 pub(super) fn of_trace(error: TraceError) -> PyErr {
     match error {
         TraceError::Config(error) => error::config(error),
@@ -81,7 +80,7 @@ pub(super) fn check(
     check.map(|check| check.to_json()).map_err(of_sweep)
 }
 
-/// Text of the study that a goal chooses.
+/// Text of the study, with the number of trials and the model that follow from a goal (budget or target error).
 pub(super) fn plan(
     py: Python<'_>,
     study: Arc<Study>,

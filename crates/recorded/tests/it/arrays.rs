@@ -1,4 +1,5 @@
-//! Readings from arrays: the estimates from files with the same numbers, and errors that name array, index and value.
+//! Readings from arrays have the same estimates as files with the same numbers. Errors name the array, the index and
+//! the value.
 
 use palpate_recorded::{
     GlideOptions, GlideRecording, PressOptions, PressRecording, RecordedError, RecordedFile,
@@ -18,7 +19,7 @@ fn file(name: &str) -> RecordedFile {
     RecordedFile::read(&example(name)).unwrap()
 }
 
-/// Rows of `D` numbers of an example, from the column `first`.
+/// `D` columns of numbers in each row of an example, beginning with the column `first`.
 fn columns<const D: usize>(name: &str, first: usize) -> Vec<[f64; D]> {
     let text = std::fs::read_to_string(example(name)).unwrap();
     let lines = text.lines().filter(|line| !line.starts_with('#')).skip(1);

@@ -1,4 +1,4 @@
-//! Cameras that are calibrated by one frame at rest.
+//! Cameras that are calibrated with one frame at rest.
 
 use image::{Rgb, RgbImage};
 use palpate_chromatouch::{
@@ -41,11 +41,11 @@ fn text(radius: f64, misalignment: f64) -> String {
 struct Truth {
     place: [f64; 3],
     turn_deg: [f64; 3],
-    /// Relative error of the pixels per radian.
+    /// Relative error of the nominal pixels per radian.
     scale: f64,
-    /// Diameter of the yellow discs.
+    /// Diameter of the yellow discs, length.
     yellow: f64,
-    /// Number of missing markers.
+    /// Number of markers that are missing in the frame.
     lost: usize,
     white: f64,
     misalignment: f64,
@@ -71,7 +71,7 @@ impl Default for Truth {
 }
 
 impl Truth {
-    /// The nominal camera, with the true odd terms.
+    /// The nominal camera, but with the true odd terms of the lens.
     fn lens(&self) -> Camera {
         Camera::new(Lens::fisheye(self.terms), SIZE, 65.0).expect("a camera")
     }
@@ -126,7 +126,7 @@ fn refused(image: RgbImage, study: &Study) -> String {
         .to_string()
 }
 
-/// Differences from the truth, divided by their standard errors.
+/// Differences between the estimate and the true values, divided by the standard errors.
 fn pulls(estimate: &CameraEstimate, truth: &Truth) -> Vec<f64> {
     let scale = truth.lens().px_per_rad() * (1.0 + truth.scale);
     let of = |axis: usize| {
@@ -153,7 +153,7 @@ fn one_frame_locates_the_camera() {
             count += 1.0;
         }
         assert!(estimate.warnings.is_empty(), "{:?}", estimate.warnings);
-        // The rim cuts one or two markers.
+        // The rim of the frame cuts one or two markers off.
         assert!(estimate.residuals_px.len() >= 75, "{estimate:?}");
         // The prior standard deviations are 2 mm, 5 degrees and 10 %.
         assert!(
@@ -177,7 +177,7 @@ fn one_frame_locates_the_camera() {
         let variance = estimate.covariance[3][3];
         assert!((variance.sqrt() / estimate.place_std[0] - 1.0).abs() < 1e-12);
     }
-    // Seven correlated numbers from each of four frames.
+    // The sum contains seven correlated numbers from each of four frames.
     let spread = f64::sqrt(square / count);
     assert!((0.15..2.0).contains(&spread), "{spread}");
 }
@@ -252,7 +252,7 @@ fn missing_markers_cause_a_warning_or_an_error() {
     assert!(said.contains("shows 47 of the 77 markers"), "{said}");
 }
 
-/// Uneven light shifts markers near the rim by almost one pixel.
+/// Uneven light shifts the images of markers near the rim by almost one pixel.
 #[test]
 fn stated_uneven_light_does_not_count_as_another_camera() {
     let truth = Truth {
@@ -307,7 +307,7 @@ fn markers_cut_by_the_rim_do_not_count_as_missing() {
 fn errors_name_unusable_frames() {
     let here = study(20.0);
     let truth = Truth::default();
-    // Markers at 1.5 times the angular distance from each other belong to another layout.
+    // If the angular distances between markers are 1.5 times as large, the markers belong to another layout.
     let said = refused(truth.frame(1), &study(30.0));
     assert!(
         said.contains("another layout") || said.contains("contradicts"),

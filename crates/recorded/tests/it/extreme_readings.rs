@@ -20,7 +20,7 @@ fn kind<T>(result: Result<T, RecordedError>) -> &'static str {
     }
 }
 
-/// Mean curvature from four rolls of a probe. Two of the rolls have this shift of the contact.
+/// Mean curvature from four rolls of a probe. `shift` is the shift of the contact in two of the rolls.
 fn roll(shift: &str, radius: f64) -> Result<f64, RecordedError> {
     let other = if radius.is_normal() { -radius } else { -1.0 };
     let text = format!(
@@ -51,7 +51,7 @@ fn mean_curvature(estimate: &impl serde::Serialize) -> f64 {
     json["mean_curvature"]["value"].as_f64().unwrap()
 }
 
-/// Estimated curvature of the object from 25 markers. One of the markers has this displacement.
+/// Curvature of the object estimated from 25 markers. `displacement` is the displacement of one marker.
 fn press(displacement: &str, radius: f64) -> Result<f64, RecordedError> {
     let mut text = "x_mm,y_mm,normal_displacement_mm\n".to_owned();
     for index in 0..25_i32 {
@@ -72,7 +72,7 @@ fn press(displacement: &str, radius: f64) -> Result<f64, RecordedError> {
     Ok(json["object_curvature"]["value"].as_f64().unwrap())
 }
 
-/// Slope of a calibration from three points; the first has this displacement.
+/// Slope of a calibration from three points. `displacement` is the displacement of the first point.
 fn calibrated(displacement: &str) -> Result<f64, RecordedError> {
     let rows = "0,0\n1,0.1,0\n2,0.2,0\n";
     let text = format!("normal_displacement_mm,hue_turns,growth\n{displacement},{rows}");

@@ -1,4 +1,4 @@
-//! Presses that are fitted to recorded camera frames.
+//! Presses that are estimated by a fit to recorded camera frames.
 
 use image::{Rgb, RgbImage};
 use palpate_recorded::{
@@ -44,7 +44,7 @@ fn scene(study: &Study) -> PressScene {
     }
 }
 
-/// Frames of a trial: at rest and pressed.
+/// The frame at rest and the pressed frame of a trial.
 fn frames(scene: &PressScene, study: &Study, trial: u64) -> [Frame; 2] {
     let trace = scene.trace(Some(trial), study.config.length_unit);
     let seen = trace.expect("a trace").camera.expect("a camera");
@@ -73,7 +73,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value}"))
 }
 
-/// Frames of a press on a layer, fitted with a half-space and with a thicker layer.
+/// Frames of a press on a layer are fitted with a half-space and with a thicker layer.
 #[test]
 fn a_fit_with_another_body_causes_a_warning() {
     let study = study();
@@ -102,7 +102,8 @@ fn a_fit_with_another_body_causes_a_warning() {
     }
 }
 
-/// Copies each pixel of a frame from the position `from(x, y)`; positions outside the frame are white.
+/// The frame in which each pixel (x, y) is copied from the position `from(x, y)`. Positions outside of the frame are
+/// white.
 fn warp(frame: &Frame, from: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
     let (width, height) = frame.image.dimensions();
     let image = RgbImage::from_fn(width, height, |x, y| {
@@ -120,7 +121,7 @@ fn warp(frame: &Frame, from: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
     }
 }
 
-/// A motion that is common to all markers comes from the camera, not from the press.
+/// A motion that all markers have in common is a motion of the camera and not an effect of the press.
 #[test]
 fn a_camera_that_moved_between_the_frames_causes_a_warning() {
     let study = study();
@@ -155,7 +156,7 @@ fn recolour(frame: &Frame, paint: impl Fn([u8; 3]) -> [u8; 3]) -> Frame {
     }
 }
 
-/// A frame in which `count` markers are replaced by the background.
+/// A copy of the frame in which `count` markers are replaced by the background.
 fn without_markers(frame: &Frame, count: usize) -> Frame {
     let mut image: RgbImage = frame.image.clone();
     let found = Finder::default().find(&image).expect("markers").markers;
@@ -232,7 +233,7 @@ fn a_camera_in_another_unit_is_refused() {
     );
 }
 
-/// Cameras with any numbers return an estimate of finite numbers or an error.
+/// For camera parameters with any numbers, the estimate has finite numbers or is an error.
 #[test]
 fn cameras_with_extreme_numbers_return_finite_numbers_or_an_error() {
     let study = study();
@@ -268,7 +269,7 @@ fn cameras_with_extreme_numbers_return_finite_numbers_or_an_error() {
             };
             let mut options = options(&study);
             options.camera = Some(("camera.toml".to_owned(), camera));
-            // JSON has no numbers that are not finite.
+            // In JSON, numbers are always finite.
             match estimate(&frames, &options) {
                 Ok(report) => assert!(report["object_curvature"]["value"].is_number(), "{report}"),
                 Err(said) => assert!(

@@ -1,4 +1,4 @@
-//! Effective radii from load curves.
+//! Effective radii that are estimated from load curves.
 
 use palpate_press::Body;
 use palpate_recorded::{LoadOptions, RecordedFile, estimate_force, parse_load_curve};
@@ -22,14 +22,14 @@ fn estimate(table: &str, options: &LoadOptions) -> Result<Value, String> {
     Ok(serde_json::to_value(&estimate).unwrap())
 }
 
-/// A curve from 0.1 to 2 mm, of forces (N) at indentations (mm).
+/// A load curve with indentations from 0.1 to 2 mm and the forces `force` (N) at these indentations (mm).
 fn table(force: impl Fn(f64) -> f64) -> String {
     let rows = (1..=20).map(|step| 0.1 * f64::from(step));
     let rows = rows.map(|indentation| format!("{indentation},{}\n", force(indentation)));
     format!("indentation_mm,force_N\n{}", rows.collect::<String>())
 }
 
-/// Force of a half-space of 500 kPa, N: a kPa mm² is a mN.
+/// Force on a half-space with Young's modulus 500 kPa, N. The unit kPa mm² is equal to mN.
 fn hertz(indentation: f64) -> f64 {
     let body = Body::half_space(0.5, 2.0).unwrap();
     let contact = body.press(1.0 / 16.0, indentation).unwrap();
@@ -60,7 +60,7 @@ fn exact_forces_determine_the_radius() {
     close("exponent", 1.5);
     assert!((number(&found["object_curvature"]["value"]) - 1.0 / 80.0).abs() < 1e-12);
     assert_eq!(found["warnings"], Value::Array(Vec::new()));
-    // The same forces in other units.
+    // The same load curve in other units.
     let rows = (1..=20).map(|step| {
         let indentation = 0.1 * f64::from(step);
         format!("{},{}\n", 1e-3 * indentation, 1e3 * hertz(indentation))
@@ -73,7 +73,7 @@ fn exact_forces_determine_the_radius() {
     let metres = estimate(&table, &options).unwrap();
     let radius = number(&metres["effective_radius"]["value"]);
     assert!((radius - 0.016).abs() < 1e-12, "{radius}");
-    // Without the modulus there is no radius.
+    // Without Young's modulus, no radius is estimated.
     let options = LoadOptions {
         modulus_kpa: None,
         sensor_radius: None,
@@ -96,7 +96,7 @@ fn intervals_hold_the_radius() {
         };
         for trial in 0..trials {
             let mut stream = Stream::new(43, trial, Channel::NormalDisplacement);
-            // The modulus is drawn around the one that is stated.
+            // In each trial, the true modulus is a random number around the stated one.
             let modulus = 1.0 + 0.2 * stream.standard_normal();
             let noise: Vec<f64> = (0..20).map(|_| 0.3 * stream.standard_normal()).collect();
             let noisy = |indentation: f64| {
@@ -109,7 +109,7 @@ fn intervals_hold_the_radius() {
             warned += usize::from(codes.iter().any(|code| warnings.contains(code)));
         }
     }
-    // Of 400 intervals of 95 %, 380 ± 4.4 hold.
+    // Of 400 intervals of 95 %, 380 ± 4.4 are expected to contain the true value.
     for held in held {
         assert!((366..=394).contains(&held), "{held}");
     }
@@ -122,7 +122,7 @@ fn other_laws_have_warnings() {
         let found = estimate(&table(force), options).unwrap();
         found["warnings"][0]["code"].as_str().map(str::to_owned)
     };
-    // The force of a flat punch, and a wide contact.
+    // The first curve is the force of a flat punch, and the second is a contact that is too wide.
     let punch = |indentation: f64| 3.0 * indentation;
     assert_eq!(code(&punch, &OPTIONS).as_deref(), Some("other-body"));
     let stiff = LoadOptions {
@@ -220,7 +220,7 @@ fn extreme_numbers_are_estimates_or_errors() {
             continue;
         };
         estimates += 1;
-        // A number that is not finite would be null.
+        // In the JSON output, a number that is not finite would be null.
         for key in [
             "stiffness",
             "exponent",

@@ -1,4 +1,4 @@
-//! Logs as robots write them: shapes, lost readings, copies and single strokes.
+//! Logs as robots write them, with simple shapes, lost readings, copies and single strokes.
 
 use palpate_recorded::{
     GlideOptions, PressOptions, RecordedError, RecordedFile, RollOptions, estimate_glide,
@@ -11,7 +11,7 @@ fn file(text: &str) -> RecordedFile {
     RecordedFile::new("readings.csv", text.as_bytes().to_vec())
 }
 
-/// Contacts of three fingers on a ball of 25 mm, with errors of about 0.03 mm. `row` replaces rows.
+/// Contacts of three fingers on a ball with radius 25 mm, with errors of about 0.03 mm. `row` replaces rows.
 fn ball(row: &dyn Fn(usize) -> Option<&'static str>) -> String {
     let mut noise = Stream::new(45, 0, Channel::Position);
     let mut text = "finger,x_mm,y_mm,z_mm\n".to_owned();
@@ -167,7 +167,7 @@ fn copies_count_once() {
         let [one, four] = [1, 4].map(|times| estimate(&rows(&glide, times), method).unwrap());
         same(&one, &four, &["mean_curvature", "effective_contacts"]);
     }
-    // A finger that returns after each line of a raster does not rest.
+    // A finger that returns after each line of a raster is not at rest.
     let raster = glide.replace("\n1,", "\n0,").replace("\n2,", "\n0,");
     assert_eq!(
         estimate(&raster, "penalised").unwrap()["effective_contacts"],

@@ -1,4 +1,4 @@
-//! Integration tests.
+//! Integration tests of recorded readings.
 #![allow(clippy::unwrap_used)]
 
 mod arrays;

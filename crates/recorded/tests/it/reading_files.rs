@@ -1,4 +1,4 @@
-//! Recorded readings, from a file to an estimate.
+//! Recorded readings, from the file to the estimate.
 
 use palpate_recorded::{
     Form, RecordedError, RecordedFile, RollEstimate, RollOptions, column_names, estimate_roll,
@@ -24,7 +24,7 @@ fn estimate(rows: &str, options: &RollOptions) -> Result<RollEstimate, RecordedE
     )
 }
 
-/// Shifts of a probe of radius 10 on a surface with these normal curvatures along u and v.
+/// Table of the shifts of a probe with radius 10 on a surface with these normal curvatures along u and v.
 fn rows(curvature_u: f64, curvature_v: f64, directions: usize) -> String {
     (0..directions)
         .map(|probe| {
@@ -103,7 +103,8 @@ fn the_unit_of_an_option_must_match_the_header() {
     );
 }
 
-/// A table of two rolls of a probe of radius 10 on a ball of radius 40. `write` arranges the quaternion components.
+/// A table of two rolls of a probe with radius 10 on a ball with radius 40. `write` sets the order of the quaternion
+/// components.
 fn quaternions(header: &str, write: fn([f64; 4]) -> [f64; 4]) -> String {
     let (half, shift) = (0.1_f64, 0.2 / (1.0 / 10.0 + 1.0 / 40.0));
     let (sine, cosine) = libm::sincos(half);
@@ -137,7 +138,7 @@ fn quaternions_are_rotations() {
         "probe,pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w,shift_u_mm,shift_v_mm",
         |q| q.map(|part| -part),
     );
-    // Names that form a quaternion only by the last letters of all four.
+    // Only the last letters of all four names show that these columns form a quaternion.
     let lettered = [
         "rotation.x,rotation.y,rotation.z,rotation.w",
         "rx,ry,rz,rw",
@@ -187,7 +188,7 @@ fn unusable_quaternions_are_refused() {
         quaternions(header, |q| q).replace("\n1,", "\n0,"),
         "probe 0 occurs twice",
     );
-    // Components of a quaternion are never proposed for a rotation vector.
+    // A component of a quaternion is never proposed as a component of a rotation vector.
     let hint = roll_of(quaternions(
         "probe,qx,qy,qz,real,shift_u_mm,shift_v_mm",
         |q| q,

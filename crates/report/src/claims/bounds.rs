@@ -1,9 +1,9 @@
-//! Bounds on numbers, numbers as text, and ranges and means of numbers.
+//! Bounds on numbers, and functions that format numbers or compute their range and mean.
 
 use super::row::Row;
 use palpate_study::number;
 
-/// Bound on a number; numbers within rounding of a limit count as equal to it.
+/// A bound on a number. A number that differs from a limit only by rounding counts as equal to the limit.
 #[derive(Clone, Copy)]
 pub(super) enum Bound {
     AtLeast(f64),
@@ -13,7 +13,7 @@ pub(super) enum Bound {
     Between(f64, f64),
 }
 
-/// Bound that accepts only `value`, up to rounding.
+/// The bound that accepts only `value`, up to rounding.
 pub(super) const fn is(value: f64) -> Bound {
     Bound::Between(value, value)
 }
@@ -23,7 +23,7 @@ pub(super) fn near(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().min(b.abs())
 }
 
-/// Whether a number of a row is within a bound.
+/// Whether `number` of a row is within a bound.
 pub(super) fn within(
     number: impl Fn(&Row<'_>) -> Option<f64>,
     bound: Bound,
@@ -73,7 +73,7 @@ pub(super) fn short(value: f64) -> String {
     number::significant(value, 3)
 }
 
-/// `low to high`, formatted by `show`, or one number if both give the same text.
+/// The text `low to high`, with both numbers formatted by `show`. If both texts are equal, only one of them.
 pub(super) fn span((low, high): (f64, f64), show: fn(f64) -> String) -> String {
     match (show(low), show(high)) {
         (low, high) if low == high => low,

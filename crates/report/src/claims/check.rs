@@ -1,21 +1,21 @@
-//! One comparison of a claim: values of rows, the bound that they must meet, and a sentence that reports both.
+//! A check of a claim: values computed from rows, the bound that they must meet, and the sentences that report both.
 
 use super::bounds::{Bound, percent, range, short, span};
 use super::row::Row;
 use crate::records::by_key;
 
-/// Whether a check decides on its claim.
+/// Influence of a check on the verdict.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
-    /// Decides the verdict. Without values, the claim is not testable.
+    /// The check decides the verdict. Without values, the claim is not testable.
     Decides,
-    /// Decides the verdict if it has values.
+    /// The check decides the verdict if it has values.
     DecidesIfPresent,
-    /// Is only reported, and does not affect the verdict.
+    /// The check is only reported and does not affect the verdict.
     Reports,
 }
 
-/// Number of the compared values that must meet the bound.
+/// Number of the compared values that must meet the bound: all of them, a share, or one.
 #[derive(Clone, Copy)]
 pub(super) enum Portion {
     All,
@@ -26,10 +26,10 @@ pub(super) enum Portion {
 pub(super) type Keep = Box<dyn Fn(&Row<'_>) -> bool>;
 pub(super) type Values = Box<dyn for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)>>;
 
-/// One comparison.
+/// A check of a claim.
 pub(super) struct Check {
     pub(super) keep: Vec<Keep>,
-    /// Values computed from rows, each with the row that represents it.
+    /// Values computed from rows. Each value comes with the row that represents it.
     pub(super) values: Values,
     /// Returns the name of a row's value. Values with the same name are compared and printed as one range.
     pub(super) name: Option<fn(&Row<'_>) -> String>,
@@ -50,17 +50,17 @@ pub(super) struct Check {
 pub(super) struct Outcome {
     pub(super) decides: bool,
     pub(super) holds: bool,
-    /// Sentence with the values.
+    /// Sentence with the measured values.
     pub(super) measured: String,
-    /// Sentence with the bound.
+    /// Sentence with the bound that the values must meet.
     pub(super) rule: String,
-    /// Main value for the scorecard, if this check has it.
+    /// Main value for the scorecard; empty if the check has no main value.
     pub(super) headline: String,
-    /// Names of values within one percent of their limit.
+    /// Names of values that are within 1 % of their limit.
     pub(super) close: Vec<String>,
 }
 
-/// Range of the values with the same name.
+/// Range of all values that have the same name.
 struct Item {
     name: String,
     range: (f64, f64),
@@ -69,7 +69,8 @@ struct Item {
 }
 
 impl Check {
-    /// Result for the rows of a claim: `None` if there is nothing to report, an error if the check cannot decide.
+    /// Result of the check for the rows of a claim. `None` if there is nothing to report. An error if rows that the
+    /// check needs are missing.
     pub(super) fn outcome(&self, rows: &[Row<'_>]) -> Result<Option<Outcome>, String> {
         let is_kept = |row: &&Row<'_>| self.keep.iter().all(|keep| keep(row));
         let rows: Vec<Row<'_>> = rows.iter().filter(is_kept).copied().collect();
@@ -132,7 +133,7 @@ impl Check {
         self.says.split('|').next().unwrap_or_default()
     }
 
-    /// The sentence of the check as a rule: each measured value is replaced by the bound that it must meet.
+    /// The sentence of the check as a rule, in which each measured value is replaced by the bound that it must meet.
     fn rule(&self) -> String {
         let counts = self.says.contains("{count}");
         let says = filled(self.rule_part(), |_, show| match self.portion {
@@ -148,7 +149,7 @@ impl Check {
     }
 }
 
-/// Text for the placeholder `key` of a sentence; `None` if `key` is unknown.
+/// Text that replaces the placeholder `key` in a sentence; `None` if `key` is unknown.
 fn shown(
     key: &str,
     items: &[Item],
@@ -177,7 +178,7 @@ fn shown(
     }
 }
 
-/// Fills the `{placeholders}` of a sentence. Those that end in `%` print percent.
+/// Replaces the `{placeholders}` of a sentence by texts. Placeholders that end in `%` are formatted in percent.
 fn filled(sentence: &str, text: impl Fn(&str, fn(f64) -> String) -> Option<String>) -> String {
     let mut parts = sentence.split('{');
     let mut filled = parts.next().unwrap_or_default().to_owned();

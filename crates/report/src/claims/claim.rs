@@ -1,20 +1,20 @@
-//! A claim as data: which rows of a table it is about, and the checks that decide on it.
+//! A claim as data: the rows of a table to which it applies, and the checks that decide on it.
 
 use super::bounds::{Bound, near, within};
 use super::check::{Check, Keep, Outcome, Portion, Role};
 use super::row::{Row, groups, sorted};
 use crate::{Study, phrases};
 
-/// A published claim and its checks. Methods that narrow a check change the last added check.
+/// A published claim and its checks. Methods that restrict or describe a check apply to the check that was added last.
 pub(super) struct Claim {
     pub(super) number: u32,
-    /// Claim in at most six words.
+    /// The claim in at most six words.
     pub(super) title: &'static str,
-    /// Published value, in short.
+    /// Published value, as a short text.
     pub(super) published: &'static str,
     pub(super) paper_says: &'static str,
     rows: Keep,
-    /// Description of the rows in words.
+    /// Description of the rows to which the claim applies.
     what: &'static str,
     numbers: &'static [&'static str],
     needs: Vec<(String, Keep)>,
@@ -22,7 +22,7 @@ pub(super) struct Claim {
     remark: &'static str,
 }
 
-/// Finding of a claim in a study.
+/// Result of a claim in a study.
 #[derive(Default)]
 pub(super) struct Finding {
     pub(super) holds: bool,
@@ -32,7 +32,7 @@ pub(super) struct Finding {
 }
 
 impl Claim {
-    /// A claim about the rows that `rows` accepts; `what` describes these rows.
+    /// A claim about the rows that `rows` accepts. `what` describes these rows in messages.
     pub(super) fn new(
         number: u32,
         [title, published, paper_says]: [&'static str; 3],
@@ -53,12 +53,12 @@ impl Claim {
         }
     }
 
-    /// Sets the paths that must have a number in every row.
+    /// Sets the paths of the config or table that must have a number in every row of the claim.
     pub(super) fn numbers(self, numbers: &'static [&'static str]) -> Self {
         Self { numbers, ..self }
     }
 
-    /// Requires at least one row that `is_it` accepts; `what` describes this row in the error.
+    /// Requires at least one row that `is_it` accepts. `what` describes this row in the error.
     pub(super) fn needs(
         mut self,
         what: impl Into<String>,
@@ -68,12 +68,12 @@ impl Claim {
         self
     }
 
-    /// Sets the sentences that follow the rule.
+    /// Sets the sentences that follow the bounds of the checks.
     pub(super) fn remark(self, remark: &'static str) -> Self {
         Self { remark, ..self }
     }
 
-    /// Adds a check of values computed from rows, each with the row that represents it.
+    /// Adds a check of values that are computed from rows. Each value comes with the row that represents it.
     pub(super) fn values(
         mut self,
         values: impl for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)> + 'static,
@@ -94,7 +94,7 @@ impl Claim {
         self
     }
 
-    /// A check of each row's value.
+    /// Adds a check with one value per row.
     pub(super) fn rows(self, value: impl Fn(&Row<'_>) -> Option<f64> + 'static) -> Self {
         self.values(move |rows| {
             let values = rows.iter().filter_map(|row| Some((*row, value(row)?)));
@@ -102,7 +102,7 @@ impl Claim {
         })
     }
 
-    /// A check of one value per group of rows that differ only in the paths `free`.
+    /// Adds a check with one value per group of rows that differ only in the paths `free`.
     pub(super) fn groups(
         self,
         free: &'static [&'static str],
@@ -115,7 +115,7 @@ impl Claim {
         })
     }
 
-    /// Adds a check of the ratios of `y` between rows with successive `x` that differ only in the paths `free`.
+    /// Adds a check of the ratios of `y` between rows with consecutive `x` that differ only in the paths `free`.
     pub(super) fn steps(
         self,
         free: &'static [&'static str],
@@ -139,8 +139,8 @@ impl Claim {
         })
     }
 
-    /// Adds a check of `value(one) / value(other)` for pairs of rows that differ only in the paths `free`. The row
-    /// `other` represents the ratio.
+    /// Adds a check of the ratios `value(one) / value(other)` for pairs of rows that differ only in the paths `free`.
+    /// The row `other` represents the ratio.
     pub(super) fn pairs(
         self,
         free: &'static [&'static str],
@@ -165,17 +165,17 @@ impl Claim {
         self
     }
 
-    /// Only rows that `keep` accepts.
+    /// Restricts the check to rows that `keep` accepts.
     pub(super) fn when(self, keep: impl Fn(&Row<'_>) -> bool + 'static) -> Self {
         self.last(|check| check.keep.push(Box::new(keep)))
     }
 
-    /// Only rows of a quantity.
+    /// Restricts the check to rows of a quantity.
     pub(super) fn of(self, quantity: &'static str) -> Self {
         self.when(move |row| row.quantity() == quantity)
     }
 
-    /// Only rows in which a number is within a bound.
+    /// Restricts the check to rows in which a number is within a bound.
     pub(super) fn only(
         self,
         number: impl Fn(&Row<'_>) -> Option<f64> + 'static,
@@ -199,22 +199,22 @@ impl Claim {
         self.last(|check| check.merge = Some(merge))
     }
 
-    /// Only the values of these rows are compared with the bound. The values of other rows are only printed.
+    /// Restricts the comparison with the bound to the values of these rows. The values of other rows are only printed.
     pub(super) fn comparing(self, compared: fn(&Row<'_>) -> bool) -> Self {
         self.last(|check| check.compared = Some(compared))
     }
 
-    /// The bound, which all values must meet.
+    /// Sets the bound that all values must meet.
     pub(super) fn bound(self, bound: Bound) -> Self {
         self.last(|check| check.bound = Some(bound))
     }
 
-    /// At least this share of the values must meet the bound.
+    /// Requires that at least this share of the values meets the bound. Without this call, all values must meet it.
     pub(super) fn in_share(self, share: f64) -> Self {
         self.last(|check| check.portion = Portion::Share(share))
     }
 
-    /// At least one value must meet the bound.
+    /// Requires that at least one value meets the bound. Without this call, all values must meet it.
     pub(super) fn in_one(self) -> Self {
         self.last(|check| check.portion = Portion::One)
     }
@@ -224,25 +224,25 @@ impl Claim {
         self.last(|check| check.role = Role::DecidesIfPresent)
     }
 
-    /// Sets the sentence of a check that decides, without the full stop. In the finding, `{count}` prints how many
-    /// compared values meet the bound, `{n}` the number of all values, `{range}` and `{max}` the compared values, and
-    /// `{list}` all values. `%` before the closing brace prints percent. In the rule, the bound replaces them. Text
-    /// after a `|` appears only in the finding.
+    /// Sets the sentence of a check that decides the verdict, without the full stop. It may contain placeholders. In
+    /// the result, `{count}` is replaced by the number of compared values that meet the bound, `{n}` by the number of
+    /// all values, `{range}` and `{max}` by the compared values, and `{list}` by all values; a `%` before the closing
+    /// brace selects percent. In the rule, the bound replaces them. Text after a `|` appears only in the result.
     pub(super) fn says(self, says: impl Into<String>) -> Self {
         self.last(|check| check.says = says.into())
     }
 
-    /// The sentence of a check that is only reported.
+    /// Sets the sentence of a check that is only reported and does not affect the verdict.
     pub(super) fn reports(self, says: impl Into<String>) -> Self {
         self.says(says).last(|check| check.role = Role::Reports)
     }
 
-    /// The main value for the scorecard, with the same placeholders as the sentence.
+    /// Sets the main value for the scorecard. It may contain the same placeholders as the sentence.
     pub(super) fn headline(self, headline: &'static str) -> Self {
         self.last(|check| check.headline = headline)
     }
 
-    /// Finding in a study, or an error that names the missing rows or numbers.
+    /// Result of the claim in a study, or an error that names the missing rows or numbers.
     pub(super) fn finding(&self, study: &Study) -> Result<Finding, String> {
         let rows: Vec<Row<'_>> = Row::all(study).filter(|row| (self.rows)(row)).collect();
         if rows.is_empty() {
@@ -288,7 +288,7 @@ impl Claim {
     }
 }
 
-/// Joins the non-empty texts of outcomes.
+/// Joins the texts of the outcomes. Empty texts are left out.
 fn joined<'a>(
     outcomes: impl IntoIterator<Item = &'a Outcome>,
     text: fn(&Outcome) -> &String,

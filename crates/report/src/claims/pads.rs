@@ -1,5 +1,5 @@
-//! Claims 5 to 8 about the resolution of the contact sensor (1996 paper, section 4.1.3). Lengths are in probe radii R₁,
-//! as the paper's probe has R₁ = 1 cm.
+//! Claims 5 to 8 about the resolution of the contact sensor (1996 paper, section 4.1.3). Lengths are in units of the
+//! probe's radius R₁, which is 1 cm in the paper.
 
 use super::bounds::Bound::{Above, AtLeast, AtMost, Below, Between};
 use super::bounds::{is, near, within};
@@ -9,7 +9,7 @@ use super::row::{Row, probe_radius, roll_angle, size, sorted};
 
 const OFFSET: &str = "scene.sensor.offset";
 
-/// Claims about pads.
+/// The claims about pads.
 pub(super) fn claims() -> [Claim; 4] {
     [pad_size(), zeros(), longer_rolls(), half_millimetre()]
 }
@@ -22,7 +22,7 @@ fn pitch(row: &Row<'_>) -> Option<f64> {
     Some(row.number("scene.sensor.pitch")? / probe_radius(row)?)
 }
 
-/// The rms error of a row without failed trials; `None` if trials failed, because the error of the others is too small.
+/// The rms error of a row. `None` if trials failed, because the rms error of the other trials alone would be too small.
 fn complete_error(row: &Row<'_>) -> Option<f64> {
     rms_error(row).filter(|_| row.statistic("failures") == Some(0.0))
 }
@@ -31,15 +31,16 @@ fn is_random(row: &Row<'_>) -> bool {
     row.text(OFFSET) == Some("random")
 }
 
-/// Whether the error of a row is a statistic over random offsets. In a study that sweeps no random offset, this is so
-/// for all rows.
+/// Whether the row's error is a statistic over random offsets of the pads. If the study does not sweep the offset, this
+/// is true for all rows.
 fn is_statistical(row: &Row<'_>) -> bool {
     let values = row.study.cells().axis(OFFSET).map(|axis| axis.values());
     is_random(row) || !values.is_some_and(|values| values.iter().any(|value| value == "random"))
 }
 
 impl Claim {
-    /// Adds a check that the error grows in at least 90 % of the steps along `x`. It skips steps with equal errors.
+    /// Adds a check that the error increases along `x`. In at least 90 % of the steps between neighbouring values it
+    /// must increase. Steps with equal errors are skipped.
     fn growth(self, free: &'static [&'static str], x: fn(&Row<'_>) -> Option<f64>) -> Self {
         self.steps(free, x, complete_error)
             .when(is_statistical)
@@ -100,7 +101,7 @@ fn zeros() -> Claim {
         .remark("A curvature of at most 10⁻¹² / R₁ counts as zero.")
 }
 
-/// Errors of a group's shortest and longest roll; `None` if the lengths or the errors are equal.
+/// Errors of the shortest and the longest roll in a group of rows. `None` if the lengths or the errors are equal.
 fn ends(group: &[Row<'_>]) -> Option<(f64, f64)> {
     match sorted(group, roll_angle, complete_error)[..] {
         [first, .., last] if !near(first.0, last.0) && !near(first.1, last.1) => {

@@ -1,5 +1,5 @@
-//! Claims 9 to 13 about patches felt by gliding fingers (1996 paper, sections 4.2 and 4.3). Noise is in inter-finger
-//! distances.
+//! Claims 9 to 13 about surface patches that gliding fingers measure (1996 paper, sections 4.2 and 4.3). Noise is
+//! relative to the distance between fingers.
 
 use super::bounds::Bound::{Above, AtLeast, AtMost, Below};
 use super::bounds::{geometric_mean, is, least, within};
@@ -11,10 +11,11 @@ const ESTIMATOR: &str = "scene.estimator";
 const GAUSSIAN: &str = "gaussian_curvature";
 const MEAN: &str = "mean_curvature";
 
-/// Share of the patch that must be right for the paper's "well estimated" or "accurately classified".
+/// Share of a patch that must be classified correctly for the paper's words "well estimated" and "accurately
+/// classified".
 const WELL: f64 = 0.9;
 
-/// Claims about patches.
+/// The claims about patches.
 pub(super) fn claims() -> [Claim; 5] {
     [
         second_fit(),
@@ -43,12 +44,12 @@ fn method(row: &Row<'_>) -> String {
     row.label(ESTIMATOR).to_owned()
 }
 
-/// Whether the estimator of a row is the paper's method with both fits.
+/// Whether the row's estimator is the paper's complete method, with both fits.
 fn is_two_pass(row: &Row<'_>) -> bool {
     row.label(ESTIMATOR) == "two-pass"
 }
 
-/// Whether the estimator of a row is only the first of the two fits. Its label may have a suffix.
+/// Whether the row's estimator is only the first of the paper's two fits. Its label may have a suffix.
 fn is_first_pass(row: &Row<'_>) -> bool {
     row.label(ESTIMATOR).starts_with("first pass")
 }
@@ -61,12 +62,12 @@ fn is_sphere(row: &Row<'_>) -> bool {
     row.label(OBJECT) == "sphere"
 }
 
-/// The rms error over the patch and all trials.
+/// The rms error over all points of the patch and all trials.
 fn rms(row: &Row<'_>) -> Option<f64> {
     row.statistic("rms_error").filter(|error| *error > 0.0)
 }
 
-/// The share of the patch that is classified correctly, over all trials. A failed trial counts as 0.
+/// The share of the patch that is classified correctly, averaged over all trials. The share of a failed trial is 0.
 fn share(row: &Row<'_>) -> Option<f64> {
     let is_share = row.quantity() == "class";
     let (trials, failures) = (row.statistic("trials")?, row.statistic("failures")?);
@@ -77,8 +78,8 @@ fn share(row: &Row<'_>) -> Option<f64> {
     is_share.then_some(mean)
 }
 
-/// Largest principal curvature of an object. It follows from the true curvatures if the table has one value for the
-/// whole patch. Otherwise it is 1/radius, or 2|a| at the middle of a saddle z = a (x² − y²).
+/// Largest principal curvature of an object. It is computed from the true curvatures if the table has one value for the
+/// whole patch. Otherwise it is 1/radius, or 2|a| in the middle of a saddle z = a (x² − y²).
 fn largest_curvature(row: &Row<'_>) -> Option<f64> {
     let truth = |quantity: &str| row.of(quantity)?.statistic("truth");
     let curvature = match (truth(GAUSSIAN), truth(MEAN)) {
@@ -161,7 +162,7 @@ fn moderate_noise() -> Claim {
 }
 
 impl Claim {
-    /// Keeps the rows of the two-pass method at 10 % noise, on all surfaces except the sphere.
+    /// Restricts the check to rows of the two-pass method at 10 % noise, on all surfaces except the sphere.
     fn off_sphere(self) -> Self {
         self.only(noise, is(0.1))
             .when(|row| is_two_pass(row) && !is_sphere(row))
@@ -210,7 +211,8 @@ fn strong_noise() -> Claim {
 }
 
 fn segmentation() -> Claim {
-    // At a = 0.1 the whole patch belongs to one class, so there is nothing to segment.
+    // The saddle with a = 0.1 is left out: its whole patch belongs to one class, so it has no boundaries between
+    // classes.
     let of_paper = |row: &Row<'_>| {
         let a = row.number("scene.object.a")? * row.number("scene.motion.inter_finger_distance")?;
         (row.text("scene.object.kind") == Some("saddle")).then_some(a.abs())
@@ -250,7 +252,7 @@ fn turned_cylinder() -> Claim {
     let is_pair = |one: &Row<'_>, other: &Row<'_>| {
         (one.label(OBJECT), other.label(OBJECT)) == ("turned cylinder", "cylinder")
     };
-    // Beyond 10 % noise the paper calls the method unreliable anyway.
+    // Rows with more than 10 % noise are not compared, because the paper itself calls the method unreliable there.
     let compared = |row: &Row<'_>| {
         !is_first_pass(row)
             && noise(row).is_some_and(|noise| noise > 0.0 && AtMost(0.1).holds(noise))
@@ -268,7 +270,7 @@ fn turned_cylinder() -> Claim {
         .named(method)
         .merged(geometric_mean)
         .comparing(is_two_pass)
-        // An rms error over some hundred trials is itself uncertain by a few percent.
+        // The bound is 1.1, because an rms error over a few hundred trials has an uncertainty of a few percent.
         .bound(AtLeast(1.1))
         .says("the rms error of K on the turned cylinder is {list} times that on the straight one")
         .headline("{range} × the error")

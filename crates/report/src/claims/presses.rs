@@ -7,7 +7,7 @@ use super::row::{Row, probe_radius};
 
 const ESTIMATOR: &str = "scene.estimator";
 
-/// Claims about presses.
+/// The claims about presses.
 pub(super) fn claims() -> [Claim; 3] {
     [gaussian_profile(), effective_radius(), regimes()]
 }
@@ -21,14 +21,15 @@ fn gaussian_profile() -> Claim {
             R² of 0.96.",
     ];
     Claim::new(15, says, "r_squared of a gaussian on a half-space press without noise", move |row| {
-        // Presses without noise have a single trial.
+        // A press without noise runs a single trial, so such presses are found by their number of trials.
         row.quantity() == "r_squared"
             && row.statistic("trials") == Some(1.0)
             && is_kind(row, ESTIMATOR, "gaussian")
             && is_kind(row, "scene.model", "half-space")
     })
     .rows(|row| row.statistic("mean"))
-    // The layout of the samples determines their weights, and the estimator determines the samples that it fits.
+    // R² depends on these two fields: the layout of the samples determines their weights, and the estimator determines
+    // which samples are fitted.
     .named(|row| row.swept(&["scene.probe.layout", ESTIMATOR]))
     .bound(Between(0.95, 0.97))
     .in_one()
@@ -40,12 +41,14 @@ fn gaussian_profile() -> Claim {
     )
 }
 
-// ---- The effective radius as the sensor is pressed in
+// ---- The effective radius at increasing indentations
 
-/// The paper's effective radii in mm: a dish of 80 mm, a plane and a ball of 80 mm on a sensor of 20 mm.
+/// Effective radii in the paper, in mm. The sensor has a radius of 20 mm. The objects are a dish of radius 80 mm, a
+/// plane, and a ball of radius 80 mm.
 const RADII: [f64; 3] = [26.7, 20.0, 16.0];
-/// Indentations in mm: the paper's deepest, and the limit below which noise dominates according to the paper.
+/// Largest indentation in the paper, mm.
 const DEEPEST: f64 = 1.4;
+/// Indentation below which noise dominates according to the paper, mm.
 const SHALLOW: f64 = 1.0;
 
 fn in_millimetres(row: &Row<'_>, statistic: &str) -> Option<f64> {
@@ -53,7 +56,7 @@ fn in_millimetres(row: &Row<'_>, statistic: &str) -> Option<f64> {
 }
 
 fn has_radius(row: &Row<'_>, radius: f64) -> bool {
-    // The paper gives rounded radii.
+    // The tolerance is 1 %, because the paper states rounded radii.
     in_millimetres(row, "truth").is_some_and(|truth| (truth - radius).abs() <= 0.01 * radius)
 }
 
@@ -62,18 +65,19 @@ fn depth(row: &Row<'_>) -> Option<f64> {
     Some(row.millimetres()? * row.number("scene.motion.indentation")?)
 }
 
-/// Relative error of the median.
+/// Relative error of the median of the estimates.
 fn error(row: &Row<'_>) -> Option<f64> {
     let truth = row.statistic("truth")?;
     Some((row.statistic("q50")? - truth).abs() / truth)
 }
 
-/// Half the width from the 5 % to the 95 % quantile, as a share of the true value.
+/// Half the distance between the 5 % and the 95 % quantile of the estimates, divided by the true value.
 fn scatter(row: &Row<'_>) -> Option<f64> {
     Some((row.statistic("q95")? - row.statistic("q05")?) / (2.0 * row.statistic("truth")?))
 }
 
-/// Whether the estimator is the paper's and the readings are direct. A camera sensor uses another elastic model.
+/// Whether the row uses the paper's estimator and direct readings. Rows with a camera sensor are excluded, because they
+/// use another elastic model.
 fn is_paper(row: &Row<'_>) -> bool {
     is_direct(row)
         && row.text("scene.estimator.kind") == Some("gaussian")
@@ -89,7 +93,8 @@ fn is_direct_fit(row: &Row<'_>) -> bool {
 }
 
 impl Claim {
-    /// Reports the scatter of an estimator's rows, and how many of its trials fail.
+    /// Adds a report about the rows of an estimator: the scatter of its estimates, and the share of its trials that
+    /// fail.
     fn scatter(self, is_it: fn(&Row<'_>) -> bool) -> Self {
         self.rows(scatter)
             .when(is_it)
@@ -180,9 +185,9 @@ fn effective_radius() -> Claim {
         )
 }
 
-// ---- Regimes of contact by relative curvature
+// ---- Regimes of contact, as a function of the relative curvature
 
-/// A relative curvature below this share of the sensor's curvature counts as zero.
+/// Relative curvatures below this share of the sensor's curvature count as zero.
 const ZERO: f64 = 1e-9;
 
 /// Relative curvature divided by the sensor's curvature.
@@ -198,8 +203,8 @@ fn relative_curvature(row: &Row<'_>) -> Option<f64> {
     Some(sensor * relative.or_else(|| Some(1.0 / sensor + object()?))?)
 }
 
-/// 1 if a press is sensed, otherwise 0. Sensed means that at most a tenth of the trials fail, and that at least 90 % of
-/// the 95 % intervals contain the true value.
+/// 1 if the object is sensed, otherwise 0. It is sensed if at most 10 % of the trials fail, and at least 90 % of the 95
+/// % intervals contain the true value.
 fn sensed(row: &Row<'_>) -> Option<f64> {
     let failed = row.failed(|_| true)?;
     match row.statistic("coverage95") {
@@ -208,7 +213,7 @@ fn sensed(row: &Row<'_>) -> Option<f64> {
     }
 }
 
-/// Number of sensed objects for each radius of the sensor, in order of rising radius.
+/// For each radius of the sensor, the number of objects that it senses; sorted by radius.
 fn by_radius<'a>(rows: &[Row<'a>]) -> Vec<(Row<'a>, f64)> {
     let mut rows: Vec<(f64, Row<'a>)> = rows
         .iter()

@@ -1,4 +1,5 @@
-//! Claims 1 to 4, 20 and 21 about single rolls (1996 paper, section 4.1). Lengths are in probe radii R₁.
+//! Claims 1 to 4, 20 and 21 about single rolls (1996 paper, section 4.1). Lengths are in units of the probe's radius
+//! R₁.
 
 use super::bounds::Bound::{Above, AtLeast, AtMost, Between};
 use super::bounds::{greatest, is, near, percent, range, short, within};
@@ -10,7 +11,7 @@ const RADIUS: &str = "scene.probe.radius";
 const NOISE: &str = "scene.noise.angular_velocity.fraction";
 const ARC: &str = "scene.motion.arc_length";
 
-/// Claims about rolls.
+/// The claims about single rolls.
 pub(super) fn claims() -> [Claim; 6] {
     [
         relative_curvature(),
@@ -80,7 +81,8 @@ fn relative_curvature() -> Claim {
         .only(size, AtMost(5.0))
         .bound(AtMost(2.0))
         .says("it is {range} × the noise for R₂ ≤ 5 R₁")
-        // Uniform ±noise has the standard deviation noise/√3; the mean of four probes per direction halves it.
+        // Uniform noise within ±noise has the standard deviation noise/√3. The mean of four probes per direction halves
+        // it, so the predicted error contains the factor 1/√12.
         .rows(|row| Some(rms_error(row)? * 12f64.sqrt() / (noise(row)? * (1.0 + size(row)?))))
         .when(has_eight_uniform_probes)
         .only(noise, AtMost(0.01))
@@ -89,7 +91,8 @@ fn relative_curvature() -> Claim {
         .says("up to 1 % noise the rms error is {range} × the predicted noise × (1 + 1/RCR)/√12")
 }
 
-/// Whether the noise is uniform and drawn once per probe, and two probes roll in each of ±u and ±v as in the paper.
+/// Whether the row has the paper's noise and directions: uniform noise that is drawn once per probe, and two probes in
+/// each of the directions ±u and ±v.
 fn has_eight_uniform_probes(row: &Row<'_>) -> bool {
     const DIRECTIONS: [f64; 8] = [0.0, 0.0, 90.0, 90.0, 180.0, 180.0, 270.0, 270.0];
     let word = |path: &str| row.text(path);
@@ -130,7 +133,7 @@ fn length_on_sphere() -> Claim {
     .reports("the rolls are {range} rad long")
 }
 
-// ---- Paraboloids z = −c r², at equal arc lengths
+// ---- Paraboloids z = −c r², compared at equal arc lengths. `c` is in units of 1/R₁.
 
 fn c(row: &Row<'_>) -> Option<f64> {
     Some(row.number("scene.object.c")? * probe_radius(row)?)
@@ -231,7 +234,7 @@ fn arc(x: f64) -> f64 {
     0.5 * (x * libm::hypot(1.0, x) + libm::asinh(x))
 }
 
-/// Largest slope that satisfies `is_below`, by bisection.
+/// Largest slope for which `is_below` is true, found by bisection.
 fn slope(is_below: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (0.0, 1e9);
     for _ in 0..200 {
@@ -244,25 +247,26 @@ fn slope(is_below: impl Fn(f64) -> bool) -> f64 {
     low
 }
 
-/// Relative error of the curvature at the apex without noise; `share` is c times the arc length. The estimate is the
-/// mean curvature along the roll: the slope angle, atan(2 c r), divided by the arc length.
+/// Relative error of the curvature at the apex of z = −c r² without noise; `share` is c times the arc length. The
+/// estimate is the mean curvature along the roll: the slope angle atan(2 c r), divided by the arc length.
 fn exact_error(share: f64) -> f64 {
     1.0 - libm::atan(slope(|x| arc(x) < 2.0 * share)) / (2.0 * share)
 }
 
-/// Product of c and the arc length for which the error without noise is 15 %.
+/// Product of c and the arc length at which the error without noise is 15 %.
 fn crossing() -> f64 {
     0.5 * arc(slope(|x| libm::atan(x) > 0.85 * arc(x)))
 }
 
 // ---- Sharp objects, whose contact stays on one pad
 
-/// Share of the trials in which the contact stays on one pad. Such a trial only bounds the radius.
+/// Share of the trials in which the contact stays on one pad. Such a trial gives only a bound on the radius.
 fn unresolved(row: &Row<'_>) -> Option<f64> {
     row.failed(|kind| kind.starts_with("unresolved"))
 }
 
-/// Trials with objects of one radius.
+/// The rows of objects of one radius, with their number of trials and their number of unresolved trials, in which the
+/// contact stayed on one pad.
 struct Trials<'a> {
     rows: Vec<Row<'a>>,
     all: f64,
@@ -275,7 +279,7 @@ impl Trials<'_> {
     }
 }
 
-/// Trials grouped by object radius, sharpest object first.
+/// Trials grouped by the radius of the object, smallest radius first.
 fn by_size<'a>(rows: &[Row<'a>]) -> Vec<Trials<'a>> {
     let mut rows = rows.to_vec();
     let size = |row: &Row<'_>| size(row).unwrap_or(f64::INFINITY);
@@ -295,7 +299,7 @@ fn by_size<'a>(rows: &[Row<'a>]) -> Vec<Trials<'a>> {
 }
 
 impl Claim {
-    /// Adds a check with one number per object radius.
+    /// Adds a check with one value per object radius.
     fn sizes(self, number: impl Fn(&Trials<'_>) -> f64 + 'static) -> Self {
         self.values(move |rows| {
             let sizes = by_size(rows).into_iter();
@@ -343,26 +347,26 @@ fn edge() -> Claim {
         .reports("of {range} for each radius")
 }
 
-// ---- A wrist force sensor against pads
+// ---- Comparison of a wrist force sensor with pads
 
-/// A wrist sensor "acts like" pads if their errors differ by at most this factor.
+/// Largest ratio between the errors of a wrist sensor and of pads for which they count as alike.
 const ALIKE: f64 = 1.5;
 
-/// Size in the label of a sensor after `word`: 0.5 for `pads 0.5 mm` and the word `pads `.
+/// Number in the label of a sensor after `word`. For the label `pads 0.5 mm` and the word `pads `, it is 0.5.
 fn labelled_size(row: &Row<'_>, word: &str) -> Option<f64> {
     let label = row.text("scene.sensor")?.strip_prefix(word)?;
     let size: f64 = label.split_whitespace().next()?.parse().ok()?;
     (size > 0.0).then_some(size)
 }
 
-/// Whether the wrist sensor and the pads have about the same size.
+/// Whether the sizes of the wrist sensor's error and of the pads are approximately equal.
 fn is_wrist_and_pads(wrist: &Row<'_>, pads: &Row<'_>) -> bool {
     let sizes = labelled_size(wrist, "wrist ").zip(labelled_size(pads, "pads "));
     sizes.is_some_and(|(wrist, pads)| libm::log(pads / wrist).abs() <= libm::log(ALIKE) / 2.0)
 }
 
-/// Pad size that gives the same error as the wrist sensor, interpolated between neighbouring sizes; `None` if that
-/// error is outside the range of the pads' errors.
+/// Pad size whose error equals the error of the wrist sensor, interpolated between neighbouring pad sizes. `None` if
+/// the wrist sensor's error is outside of the range of the pads' errors.
 fn equal_pads(group: &[Row<'_>]) -> Option<f64> {
     let is_compared = |wrist: &&Row<'_>| group.iter().any(|pads| is_wrist_and_pads(wrist, pads));
     let error = group.iter().find(is_compared).and_then(rms_error)?;

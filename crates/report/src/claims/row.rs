@@ -1,9 +1,9 @@
-//! A row of a study's `cells.csv`: its grid point, and the numbers that claims test.
+//! A row of a study's `cells.csv`, and the numbers of this row that claims test.
 
 use crate::Study;
 use crate::records::by_key;
 
-/// Row of `cells.csv`.
+/// A row of `cells.csv`.
 #[derive(Clone, Copy)]
 pub(super) struct Row<'a> {
     pub(super) study: &'a Study,
@@ -49,7 +49,7 @@ impl<'a> Row<'a> {
         texts.join(", ")
     }
 
-    /// Row of `quantity` at the same grid point.
+    /// The row of `quantity` at the same grid point.
     pub(super) fn of(&self, quantity: &str) -> Option<Self> {
         let table = self.study.cells();
         let is_cell = |at: &usize| table.cell(*at) == table.cell(self.at);
@@ -59,7 +59,7 @@ impl<'a> Row<'a> {
         cell.find(|row| row.quantity() == quantity)
     }
 
-    /// Share of the trials at this grid point with a failure kind that `is_it` accepts.
+    /// Share of the trials at this grid point that failed with a kind that `is_it` accepts.
     pub(super) fn failed(&self, is_it: impl Fn(&str) -> bool) -> Option<f64> {
         let trials = self.statistic("trials").filter(|trials| *trials > 0.0)?;
         let cell = self.study.cells().cell(self.at);
@@ -68,7 +68,7 @@ impl<'a> Row<'a> {
         Some(counts.map(|failure| failure.count as f64).sum::<f64>() / trials)
     }
 
-    /// Millimetres per unit of length of the study; `None` without a metric `length_unit`.
+    /// Number of millimetres per unit of length of the study; `None` if its `length_unit` is not metric.
     pub(super) fn millimetres(&self) -> Option<f64> {
         match self.study.setting("length_unit")?.as_str()? {
             "m" => Some(1000.0),
@@ -80,7 +80,7 @@ impl<'a> Row<'a> {
     }
 }
 
-/// Groups of rows that differ only in swept paths that begin with one of `free`.
+/// Groups of rows that differ only in swept fields whose paths start with one of `free`.
 pub(super) fn groups<'a>(rows: &[Row<'a>], free: &[&str]) -> Vec<Vec<Row<'a>>> {
     let Some(first) = rows.first() else {
         return Vec::new();
@@ -98,7 +98,7 @@ pub(super) fn groups<'a>(rows: &[Row<'a>], free: &[&str]) -> Vec<Vec<Row<'a>>> {
     groups.into_iter().map(|(_, rows)| rows).collect()
 }
 
-/// Pairs (`x`, `y`) of the rows, sorted by `x`.
+/// Pairs of the numbers `x` and `y` of each row, sorted by `x`.
 pub(super) fn sorted(
     rows: &[Row<'_>],
     x: impl Fn(&Row<'_>) -> Option<f64>,
@@ -115,13 +115,14 @@ pub(super) fn probe_radius(row: &Row<'_>) -> Option<f64> {
     row.number("scene.probe.radius")
 }
 
-/// True object radius divided by the probe radius: 1/RCR.
+/// Radius of the object divided by the radius of the probe, that is, 1/RCR.
 pub(super) fn size(row: &Row<'_>) -> Option<f64> {
     Some(1.0 / (row.statistic("truth")? * probe_radius(row)?))
 }
 
-/// Roll angle in rad, from rate and duration, from the angle itself, or from the arc length s on the probe: with the
-/// radii R₁ of the probe and R₂ of the object, the angle is s (1/R₁ + 1/R₂).
+/// Roll angle in rad. It is computed from rate and duration, from the angle in the config, or from the arc length s on
+/// the probe. In the last case, the angle is s (1/R₁ + 1/R₂), where R₁ is the radius of the probe and R₂ the radius of
+/// the object.
 pub(super) fn roll_angle(row: &Row<'_>) -> Option<f64> {
     let number = |path: &str| row.number(path);
     if let (Some(rate), Some(duration)) = (

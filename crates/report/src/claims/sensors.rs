@@ -5,12 +5,13 @@ use super::bounds::{near, range};
 use super::claim::Claim;
 use super::row::{Row, groups};
 
-/// Slopes of straight lines through the readings in the paper's Fig. 6b (all 39; turns/mm) and Fig. 6c (px/mm), as
-/// `palpate sensor calibrate` fits them in `examples/chromatouch-2020/`.
+/// Slope of a straight line through all 39 readings in the paper's Fig. 6b, turns/mm, by `palpate sensor calibrate` in
+/// `examples/chromatouch-2020/`.
 const HUE_SLOPE: f64 = 0.02583;
+/// Slope of a straight line through the readings in the paper's Fig. 6c, px/mm, by the same command.
 const CENTROID_SLOPE: f64 = 7.0;
 
-/// Claims about the sensor.
+/// The claims about the sensor.
 pub(super) fn claims() -> [Claim; 4] {
     [linear(), gores(), fisheye(), slopes()]
 }
@@ -19,7 +20,7 @@ fn mean(row: &Row<'_>) -> Option<f64> {
     row.statistic("mean")
 }
 
-/// Shift along the skin; 0 if neither the table nor the config states it.
+/// Displacement of the marker along the skin; 0 if neither the table nor the config states it.
 fn shift(row: &Row<'_>) -> Option<f64> {
     Some(row.number("scene.motion.shift").unwrap_or(0.0))
 }
@@ -28,21 +29,21 @@ fn indentation(row: &Row<'_>) -> Option<f64> {
     row.number("scene.motion.indentation")
 }
 
-/// Mean and standard deviation of the readings.
+/// Mean and standard deviation of the quantity over the trials.
 fn read(row: &Row<'_>) -> Option<(f64, f64)> {
     Some((mean(row)?, row.statistic("std").unwrap_or(0.0)))
 }
 
-/// Fitted lines, each with the first row of its group.
+/// Fitted straight lines, each with the first row of its group.
 type Lines<'a> = Vec<(Row<'a>, StraightLine)>;
 
-/// The two hues of a marker: quantity and name. The paper's words mean the second one.
+/// Quantity and name of the two hues of a marker. The text of the paper refers to the second one.
 const HUES: [(&str, &str); 2] = [
     ("hue_change", "hue of the summed light"),
     ("mean_hue_change", "mean hue"),
 ];
 
-/// Lines of a hue against indentation at zero shift, one per combination of the other swept fields.
+/// Lines of a hue against the indentation, without a shift: one line for each combination of the other swept fields.
 fn hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     through(
         unmoved(rows, quantity),
@@ -52,7 +53,7 @@ fn hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     )
 }
 
-/// The same of exact hues, without pixels and noise.
+/// Lines of the exact hue, without pixels and noise, against the indentation.
 fn exact_hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     let exact = |row: &Row<'_>| Some((row.statistic("truth")?, 0.0));
     through(
@@ -63,13 +64,14 @@ fn exact_hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     )
 }
 
-/// Rows of a quantity at zero shift.
+/// Rows of a quantity for cells without a shift.
 fn unmoved<'a>(rows: &[Row<'a>], quantity: &str) -> Vec<Row<'a>> {
     let is_unmoved = |row: &&Row<'_>| row.quantity() == quantity && shift(row) == Some(0.0);
     rows.iter().filter(is_unmoved).copied().collect()
 }
 
-/// Lines of centroid against shift, one per indentation and combination of the other swept fields.
+/// Fitted lines of the centroid against the displacement along the skin. There is one line per indentation and
+/// combination of the other swept fields.
 fn centroid<'a>(rows: &[Row<'a>]) -> Lines<'a> {
     let shifts = rows.iter().filter(|row| row.quantity() == "centroid_shift");
     through(
@@ -80,7 +82,7 @@ fn centroid<'a>(rows: &[Row<'a>]) -> Lines<'a> {
     )
 }
 
-/// Lines through the mean and the standard deviation that `read` returns, one per group of rows.
+/// Lines fitted to the mean and the standard deviation that `read` returns, one line for each group of rows.
 fn through<'a>(
     rows: Vec<Row<'a>>,
     free: &[&str],
@@ -103,7 +105,7 @@ fn through<'a>(
 }
 
 impl Claim {
-    /// Adds a check with one number per line.
+    /// Adds a check with one value per fitted line.
     fn lines(
         self,
         lines: impl for<'a> Fn(&[Row<'a>]) -> Lines<'a> + 'static,
@@ -162,17 +164,17 @@ fn linear() -> Claim {
         )
 }
 
-/// Slope per millimetre.
+/// Slope of a line per millimetre.
 fn slope(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(line.slope / row.millimetres()?)
 }
 
-/// Slope of the hue, divided by the published slope.
+/// Slope of a hue line, divided by the published slope.
 fn hue_share(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(slope(row, line)? / HUE_SLOPE)
 }
 
-/// Slope of the centroid, divided by the published slope.
+/// Slope of a centroid line, divided by the published slope.
 fn centroid_share(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(slope(row, line)? / CENTROID_SLOPE)
 }
@@ -181,14 +183,14 @@ fn sensor(row: &Row<'_>) -> String {
     row.swept(&["scene.sensor"])
 }
 
-/// Whether neither the skin nor the discs strain, as in the paper's model of the sensor.
+/// Whether the config states no strain of the skin or the discs, as in the paper's model of the sensor.
 fn is_rigid(row: &Row<'_>) -> bool {
     let strains = ["strain", "yellow_strain"].map(|key| format!("scene.probe.discs.{key}"));
     strains.iter().all(|path| row.number(path).is_none())
 }
 
-/// For each hue line, the larger of two relative deviations from the published slopes. The first deviation is that of
-/// the hue line. The second is the smallest deviation of the centroid lines of the same sensor.
+/// For each hue line, the larger of two relative deviations from the published slopes: the deviation of the hue line,
+/// and the smallest deviation among the centroid lines of the same sensor.
 fn farther_off<'a>(rows: &[Row<'a>], quantity: &str) -> Vec<(Row<'a>, f64)> {
     let off = |share: f64| (share - 1.0).abs();
     let centroids = centroid(rows);
@@ -286,7 +288,7 @@ fn gores() -> Claim {
     claim
 }
 
-/// Polar angle of a marker in the view of the lens, degrees; `None` if the marker has no area in the image.
+/// Polar angle at which the lens shows a marker, degrees; `None` if the marker has no area in the image.
 fn polar(row: &Row<'_>) -> Option<f64> {
     row.number("scene.view.polar_deg")
         .filter(|_| mean(row).is_some_and(|area| area > 0.0))
@@ -332,17 +334,17 @@ struct Reading {
     std: f64,
 }
 
-/// Straight line by least squares.
+/// A straight line that was fitted by least squares.
 #[derive(Debug, Clone, Copy)]
 struct StraightLine {
     slope: f64,
-    /// Share of the variance of single readings that the line explains; 0 if the variance is 0.
+    /// Share of the variance of single readings that the line explains; 0 if the readings have no variance.
     r_squared: f64,
 }
 
 impl StraightLine {
-    /// Fits a line to `readings` with equal weights. `None` if they have fewer than three different x, because then
-    /// every line fits.
+    /// Fits a line to `readings` with equal weights. `None` if there are fewer than three different values of x,
+    /// because a line would then always fit well.
     fn through(readings: &[Reading]) -> Option<Self> {
         let mut places: Vec<f64> = readings.iter().map(|reading| reading.x).collect();
         places.sort_by(f64::total_cmp);
@@ -377,13 +379,14 @@ mod tests {
 
     #[test]
     fn a_known_line() {
-        // Sums about the means 1 and 5/3: Sxy = 2, Sxx = 2, Syy = 24/9. The residuals 1/3, −2/3, 1/3 have the sum of
-        // squares 6/9.
+        // The mean of x is 1, the mean of y is 5/3. The sums of products about these means are Sxy = 2, Sxx = 2 and Syy
+        // = 24/9. The residuals 1/3, −2/3 and 1/3 have the sum of squares 6/9.
         let bent = [(0.0, 1.0), (1.0, 1.0), (2.0, 3.0)];
         let line = StraightLine::through(&readings(&bent, 0.0)).unwrap();
         assert!((line.slope - 1.0).abs() < 1e-15);
         assert!((line.r_squared - 0.75).abs() < 1e-15);
-        // A scatter with variance 8/9 adds 24/9 to the residual sum and to the total: R² = 1 − 30/48.
+        // Scatter with the variance 8/9 of each reading adds 3 · 8/9 = 24/9 to two sums of squares. The sum of the
+        // residuals becomes 30/9, and the total sum Syy becomes 48/9, so R² = 1 − 30/48.
         let line = StraightLine::through(&readings(&bent, (8.0_f64 / 9.0).sqrt())).unwrap();
         assert!((line.r_squared - 0.375).abs() < 1e-15);
     }

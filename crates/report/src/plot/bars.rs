@@ -1,4 +1,4 @@
-//! Horizontal bars with intervals, one per named item.
+//! Charts of horizontal bars with intervals, one bar per named item.
 
 use super::drawing::Figure;
 use super::scale::{Scale, Spacing};
@@ -8,24 +8,24 @@ use super::style::{INK, Style, pale};
 use crate::ReportError;
 use plotters::style::Color;
 
-/// Bar chart to draw: a number with its standard error for each item, the first item on top.
+/// A bar chart to draw: a number with its standard error for each item. The first item is at the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bars {
-    /// Name of the figure's files, without extension.
+    /// Name of the files of the figure, without extension.
     pub name: String,
-    /// Title.
+    /// Title of the chart.
     pub title: String,
-    /// Line below the title.
+    /// Text of the line below the title.
     pub subtitle: String,
-    /// Label of the axis of the numbers.
+    /// Label of the axis along which the numbers are drawn.
     pub axis: String,
-    /// Names, numbers and standard errors.
+    /// Name, number and standard error of each item.
     pub bars: Vec<(String, f64, f64)>,
-    /// Lines below the picture.
+    /// Lines of text below the chart.
     pub notes: Vec<String>,
 }
 
-/// Half the width of a bar, as a share of the distance between bars.
+/// Half of the width of a bar, as a share of the distance between bars.
 const HALF_WIDTH: f64 = 0.32;
 /// Half-width of a 95 % interval, in standard errors.
 const NORMAL_95: f64 = 1.96;
@@ -48,7 +48,7 @@ const NORMAL_95: f64 = 1.96;
 /// ```
 ///
 /// # Errors
-/// The picture is too large.
+/// The figure is too large.
 pub fn bar_figure(chart: &Bars) -> Result<Figure, ReportError> {
     let style = Style::of(0);
     let mut content = Content::default();

@@ -1,11 +1,11 @@
-//! Captions: values of a study, its object, and its failed trials, in words.
+//! Texts for captions: the values of a study, its object, and its failed trials.
 
 use crate::table::{Axis, Table};
 use crate::{Study, study};
 use palpate_study::{Label, label, number};
 use std::collections::BTreeMap;
 
-/// Text of a value below a heading that names its axis and unit.
+/// Text of a value that is written below a heading with the name and unit of its axis.
 pub(crate) fn short_value(axis: &Axis, value: &str) -> String {
     match axis.header.as_str() {
         "quantity" => label::quantity(value),
@@ -13,26 +13,28 @@ pub(crate) fn short_value(axis: &Axis, value: &str) -> String {
     }
 }
 
-/// Text of a value without a heading: with the name of its axis and its unit, unless it is a label.
+/// Text of a value that is written without a heading. It contains the name and the unit of the axis, unless the value
+/// is a label.
 pub(crate) fn full_value(axis: &Axis, value: &str) -> String {
     let field = Label::of_field(&axis.header);
     match (axis.header.as_str(), number::finite(value)) {
         ("quantity", _) => label::quantity(value),
         (_, Some(_)) => format!("{} {}", field.words, field.value(value)),
-        // A shape, a method or a label of several words needs no key; another keyword does.
+        // The name of an object or estimator, or a label of several words, is clear by itself. Other words are preceded
+        // by the name of the field.
         ("scene.object" | "scene.estimator", None) => value.to_owned(),
         (_, None) if !value.contains(' ') => format!("{} {value}", field.words),
         (_, None) => value.to_owned(),
     }
 }
 
-/// The swept values of a row, in words.
+/// Texts of the swept values of a row.
 pub(crate) fn swept_values(table: &Table, row: usize) -> Vec<String> {
     let axes = table.axes().iter();
     axes.map(|axis| full_value(axis, axis.text(row))).collect()
 }
 
-/// The object of the config in words: its kind and its numbers.
+/// The object of the config as text: its kind and its numbers.
 pub(crate) fn object(study: &Study) -> Option<String> {
     let table = study.setting("scene.object")?.as_table()?;
     let kind = table.get("kind")?.as_str()?.replace('-', " ");
@@ -44,10 +46,10 @@ pub(crate) fn object(study: &Study) -> Option<String> {
     Some(parts.join(", "))
 }
 
-/// Note on the number of failed trials and their kinds; `None` if no trial failed.
+/// The number and the kinds of failed trials as text; `None` if no trial failed.
 pub(crate) fn failed(study: &Study, rows: &[usize]) -> Option<String> {
     let table = study.cells();
-    // Rows of several quantities share the trials of their cell.
+    // Count each cell only once, because the rows of its quantities describe the same trials.
     let cells: BTreeMap<u64, usize> = rows.iter().map(|row| (table.cell(*row), *row)).collect();
     let sum = |name: &str| {
         let counts = cells.values();
@@ -75,13 +77,13 @@ pub(crate) fn failed(study: &Study, rows: &[usize]) -> Option<String> {
     ))
 }
 
-/// Note on values of `where` that the table does not have; `None` if it has all.
+/// Text with the values of `where` that the table does not contain; `None` if it contains all of them.
 pub(crate) fn absent(absent: &[String]) -> Option<String> {
     let none = absent.is_empty();
     (!none).then(|| format!("Not in the table: {}.", absent.join(", ")))
 }
 
-/// End of an error message, about values of `where` that the table does not have.
+/// End of an error message, with the values of `where` that the table does not contain.
 pub(crate) fn lost(absent: &[String]) -> String {
     let lost = absent
         .iter()

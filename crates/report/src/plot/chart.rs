@@ -1,4 +1,4 @@
-//! Panels, and charts: a grid of panels with the same axes, and a legend.
+//! Panels, and charts. A chart is a grid of panels with the same axes, and a legend.
 
 use super::drawing::{Drawing, Figure};
 use super::lettering::{width, wrap};
@@ -15,25 +15,27 @@ use plotters::element::{PathElement, Rectangle};
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-/// Gap between panels, and between them and the legend.
+/// Gap between panels, and between the panels and the legend, in drawing units (1/3 px).
 const GAP: i32 = 90;
+/// Height of a panel, in drawing units.
 const PANEL_HEIGHT: i32 = 1170;
-/// Largest width to which names along x may widen a panel or a row of panels.
+/// Largest width of a panel, or of a row of panels, when it is widened so that names along x fit.
 const LARGEST_WIDTH: i32 = 4500;
-/// Gap between names along x.
+/// Gap between neighbouring names along x.
 const BESIDE: i32 = 36;
-/// Length of a sample in the legend, and in the key.
+/// Length of a sample in the legend, in drawing units.
 const SAMPLE: i32 = 120;
+/// Length of a sample in the key, in drawing units.
 const KEY_SAMPLE: i32 = 78;
-/// Largest width of a text line in the legend.
+/// Largest width of a line of text in the legend.
 const LIMIT: i32 = 750;
 
-/// Function that draws the content of a panel, given the panel's number.
+/// Function that draws the content of the panel with the given index.
 type Draw<'a> = Box<dyn Fn(&mut Panel<'_>, usize) -> Drawn + 'a>;
 
-/// Panels on the same axes.
+/// A group of panels with the same axes.
 pub(crate) struct Chart<'a> {
-    /// May be empty.
+    /// Label of the x axis; may be empty.
     pub(crate) x_label: String,
     pub(crate) y_label: String,
     pub(crate) x: Scale,
@@ -44,18 +46,18 @@ pub(crate) struct Chart<'a> {
     pub(crate) key: Key,
     /// Legend to the right of the panels.
     pub(crate) legend: Legend,
-    /// Draws the content of a panel, given the panel's number.
+    /// Draws the content of the panel with the given index.
     pub(crate) draw: Draw<'a>,
 }
 
-/// Samples with their labels below a heading; samples and heading may be empty.
+/// Legend: symbols with their labels, below a heading. There may be no symbols and no heading.
 #[derive(Default)]
 pub(crate) struct Legend {
     pub(crate) title: String,
     pub(crate) entries: Key,
 }
 
-/// Figure of charts below each other, at least one.
+/// A figure of at least one chart, with the charts below each other.
 pub(crate) fn figure(words: Words, charts: &[Chart<'_>]) -> Result<Figure, ReportError> {
     // All charts get the same margins, so that their panels align.
     let margins = charts.iter().map(Chart::margins);
@@ -87,7 +89,8 @@ impl Chart<'_> {
         [EDGE + self.y.widest() + TICK_GAP + 6, right + EDGE]
     }
 
-    /// Panel width that has room for the widest word of the names along x, at most `LARGEST_WIDTH`; 0 without names.
+    /// Width of a panel in which the widest word among the names along x fits, at most `LARGEST_WIDTH`; 0 without
+    /// names.
     fn named_width(&self) -> i32 {
         let names = self.x.names();
         let words = names.iter().flat_map(|name| name.split_whitespace());
@@ -95,11 +98,12 @@ impl Chart<'_> {
         (names.len() as i32 * (widest + BESIDE)).min(LARGEST_WIDTH)
     }
 
-    /// Number of panels in a row. Rows get nearly the same number of panels, and names along x have room.
+    /// Number of panels per row. It is chosen so that all rows have nearly the same number of panels, and so that the
+    /// names along x fit.
     fn columns(&self, margins: i32) -> i32 {
         let count = self.titles.len() as i32;
         let room = (LARGEST_WIDTH - margins + GAP) / (self.named_width() + GAP);
-        // Four panels in a square are larger than four panels in a row.
+        // Four panels are arranged as a square, because each panel is then larger than in a single row.
         let most = match count {
             0..=3 => count,
             4 => 2,
@@ -148,7 +152,8 @@ impl Chart<'_> {
 }
 
 impl Legend {
-    /// Lines of the legend, from the top. Heading lines have no sample; continuation lines have an empty sample.
+    /// Lines of the legend, from top to bottom. The line of the heading has no sample, and the continuation of a long
+    /// label has an empty sample.
     fn rows(&self) -> Vec<(Option<Sample>, String)> {
         let heading = wrap(&self.title, TEXT, LIMIT).into_iter();
         let entries = self.entries.iter().flat_map(|(sample, text)| {
@@ -159,7 +164,7 @@ impl Legend {
         heading.map(|line| (None, line)).chain(entries).collect()
     }
 
-    /// Draws the legend with its upper left corner at (`left`, `top`); returns its lower edge.
+    /// Draws the legend with its upper left corner at (`left`, `top`). Returns the position of its lower edge.
     fn draw(&self, sheet: &Sheet, (left, top): Point) -> Drawn<i32> {
         let mut y = top + TEXT / 2;
         for (sample, text) in self.rows() {
@@ -173,19 +178,19 @@ impl Legend {
     }
 }
 
-/// Sizes of a chart's parts.
+/// Sizes of the parts of a chart.
 struct PanelLayout {
-    /// Width of the picture.
+    /// Width of the image.
     total: i32,
     /// Margins to the left and right of the panels.
     margins: [i32; 2],
     /// Width and height of each panel.
     panel: Point,
-    /// Panels in a row.
+    /// Number of panels per row.
     columns: i32,
     /// Height for the title above each panel.
     heading: i32,
-    /// Vertical distance from one row of panels to the next.
+    /// Vertical distance between consecutive rows of panels.
     row: i32,
     x: Scale,
 }
@@ -217,27 +222,27 @@ impl PanelLayout {
     }
 }
 
-/// Length of a tick mark, and gap between the mark and its label.
+/// Length of a tick mark, and the gap between the mark and its label.
 const TICK: i32 = 15;
-/// Size of the label areas of plotters; labels may extend beyond them.
+/// Size of the areas that the plotters library reserves for labels. Labels may extend beyond these areas.
 const LABELS: i32 = 60;
 
-/// A chart of plotters with axes of type [`Scale`].
+/// A chart of the plotters library whose axes have the type [`Scale`].
 pub(crate) type Panel<'a> = ChartContext<'a, Drawing, Cartesian2d<Scale, Scale>>;
 
-/// Place of a panel on a sheet.
+/// Position and size of a panel on a sheet.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place {
     /// Upper left corner.
     pub(crate) corner: Point,
     /// Width and height.
     pub(crate) size: Point,
-    /// Whether ticks of x and of y are labelled.
+    /// Whether the ticks of x and of y have labels.
     pub(crate) labelled: [bool; 2],
 }
 
 impl Place {
-    /// Makes the empty panel at this place.
+    /// Creates the empty panel at this place.
     pub(crate) fn panel<'a>(&self, sheet: &Sheet, x: &Scale, y: &Scale) -> Drawn<Panel<'a>> {
         let [below, beside] = self.labelled.map(|labelled| LABELS * i32::from(labelled));
         let corner = (self.corner.0 - beside, self.corner.1);
@@ -249,7 +254,7 @@ impl Place {
     }
 }
 
-/// Draws grid, outline, and ticks with their labels.
+/// Draws the grid, the outline, and the ticks with their labels.
 pub(crate) fn mesh(panel: &mut Panel<'_>) -> Drawn {
     let frame = FRAME.stroke_width(HAIR);
     panel
@@ -271,8 +276,8 @@ pub(crate) fn outline(panel: &Panel<'_>) -> Drawn {
     area.draw(&Rectangle::new(corners, FRAME.stroke_width(HAIR)))
 }
 
-/// Draws an error bar from `ends[0]` to `ends[1]` at `x`, unless the marker, `hidden` px high, covers it. Ends
-/// outside the panel have no caps.
+/// Draws an error bar from `ends[0]` to `ends[1]` at `x`. A bar that is covered by the point's marker, which is
+/// `hidden` px high, is not drawn. An end outside of the panel has no cap.
 pub(crate) fn bar(panel: &Panel<'_>, x: f64, ends: [f64; 2], hidden: i32, colour: Colour) -> Drawn {
     const HALF_CAP: i32 = 12;
     let area = panel.plotting_area().use_screen_coord();

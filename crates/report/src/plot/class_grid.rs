@@ -1,39 +1,39 @@
-//! Classes of shape over the grid of each cell: read from `map.csv`, and as shapes to draw.
+//! Shape classes on the grid of each cell: reads them from `map.csv`, and converts them to shapes for drawing.
 
 use super::selection::Request;
 use super::style::CLASSES;
 use crate::ReportError;
 use crate::records::Records;
 
-/// Columns to read, in this order.
+/// Names of the columns that are read from `map.csv`, in the order in which they are used.
 const COLUMNS: [&str; 5] = ["cell", "x", "y", "class", "true_class"];
 
 /// Index of a class in [`CLASSES`]; `None` for an empty cell of the table.
 pub(crate) type Class = Option<usize>;
 
-/// The maps of a table, in order of appearance.
+/// The maps of all cells, in the order in which they appear in the table.
 #[derive(Debug)]
 pub(crate) struct Maps {
-    /// Unit of x and y as in the table; may be empty.
+    /// Unit of x and y, as in the table; may be empty.
     pub(crate) unit: String,
     pub(crate) cells: Vec<CellMap>,
 }
 
-/// Map of one cell: `side` × `side` points, x slowest.
+/// Map of one cell with `side` × `side` points, in which x varies slowest.
 #[derive(Debug)]
 pub(crate) struct CellMap {
     pub(crate) cell: u64,
     pub(crate) side: usize,
-    /// Mean x of each line of points with the same x, rising.
+    /// The x coordinates of the map, in ascending order. Each is the mean over a line of points with the same x.
     pub(crate) x: Vec<f64>,
-    /// Mean y of each line of points with the same y, rising.
+    /// The y coordinates of the map, in ascending order. Each is the mean over a line of points with the same y.
     pub(crate) y: Vec<f64>,
     pub(crate) estimated: Vec<Class>,
     pub(crate) truth: Vec<Class>,
 }
 
 impl CellMap {
-    /// Share of correct points among those with a true class; `None` without true classes.
+    /// Share of correctly classified points among the points that have a true class; `None` without true classes.
     pub(crate) fn share_correct(&self) -> Option<f64> {
         let known = self.truth.iter().zip(&self.estimated);
         let known: Vec<_> = known.filter(|(truth, _)| truth.is_some()).collect();
@@ -42,7 +42,7 @@ impl CellMap {
     }
 }
 
-/// Reads `map.csv`.
+/// Reads the class maps in `map.csv`.
 pub(crate) fn read(of: Request<'_>) -> Result<Maps, ReportError> {
     let table = Records::read(of.study.files(), "map.csv", &COLUMNS)?.filled()?;
     let cells = table.by_cell(0)?;
@@ -102,7 +102,8 @@ fn class(table: &Records, row: usize, column: usize) -> Result<Class, ReportErro
     }
 }
 
-/// Rectangle of squares of one class: lines `x.0..x.1` by `y.0..y.1` of the grid.
+/// Rectangle of grid squares with the same class: from line `x.0` to line `x.1` and from line `y.0` to line `y.1` of
+/// the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Band {
     pub(crate) class: Class,
@@ -110,7 +111,8 @@ pub(crate) struct Band {
     pub(crate) y: (usize, usize),
 }
 
-/// Bands of a `side` × `side` grid, x slowest. Equal neighbours along y and equal lines along x are joined.
+/// Rectangles of equal classes that cover a `side` × `side` grid, in which x varies slowest. Equal neighbours along y
+/// and equal lines along x are joined.
 pub(crate) fn bands(side: usize, classes: &[Class]) -> Vec<Band> {
     let mut bands: Vec<Band> = Vec::new();
     let mut start = 0;
@@ -133,10 +135,11 @@ pub(crate) fn bands(side: usize, classes: &[Class]) -> Vec<Band> {
     bands
 }
 
-/// Edge between squares, from one grid corner to another: (x, y), each from 0 to `side`.
+/// Edge between two grid squares, given by its two end points. An end point is a corner (x, y) of the grid, each
+/// coordinate from 0 to `side`.
 pub(crate) type Edge = [(usize, usize); 2];
 
-/// Edges between squares of different classes. Straight edges are joined.
+/// Edges between squares of different classes. Edges that continue in the same direction are joined.
 pub(crate) fn boundaries(side: usize, classes: &[Class]) -> Vec<Edge> {
     let mut edges = Vec::new();
     for across in 1..side {

@@ -1,4 +1,4 @@
-//! Figures of kind `class-map`: the true map of shape classes, and the estimated map of each cell.
+//! Figures of kind `class-map`: a map of the true shape classes, and a map of the estimated classes of each cell.
 
 use super::captions::full_value;
 use super::chart::{Panel, Place, mesh, outline};
@@ -19,22 +19,25 @@ use plotters::style::text_anchor::HPos;
 
 /// Largest number of cells in a figure.
 const MAX_CELLS: usize = 60;
-/// Gap between panels of a row, and between rows.
+/// Gap between the panels of a row, and between rows, in drawing units (1/3 px).
 const GAP: i32 = 66;
 /// Side of a sample in the key.
 const SAMPLE: i32 = 54;
-/// Width of a panel.
+/// Smallest width of a panel, in drawing units.
 const NARROWEST: i32 = 588;
+/// Largest width of a panel, in drawing units.
 const WIDEST: i32 = 870;
-/// Largest ratio of the sides of a panel.
+/// Largest ratio of the width and height of a panel.
 const SLIMMEST: f64 = 3.0;
-/// Each band extends under the bands painted after it by this share of a panel, so that no seam is visible.
+/// Overlap of coloured rectangles, relative to the panel's size. Each rectangle extends under the rectangles that are
+/// painted after it, so that no seam is visible.
 const OVERLAP: f64 = 0.004;
+/// Width of the lines that outline regions, in drawing units.
 const BOUNDARY: u32 = 5;
-/// Background of the sample of a boundary, light also on a dark page.
+/// Background of the sample of a boundary in the key. It is also light on a dark page.
 const PALE: Colour = Colour(243, 243, 243);
 
-/// Draws the maps of a plot.
+/// Draws a figure of kind `class-map`.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let maps = class_grid::read(of)?;
     let mapped: Vec<u64> = maps.cells.iter().map(|map| map.cell).collect();
@@ -42,7 +45,7 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     if rows.len() > MAX_CELLS {
         let count = rows.len();
         return Err(of.bad(format!(
-            "{count} maps are too many for a figure; choose at most {MAX_CELLS} by `where`"
+            "a figure of {count} maps is too large; choose at most {MAX_CELLS} by `where`"
         )));
     }
     let cells = of.study.cells();
@@ -64,7 +67,7 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     )
 }
 
-/// Subtitle of the maps: the settings that all panels share.
+/// Subtitle with the settings that all panels share.
 fn subtitle(of: Request<'_>, shown: &[Shown<'_>]) -> String {
     let rows: Vec<usize> = shown.iter().map(|cell| cell.row).collect();
     let parts = selection::in_common(of.study, &rows);
@@ -78,22 +81,22 @@ fn subtitle(of: Request<'_>, shown: &[Shown<'_>]) -> String {
     phrases::sentence(&parts, &shown_of)
 }
 
-/// Row of panels.
+/// A row of panels.
 struct PanelRow<'a> {
     heading: &'a str,
     panels: Vec<MapPanel<'a>>,
 }
 
-/// Map and its column.
+/// A map, and the column of panels in which it is drawn.
 struct MapPanel<'a> {
     column: usize,
     title: &'a str,
     map: &'a CellMap,
-    /// Whether it shows the true classes.
+    /// Whether the map shows the true classes.
     is_truth: bool,
 }
 
-/// Panels of a row. The first column is for the true map, and empty in a row without one.
+/// The panels of a row. The first column contains the true map; it is empty if the row has no true map.
 fn panels<'a>(row: &'a CellRow<'a>) -> PanelRow<'a> {
     let truth = row.truth.map(|map| MapPanel {
         column: 0,
@@ -114,7 +117,8 @@ fn panels<'a>(row: &'a CellRow<'a>) -> PanelRow<'a> {
     }
 }
 
-/// Key: the classes in the maps, in the order of their table, and the boundary if there is one.
+/// The key of the maps: the classes that occur in them, in the order of the table of classes, and the boundary if there
+/// is one.
 fn key(lines: &[PanelRow<'_>]) -> Key {
     let maps = || {
         let panels = lines.iter().flat_map(|line| &line.panels);
@@ -145,9 +149,9 @@ pub(super) fn colour(class: Class) -> Colour {
     known.map_or(WHITE, |(_, colour)| *colour)
 }
 
-/// Layout of the panels.
+/// Positions and sizes of the panels.
 struct MapLayout {
-    /// Width of the picture.
+    /// Width of the image.
     total: i32,
     columns: i32,
     /// Left edge of the first column.
@@ -161,7 +165,7 @@ struct MapLayout {
 }
 
 impl MapLayout {
-    /// Layout for `lines`, at least one; `unit` is the unit of x and y.
+    /// The layout of the panels in `lines`, which has at least one row. `unit` is the unit of x and y.
     fn of(lines: &[PanelRow<'_>], unit: &str) -> Self {
         let panels = || lines.iter().flat_map(|line| &line.panels);
         let x = range(panels().map(|panel| &panel.map.x));
@@ -203,7 +207,8 @@ impl MapLayout {
             let below = lines.get(at + 1).map_or(&[][..], |next| &next.panels);
             let mut deep = false;
             for (order, (map, title)) in line.panels.iter().zip(&titles).enumerate() {
-                // A panel above another one has no labels along x, and only the first of a row has labels along y.
+                // A panel has labels along x only if no panel is below it. Only the first panel of a row has labels
+                // along y.
                 let is_lowest = below.iter().all(|next| next.column != map.column);
                 deep |= is_lowest;
                 let place = Place {
@@ -224,7 +229,7 @@ impl MapLayout {
         Ok(())
     }
 
-    /// Writes the title above a panel, and the share of correct points.
+    /// Writes the title above a panel, and the share of correctly classified points.
     fn label(&self, sheet: &Sheet, place: &Place, map: &MapPanel<'_>, title: &[String]) -> Drawn {
         let (left, top) = place.corner;
         let mut y = top - TEXT / 2 - 18;
@@ -245,7 +250,7 @@ impl MapLayout {
     }
 }
 
-/// Draws the squares of a map, and the boundaries between true classes.
+/// Draws the squares of a map, and the boundaries between the true classes.
 fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
     let CellMap {
         side,
@@ -258,7 +263,8 @@ fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
     let corner = |(i, j): (usize, usize)| (x[i], y[j]);
     let classes = if map.is_truth { truth } else { estimated };
     let reach = [panel.x_range(), panel.y_range()].map(|range| OVERLAP * (range.end - range.start));
-    // In order of rising x and y, so that each band covers the overlap of the band before it.
+    // The rectangles are drawn in the order of increasing x and y, so that each covers the overlap of the one before
+    // it.
     panel.draw_series(bands(*side, classes).into_iter().map(|band| {
         let (x, y) = corner((band.x.1, band.y.1));
         let corners = [corner((band.x.0, band.y.0)), (x + reach[0], y + reach[1])];
@@ -272,7 +278,7 @@ fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
     outline(panel)
 }
 
-/// The ends of the squares around points on these lines, halfway between neighbours.
+/// The edges of the squares around these grid lines. An edge is halfway between two neighbouring lines.
 fn ends(lines: &[f64]) -> Vec<f64> {
     let [first, .., last] = lines else {
         let only = lines.first().copied().unwrap_or(0.0);
@@ -286,7 +292,7 @@ fn ends(lines: &[f64]) -> Vec<f64> {
     [vec![before], inner, vec![after]].concat()
 }
 
-/// A scale over all squares.
+/// A scale that covers all squares of these maps.
 fn range<'a>(maps: impl Iterator<Item = &'a Vec<f64>>) -> Scale {
     let all: Vec<f64> = maps.flat_map(|lines| ends(lines)).collect();
     let low = all.iter().copied().fold(f64::INFINITY, f64::min);
@@ -294,29 +300,29 @@ fn range<'a>(maps: impl Iterator<Item = &'a Vec<f64>>) -> Scale {
     Scale::exactly(low, high).with_ticks(2)
 }
 
-/// Largest number of cells in a row.
+/// Largest number of cells in a row of panels.
 const MAX_PER_ROW: usize = 5;
-/// Number of cells in a row if the values of the sweep do not fit into one.
+/// Number of cells in a row if the values of a swept field do not fit into one row.
 const DEFAULT_PER_ROW: usize = 4;
 
-/// Cell to draw, with one of its rows in `cells.csv`.
+/// A cell that is drawn, with one of its rows in `cells.csv`.
 #[derive(Clone, Copy)]
 struct Shown<'a> {
     map: &'a CellMap,
     row: usize,
 }
 
-/// Cells of a row of panels.
+/// The cells of a row of panels.
 struct CellRow<'a> {
-    /// Settings that only the cells of this row share.
+    /// Settings that are the same for all cells of this row, but differ between rows.
     heading: String,
-    /// True map, if it differs from that of the rows above.
+    /// Map of the true classes, if it differs from the true map of the rows above.
     truth: Option<&'a CellMap>,
-    /// Cells of the row, each with the settings in which it differs from the others.
+    /// Cells of the row, each with the text of the settings in which it differs from the other cells.
     cells: Vec<(String, &'a CellMap)>,
 }
 
-/// Cells to draw (at least one) in rows.
+/// Arranges the cells (at least one) in rows.
 fn cell_rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<CellRow<'a>> {
     let rows: Vec<usize> = shown.iter().map(|cell| cell.row).collect();
     let varying: Vec<&Axis> = table
@@ -339,7 +345,7 @@ fn cell_rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<CellRow<'a>> {
         values.collect::<Vec<_>>().join(" · ")
     };
 
-    // All cells of an object share one true map.
+    // All cells with the same object have the same true map.
     let mut axes = table.axes().iter();
     let object = axes.find(|axis| axis.header.starts_with("scene.object"));
     let truth = |cell: &Shown<'a>| (&cell.map.truth, object.map(|axis| axis.text(cell.row)));
@@ -360,8 +366,9 @@ fn cell_rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<CellRow<'a>> {
     rows_of_cells
 }
 
-/// Axis whose values are side by side in a row: the one with the most values among those that fit into a row (the last if
-/// several have as many), otherwise the last axis.
+/// Axis whose values are placed side by side in a row of panels. It is the axis with the most values among the axes
+/// whose values fit into one row. If several have the same number, it is the last of them. If no axis fits, it is the
+/// last axis.
 fn across<'a>(varying: &[&'a Axis], rows: &[usize]) -> Option<&'a Axis> {
     let count = |axis: &&&Axis| axis.among(rows).len();
     let fitting = varying.iter().filter(|axis| count(axis) <= MAX_PER_ROW);

@@ -1,4 +1,5 @@
-//! Figures of kind `class-surface`: the shape classes of a cell's map on its fitted surface, in space.
+//! Figures of the kind `class-surface`, which show the shape classes in the map of a cell on the fitted surface, in
+//! three dimensions.
 
 use super::captions::full_value;
 use super::class_grid::{self, CellMap, Class};
@@ -16,12 +17,12 @@ use plotters::style::Color;
 
 /// Largest number of surfaces in a figure.
 const MAX_SURFACES: usize = 6;
-/// Length of a sample in the key.
+/// Length of a sample in the key of the figure.
 const SAMPLE: i32 = 54;
-/// Share of ink in the lines between squares.
+/// Share of ink in the lines between the squares of a surface.
 const LINE_INK: f64 = 0.25;
 
-/// A fitted surface: the places of the points of a map.
+/// A fitted surface, given by the positions of the points in a map.
 struct Surface<'a> {
     heading: String,
     map: &'a CellMap,
@@ -83,7 +84,7 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     })
 }
 
-/// The places of each cell's points, in the order of the table.
+/// The positions of the points in each cell, in the order of the table.
 fn places(of: Request<'_>) -> Result<Vec<(u64, Vec<Vector>)>, ReportError> {
     let table = Records::read(of.study.files(), "map.csv", &["cell", "x", "y", "z"])?;
     let table = table.filled()?;
@@ -102,13 +103,13 @@ fn places(of: Request<'_>) -> Result<Vec<(u64, Vec<Vector>)>, ReportError> {
     cells.iter().map(places).collect()
 }
 
-/// Subtitle: the settings that all surfaces share.
+/// Subtitle of the figure: the settings that all surfaces have in common.
 fn subtitle(of: Request<'_>, rows: &[usize]) -> String {
     let parts = selection::in_common(of.study, rows);
     phrases::sentence(&parts, "fit of one trial per surface")
 }
 
-/// Key: the classes on the surfaces, in the order of their table.
+/// Key of the figure: the classes that occur on the surfaces, in the order of the table of classes.
 fn key(surfaces: &[Surface<'_>]) -> Key {
     let named = CLASSES.iter().enumerate();
     let named = named.map(|(at, (name, _))| (Some(at), name.replace('-', " ")));
@@ -119,10 +120,10 @@ fn key(surfaces: &[Surface<'_>]) -> Key {
         .collect()
 }
 
-/// Draws a square around each point, the far ones first, so that near ones cover them.
+/// Draws a square around each point. Distant squares are drawn first, so that near ones cover them.
 fn draw(space: &Space<'_>, surface: &Surface<'_>) -> Drawn {
     let side = surface.map.side;
-    // A corner of squares is the mean of the points around it.
+    // The position of a corner is the mean of the points around it.
     let corner = |i: usize, j: usize| -> Vector {
         let near = |at: usize| [at.saturating_sub(1), at.min(side - 1)];
         let mut sum = [0.0; 3];

@@ -1,30 +1,30 @@
-//! `trace.csv` and `readings.csv` of a glide: true contacts of the fingers, and readings.
+//! Reads `trace.csv` and `readings.csv` of a glide: the true contacts of the fingers, and the readings.
 
 use super::space::Vector;
 use crate::records::Records;
 use crate::{Files, ReportError};
 
-/// Columns of `trace.csv`, in the order read.
+/// Names of the columns that are read from `trace.csv`, in the order in which they are used.
 const TRACE: [&str; 10] = [
     "finger", "x", "y", "z", "normal_x", "normal_y", "normal_z", "tip_x", "tip_y", "tip_z",
 ];
-/// Columns of `readings.csv`.
+/// Columns of `readings.csv` that are read.
 const READINGS: [&str; 4] = ["finger", "x", "y", "z"];
 
-/// Largest distance of two equal places, relative to the size of all contacts.
+/// Largest distance between two places that count as equal, relative to the size of the box around all contacts.
 const RELATIVE_TOLERANCE: f64 = 1e-6;
 
-/// True contact.
+/// A true contact of a fingertip with the object.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Touch {
     pub(crate) place: Vector,
-    /// Unit normal; `None` if the normal in the table is zero.
+    /// Unit normal; `None` if the normal in the table is the zero vector.
     pub(crate) normal: Option<Vector>,
     /// Centre of the fingertip.
     pub(crate) tip: Vector,
 }
 
-/// Contacts of one finger, and its readings if they differ from the contacts.
+/// Contacts of one finger. Also its readings, if they differ from the contacts.
 #[derive(Debug, Clone)]
 pub(crate) struct Finger {
     /// Name of the finger in the table.
@@ -33,22 +33,22 @@ pub(crate) struct Finger {
     pub(crate) readings: Vec<Vector>,
 }
 
-/// The contacts of one pass.
+/// The contacts of one glide over the object.
 #[derive(Debug)]
 pub(crate) struct Contacts {
-    /// Unit of the places as in the table; may be empty.
+    /// Unit of the places, as in the table; may be empty.
     pub(crate) unit: String,
-    /// In order of appearance, at least one, each with at least one contact.
+    /// At least one finger, each with at least one contact, in order of appearance.
     pub(crate) fingers: Vec<Finger>,
-    /// Root mean square distance of a reading from its contact, if there are readings that differ and as many
-    /// as contacts.
+    /// Root-mean-square distance between readings and contacts. `None` if there are no readings, if they equal the
+    /// contacts, or if their number differs.
     pub(crate) off: Option<f64>,
     /// Whether the centres of the fingertips differ from the contacts.
     pub(crate) tips_apart: bool,
 }
 
 impl Touch {
-    /// End of a stroke of this length along the normal.
+    /// End of a line that starts at the contact, follows the normal, and has this length.
     pub(crate) fn along_normal(&self, length: f64) -> Option<Vector> {
         let normal = self.normal?;
         Some([0, 1, 2].map(|k| self.place[k] + length * normal[k]))
@@ -93,7 +93,7 @@ pub(crate) fn read(files: &Files) -> Result<Contacts, ReportError> {
     })
 }
 
-/// Adds the readings to their fingers, unless they equal the contacts.
+/// Adds the readings to their fingers, unless the readings equal the contacts.
 fn add_readings(
     files: &Files,
     fingers: &mut [Finger],
@@ -149,7 +149,7 @@ fn distance(a: Vector, b: Vector) -> f64 {
     libm::hypot(libm::hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2])
 }
 
-/// The longest side of a box around all contacts.
+/// Length of the longest side of a box around all contacts.
 fn size(fingers: &[Finger]) -> f64 {
     let side = |axis: usize| {
         let places = fingers

@@ -1,4 +1,4 @@
-//! Figures of kind `contacts`: paths, normals and readings of gliding fingers in space.
+//! Figures of kind `contacts`: paths, normals and readings of gliding fingers in 3D.
 
 use super::captions;
 use super::contact_table::{self, Contacts, Finger, Touch};
@@ -15,14 +15,14 @@ use palpate_study::number;
 use plotters::element::{Circle, PathElement};
 use plotters::style::Color;
 
-/// Length of a stroke along a normal, as a share of the larger horizontal side of the contacts.
+/// Length of the lines that show normals, relative to the larger horizontal side of the box around all contacts.
 const STROKE: f64 = 0.09;
 /// Length of a sample in the key.
 const SAMPLE: i32 = 102;
 const PATH: u32 = 8;
 const FINE: u32 = 4;
 const DOT: u32 = 15;
-/// Draws the contacts of one pass.
+/// Draws the contacts of one glide over the object.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let contacts = contact_table::read(of.study.files())?;
     let words = of.words(subtitle(of, &contacts), Vec::new());
@@ -43,7 +43,7 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     })
 }
 
-/// Scales that hold everything drawn, and the length of the strokes along normals.
+/// Scales that cover everything in the figure, and the length of the lines along normals.
 fn scales(contacts: &Contacts) -> ([Scale; 3], f64) {
     let touches = || contacts.fingers.iter().flat_map(|finger| &finger.touches);
     let mut places: Vec<Vector> = touches().map(|touch| touch.place).collect();
@@ -125,20 +125,20 @@ fn key(contacts: &Contacts) -> Key {
     entries
 }
 
-/// The contacts, and the 3-D chart into which they are drawn.
+/// The contacts, and the 3D chart in which they are drawn.
 struct Scene<'a> {
     space: Space<'a>,
     contacts: &'a Contacts,
     /// Height of the floor.
     floor: f64,
-    /// Length of a stroke along a normal.
+    /// Length of a line along a normal.
     stroke: f64,
 }
 
 impl Scene<'_> {
     fn draw(&self) -> Drawn {
         let area = self.space.plotting_area();
-        // Projections of the paths onto the floor.
+        // Draw the projections of the paths onto the floor first, so that they are behind everything else.
         for finger in &self.contacts.fingers {
             let places = finger.touches.iter().map(|touch| touch.place);
             let down = places.map(|[x, y, _]| at([x, y, self.floor]));
@@ -146,7 +146,7 @@ impl Scene<'_> {
             area.draw(&PathElement::new(down, GRID.stroke_width(FINE)))?;
         }
         self.links()?;
-        // Far fingers are drawn first, so that near fingers cover them.
+        // Distant fingers are drawn first, so that near fingers cover them.
         let mut order: Vec<(usize, &Finger)> = self.contacts.fingers.iter().enumerate().collect();
         let depth = |finger: &Finger| {
             let depths = finger.touches.iter().map(|touch| {
@@ -160,7 +160,8 @@ impl Scene<'_> {
         order.try_for_each(|(number, finger)| self.finger(finger, Style::of(number)))
     }
 
-    /// Lines from finger to finger through contacts made at one time, which show the surface between them.
+    /// Draws lines that connect the contacts of the fingers at the same time. They show the surface between the
+    /// fingers.
     fn links(&self) -> Drawn {
         let fingers = &self.contacts.fingers;
         let counts = fingers.iter().map(|finger| finger.touches.len());

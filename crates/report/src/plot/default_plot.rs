@@ -1,4 +1,4 @@
-//! The plot of a study without a `[[plot]]`.
+//! The plot of a study that has no `[[plot]]`.
 
 use crate::table::Axis;
 use crate::{ReportError, Study, Table};
@@ -6,17 +6,19 @@ use palpate_study::config::{self, PlotConfig, Scale};
 use palpate_study::{Quantity, QuantityKind, Statistic};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Quantities to show if the study has them.
+/// Quantities for the default plot, in order of preference.
 const PREFERRED: [Quantity; 2] = [Quantity::OBJECT_CURVATURE, Quantity::MEAN_CURVATURE];
-/// Ratio of the values above which an axis is logarithmic.
+/// Ratio of the largest to the smallest value of an axis above which the axis is logarithmic.
 const MIN_LOG_RATIO: f64 = 8.0;
 
-/// The default plot: relative rms error of the object's curvature over the first swept field, with a line per value of
-/// the second, a panel per value of the third, and the first value of any other field. A field that varies together with
-/// an earlier one does not count. `None` if nothing is swept, or no statistic is defined.
+/// The default plot: the relative rms error of the object's curvature over the first swept field. It has one line per
+/// value of the second swept field, and one panel per value of the third. Of all further fields, only the first value
+/// is plotted. A field that varies together with an earlier field is ignored. `None` if no field is swept, or if no
+/// statistic is defined.
 ///
-/// Without a curvature of the object, the plot shows the mean curvature, or else the first quantity. It shows the rms
-/// error if the true value is 0 or varies, and the mean of a quantity that is not estimated.
+/// If the study does not estimate the object's curvature, the plot shows the mean curvature, or else the first
+/// quantity. If the true value is 0 or varies, the plot shows the rms error. If the quantity is not estimated, it shows
+/// the mean.
 pub(crate) fn plot(study: &Study) -> Result<Option<PlotConfig>, ReportError> {
     let table = study.cells();
     let is_first = |first: &&Quantity| table.quantities().values().contains(&first.name.to_owned());
@@ -64,7 +66,7 @@ pub(crate) fn plot(study: &Study) -> Result<Option<PlotConfig>, ReportError> {
     let header = |place: usize| axes.get(place).map(|axis| axis.header.clone());
     let values = fixed.into_iter();
     let values = values.map(|(axis, value)| (axis.header.clone(), toml::Value::String(value)));
-    // A plot with only the required keys, for the defaults of the others.
+    // Parse a plot that has only the required keys. The other keys then have their default values.
     let file = study.run_toml().display().to_string();
     let mut plots = config::plots(&file, "[[plot]]\nx = \"\"\ny = \"mean\"\n")?;
     Ok(plots.pop().map(|empty| PlotConfig {
@@ -79,7 +81,7 @@ pub(crate) fn plot(study: &Study) -> Result<Option<PlotConfig>, ReportError> {
     }))
 }
 
-/// Whether an axis differs between rows that are equal on the others.
+/// Whether an axis has several values among rows that have equal values on the axes `others`.
 fn adds_variation(axis: &Axis, others: &[&Axis], rows: &[usize]) -> bool {
     let mut known: BTreeMap<Vec<&str>, BTreeSet<&str>> = BTreeMap::new();
     for &row in rows {
@@ -89,7 +91,7 @@ fn adds_variation(axis: &Axis, others: &[&Axis], rows: &[usize]) -> bool {
     known.values().any(|values| values.len() > 1)
 }
 
-/// The first of the possible statistics that is defined in a row.
+/// The first of the possible statistics that has a value in one of these rows.
 fn statistic(table: &Table, quantity: &str, rows: &[usize]) -> Option<&'static str> {
     let is_estimated =
         Quantity::named(quantity).is_none_or(|known| known.kind == QuantityKind::Estimated);

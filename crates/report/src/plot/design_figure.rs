@@ -1,5 +1,6 @@
-//! Figure of the answer of `palpate design`: which values of the searched field meet the target. Of a single field it shows
-//! the target's statistic over the field with the limit, of several fields the searched one over another.
+//! Figure of the answer of `palpate design`: the values of the searched field that meet the target. If a single field
+//! varies, the target's statistic and its limit are plotted over this field. If several fields vary, the searched field
+//! is plotted over another field.
 
 use super::drawing::Figure;
 use super::scale::{Scale, Spacing};
@@ -12,125 +13,130 @@ use crate::ReportError;
 use palpate_study::Label;
 use plotters::style::Color;
 
-/// Answer of a design to draw.
+/// The answer of `palpate design`, as data for the figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignFigure {
     /// Name of the figure's files, without extension.
     pub name: String,
-    /// Title.
+    /// Title of the figure.
     pub title: String,
-    /// Line below the title, about the target.
+    /// Line below the title, which describes the target.
     pub subtitle: String,
-    /// Lines below the picture.
+    /// Notes below the image.
     pub notes: Vec<String>,
-    /// Field that was searched.
+    /// The searched field.
     pub searched: FieldAxis,
-    /// Its values that meet the target.
+    /// The values of the searched field that meet the target.
     pub chart: DesignChart,
 }
 
-/// Axis of a field.
+/// Axis of a field's values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldAxis {
-    /// Label and unit.
+    /// Label of the field, with its unit.
     pub label: Label,
     /// Whether the axis is logarithmic.
     pub is_log: bool,
     /// Smallest and largest value of the range.
     pub ends: (f64, f64),
-    /// Names of listed values; then a value is an index into them.
+    /// Names of the listed values; empty for a range. If there are names, a value on the axis is an index into this
+    /// list.
     pub names: Vec<String>,
 }
 
-/// What is drawn over the searched field, or along which other field it is drawn.
+/// Content of the figure.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DesignChart {
-    /// The target's statistic over the searched field.
+    /// The target's statistic is drawn over the searched field.
     Curve(DesignCurve),
-    /// The searched field over another field.
+    /// The searched field is drawn over another field.
     Map(DesignMap),
 }
 
 /// Plot of the target's statistic against the searched field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignCurve {
-    /// Label and unit of the statistic.
+    /// Label of the statistic, with its unit.
     pub statistic: Label,
-    /// Limit of the statistic, and the text beside its line.
+    /// Limit of the statistic, and the label of the limit's line.
     pub limit: (f64, String),
-    /// The statistic in each cell.
+    /// The statistic in each cell, as one line per cell.
     pub lines: Vec<CurveLine>,
-    /// Ranges of values that meet or miss the target, ascending; values between them are undecided.
+    /// Ranges of values that meet or miss the target, in ascending order. Whether values between them meet it is
+    /// undecided.
     pub runs: Vec<Stretch>,
 }
 
-/// Statistic of a cell over the field.
+/// Statistic of one cell as a function of the field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurveLine {
-    /// Name of the cell; empty if it is the only one.
+    /// Name of the cell; empty if there is only one cell.
     pub label: String,
-    /// Points in the order of x.
+    /// Points, sorted by x.
     pub points: Vec<CurvePoint>,
 }
 
-/// Value of a statistic, in the unit of the tables.
+/// Value of a statistic at one value of the field, in the unit of the tables.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint {
     /// Value of the field.
     pub x: f64,
     /// Value of the statistic.
     pub y: f64,
-    /// Its standard error.
+    /// Standard error of the statistic.
     pub std: f64,
-    /// Whether the value represents only the successful trials, because too many trials failed.
+    /// Whether so many trials failed that the statistic represents only the successful trials.
     pub is_of_survivors: bool,
 }
 
-/// Searched field over another field.
+/// Map of the searched field over another field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignMap {
     /// The other field.
     pub other: FieldAxis,
-    /// Panels, at least one.
+    /// Panels of the map; at least one.
     pub panels: Vec<MapPanel>,
-    /// Label of the best value, if one is marked.
+    /// Label of the best value; `None` if no value is marked.
     pub best: Option<String>,
 }
 
-/// Map of the searched field over the other field, at fixed values of the further fields.
+/// Map of the searched field over the other field, for fixed values of all further fields.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapPanel {
-    /// Values of the further fields; may be empty.
+    /// Text of the values of the further fields; may be empty.
     pub title: String,
-    /// Values of the other field, ascending, with the ranges of the searched field as in [`DesignCurve::runs`].
+    /// Values of the other field in ascending order, each with the ranges of the searched field, as in
+    /// [`DesignCurve::runs`].
     pub columns: Vec<(f64, Vec<Stretch>)>,
-    /// Values of the other and of the searched field at the best value, if it is in this panel.
+    /// Best value, if it is in this panel: the value of the other field and the value of the searched field.
     pub best: Option<(f64, f64)>,
 }
 
-/// Range of values on one side of the target.
+/// A range of values that all meet or all miss the target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
-    /// Lower end.
+    /// Lower end of the range.
     pub from: f64,
-    /// Upper end.
+    /// Upper end of the range.
     pub to: f64,
-    /// Whether the values meet the target; otherwise they miss it.
+    /// Whether the values meet the target; if not, they miss it.
     pub meets: bool,
 }
 
-/// Background of values that meet the target (blue), and of undecided values (grey, with another lightness).
+/// Background colour of values that meet the target (blue).
 const MEETS: Colour = Colour(190, 220, 242);
+/// Background colour of undecided values: a grey with another lightness.
 const OPEN: Colour = Colour(226, 226, 226);
-/// Background of values that miss the target.
+/// Background colour of values that miss the target.
 const MISSES: Colour = WHITE;
 /// Width of the limit line.
 const LIMIT: u32 = 6;
-/// Marker of a point on the boundary of the target, and marker of the best value.
+/// Marker of a point on the boundary of the target.
 const CROSSING: Style = Style {
     colour: INK,
     marker: Marker::Circle,
 };
+/// Marker of the best value.
 const BEST: Style = Style {
     colour: INK,
     marker: Marker::Diamond,
@@ -138,14 +144,14 @@ const BEST: Style = Style {
 const BEST_SIZE: f64 = 36.0;
 /// Share of the panel by which a single value is widened to each side, so that it is visible.
 const HALF_WIDTH: f64 = 0.003;
-/// Half the width of a column without neighbours, as a share of the panel's width.
+/// Half the width of a column without neighbours, relative to the panel's width.
 const ALONE: f64 = 0.03;
-/// Ratio of the values above which the axis of the statistic is logarithmic.
+/// Ratio of the largest to the smallest value of the statistic above which its axis is logarithmic.
 const MIN_LOG_RATIO: f64 = 8.0;
 
-/// Draws the answer of a design, with a blue background where values meet the target and a grey one where they are
-/// undecided. Of a single field it shows the statistic with 95 % bars and the limit as a dashed line, of several fields the
-/// contour of the target.
+/// Draws the answer of a design. The background is blue where values meet the target and grey where they are undecided.
+/// For a single field, the figure shows the statistic with 95 % bars, and the limit as a dashed line. For several
+/// fields, it shows the contour on which the target is just met.
 ///
 /// ```
 /// use palpate_report::{
@@ -191,7 +197,7 @@ const MIN_LOG_RATIO: f64 = 8.0;
 /// ```
 ///
 /// # Errors
-/// The picture is too large.
+/// [`ReportError`] if the image is too large.
 pub fn design_figure(answer: &DesignFigure) -> Result<Figure, ReportError> {
     let words = Words::new(&answer.name, &answer.title, &answer.subtitle, &answer.notes);
     let plot = match &answer.chart {
@@ -210,7 +216,7 @@ fn curve_plot(field: &FieldAxis, curve: &DesignCurve) -> Plot {
     let is_log = least > 0.0 && most / least > MIN_LOG_RATIO;
     let spacings = [field.spacing(), Spacing::log(is_log)];
     let factors = [field.factor(), curve.statistic.factor];
-    // A log axis is not extended for bars that end far below all points.
+    // The ends of error bars that are far below all points do not extend a logarithmic axis.
     let bars = points().flat_map(|point| normal(point.y, point.std));
     let ys = values()
         .chain(bars)
@@ -243,7 +249,7 @@ fn curve_plot(field: &FieldAxis, curve: &DesignCurve) -> Plot {
             let ends = ends.map(|end| spacings[1].nearest(end * factors[1]));
             (point.x * factors[0], ends)
         });
-        // A line joins the points unless the values of x are names.
+        // A line joins the points only if the values of x are numbers and not names.
         let runs = match field.names.is_empty() {
             true => vec![places.collect()],
             false => places.map(|place| vec![place]).collect(),
@@ -357,7 +363,7 @@ impl FieldAxis {
         Scale::around(self.spacing(), ends)
     }
 
-    /// Factor from values of the field to displayed numbers.
+    /// Factor that converts values of the field to displayed numbers.
     fn factor(&self) -> f64 {
         match self.names.is_empty() {
             true => self.label.factor,
@@ -366,21 +372,23 @@ impl FieldAxis {
     }
 }
 
-/// Values of the searched field, whose scale is `along`, over another scale. Positions along both are from 0 to 1.
+/// Ranges of the searched field's values, plotted over the values of another field. `along` is the scale of the
+/// searched field. Positions on both scales are from 0 to 1.
 struct Bands<'a> {
     field: &'a FieldAxis,
     along: Scale,
     across: Scale,
-    /// Whether the searched field is on x.
+    /// Whether the searched field is on the x axis.
     is_along_x: bool,
 }
 
-/// Ranges of the searched field at one position of the other scale; each range meets or misses the target throughout.
+/// Ranges of the searched field at one value of the other field. The values of a range all meet the target or all miss
+/// it.
 struct Column {
     at: f64,
-    /// Whether each run meets the target.
+    /// Whether each range meets the target.
     sides: Vec<bool>,
-    /// Ends of each run.
+    /// Positions of both ends of each range.
     runs: Vec<[f64; 2]>,
 }
 
@@ -404,12 +412,14 @@ impl Bands<'_> {
         [from - half, to + half].map(|value| self.along.place(value * self.field.factor()))
     }
 
-    /// Whether two columns meet and miss the target in the same order, so that contours and areas may join them.
+    /// Whether two columns have the same sequence of ranges that meet and miss the target. Only such columns may be
+    /// joined by contours and areas.
     fn are_alike(&self, is_named: bool, one: &Column, other: &Column) -> bool {
         !is_named && self.field.names.is_empty() && one.sides == other.sides
     }
 
-    /// Background areas: between alike columns, and around other columns up to the middle between neighbours.
+    /// Background areas. They extend from a column to a neighbour with the same sequence of ranges. If the neighbour
+    /// has another sequence, they end in the middle between the two.
     fn grounds(&self, columns: &[Column], is_named: bool) -> Vec<(Vec<(f64, f64)>, Colour)> {
         let mut grounds = Vec::new();
         let pairs = columns.windows(2);
@@ -438,7 +448,8 @@ impl Bands<'_> {
         grounds
     }
 
-    /// Adds the background areas between the runs of column `one` at `left` and those of column `other` at `right`.
+    /// Adds the background areas between two columns: the ranges of column `one` are at `left`, the ranges of column
+    /// `other` at `right`.
     fn between(
         &self,
         (left, one): (f64, &Column),
@@ -470,7 +481,8 @@ impl Bands<'_> {
         }
     }
 
-    /// Contours through the crossings of alike neighbours, with a bar over the undecided range at each crossing.
+    /// Contours that join the crossings of neighbouring columns with the same sequence of ranges. At each crossing, a
+    /// bar covers the undecided range.
     fn contours(&self, columns: &[Column], is_named: bool) -> Vec<Line> {
         let crossings = |column: &Column| -> Vec<[f64; 2]> {
             let sides = column.sides.windows(2);
@@ -502,7 +514,8 @@ impl Bands<'_> {
         contours
     }
 
-    /// Point at a position across and a position along the searched field.
+    /// The point at the position `across` on the scale of the other field, and at `along` on the scale of the searched
+    /// field.
     fn at(&self, (across, along): (f64, f64)) -> (f64, f64) {
         let [across, along] = [(&self.across, across), (&self.along, along)]
             .map(|(scale, position)| scale.value(position.clamp(0.0, 1.0)));

@@ -1,4 +1,4 @@
-//! A figure: its shapes as drawn by plotters, and the SVG and PNG made of them.
+//! A figure: its shapes, drawn with the plotters library, and the SVG and PNG images of these shapes.
 
 use super::style::{Colour, WHITE};
 use crate::ReportError;
@@ -11,35 +11,37 @@ use plotters_backend::{
 use std::convert::Infallible;
 use std::io;
 
-/// Drawing units per pixel. Plotters draws at integer coordinates, which are too coarse at 1 unit per pixel.
+/// Number of drawing units per pixel. The plotters library uses integer coordinates, so a unit of one pixel would be
+/// too coarse.
 const DETAIL: u32 = 3;
-/// The SVG backend divides a font size by this to get its em.
+/// The SVG backend divides a font size by this number to compute the em, which is the nominal height of the font.
 const EM: f64 = 1.24;
-/// Downward shift of text, in ems. It centres capitals and digits; the SVG backend centres lower-case letters.
+/// Distance by which text is moved down, in ems. It centres capital letters and digits vertically; the SVG backend
+/// centres lower-case letters.
 const SINK: f64 = 0.09;
 /// Distance between lines of text, as a multiple of the font size.
 pub(crate) const LEADING: f64 = 1.35;
 /// Height of lower-case letters, in ems.
 #[cfg(feature = "png")]
 const X_HEIGHT: f64 = 0.52;
-/// Largest size of a picture in memory while it is drawn, bytes.
+/// Largest memory that an image may need while it is drawn, bytes.
 #[cfg(feature = "png")]
 const MAX_BYTES: u64 = 1 << 31;
 
-/// Figure with its name, title and picture.
+/// A figure with its name, its title and its image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// File name without extension.
     pub name: String,
-    /// Title, which is also in the picture.
+    /// Title, which is also drawn in the image.
     pub title: String,
-    /// The picture as SVG. Text stays text: a viewer shows it in its own sans-serif font.
+    /// The image as SVG. Text is stored as text, so a viewer displays it in its own sans-serif font.
     pub svg: String,
     drawing: Drawing,
 }
 
 impl Figure {
-    /// Makes a figure from a drawing.
+    /// Creates a figure from a drawing.
     pub(crate) fn new(name: String, title: String, drawing: Drawing) -> Result<Self, ReportError> {
         let svg = drawing.svg(&title).map_err(|error| ReportError::Draw {
             path: format!("{name}.svg").into(),
@@ -58,10 +60,10 @@ impl Figure {
         f64::from(self.drawing.size.0.div_ceil(DETAIL))
     }
 
-    /// The picture as PNG data, with the SVG's size in pixels and the built-in fonts.
+    /// The image as PNG data, with the built-in fonts. It has the same size in pixels as the SVG.
     ///
     /// # Errors
-    /// The picture is too large.
+    /// [`ReportError`] if the image is too large.
     #[cfg(feature = "png")]
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
         self.drawing.png().map_err(|message| ReportError::Draw {
@@ -71,18 +73,18 @@ impl Figure {
     }
 }
 
-/// Shapes, from bottom to top.
+/// The shapes of a figure, from bottom to top.
 ///
-/// This backend of plotters records shapes. So the height of a picture can follow from its content, and a PNG is made
-/// only on demand.
+/// It is a backend of the plotters library that records shapes. Therefore the height of an image may depend on its
+/// content, and a PNG is created only if it is needed.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Drawing {
-    /// Width and height.
+    /// Width and height of the image in drawing units.
     pub(crate) size: (u32, u32),
     shapes: Vec<Shape>,
 }
 
-/// Shape of one colour.
+/// A shape in one colour.
 #[derive(Debug, Clone, PartialEq)]
 struct Shape {
     form: Form,
@@ -93,20 +95,20 @@ struct Shape {
 
 #[derive(Debug, Clone, PartialEq)]
 enum Form {
-    /// Line and its width.
+    /// A line through points, and its width.
     Line(Vec<BackendCoord>, u32),
     Polygon(Vec<BackendCoord>),
-    /// Centre and radius.
+    /// A disc: its centre and its radius.
     Disc(BackendCoord, u32),
-    /// Line of text, its position at the middle of its height, its em, and the share of its width to the left of the
-    /// position.
+    /// A line of text. The numbers are: its position, which is at half its height; its em; and the share of its width
+    /// that is to the left of the position.
     Text(String, BackendCoord, f64, f64),
 }
 
 type Drawn<E> = Result<(), DrawingErrorKind<E>>;
 
 impl Drawing {
-    /// An empty drawing of the given width; the height is set at the end.
+    /// An empty drawing with this width. Its height is set later.
     pub(crate) fn new(width: i32) -> Self {
         Self {
             size: (width.unsigned_abs(), 1 << 24),
@@ -133,7 +135,7 @@ impl Drawing {
         Ok(())
     }
 
-    /// SVG of the picture on a white background, with a label for screen readers.
+    /// SVG of the image on a white background, with a label for screen readers.
     fn svg(&self, label: &str) -> Result<String, DrawingErrorKind<io::Error>> {
         let mut text = String::new();
         {
@@ -168,7 +170,7 @@ impl Drawing {
         Ok(self.named(&text, label))
     }
 
-    /// The backend's SVG with its size in pixels, the label, and the tooltips of the shapes.
+    /// The SVG of the backend, to which the size in pixels, the label and the tooltips of the shapes are added.
     fn named(&self, svg: &str, label: &str) -> String {
         let (width, height) = (self.size.0 / DETAIL, self.size.1 / DETAIL);
         let label = escaped(label);
@@ -178,7 +180,7 @@ impl Drawing {
         );
         let header = lines.next().and_then(|line| line.split_once(" viewBox"));
         let mut named = header.map_or(String::new(), |(_, rest)| format!("{own} viewBox{rest}\n"));
-        // The first element is the background. After it, each shape has one element.
+        // The first element is the background. After it, each shape has exactly one element.
         let titles = self.shapes.iter().map(|shape| shape.title.as_str());
         let mut titles = std::iter::once("").chain(titles);
         for line in lines {
@@ -197,7 +199,7 @@ impl Drawing {
         named
     }
 
-    /// PNG data of the picture on a white background: drawn at `DETAIL` times its size, then scaled down.
+    /// PNG data of the image on a white background. The image is drawn at `DETAIL` times its size and then scaled down.
     #[cfg(feature = "png")]
     fn png(&self) -> Result<Vec<u8>, String> {
         use plotters::backend::BitMapBackend;
@@ -224,12 +226,12 @@ impl Drawing {
 
 #[cfg(feature = "png")]
 impl Shape {
-    /// Draws the pixels of the shape.
+    /// Draws this shape on a backend.
     fn draw<B: DrawingBackend>(&self, backend: &mut B) -> Drawn<B::ErrorType> {
         let colour = self.colour;
         match &self.form {
-            // Draw each segment separately, because the backend leaves holes where a line crosses itself. It also
-            // draws horizontal and vertical lines one pixel too wide.
+            // Draw each segment separately, because the backend leaves holes where a line crosses itself. Also correct
+            // horizontal and vertical lines, which the backend draws one pixel too wide.
             Form::Line(points, width) => {
                 for pair in points.windows(2) {
                     let is_straight = pair[0].0 == pair[1].0 || pair[0].1 == pair[1].1;
@@ -327,7 +329,7 @@ impl DrawingBackend for Drawing {
         self.push(polygon, style.color())
     }
 
-    /// Records each line of the text as a shape, one below the other.
+    /// Records each line of the text as a shape. The lines are below each other.
     fn draw_text<S: BackendTextStyle>(
         &mut self,
         text: &str,

@@ -1,4 +1,4 @@
-//! Heat maps: a share for every pair of things, as squares.
+//! Heat maps of a share (for example a probability) for every pair of items, drawn as squares.
 
 use super::chart::{Place, mesh};
 use super::drawing::Figure;
@@ -13,57 +13,60 @@ use plotters::element::Rectangle;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-/// Heat maps to draw: a share for every pair of items, for example of objects.
+/// Data of a heat map: a share for every pair of items, for example of objects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Heat {
     /// Name of the figure's files, without extension.
     pub name: String,
-    /// Title.
+    /// Title of the figure.
     pub title: String,
-    /// Line below the title, about the meaning of the shares.
+    /// Line below the title, which explains the shares.
     pub subtitle: String,
-    /// Label of the field whose values name the rows and columns.
+    /// Label of the field whose values are the names of the rows and columns.
     pub axis: String,
-    /// The panels.
+    /// The panels of the heat map.
     pub panels: Vec<HeatPanel>,
-    /// Lines below the picture.
+    /// Notes below the image.
     pub notes: Vec<String>,
 }
 
-/// Share for every pair of items.
+/// One panel of a heat map, with a share for every pair of its items.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatPanel {
-    /// Settings that all items share; may be empty.
+    /// Text of the settings that all items share; may be empty.
     pub title: String,
     /// Names of the items.
     pub names: Vec<String>,
-    /// Shares from 0 to 1, row by row; `None` if there is none.
+    /// Shares from 0 to 1, row by row; `None` for a pair without a share.
     pub shares: Vec<Vec<Option<f64>>>,
 }
 
-/// Largest number of items in a panel, and of panels.
+/// Largest number of items in a panel.
 const MAX_THINGS: usize = 40;
+/// Largest number of panels.
 const MAX_PANELS: usize = 24;
-/// Side of a square with a number, and of a square without a number.
+/// Side of a square with a number, in drawing units (1/3 px).
 const LARGE: i32 = 222;
+/// Side of a square without a number, in drawing units.
 const SMALL: i32 = 66;
 /// Largest number of items in a panel whose squares have numbers.
 const MAX_NUMBERED: usize = 12;
-/// Widest name.
+/// Largest width of a name, in drawing units.
 const NAME: i32 = 510;
+/// Gap between panels, in drawing units.
 const GAP: i32 = 102;
 /// Gap between names along x.
 const BESIDE: i32 = 12;
 /// Width of a sample in the key.
 const SAMPLE: i32 = 78;
-/// Share above which a square is so dark that its number is white.
+/// If a share exceeds this value, its square is so dark that the number is white.
 const MIN_DARK: f64 = 0.6;
-/// Fill colour of squares without a share, and of squares with a share of 1. The blue also suits colour-blind readers
-/// and grey prints.
+/// Fill colour of squares without a share.
 const NONE: Colour = Colour(236, 236, 236);
+/// Fill colour of squares with a share of 1. Colour-blind readers and readers of grey prints can distinguish this blue.
 const ALL: Colour = Colour(8, 48, 107);
 
-/// Draws shares as squares. Larger shares are darker. If there are few squares, each has its share in percent.
+/// Draws each share as a square. Larger shares are darker. If there are few squares, each shows its share in percent.
 ///
 /// ```
 /// use palpate_report::{Heat, HeatPanel, heat_figure};
@@ -86,7 +89,7 @@ const ALL: Colour = Colour(8, 48, 107);
 /// ```
 ///
 /// # Errors
-/// The picture is too large.
+/// [`ReportError`] if the image is too large.
 pub fn heat_figure(heat: &Heat) -> Result<Figure, ReportError> {
     let counts = heat.panels.iter().map(|panel| panel.names.len());
     let most = counts.max().unwrap_or(0);
@@ -132,10 +135,10 @@ pub fn heat_figure(heat: &Heat) -> Result<Figure, ReportError> {
     })
 }
 
-/// Draws a panel whose squares start at the upper left corner `corner`; returns the lower edge of its labels.
+/// Draws a panel whose squares start at the upper left `corner`. Returns the position of the lower edge of its labels.
 fn draw(panel: &HeatPanel, sheet: &Sheet, corner: Point, side: i32) -> Drawn<i32> {
     let mut names = panel.names.clone();
-    // Small squares have room for some of the names only.
+    // Next to small squares, only some of the names fit.
     let every = (LINE as usize).div_ceil(side as usize);
     for (place, name) in names.iter_mut().enumerate() {
         if place % every > 0 {
@@ -173,7 +176,7 @@ fn draw(panel: &HeatPanel, sheet: &Sheet, corner: Point, side: i32) -> Drawn<i32
     Ok(corner.1 + high + below)
 }
 
-/// Share in percent; only a share of 1 becomes 100 %.
+/// A share in percent. The text is 100 % only for a share of exactly 1.
 fn in_percent(share: f64) -> String {
     match 100.0 * share {
         percent if percent < 99.5 => format!("{percent:.0} %"),
@@ -182,7 +185,7 @@ fn in_percent(share: f64) -> String {
     }
 }
 
-/// Fill colour of a square: a larger share is darker.
+/// Fill colour of a square. A larger share is darker.
 fn shade(share: Option<f64>) -> Colour {
     share.map_or(NONE, |share| mixed(WHITE, ALL, share))
 }

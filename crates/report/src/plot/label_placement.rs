@@ -1,40 +1,48 @@
-//! Placement of labels beside points, so that no label covers another label or a point.
+//! Places labels beside points such that no label covers another label or a point.
 
 use super::lettering::width;
 use super::sheet::Point;
 
 /// Font size of a label.
 pub(super) const NAME: i32 = 45;
-/// Possible distances of a label from its point.
+/// Possible distances between a label and its point, in drawing units (1/3 px).
 const DISTANCES: [i32; 9] = [27, 54, 90, 135, 186, 246, 315, 390, 480];
-/// Distance above which a label gets a line to its point.
+/// Distance between a label and its point above which a line connects them.
 const MAX_WITHOUT_LEADER: i32 = 60;
-/// Number of these distances that are tried for points that are not on the front.
+/// Number of distances that are tried for the labels of points that are not on the Pareto front.
 const BESIDE: usize = 2;
+/// Number of directions from its point in which a label may be placed.
 const DIRECTIONS: usize = 24;
-/// Half the height of a label with the space around it.
+/// Half the height of a label, including the space around it.
 const HALF: i32 = 28;
 /// Half the side of the square around a point that labels should not cover.
 const POINT: i32 = 18;
 
-/// Cost of a place for each thing that the label covers or crosses, in units of distance from its point.
+/// Penalty for each other label that a label covers, or whose leader it covers. Penalties are in units of the distance
+/// of a label from its point.
 const HIDES_NAME: i32 = 3_000_000;
+/// Penalty for each label that the leader of a label crosses.
 const LEADER_CROSSES_NAME: i32 = 1_000_000;
+/// Penalty for each point on the Pareto front that a label covers.
 const HIDES_POINT: i32 = 300_000;
+/// Penalty for a label that extends beyond the frame.
 const OUTSIDE: i32 = 30_000_000;
+/// Penalty for each line of the Pareto front that a label crosses.
 const CROSSES_FRONT: i32 = 90;
+/// Penalty for each point behind the Pareto front that a label covers.
 const HIDES_BEATEN: i32 = 90;
+/// Penalty for each error bar that a label covers.
 const HIDES_BAR: i32 = 90;
 
-/// Label in its place.
+/// A label at its final place.
 pub(super) struct PlacedLabel {
     pub(super) text: String,
-    /// Left end, at the middle of its height.
+    /// Left end of the label, at half its height.
     pub(super) place: Point,
-    /// Line from the point to the label, if they are far apart.
+    /// Line from the point to the label, if the label is far from its point.
     pub(super) leader: Option<[Point; 2]>,
     pub(super) bounds: Bounds,
-    /// Whether its point is on the front.
+    /// Whether the label's point is on the Pareto front.
     pub(super) of_front: bool,
 }
 
@@ -61,20 +69,21 @@ impl Bounds {
             && bottom <= frame[3] - 3
     }
 
-    /// Whether a segment crosses it or passes close to it.
+    /// Whether a line segment crosses the rectangle or passes close to it.
     fn is_crossed(&self, from: Point, to: Point) -> bool {
         along(from, to).any(|at| self.meets(&Self::around(at, (3, 3))))
     }
 
-    /// The place of the rectangle nearest to a point.
+    /// The point of the rectangle that is nearest to a given point.
     fn nearest(&self, (x, y): Point) -> Point {
         let [left, top, right, bottom] = self.0;
         (x.clamp(left, right), y.clamp(top, bottom))
     }
 }
 
-/// Places the labels of points one after the other within a frame: first those of points on the front, each at the
-/// place with the least overlap, then those of other points if they have room. Labels also avoid `bars`.
+/// Places the labels of points within a frame, one after another. The labels of points on the Pareto front are placed
+/// first, where they cover the fewest items. The labels of other points are placed only if there is space. Labels also
+/// avoid `bars`.
 pub(super) fn place(
     front: &[(String, Point)],
     beaten: &[(String, Point)],
@@ -120,7 +129,8 @@ pub(super) fn place(
     names
 }
 
-/// Label at a distance in one of the directions; direction 0 is to the right.
+/// A possible place of a label, at `distance` from its point and in the direction with the index `at`. Direction 0 is
+/// to the right.
 fn candidate((x, y): Point, half_width: i32, distance: i32, at: usize) -> (i32, Bounds) {
     let angle = std::f64::consts::TAU * at as f64 / DIRECTIONS as f64;
     let (sine, cosine) = libm::sincos(angle);
@@ -132,7 +142,7 @@ fn candidate((x, y): Point, half_width: i32, distance: i32, at: usize) -> (i32, 
     (distance, Bounds::around(centre, (half_width, HALF)))
 }
 
-/// Cost of a place: the things that a label there covers or crosses.
+/// Penalty of a possible place, for all items that a label would cover or cross there.
 fn hidden(
     bounds: &Bounds,
     own: Point,
@@ -163,7 +173,7 @@ fn hidden(
     cost + CROSSES_FRONT * crossings.count() as i32
 }
 
-/// Places along a segment.
+/// Points along a line segment.
 fn along(from: Point, to: Point) -> impl Iterator<Item = Point> {
     (0..=40).map(move |step| {
         let on_the_way = |from: i32, to: i32| from + step * (to - from) / 40;

@@ -1,9 +1,9 @@
-//! Text in the built-in fonts: its width, its line breaks and its pixels.
+//! Layout of text in the built-in fonts: width, line breaks and pixels.
 
 use ab_glyph::{Font, FontRef};
 use std::sync::LazyLock;
 
-/// A sans-serif, and one with more characters to fall back on.
+/// A sans-serif font, and a second font for characters that the first does not contain.
 const FONTS: [&[u8]; 2] = [
     epaint_default_fonts::UBUNTU_LIGHT,
     epaint_default_fonts::HACK_REGULAR,
@@ -14,16 +14,16 @@ static OUTLINES: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
     fonts.filter_map(Result::ok).collect()
 });
 
-/// Viewers of an SVG use their own sans-serif font, which may be wider than ours by this factor.
+/// Factor by which text may be wider in an SVG viewer, which uses its own sans-serif font.
 const ROOM: f64 = 1.12;
 
-/// Width of `text` at a size of `em`, with room for a wider font.
+/// Width of `text` at a font size of `em`. It includes space for a wider font.
 pub(crate) fn width(text: &str, em: i32) -> i32 {
     (ROOM * f64::from(em) * set(text, |_, _, _| ())).ceil() as i32
 }
 
-/// Lays out a text: calls `place` with each letter, its font, and its distance from the start in ems. Returns the
-/// width in ems.
+/// Lays out a text. Calls `place` with each letter, its font, and its distance from the start in ems. Returns the width
+/// in ems.
 fn set(text: &str, mut place: impl FnMut(&FontRef<'_>, char, f64)) -> f64 {
     let mut end = 0.0;
     let mut before = None;
@@ -43,8 +43,8 @@ fn set(text: &str, mut place: impl FnMut(&FontRef<'_>, char, f64)) -> f64 {
     end
 }
 
-/// Calls `pixel` with the position and coverage of each pixel of a text. (`x`, `base`) is a point on the base line;
-/// the share `before` of the text's width lies to the left of it.
+/// Calls `pixel` with the position and the coverage of each pixel of a text. The point (`x`, `base`) is on the base
+/// line of the text, and the share `before` of the text's width is to the left of this point.
 #[cfg(feature = "png")]
 pub(crate) fn pixels(
     text: &str,
@@ -72,7 +72,7 @@ pub(crate) fn pixels(
     });
 }
 
-/// Breaks `text` into lines of at most `limit`; a longer word gets its own line.
+/// Breaks `text` into lines with a width of at most `limit`. A word that is wider than this is on its own line.
 pub(crate) fn wrap(text: &str, em: i32, limit: i32) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

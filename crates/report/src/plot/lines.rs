@@ -1,4 +1,4 @@
-//! Figures of kind `lines`: statistics of `cells.csv`.
+//! Figures of kind `lines`, which show statistics of `cells.csv`.
 
 use super::captions::{self, full_value, short_value};
 use super::drawing::Figure;
@@ -13,25 +13,25 @@ use crate::{ReportError, phrases};
 use palpate_study::{Label, number};
 use std::collections::BTreeMap;
 
-/// Draws the lines of a plot.
+/// Draws a figure of kind `lines`.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let selection = Selection::new(of)?;
     Lines::new(&selection)?.figure()
 }
 
-/// Share of failed trials above which a point is circled: it then represents only the successful trials.
+/// Share of failed trials above which a point is circled, because it represents only the successful trials.
 const MAX_FAILED: f64 = 0.05;
 
-/// Points that are not drawn: their number and series, by reason.
+/// Points that are not drawn: for each reason, the number of points, and the series to which they belong.
 type Skipped<'a> = BTreeMap<&'static str, (usize, Vec<&'a str>)>;
 
-/// A selection with the meaning of its columns.
+/// The selected rows of a table, with the labels of their columns.
 struct Lines<'a> {
     of: &'a Selection<'a>,
     x: Label,
     y: Label,
     spacing: [Spacing; 2],
-    /// Names along x, if it is not numeric.
+    /// Names along the x axis, if its values are not numbers.
     categories: Option<Vec<&'a str>>,
 }
 
@@ -61,7 +61,7 @@ impl<'a> Lines<'a> {
             let mut names = names.iter();
             let label = names.find(|name| number::finite(name).is_none());
             return Err(of.of.bad(format!(
-                "x = {:?} cannot be logarithmic: it holds {:?}",
+                "x = {:?} cannot be logarithmic: it contains {:?}",
                 of.of.plot.x.as_deref().unwrap_or_default(),
                 label.unwrap_or(&"")
             )));
@@ -126,7 +126,7 @@ impl<'a> Lines<'a> {
                     places.iter().copied().fold(f64::INFINITY, f64::min),
                     places.iter().copied().fold(f64::NEG_INFINITY, f64::max),
                 ];
-                // A bar that reaches far beyond all points does not stretch the axis.
+                // The end of a bar that is far beyond all points does not enlarge the range of the axis.
                 let is_near = |end: &f64| match self.spacing[axis] {
                     Spacing::Log => (0.5 * least..=2.0 * most).contains(end),
                     Spacing::Linear => (least - (most - least)..=2.0 * most - least).contains(end),
@@ -142,7 +142,8 @@ impl<'a> Lines<'a> {
         [named.unwrap_or(x), y]
     }
 
-    /// The lines of one panel in the order of the legend, each followed by its dashed companion.
+    /// The lines of one panel, in the order of the legend. Each line may be followed by a dashed line, which shows the
+    /// statistic that is compared with it.
     fn lines(&self, rows: &[usize], skipped: &mut Skipped<'a>) -> Vec<Line> {
         let series: Vec<(Style, Vec<usize>)> = match self.of.series {
             None => vec![(Style::of(0), rows.to_vec())],
@@ -210,7 +211,7 @@ impl<'a> Lines<'a> {
         runs.map(drawn).filter(|run| !run.is_empty()).collect()
     }
 
-    /// Intervals of the drawn points of `rows`, by the Monte Carlo error.
+    /// 95 % intervals of the points of `rows` that are drawn, computed from the Monte Carlo error.
     fn bars(&self, rows: &[usize]) -> Vec<(f64, [f64; 2])> {
         let [across, up] = self.spacing;
         let bar = |&row: &usize| {
@@ -223,14 +224,14 @@ impl<'a> Lines<'a> {
         rows.iter().filter_map(bar).collect()
     }
 
-    /// Whether the statistics of `row` represent only the successful trials, because too many trials failed.
+    /// Whether so many trials of `row` failed that its statistics represent only the successful trials.
     fn is_of_survivors(&self, row: usize) -> bool {
         let count = |name| self.of.table.statistic(row, name).unwrap_or(0.0);
         let is_of_trials = !["failures", "trials"].contains(&self.of.y);
         is_of_trials && count("failures") > MAX_FAILED * count("trials")
     }
 
-    /// Place of `row` along x.
+    /// Position of `row` along the x axis.
     fn across(&self, row: usize) -> Option<f64> {
         match (self.of.x, &self.categories) {
             (Column::Axis(axis), Some(names)) => {
@@ -255,7 +256,7 @@ impl<'a> Lines<'a> {
         [axis('x', x, &self.x), axis('y', y, &self.y)]
     }
 
-    /// The points of the config in their places.
+    /// The reference points of the config, each in its panel.
     fn points(&self) -> Result<Points, ReportError> {
         let Selection {
             of,
@@ -301,7 +302,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The settings held fixed, and the number of trials behind a point.
+    /// Text with the settings that do not vary, and with the number of trials per point.
     fn subtitle(&self) -> String {
         let Selection {
             of, table, rows, ..
@@ -320,7 +321,8 @@ impl<'a> Lines<'a> {
         phrases::sentence(&fixed, &phrases::sample(trials, "point"))
     }
 
-    /// Notes on points that are not drawn, with reasons, on circles, bars and failed trials.
+    /// Notes below the figure: about points that are not drawn (with the reasons), circles, error bars and failed
+    /// trials.
     fn notes(&self, skipped: Skipped<'_>, is_circled: bool, has_bars: bool) -> Vec<String> {
         let note = |(why, (count, series)): (&str, (usize, Vec<&str>))| {
             let points = match count {
@@ -347,7 +349,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Label of the statistic of all rows.
+/// Label of the statistic, for the quantities of all rows.
 fn label(of: &Selection<'_>, name: &str) -> Result<Label, ReportError> {
     let table = of.table;
     let of_row = |row: &usize| phrases::statistic(name, &[table.quantity(*row)], table.unit(*row));
@@ -369,14 +371,14 @@ fn label(of: &Selection<'_>, name: &str) -> Result<Label, ReportError> {
     }
 }
 
-/// The rows in which `axis` has `value`.
+/// Those of the `rows` in which the axis has this value.
 fn with(rows: &[usize], axis: &Axis, value: &str) -> Vec<usize> {
     let rows = rows.iter().copied();
     rows.filter(|row| axis.text(*row) == value).collect()
 }
 
-/// Style of a value. It depends on the value's place in the study's own axis, so that it is the same in every plot of
-/// the study.
+/// Style of a value on an axis. It depends on the index of the value on the study's axis, so it is the same in every
+/// plot of the study.
 fn style(axis: &Axis, value: &str) -> Style {
     let place = axis.values().iter().position(|known| known == value);
     Style::of(place.unwrap_or(0))

@@ -1,5 +1,5 @@
-//! Pareto fronts of a ladder: error against cost, one panel per scene. Rungs on the front have labels, other rungs only if
-//! there is room.
+//! Pareto fronts of lists of models: error against cost, with one panel per scene. The models on the front are
+//! labelled. The other models are labelled only if there is space.
 
 use super::chart::{Panel, Place, bar, mesh};
 use super::drawing::Figure;
@@ -25,18 +25,19 @@ const OTHER: f64 = 12.0;
 const STROKE: u32 = 6;
 /// Length of a sample in the key.
 const SAMPLE: i32 = 36;
-/// Largest relative error on the axis. Rungs with larger errors are useless, and are marked as off the scale.
+/// Largest relative error on the axis. Models with larger errors are useless; they are drawn with an arrow at the edge
+/// of the axis.
 const MAX_ERROR: f64 = 10.0;
 
-/// Draws the Pareto fronts of every ladder in a folder that `cargo xtask tradeoff` has written.
+/// Draws the Pareto front of every list of models in a folder that `cargo xtask tradeoff` has written.
 ///
 /// # Errors
-/// A table is absent or malformed.
+/// [`ReportError`] if a table is missing or malformed.
 pub fn tradeoff_figures(files: &Files) -> Result<Vec<Figure>, ReportError> {
     figures(&Tradeoff::read(files)?)
 }
 
-/// The fronts of every ladder.
+/// The Pareto front of every list of models.
 pub(crate) fn figures(tradeoff: &Tradeoff) -> Result<Vec<Figure>, ReportError> {
     let ladders = tradeoff.ladders.iter();
     ladders
@@ -44,13 +45,13 @@ pub(crate) fn figures(tradeoff: &Tradeoff) -> Result<Vec<Figure>, ReportError> {
         .collect()
 }
 
-/// The fronts of one ladder, whose costs are in `unit`.
+/// The Pareto front of one list of models, whose costs are in `unit`.
 fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let rungs = || ladder.scenes.iter().flat_map(|scene| &scene.rungs);
     let x = Scale::around(Spacing::Log, rungs().map(|rung| rung.cost)).with_ticks(8);
     let y = Scale::around(Spacing::Log, rungs().map(drawn_error));
     let y = y.with_ticks(5).without_minor();
-    // The quantity with the error, then remarks on it.
+    // The text consists of the quantity of the error, followed by remarks about it.
     let mut parts = ladder.error_of.split("; ");
     let error_of = parts.next().unwrap_or_default();
     let remarks = parts.map(|remark| phrases::sentence(&[], remark));
@@ -85,7 +86,7 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let left = EDGE + y.widest() + TICK_GAP;
     let size = (WIDTH - EDGE - left, PANEL_HEIGHT);
     sheet::figure(words, WIDTH, |sheet| {
-        // If each family has a single choice, the name beside its point replaces the key.
+        // If each family has only one model, the label of the point replaces an entry in the key.
         if (2..choices).contains(&families.len()) {
             sheet.key(SAMPLE, &key)?;
         }
@@ -103,7 +104,7 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
             front(sheet, &mut place.panel(sheet, &x, &y)?, scene, style_of)?;
             sheet.top += PANEL_HEIGHT + 42;
         }
-        // Room for the tick labels of the last panel.
+        // Space for the tick labels of the last panel.
         sheet.top += TICK_GAP + LINE - 36;
         let label = format!("cost of {} ({unit})", ladder.evaluation);
         let place = (left + size.0 / 2, sheet.top + TEXT / 2);
@@ -113,7 +114,7 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     })
 }
 
-/// The rungs of one scene.
+/// Draws the models for one scene.
 fn front(
     sheet: &Sheet,
     panel: &mut Panel<'_>,
@@ -164,7 +165,7 @@ fn front(
         let style = style_of(beaten);
         let colour = pale(style.colour);
         rung(beaten, Style { colour, ..style }, OTHER)?;
-        // The tooltip shows its name even if there is no room for a label.
+        // The tooltip shows the name of the model, even if there is no space for a label.
         sheet.title(&named(beaten));
     }
     for leader in names.iter().filter_map(|name| name.leader) {
@@ -181,12 +182,12 @@ fn front(
     Ok(())
 }
 
-/// Ends of the 95 % interval of a rung's error.
+/// Ends of the 95 % interval of a model's error.
 fn interval(rung: &Rung) -> [f64; 2] {
     normal(rung.error, rung.error_std).map(|end| Spacing::Log.nearest(end))
 }
 
-/// Name of a rung, with its error if that is off the scale.
+/// Name of a model, followed by its error if the error is off the scale.
 fn named(rung: &Rung) -> String {
     match is_off_scale(rung) {
         true => format!(
@@ -202,13 +203,13 @@ fn is_off_scale(rung: &Rung) -> bool {
     rung.error > MAX_ERROR
 }
 
-/// Head of an arrow that points upwards, above a marker.
+/// Tip of an arrow that points upwards, above a marker.
 fn arrow((x, y): Point) -> [Point; 3] {
     let (size, bottom) = (OTHER as i32, y - MARKER as i32 - 9);
     [(x - size, bottom), (x + size, bottom), (x, bottom - 16)]
 }
 
-/// Name of a rung without its numbers, which is the same for all rungs that differ in a setting.
+/// Name of a model without its numbers. Models that differ only in a setting have the same family name.
 fn family(name: &str) -> String {
     let is_number = |word: &&str| word.starts_with(|letter: char| letter.is_ascii_digit());
     let kept = name.split(", ").map(|part| {
@@ -218,7 +219,7 @@ fn family(name: &str) -> String {
     });
     let mut kept = kept.zip(name.split(", "));
     let first = kept.next().map_or(String::new(), |(words, _)| words);
-    // The name keeps only those other parts that are not settings.
+    // Drop the other parts of the name that are settings.
     let others = kept.filter(|(words, part)| !words.is_empty() && !part.contains('='));
     let others = others.map(|(words, _)| words);
     std::iter::once(first)
@@ -227,7 +228,7 @@ fn family(name: &str) -> String {
         .join(", ")
 }
 
-/// Error on the axis.
+/// Error at which a model is drawn, limited to the range of the axis.
 fn drawn_error(rung: &Rung) -> f64 {
     rung.error.min(MAX_ERROR)
 }

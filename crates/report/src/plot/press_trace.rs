@@ -1,4 +1,4 @@
-//! Figures of one press: the displacements of its markers, true and read.
+//! Figures of one press: the true displacements of the markers and their readings.
 
 mod marker_table;
 mod outward;
@@ -15,19 +15,20 @@ use outward::outward;
 use palpate_study::label::{spoken_unit, with_unit};
 
 /// Draws a press from the `trace.csv` and `readings.csv` of `palpate trace`. The figure `quiver` shows the markers from
-/// above, with arrows for their true and read displacements along the skin, and shades for the normal displacement. The
-/// figure `trace-profile` shows the normal displacement against the distance from the contact, and below it the component
-/// along the skin away from the contact, if it was read. A reading belongs to the marker at its place; markers without a
-/// reading are crossed.
+/// above. Arrows show the true and measured displacements along the skin, and shades of a colour show the normal
+/// displacement. The figure `trace-profile` shows the normal displacement over the distance from the contact and, if it
+/// was measured, the displacement along the skin away from the contact. A reading belongs to the marker at the same
+/// place. A marker without a reading is crossed out.
 ///
 /// # Errors
-/// A table is missing or malformed, its lengths are in several units, or a reading is not at the place of a marker.
+/// [`ReportError`] if a table is missing or malformed, if its lengths are in several units, or if a reading is not at
+/// the place of a marker.
 pub fn press_figures(files: &Files) -> Result<Vec<Figure>, ReportError> {
     let trace = marker_table::read(files)?;
     Ok(vec![quiver::figure(&trace)?, profile(&trace)?])
 }
 
-/// Draws the profile: the normal displacement, and below it the one along the skin.
+/// Draws the profiles: the normal displacement and, below it, the displacement along the skin.
 fn profile(trace: &Trace) -> Result<Figure, ReportError> {
     let label = |text: &str| with_unit(text, &spoken_unit(&trace.unit));
     let distances: Vec<f64> = trace.markers.iter().map(|marker| marker.radial).collect();
@@ -58,7 +59,7 @@ fn profile(trace: &Trace) -> Result<Figure, ReportError> {
     series::figure(words, plots)
 }
 
-/// Points of a component of each marker's displacement, true and read.
+/// Points of a profile for one component of the markers' displacements: the true values and the readings.
 fn places(trace: &Trace, component: impl Fn(usize, &Displacement) -> Option<f64>) -> Vec<PointSet> {
     let markers = || trace.markers.iter().enumerate();
     let truth =

@@ -1,4 +1,4 @@
-//! Figures of kind `profile`: true and estimated displacement of the skin along a radius.
+//! Figures of kind `profile`: true and estimated displacement of the skin along a radius from the contact.
 
 use super::captions::{full_value, short_value};
 use super::drawing::Figure;
@@ -14,10 +14,10 @@ use palpate_study::Label;
 use palpate_study::config::Component;
 use palpate_study::label::{spoken_unit, with_unit};
 
-/// Largest number of lines, which have no markers and differ only in colour.
+/// Largest number of lines. The lines have no markers and differ only in colour.
 const MAX_LINES: usize = PLAIN;
 
-/// Draws the profiles of a plot.
+/// Draws a figure of kind `profile`.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let component = of.plot.component.unwrap_or(Component::Normal);
     let profiles = read(of, component)?;
@@ -105,8 +105,8 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     series::figure(of.words(subtitle, notes), vec![plot])
 }
 
-/// Lines of one panel: true displacements, then estimates. A true line that several cells share is drawn once, in a neutral
-/// colour.
+/// Lines of one panel: first the true displacements, then the estimates. A true line that is the same for several cells
+/// is drawn once, in a neutral colour.
 fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
     let mut truths: Vec<Line> = Vec::new();
     for (style, profile) in shown {
@@ -122,16 +122,16 @@ fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
     all.filter(|line| !line.runs.is_empty()).collect()
 }
 
-/// Axes on which the chosen cells differ.
+/// Axes on which the selected cells differ.
 struct Axes<'a> {
     panel: Option<&'a Axis>,
-    /// Axes on which the cells differ, without the axis of the panels.
+    /// Axes on which the cells differ, except the axis whose values are the panels.
     names: Vec<&'a Axis>,
 }
 
-/// Cells with one colour, at most one in a panel.
+/// Cells that are drawn in the same colour. A panel contains at most one of them.
 struct Series<'a> {
-    /// Values on the axes on which the series differ.
+    /// Name of the series: its values on the axes on which the series differ.
     name: Vec<&'a str>,
     label: String,
     style: Style,
@@ -152,7 +152,7 @@ impl<'a> Axes<'a> {
         self.names.iter().map(|axis| axis.text(row)).collect()
     }
 
-    /// Title above the names of the series: the name of the axis, if they differ on a single one.
+    /// Title above the names of the series. If the series differ on a single axis, it is the name of this axis.
     fn title(&self) -> String {
         match self.names.as_slice() {
             [axis] => Label::of_field(&axis.header).text(),
@@ -170,7 +170,8 @@ impl<'a> Axes<'a> {
                 all.push(Series { name, label, style });
             }
         }
-        // If there is one axis with few values, each value has the same colour in every plot of the study.
+        // If the series differ on one axis with few values, the colour of a value is the same in every plot of the
+        // study.
         if let [axis] = self.names.as_slice()
             && axis.values().len() <= PLAIN
         {
@@ -195,7 +196,7 @@ impl<'a> Axes<'a> {
     }
 }
 
-/// Style of the series with this label, or with this value if the series differ on one axis.
+/// Style of the series with this name. If the series differ on one axis, a name is a value on this axis.
 fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
     let is_it = |series: &&Series<'_>| series.label == name || series.name == [name];
     let found = series.iter().find(is_it);
@@ -205,21 +206,21 @@ fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
     })
 }
 
-/// Component of every cell's displacement, cells in order of appearance.
+/// One component of the displacement in every cell. The cells are in order of appearance.
 struct Profiles {
     /// Units of the radial position and of the displacement, as in the table; may be empty.
     units: [String; 2],
     cells: Vec<Profile>,
 }
 
-/// Displacement in one cell against the radial position.
+/// Displacement in one cell, as a function of the radial position.
 struct Profile {
     cell: u64,
     truth: Runs,
     estimate: Runs,
 }
 
-/// Reads `map.csv`.
+/// Reads the profiles in `map.csv`.
 fn read(of: Request<'_>, component: Component) -> Result<Profiles, ReportError> {
     let columns = match component {
         Component::Normal => ["normal_displacement", "estimated_normal_displacement"],

@@ -1,4 +1,4 @@
-//! Reference lines and reference points that a `[[plot]]` states.
+//! The reference lines and reference points that a `[[plot]]` contains.
 
 use super::scale::Spacing;
 use super::series::{Mark, OPEN_MARKER, PointSet};
@@ -8,17 +8,18 @@ use crate::table::same;
 use palpate_study::{config, number};
 use plotters::style::Color;
 
-/// Axis of a plot, with the factor from numbers of the table to displayed numbers.
+/// Axis of a plot, with the factor from the numbers of the table to the displayed numbers.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AxisScale {
     pub(crate) name: char,
     pub(crate) spacing: Spacing,
-    /// Factor from numbers of the table to displayed numbers.
+    /// Factor from the numbers of the table to the displayed numbers.
     pub(crate) factor: f64,
 }
 
 impl AxisScale {
-    /// Displayed number for `value`. The error names the item `what` and the reason why it cannot be drawn there.
+    /// Displayed number for `value`. The error names the item `what` and the reason why it cannot be drawn at this
+    /// value.
     fn place(self, value: f64, what: &str) -> Result<f64, String> {
         let place = value * self.factor;
         let refused = |why| {
@@ -34,7 +35,7 @@ impl AxisScale {
     }
 }
 
-/// Reference lines of a plot. The error states why one of them cannot be drawn.
+/// Reference lines of a plot. The error states why a line cannot be drawn.
 pub(crate) fn marks(marks: &[config::Mark], [x, y]: [AxisScale; 2]) -> Result<Vec<Mark>, String> {
     let place = |mark: &config::Mark| {
         let on_x = mark.axis == config::MarkAxis::X;
@@ -49,15 +50,15 @@ pub(crate) fn marks(marks: &[config::Mark], [x, y]: [AxisScale; 2]) -> Result<Ve
     marks.iter().map(place).collect()
 }
 
-/// Sets of reference points, each with its panel.
+/// Sets of reference points, with the panel of each set.
 #[derive(Debug, Default)]
 pub(crate) struct Points {
     sets: Vec<(Option<String>, PointSet)>,
 }
 
 impl Points {
-    /// Places the points of a plot. `series` returns the style of a series by name, and `panels` are the values of the
-    /// panels. The error states why a set cannot be drawn.
+    /// Prepares the reference points of a plot. `series` returns the style of a series from its name, and `panels` are
+    /// the values of the panels. The error states why a set cannot be drawn.
     pub(crate) fn of(
         points: &[config::Points],
         [x, y]: [AxisScale; 2],
@@ -100,7 +101,7 @@ impl Points {
         Ok(Self { sets })
     }
 
-    /// Sets of points in the panel of this value, including sets without a panel.
+    /// The sets of points in the panel with this value. Sets without a panel are in all panels.
     pub(crate) fn of_panel(&self, value: Option<&str>) -> Vec<PointSet> {
         let here = |panel: &Option<String>| match (panel, value) {
             (Some(panel), Some(value)) => same(panel, value),
@@ -111,7 +112,8 @@ impl Points {
         sets.map(|(_, set)| set.clone()).collect()
     }
 
-    /// Label and style of each set; the colour is neutral if points of one label differ in colour.
+    /// Label and style of each set. If points with the same label have different colours, the colour in the legend is
+    /// neutral.
     pub(crate) fn legend(&self) -> Vec<(String, Style)> {
         let mut entries: Vec<(String, Style)> = Vec::new();
         for (_, set) in &self.sets {

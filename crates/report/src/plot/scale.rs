@@ -1,4 +1,4 @@
-//! Axes: the position of a value along an axis, and ticks.
+//! Axes: the position of a value along an axis, and the ticks of an axis.
 
 use super::lettering::{width, wrap};
 use super::sheet::TEXT;
@@ -6,47 +6,47 @@ use palpate_study::number;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use std::ops::Range;
 
-/// The spacing of an axis.
+/// Spacing of the values along an axis: linear or logarithmic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Spacing {
     Linear,
     Log,
 }
 
-/// A labelled tick.
+/// A tick with its label.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tick {
     pub(crate) at: f64,
     pub(crate) label: String,
 }
 
-/// An axis as a coordinate type for plotters: range, ticks and grid lines.
+/// An axis, as a coordinate type of the plotters library: its range, ticks and grid lines.
 #[derive(Debug, Clone)]
 pub(crate) struct Scale {
     spacing: Spacing,
-    /// Both ends; for a logarithmic axis, their logarithms to base 10.
+    /// Both ends of the range; for a logarithmic axis, the decimal logarithms of the ends.
     min: f64,
     max: f64,
-    /// Names of the positions 0, 1, …; empty for a numeric axis.
+    /// Names at the positions 0, 1, …; empty for a numeric axis.
     names: Vec<String>,
-    /// Number of ticks to aim at.
+    /// Desired number of ticks.
     about: usize,
     /// Whether there are grid lines between the ticks.
     has_minor: bool,
 }
 
-/// Values beyond this, or closer to zero than its inverse, are not drawn.
+/// Largest value that is drawn. Values that are nearer to zero than its inverse are not drawn either.
 const LARGEST: f64 = 1e300;
-/// Gap between numbers along x.
+/// Smallest gap between two numbers along the x axis, in drawing units (1/3 px).
 const BETWEEN_NUMBERS: i32 = 24;
 
 impl Spacing {
-    /// `Log` if `is_log`, else `Linear`.
+    /// `Log` if `is_log` is true, otherwise `Linear`.
     pub(crate) fn log(is_log: bool) -> Self {
         if is_log { Self::Log } else { Self::Linear }
     }
 
-    /// Reason why `value` cannot be drawn on such an axis; `None` if it can.
+    /// Reason why `value` cannot be drawn on an axis with this spacing; `None` if it can be drawn.
     pub(crate) fn refusal(self, value: f64) -> Option<&'static str> {
         match self {
             _ if !value.is_finite() || value.abs() > LARGEST => Some("beyond 1 × 10³⁰⁰"),
@@ -57,7 +57,7 @@ impl Spacing {
         }
     }
 
-    /// The nearest number to `value` that can be drawn on such an axis.
+    /// The number nearest to `value` that can be drawn on an axis with this spacing.
     pub(crate) fn nearest(self, value: f64) -> f64 {
         let least = match self {
             Self::Linear => -LARGEST,
@@ -68,7 +68,7 @@ impl Spacing {
 }
 
 impl Scale {
-    /// An axis that holds all `values` (which must be drawable) with a margin.
+    /// An axis that covers all `values` with a margin. It must be possible to draw all values.
     pub(crate) fn around(spacing: Spacing, values: impl Iterator<Item = f64>) -> Self {
         let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
         for value in values {
@@ -96,7 +96,7 @@ impl Scale {
         }
     }
 
-    /// A linear axis from `min` to `max`, which must be drawable and differ.
+    /// A linear axis from `min` to `max`. They must differ, and it must be possible to draw both.
     pub(crate) fn exactly(min: f64, max: f64) -> Self {
         Self {
             spacing: Spacing::Linear,
@@ -108,7 +108,7 @@ impl Scale {
         }
     }
 
-    /// An axis of named places: the first at 0, the next at 1, …
+    /// An axis of names. The first name is at 0, the next at 1, and so on.
     pub(crate) fn of_names(names: Vec<String>) -> Self {
         let end = names.len() as f64 - 0.5;
         Self {
@@ -139,8 +139,8 @@ impl Scale {
         }
     }
 
-    /// The axis with as many ticks as have room for their labels below a panel of this width. An axis of names keeps
-    /// all ticks and wraps the names, with `gap` between neighbours.
+    /// The axis with the largest number of ticks whose labels fit below a panel of this width. An axis of names keeps
+    /// all names. Long names are wrapped, with a `gap` between neighbours.
     pub(crate) fn fitted(mut self, panel: i32, gap: i32) -> Self {
         if !self.names.is_empty() {
             let slot = panel / self.names.len() as i32 - gap;
@@ -165,30 +165,30 @@ impl Scale {
         choices.find(fits).unwrap_or(self.clone().with_ticks(2))
     }
 
-    /// The lower and the upper end of a linear axis.
+    /// The lower and the upper end of the axis, which must be linear.
     pub(crate) fn ends(&self) -> (f64, f64) {
         (self.min, self.max)
     }
 
-    /// The names along the axis; empty for numbers.
+    /// The names along the axis; empty for a numeric axis.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Width of the widest label.
+    /// Width of the widest tick label.
     pub(crate) fn widest(&self) -> i32 {
         let ticks = self.ticks();
         let widths = ticks.iter().map(|tick| width(&tick.label, TEXT));
         widths.max().unwrap_or(0)
     }
 
-    /// Largest number of lines of a label.
+    /// Largest number of text lines of a tick label.
     pub(crate) fn lines(&self) -> i32 {
         let lines = self.names.iter().map(|name| name.lines().count() as i32);
         lines.max().unwrap_or(1)
     }
 
-    /// Place of `value` along the axis: 0 at the lower end, 1 at the upper.
+    /// Position of `value` along the axis: 0 at the lower end, 1 at the upper end.
     pub(crate) fn place(&self, value: f64) -> f64 {
         let value = match self.spacing {
             Spacing::Log => libm::log10(value),
@@ -206,7 +206,8 @@ impl Scale {
         }
     }
 
-    /// Labelled ticks at round values, about `self.about` but at least one; names along the axis have a tick each.
+    /// Ticks with labels at round values: about `self.about`, but at least one. On an axis of names, each name has a
+    /// tick.
     pub(crate) fn ticks(&self) -> Vec<Tick> {
         if !self.names.is_empty() {
             let tick = |(at, label): (usize, &String)| Tick {
@@ -221,7 +222,7 @@ impl Scale {
         }
     }
 
-    /// Places of unlabelled grid lines between the ticks.
+    /// Positions of grid lines between the ticks, without labels.
     fn minor(&self) -> Vec<f64> {
         match self.spacing {
             _ if !self.has_minor || !self.names.is_empty() => Vec::new(),
@@ -233,7 +234,7 @@ impl Scale {
         }
     }
 
-    /// Values on the axis that are one of these digits times a power of ten.
+    /// All values on the axis that are one of these digits times a power of ten.
     fn digits(&self, digits: &[i32]) -> Vec<f64> {
         let decades = self.min.floor() as i32..=self.max.ceil() as i32;
         let values = decades.flat_map(|e| digits.iter().map(move |k| f64::from(*k) * power(e)));
@@ -260,7 +261,7 @@ impl Scale {
             let shown = exponents.iter().filter(|e| e.rem_euclid(step) == 0);
             return shown.map(tick).collect();
         }
-        // Less than three decades: divide them, as finely as there is room for.
+        // For an axis of less than three decades, use the finest division for which the labels have space.
         let choices: [&[i32]; 3] = [&[1, 2, 3, 4, 5, 6, 7, 8, 9], &[1, 2, 5], &[1, 3]];
         let mut choices = choices.map(|digits| self.digits(digits)).into_iter();
         let found = choices.find(|values| (2..=about.max(3)).contains(&values.len()));
@@ -293,7 +294,7 @@ impl Scale {
     fn multiples(&self, step: f64) -> Vec<f64> {
         let first = (self.min / step - 1e-9).ceil();
         let last = (self.max / step + 1e-9).floor();
-        // `+ 0.0` turns a negative zero into zero.
+        // Adding 0.0 converts a negative zero to zero.
         (0..=200)
             .map(|k| first + f64::from(k))
             .take_while(|k| *k <= last)
@@ -307,7 +308,7 @@ impl Ranged for Scale {
     type ValueType = f64;
 
     fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
-        // Plotters uses `i32` pixels, so positions far outside the axis are clamped.
+        // Positions far outside of the axis are limited, because the plotters library uses `i32` pixels.
         let place = self.place(*value).clamp(-9.0, 9.0);
         start + (place * f64::from(end - start)).round() as i32
     }
@@ -332,12 +333,12 @@ impl ValueFormatter<f64> for Scale {
     }
 }
 
-/// A power of ten, equal to the decimal literal.
+/// A power of ten, rounded in the same way as the decimal literal.
 fn power(exponent: i32) -> f64 {
     format!("1e{exponent}").parse().unwrap_or(f64::MAX)
 }
 
-/// The 1, 2 or 5 times a power of ten that is nearest to `width` in ratio.
+/// The number among 1, 2 and 5 times a power of ten that is nearest to `width` in ratio.
 pub(crate) fn round_step(width: f64) -> f64 {
     let ten = libm::pow(10f64, libm::log10(width).floor());
     let ratio = width / ten;
@@ -358,7 +359,7 @@ fn linear_range(min: f64, max: f64) -> (f64, f64) {
         return (min - margin, max + margin);
     }
     let margin = 0.05 * (max - min);
-    // A range that nearly reaches zero starts there.
+    // If the smallest value is small compared with the largest, the range starts just below zero.
     let low = if min >= 0.0 && min < 0.4 * max {
         -0.3 * margin
     } else {

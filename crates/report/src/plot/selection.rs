@@ -1,4 +1,4 @@
-//! Selection of the columns, rows and cells that a `[[plot]]` requests.
+//! Selects the columns, rows and cells that a `[[plot]]` requests.
 
 use super::captions::{self, full_value};
 use super::sheet::Words;
@@ -8,7 +8,7 @@ use crate::{ReportError, Study, Table};
 use palpate_study::config::PlotConfig;
 use std::collections::BTreeMap;
 
-/// `[[plot]]` of a study.
+/// A `[[plot]]` of a study, to be drawn.
 #[derive(Clone, Copy)]
 pub(crate) struct Request<'a> {
     pub(crate) study: &'a Study,
@@ -18,7 +18,7 @@ pub(crate) struct Request<'a> {
 }
 
 impl<'a> Request<'a> {
-    /// Texts around the figure.
+    /// The texts of the figure: its name, title, subtitle and notes.
     pub(crate) fn words(&self, subtitle: String, notes: Vec<String>) -> Words {
         let title = self.plot.title.as_deref().unwrap_or(self.study.title());
         Words {
@@ -29,7 +29,7 @@ impl<'a> Request<'a> {
         }
     }
 
-    /// Error of a plot that cannot be drawn from the table.
+    /// The error for a plot that cannot be drawn from the table.
     pub(crate) fn bad(&self, problem: String) -> ReportError {
         ReportError::BadPlot {
             path: self.study.run_toml(),
@@ -38,7 +38,7 @@ impl<'a> Request<'a> {
         }
     }
 
-    /// Error that `value` under `key` is not a column; the error lists the `known` columns.
+    /// The error for a `value` of `key` that is not the name of a column. The error lists the `known` columns.
     pub(crate) fn unknown<'b>(
         &self,
         key: &str,
@@ -46,10 +46,12 @@ impl<'a> Request<'a> {
         known: impl Iterator<Item = &'b str>,
     ) -> ReportError {
         let known = nearest(value, known).join(", ");
-        self.bad(format!("{key} = {value:?} is no column; known: {known}"))
+        self.bad(format!(
+            "{key} = {value:?} is not a column; possible: {known}"
+        ))
     }
 
-    /// The swept path with the name under `key`.
+    /// The swept field that the key `key` of the plot names.
     pub(crate) fn axis(&self, key: &str, name: &str) -> Result<&'a Axis, ReportError> {
         let table = self.study.cells();
         let known = table.axes().iter().map(|axis| axis.header.as_str());
@@ -58,7 +60,7 @@ impl<'a> Request<'a> {
     }
 }
 
-/// `names`, the most similar to `wanted` first.
+/// The `names`, sorted by their similarity to `wanted`, most similar first.
 pub(crate) fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<&str> = names.collect();
     let likeness = |name: &str| strsim::jaro_winkler(wanted, name);
@@ -73,17 +75,17 @@ pub(crate) enum Column<'a> {
     Statistic(&'a str),
 }
 
-/// The columns and rows of one plot: at least one row, and one row per panel, series and x.
+/// The columns and rows of one plot. There is at least one row, and at most one row per panel, series and x.
 pub(crate) struct Selection<'a> {
     pub(crate) of: Request<'a>,
     pub(crate) table: &'a Table,
     pub(crate) x: Column<'a>,
-    /// Statistic along y.
+    /// Name of the statistic on the y axis.
     pub(crate) y: &'a str,
     pub(crate) series: Option<&'a Axis>,
     pub(crate) panels: Option<&'a Axis>,
     pub(crate) rows: Vec<usize>,
-    /// Values of `where` that the table does not have.
+    /// Values in `where` that the table does not contain.
     pub(crate) absent: Vec<String>,
 }
 
@@ -96,7 +98,7 @@ impl<'a> Column<'a> {
         }
     }
 
-    /// The text in `row`; empty if the statistic is undefined.
+    /// The text of this column in `row`; empty if the statistic is undefined.
     fn text(self, table: &Table, row: usize) -> String {
         match self {
             Self::Axis(axis) => axis.text(row).to_owned(),
@@ -107,7 +109,7 @@ impl<'a> Column<'a> {
     }
 }
 
-/// Axis with this name: a swept path, with or without its unit, or `quantity`.
+/// The axis with this name, which is a swept path (with or without its unit) or `quantity`.
 fn axis<'a>(table: &'a Table, name: &str) -> Option<&'a Axis> {
     let quantities = || Some(table.quantities()).filter(|axis| axis.header == name);
     table.axis(name).or_else(quantities)
@@ -179,7 +181,8 @@ impl<'a> Selection<'a> {
         Ok(selection)
     }
 
-    /// Checks that there is one row per panel, series and x. The error names the axes on which the rows of a point differ.
+    /// Checks that there is only one row per panel, series and x. Otherwise the error names the axes on which the rows
+    /// of a point differ.
     fn check_unique(&self) -> Result<(), ReportError> {
         let (table, plot) = (self.table, self.of.plot);
         let mut points: BTreeMap<[String; 3], Vec<usize>> = BTreeMap::new();
@@ -192,7 +195,7 @@ impl<'a> Selection<'a> {
             ];
             points.entry(point).or_default().push(row);
         }
-        // A row with an undefined statistic on x has no point.
+        // A row in which the statistic on x is undefined is not drawn as a point, so it need not be unique.
         let real = |point: &[String; 3]| matches!(self.x, Column::Axis(_)) || !point[2].is_empty();
         let mut crowded = points.into_iter().filter(|(_, rows)| rows.len() > 1);
         let Some((point, rows)) = crowded.find(|(point, _)| real(point)) else {
@@ -217,7 +220,7 @@ impl<'a> Selection<'a> {
     }
 }
 
-/// The values of `axis` among `rows`, if there are several, in words.
+/// Text of the values of `axis` in `rows`; `None` if there is only one value.
 fn variety(axis: &Axis, rows: &[usize]) -> Option<String> {
     match axis.among(rows).as_slice() {
         [] | [_] => None,
@@ -226,15 +229,15 @@ fn variety(axis: &Axis, rows: &[usize]) -> Option<String> {
     }
 }
 
-/// Cells that a figure of `map.csv` shows.
+/// The cells that a figure made from `map.csv` shows.
 pub(crate) struct CellSelection {
-    /// A row of each cell, at least one.
+    /// One row of each cell; at least one.
     pub(crate) rows: Vec<usize>,
     /// Notes on cells without a map, and on missing values.
     pub(crate) notes: Vec<String>,
 }
 
-/// Selects the cells that pass the filters of a plot and are among the `mapped` cells.
+/// Selects the cells that pass the filters of a plot and that have a map, that is, are in `mapped`.
 pub(crate) fn choose_cells(of: Request<'_>, mapped: &[u64]) -> Result<CellSelection, ReportError> {
     let table = of.study.cells();
     let cells = by_key((0..table.rows()).map(|row| (table.cell(row), row)));
@@ -267,7 +270,7 @@ pub(crate) fn choose_cells(of: Request<'_>, mapped: &[u64]) -> Result<CellSelect
     Ok(CellSelection { rows, notes })
 }
 
-/// Swept values of a row, in words.
+/// Text of the swept values of a row.
 fn place(study: &Study, row: usize) -> String {
     let values = captions::swept_values(study.cells(), row);
     match values.is_empty() {
@@ -276,7 +279,8 @@ fn place(study: &Study, row: usize) -> String {
     }
 }
 
-/// Settings that the cells of some rows share, in words: the object, unless it is swept, and the axes with one value.
+/// Texts of the settings that the cells of these rows share: the object, unless it is swept, and all axes with only one
+/// value.
 pub(crate) fn in_common(study: &Study, rows: &[usize]) -> Vec<String> {
     let axes = study.cells().axes();
     let of_object = |header: &str| header.starts_with("scene.object");

@@ -1,4 +1,4 @@
-//! Lines and points in panels on the same axes, with their legend and reference lines.
+//! Lines and points in panels with the same axes, with their legend and reference lines.
 
 use super::chart::{self, Chart, Legend, Panel, bar, mesh};
 use super::drawing::Figure;
@@ -13,21 +13,21 @@ use plotters::series::LineSeries;
 use plotters::style::text_anchor::HPos;
 use plotters::style::{Color, ShapeStyle};
 
-/// Lines of more points than this get small markers.
+/// Number of points above which a line has small markers.
 const MANY_POINTS: usize = 25;
-/// Radius of open markers.
+/// Radius of open markers, in drawing units (1/3 px).
 pub(crate) const OPEN_MARKER: f64 = 21.0;
 /// Line width of the circle around a marker.
 const CIRCLE: f64 = 4.5;
 
-/// Panels on the same axes, with their labels, key and legend.
+/// A group of panels with the same axes, with their labels, key and legend.
 #[derive(Debug, Clone)]
 pub(crate) struct Plot {
     pub(crate) x_label: String,
     pub(crate) y_label: String,
     pub(crate) x: Scale,
     pub(crate) y: Scale,
-    /// At least one.
+    /// Panels of the plot; at least one.
     pub(crate) panels: Vec<Content>,
     /// Key above the panels.
     pub(crate) key: Key,
@@ -40,16 +40,16 @@ pub(crate) struct Plot {
 /// Content of a panel.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Content {
-    /// May be empty.
+    /// Title of the panel; may be empty.
     pub(crate) title: String,
-    /// Coloured polygons behind everything else, each given by its corners.
+    /// Coloured polygons behind everything else. Each is given by its corners.
     pub(crate) grounds: Vec<(Vec<(f64, f64)>, Colour)>,
     pub(crate) lines: Vec<Line>,
     pub(crate) points: Vec<PointSet>,
 }
 
 impl Content {
-    /// Coordinates of all points, joined or not.
+    /// Coordinates of all points: of the points of lines and of single points.
     pub(crate) fn places(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let lines = self
             .lines
@@ -60,7 +60,7 @@ impl Content {
     }
 }
 
-/// Points that are not joined, drawn as open markers.
+/// Single points, which are drawn as open markers.
 #[derive(Debug, Clone)]
 pub(crate) struct PointSet {
     pub(crate) label: String,
@@ -69,35 +69,36 @@ pub(crate) struct PointSet {
     pub(crate) at: Vec<(f64, f64)>,
 }
 
-/// Points of a line, split into runs where a value is missing.
+/// Points of a line. The line is split into several parts where a value is missing.
 pub(crate) type Runs = Vec<Vec<(f64, f64)>>;
 
-/// Series in one panel.
+/// One series in one panel.
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
     pub(crate) style: Style,
-    /// Whether the line is dashed and without markers; it shows the statistic to compare with.
+    /// Whether the line is dashed and has no markers. A dashed line shows the statistic that is compared with the
+    /// statistic of the solid line.
     pub(crate) dashed: bool,
-    /// Points in order of x.
+    /// Points, sorted by x.
     pub(crate) runs: Runs,
     /// Points that are marked with a circle.
     pub(crate) circled: Vec<(f64, f64)>,
-    /// Vertical bars: x, and both ends in y.
+    /// Vertical error bars, each with its x and the y of its two ends.
     pub(crate) bars: Vec<(f64, [f64; 2])>,
 }
 
-/// The key to the lines; empty if there is one series and nothing to compare.
+/// The key of the lines. It is empty if there is only one series and no comparison.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SeriesKey {
     pub(crate) title: String,
     pub(crate) entries: Vec<(String, Style)>,
-    /// Labels of the solid and of the dashed lines, if two statistics are compared.
+    /// If two statistics are compared, the label of the solid lines and the label of the dashed lines.
     pub(crate) compared: Option<(String, String)>,
     /// Labels and styles of the open markers.
     pub(crate) points: Vec<(String, Style)>,
 }
 
-/// A labelled reference line.
+/// A reference line with a label.
 #[derive(Debug, Clone)]
 pub(crate) struct Mark {
     pub(crate) on_x: bool,
@@ -106,7 +107,8 @@ pub(crate) struct Mark {
     pub(crate) style: ShapeStyle,
 }
 
-/// The x and y axes, around all points and marks. `make` gets 0 for x or 1 for y, and the values to include.
+/// The x and y axes, which cover all points and reference lines. `make` is called with 0 for x or 1 for y, and with the
+/// values to cover.
 pub(crate) fn scales(
     panels: &[Content],
     marks: &[Mark],
@@ -129,14 +131,14 @@ pub(crate) fn scales(
     ]
 }
 
-/// Makes a figure of at least one plot, with the plots below each other.
+/// Creates a figure of at least one plot, with the plots below each other.
 pub(crate) fn figure(words: Words, plots: Vec<Plot>) -> Result<Figure, ReportError> {
     let charts: Vec<Chart<'_>> = plots.iter().map(Plot::chart).collect();
     chart::figure(words, &charts)
 }
 
 impl Line {
-    /// Line without circled points and bars.
+    /// A line without circled points and error bars.
     pub(crate) fn new(style: Style, dashed: bool, runs: Runs) -> Self {
         Self {
             style,
@@ -149,7 +151,7 @@ impl Line {
 }
 
 impl Plot {
-    /// Plot without reference lines, legend and key. Labels and scales are of x and y.
+    /// A plot without reference lines, legend and key. The first label and scale are for x, the second for y.
     pub(crate) fn new(labels: [String; 2], [x, y]: [Scale; 2], panels: Vec<Content>) -> Self {
         let [x_label, y_label] = labels;
         Self {
@@ -232,7 +234,7 @@ impl Plot {
         for line in &content.lines {
             self.stroke(line, panel)?;
         }
-        // Markers are drawn last, so that no line crosses a marker.
+        // Draw the markers last, so that lines do not cross them.
         let marked = |line: &&Line| self.marker > 0.0 && !line.dashed;
         let marked: Vec<&Line> = content.lines.iter().filter(marked).collect();
         let size = |line: &Line| {
@@ -266,7 +268,7 @@ impl Plot {
 
     fn stroke(&self, line: &Line, panel: &mut Panel<'_>) -> Drawn {
         let style = line.style.colour.stroke_width(STROKE);
-        // Solid lines are pale if there are dashed lines too, so that both are visible where they coincide.
+        // If there are also dashed lines, the solid lines are pale, so that both are visible where they coincide.
         let behind = pale(line.style.colour).stroke_width(STROKE);
         for run in &line.runs {
             match run.as_slice() {
@@ -290,7 +292,7 @@ impl Plot {
 }
 
 impl Mark {
-    /// Draws the reference line, and its label where the label covers the fewest lines and points.
+    /// Draws the reference line, and its label at the place where the label covers the fewest lines and points.
     fn draw(&self, label: &str, content: &Content, panel: &Panel<'_>) -> Drawn {
         const PLACES: [f64; 5] = [0.98, 0.02, 0.5, 0.25, 0.75];
         let area = panel.plotting_area().use_screen_coord();
@@ -305,7 +307,7 @@ impl Mark {
         let along = |start: i32, end: i32| {
             PLACES.map(|share| start + (share * f64::from(end - start)) as i32)
         };
-        // The ends of the line, and possible places of its label on both sides.
+        // `ends` are the ends of the line, and `places` are possible places of its label on both sides of the line.
         let (ends, places) = if self.on_x {
             let heights = along(down.end - half, down.start + half);
             let beside = heights.map(|y| [(x + 18, y), (x - 18 - wide, y)]);
@@ -344,7 +346,7 @@ impl Mark {
 }
 
 impl Content {
-    /// Amount that is drawn within a box: 3 for each point, and 1 for each of the 21 samples per line segment.
+    /// Measure of how much is drawn within a box: 3 for each point, and 1 for each of the 21 samples per line segment.
     fn crossings(&self, panel: &Panel<'_>, [across, down]: &[std::ops::Range<i32>; 2]) -> usize {
         let within = |(x, y): &Point| across.contains(x) && down.contains(y);
         let at = |place: &(f64, f64)| panel.backend_coord(place);

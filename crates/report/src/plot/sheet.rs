@@ -1,4 +1,4 @@
-//! The sheet on which all figures are drawn: title, subtitle, key and notes around the content of a figure.
+//! The sheet on which all figures are drawn. It adds title, subtitle, key and notes to the content of a figure.
 
 use super::drawing::{Drawing, Figure, LEADING};
 use super::lettering::{width, wrap};
@@ -15,15 +15,15 @@ use std::convert::Infallible;
 use std::rc::Rc;
 use std::vec;
 
-// Lengths are in thirds of a pixel, which are the units of a drawing.
+// All lengths are in drawing units, which are 1/3 of a pixel.
 
-/// Size of the title.
+/// Font size of the title.
 const TITLE: i32 = 75;
-/// Size of all other text.
+/// Font size of all other text.
 pub(crate) const TEXT: i32 = 54;
 /// Distance between lines of text.
 pub(crate) const LINE: i32 = 73;
-/// Margin around the picture.
+/// Margin around the figure, in drawing units.
 pub(crate) const EDGE: i32 = 66;
 /// Gap between a panel and the labels of its ticks.
 pub(crate) const TICK_GAP: i32 = 30;
@@ -31,31 +31,33 @@ pub(crate) const TICK_GAP: i32 = 30;
 pub(crate) const SAMPLE_GAP: i32 = 24;
 /// Horizontal gap between entries of a key.
 const ENTRY_GAP: i32 = 78;
-/// Minimum width of a figure.
+/// Smallest width of a figure.
 pub(crate) const WIDTH: i32 = 2880;
-/// Width of thin lines, and of lines of data.
+/// Width of thin lines, in drawing units.
 pub(crate) const HAIR: u32 = 3;
+/// Width of lines of data, in drawing units.
 pub(crate) const STROKE: u32 = 8;
 /// Radius of markers.
 pub(crate) const MARKER: f64 = 18.0;
-/// Length of dashes, and of the gaps between them.
+/// Length of dashes, in drawing units.
 const DASH: i32 = 24;
+/// Length of the gaps between dashes, in drawing units.
 const DASH_GAP: i32 = 15;
 
-/// Result of drawing.
+/// Result of a drawing function.
 pub(crate) type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<Infallible>>;
-/// Position, from the upper left corner.
+/// A position relative to the upper left corner.
 pub(crate) type Point = (i32, i32);
 
-/// Words around a figure.
+/// The texts around a figure.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Words {
-    /// File stem.
+    /// Name of the figure's files, without extension.
     pub(crate) name: String,
     pub(crate) title: String,
-    /// Sample size and fixed settings.
+    /// Text of the number of trials and of the fixed settings.
     pub(crate) subtitle: String,
-    /// Notes below the content, for example on points that are not drawn.
+    /// Notes below the content, for example about points that are not drawn.
     pub(crate) notes: Vec<String>,
 }
 
@@ -70,16 +72,17 @@ impl Words {
     }
 }
 
-/// A figure while it is drawn.
+/// A figure that is being drawn.
 pub(crate) struct Sheet {
     drawing: Rc<RefCell<Drawing>>,
     pub(crate) area: DrawingArea<Drawing, Shift>,
     pub(crate) width: i32,
-    /// Height used so far.
+    /// Height that is already used, from the top.
     pub(crate) top: i32,
 }
 
-/// Sample before the text of a key: a filled rectangle, a line on it and a symbol on top. Each may be absent.
+/// Symbol next to a text of a key. It consists of a filled rectangle, a line over it and a marker on top. Each of these
+/// parts may be missing.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Sample {
     pub(crate) ground: Option<Colour>,
@@ -91,13 +94,13 @@ pub(crate) struct Sample {
 /// Entries of a key: each sample with its label.
 pub(crate) type Key = Vec<(Sample, String)>;
 
-/// Draws a figure: the content that `draw` adds, with title, subtitle and notes around it.
+/// Creates a figure: draws the content with `draw`, and adds title, subtitle and notes.
 pub(crate) fn figure(
     words: Words,
     width: i32,
     draw: impl FnOnce(&mut Sheet) -> Drawn,
 ) -> Result<Figure, ReportError> {
-    // Round the width up to whole pixels.
+    // The width is rounded up to whole pixels.
     let width = width.unsigned_abs().next_multiple_of(3) as i32;
     let drawing = Rc::new(RefCell::new(Drawing::new(width)));
     let mut sheet = Sheet {
@@ -116,7 +119,7 @@ pub(crate) fn figure(
     Figure::new(words.name, words.title, drawing)
 }
 
-/// Style of a text of this colour that is centred vertically on its position.
+/// Style of a text in this colour that is centred vertically on its position.
 pub(crate) fn letters(em: i32, colour: Colour, horizontal: HPos) -> TextStyle<'static> {
     let font = FontDesc::from((FontFamily::SansSerif, em));
     font.color(&colour).pos(Pos::new(horizontal, VPos::Center))
@@ -153,7 +156,7 @@ impl Sheet {
         Ok(())
     }
 
-    /// Draws a line of text, centred vertically on `place`.
+    /// Draws one line of text, centred vertically on `place`.
     pub(crate) fn text(&self, text: &str, place: Point, anchor: HPos, colour: Colour) -> Drawn {
         self.area
             .draw_text(text, &letters(TEXT, colour, anchor), place)
@@ -164,7 +167,7 @@ impl Sheet {
         self.area.draw(&PathElement::new(points, style))
     }
 
-    /// Draws a text from `left` to the right, wrapped to lines at most `limit` wide.
+    /// Draws a text to the right of `left`, wrapped to lines with a width of at most `limit`.
     pub(crate) fn heading(&mut self, text: &str, left: i32, limit: i32) -> Drawn {
         for line in wrap(text, TEXT, limit) {
             self.text(&line, (left, self.top + TEXT / 2), HPos::Left, INK)?;
@@ -173,7 +176,7 @@ impl Sheet {
         Ok(())
     }
 
-    /// Draws the entries of a key side by side, wrapped to the width of the sheet; each sample is `sample` wide.
+    /// Draws the entries of a key side by side, wrapped to the width of the sheet. Each sample has the width `sample`.
     pub(crate) fn key(&mut self, sample: i32, entries: &Key) -> Drawn {
         self.top += 36;
         let mut x = EDGE;
@@ -191,7 +194,7 @@ impl Sheet {
         Ok(())
     }
 
-    /// Draws an entry of a key: a sample that extends from (x, y) by `wide` to the right, then its text.
+    /// Draws an entry of a key: a sample from (x, y) with the width `wide`, followed by its text.
     pub(crate) fn entry(&self, (x, y): Point, wide: i32, sample: &Sample, text: &str) -> Drawn {
         if let Some(ground) = sample.ground {
             let corners = [(x, y - TEXT / 2), (x + wide, y + TEXT / 2)];
@@ -246,7 +249,7 @@ impl Sample {
         }
     }
 
-    /// The sample with a symbol on it.
+    /// This sample with a symbol on it.
     pub(crate) fn with(self, symbol: Symbol) -> Self {
         Self {
             symbol: Some(symbol),

@@ -11,37 +11,40 @@ use plotters::coord::ranged1d::ValueFormatter;
 use plotters::style::text_anchor::HPos;
 use plotters::style::{Color, TRANSPARENT};
 
-/// A point or a direction in space.
+/// A point or a direction in three dimensions.
 pub(crate) type Vector = [f64; 3];
 
-/// View direction, degrees: turned from +x to −y, then raised.
+/// View direction, degrees: the angle by which the view is turned from +x to −y.
 const TURN: f64 = 62.0;
+/// Angle by which the viewpoint is raised, degrees.
 const RAISE: f64 = 36.0;
-/// Room for the labels of the axes, to the left and right of the box and below it.
+/// Room for the labels of the axes to the left and to the right of the box, px.
 const BESIDE: i32 = 198;
+/// Room for the labels of the axes below the box, px.
 pub(super) const BELOW: i32 = 48;
-/// Largest height of the box.
+/// Largest height of the box, px.
 const TALLEST: i32 = 1860;
-/// Length of axis per tick, which determines the number of ticks.
+/// Length of axis per tick, px, from which the number of ticks is computed.
 const APART: f64 = 192.0;
 
-/// A 3-D chart. Its x points right, y up and z away from the viewer, so y and z of the contacts are swapped.
+/// A three-dimensional chart. Its x axis points to the right, y up and z away from the viewer, so that y and z of the
+/// contacts are swapped.
 pub(super) type Space<'a> = ChartContext<'a, Drawing, Cartesian3d<Scale, Scale, Scale>>;
 
-/// A scale that holds the coordinates of these places along an axis.
+/// A scale that contains the coordinates of these positions along an axis.
 pub(super) fn around(places: &[Vector], axis: usize) -> Scale {
     Scale::around(Spacing::Linear, places.iter().map(|place| place[axis]))
 }
 
-/// An orthographic view from above, with the same scale along all axes.
+/// An orthographic view from above, in which all axes have the same scale.
 pub(super) struct View {
-    /// Unit vectors to the right, up and towards the eye.
+    /// Unit vectors to the right, up, and towards the eye.
     right: Vector,
     up: Vector,
     toward: Vector,
-    /// Side lengths of the box, px.
+    /// Lengths of the box's sides, px.
     sides: Vector,
-    /// Height of the picture of the box, px.
+    /// Height of the drawn box, px.
     pub(super) high: i32,
 }
 
@@ -68,7 +71,7 @@ impl View {
         }
     }
 
-    /// The empty 3-D chart with its walls, below the content already on the sheet.
+    /// The empty three-dimensional chart with its walls, below what was already drawn on the sheet.
     pub(super) fn space<'a>(&self, sheet: &Sheet, scales: &[Scale; 3]) -> Drawn<Space<'a>> {
         let [x, y, z] = [0, 1, 2].map(|axis| {
             let about = (self.sides[axis] / APART).clamp(2.0, 6.0) as usize;
@@ -87,7 +90,7 @@ impl View {
             [0.0, 0.0, 0.0, 1.0],
         ];
         let [wide, deep, high] = self.sides.map(|side| side as i32);
-        // Plotters puts labels on the side of an axis that faces away from the middle of this area.
+        // Plotters draws the labels on the side of an axis that faces away from the middle of this area.
         let area = (sheet.area.clone()).shrink((0, sheet.top), (WIDTH, self.high));
         let mut space =
             ChartBuilder::on(&area).build_cartesian_3d(x.clone(), z.clone(), y.clone())?;
@@ -129,7 +132,7 @@ impl View {
     }
 }
 
-/// A point in the coordinates of the chart, which swap y and z.
+/// The point in the coordinates of the chart, in which y and z are swapped.
 pub(super) fn at([x, y, z]: Vector) -> (f64, f64, f64) {
     (x, z, y)
 }

@@ -9,16 +9,17 @@ pub(crate) const GRID: Colour = Colour(210, 210, 210);
 pub(crate) const FAINT: Colour = Colour(238, 238, 238);
 pub(crate) const WHITE: Colour = Colour(255, 255, 255);
 
-/// Floor of a figure in space.
+/// Colour of the floor of a 3D figure.
 pub(crate) const FLOOR: Colour = Colour(248, 248, 246);
 
-/// Boundary on a coloured background, dark also on a dark page.
+/// Colour of a boundary on a coloured background. It is also dark on a dark page.
 pub(crate) const OUTLINE: Colour = Colour(33, 33, 33);
 
 /// Background of figures on a dark page.
 pub(crate) const DARK: Colour = Colour(27, 29, 31);
 
-/// Colours on white, each with the colour that replaces it on a dark page. Other colours are visible on both.
+/// Colours on a white page, each with the colour that replaces it on a dark page. All other colours are visible on
+/// both.
 pub(crate) fn on_dark() -> Vec<(Colour, Colour)> {
     let light = Colour(232, 232, 230);
     let neutral = [
@@ -47,7 +48,7 @@ pub(crate) fn on_dark() -> Vec<(Colour, Colour)> {
         .collect()
 }
 
-/// Okabe and Ito's colours, without their yellow, whose lines are invisible on white.
+/// Okabe and Ito's colours, without their yellow, because yellow lines are invisible on white.
 const COLOURS: [Colour; 7] = [
     Colour(0, 114, 178),
     Colour(213, 94, 0),
@@ -58,7 +59,7 @@ const COLOURS: [Colour; 7] = [
     Colour(0, 0, 0),
 ];
 
-/// Number of lines that differ by colour, without markers.
+/// Largest number of lines that can be distinguished by colour, without markers.
 pub(crate) const PLAIN: usize = COLOURS.len();
 
 /// Shape of a marker.
@@ -72,9 +73,9 @@ pub(crate) enum Marker {
     Ring,
     Plus,
     Cross,
-    /// Small disc, never drawn open, for points so dense that larger markers would cover each other.
+    /// Small disc that is never drawn open. It is for dense points, where larger markers would cover each other.
     Dot,
-    /// Level bar, never drawn open, visible on both sides of a dot.
+    /// Horizontal bar that is never drawn open. It is visible on both sides of a dot.
     Dash,
 }
 
@@ -89,7 +90,7 @@ const MARKERS: [Marker; 8] = [
     Marker::Cross,
 ];
 
-/// Shapes that still differ if they are drawn open.
+/// Marker shapes that can be distinguished from each other even when they are drawn open.
 const OPEN: [Marker; 5] = [
     Marker::Diamond,
     Marker::Square,
@@ -98,7 +99,7 @@ const OPEN: [Marker; 5] = [
     Marker::Down,
 ];
 
-/// Colour of markers that belong to no series, or to several.
+/// Colour of markers that belong to no series or to several series.
 const NEUTRAL: Colour = Colour(60, 60, 60);
 
 /// Colour and marker of a series.
@@ -109,7 +110,7 @@ pub(crate) struct Style {
 }
 
 impl Style {
-    /// Style of the `index`-th value of a study's axis. The first 56 differ.
+    /// Style of a value with this `index` on an axis of the study. The first 56 styles are different.
     pub(crate) fn of(index: usize) -> Self {
         Self {
             colour: COLOURS[index % COLOURS.len()],
@@ -117,7 +118,7 @@ impl Style {
         }
     }
 
-    /// Style of the `index`-th kind of open markers that belong to no series.
+    /// Style of open markers that belong to no series, for the kind of marker with this `index`.
     pub(crate) fn open(index: usize) -> Self {
         Self {
             colour: NEUTRAL,
@@ -126,12 +127,12 @@ impl Style {
     }
 }
 
-/// The colour mixed with an equal part of white.
+/// The colour, mixed with an equal amount of white.
 pub(crate) fn pale(colour: Colour) -> Colour {
     mixed(colour, WHITE, 0.5)
 }
 
-/// A mix of two colours; `share` is the share of `other`, from 0 to 1.
+/// A mixture of two colours. `share` is the share of `other`, from 0 to 1.
 pub(crate) fn mixed(one: Colour, other: Colour, share: f64) -> Colour {
     let mix = |one: u8, other: u8| {
         let (one, other) = (f64::from(one), f64::from(other));
@@ -149,9 +150,10 @@ pub(crate) fn hex(Colour(red, green, blue): Colour) -> String {
     format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
-/// The eight classes of shape, by their names in files, in the order of their table (K > 0, = 0, < 0 for H > 0, = 0, < 0),
-/// each with its colour. Convex to concave is red to blue, which colour-blind readers can distinguish. All colours have
-/// different lightness, for grey prints, and none is the colour of a series.
+/// The eight shape classes with their colours. The names are those in files, in the order of their table (rows H > 0, =
+/// 0, < 0; columns K > 0, = 0, < 0). From convex to concave, the colours change from red to blue, which colour-blind
+/// readers can distinguish. All colours have different lightness for grey prints, and none of them is the colour of a
+/// series.
 pub(crate) const CLASSES: [(&str, Colour); 8] = [
     ("peak", Colour(122, 31, 18)),
     ("ridge", Colour(210, 79, 31)),
@@ -204,7 +206,7 @@ mod tests {
                 lightness(shown(colour)) > lightness(DARK) + 38.0,
                 "{colour:?}"
             );
-            // A colour that is paler on white is darker on a dark page, so that it is less prominent on both.
+            // A pale colour is less prominent on both pages: it is lighter on a white page and darker on a dark page.
             let pale = shown(pale(colour));
             if COLOURS.contains(&colour) {
                 assert!(lightness(pale) < lightness(shown(colour)), "{colour:?}");

@@ -1,23 +1,23 @@
-//! Markers of data points, as drawable elements of the library plotters.
+//! Markers of data points, as elements of the plotters library.
 
 use super::style::{Marker, Style, WHITE};
 use plotters::element::{Drawable, PointCollection};
 use plotters_backend::{BackendCoord, BackendStyle, DrawingBackend, DrawingErrorKind};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// Width of the white rim between a marker and the shapes below it.
+/// Width of the white rim around a marker, which separates it from the shapes below it.
 const RIM: f64 = 4.5;
 
-/// A marker with a radius of about `size` and a white rim.
+/// A marker with a radius of approximately `size` and a white rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Symbol {
     pub(crate) style: Style,
     pub(crate) size: f64,
-    /// Whether the marker is white inside; dots and dashes are always solid.
+    /// Whether the marker is white inside. Dots and dashes are always solid.
     pub(crate) is_open: bool,
 }
 
-/// A marker at a place.
+/// A marker at a position.
 pub(crate) struct Placed<C>(pub(crate) C, pub(crate) Symbol);
 
 impl Symbol {
@@ -74,7 +74,7 @@ impl<C, B: DrawingBackend> Drawable<B> for Placed<C> {
     }
 }
 
-/// Fills the shape of a marker with a radius of about `size`, enlarged by `rim` on all sides.
+/// Fills the shape of a marker with a radius of approximately `size`, enlarged by `rim` on all sides.
 fn fill<B: DrawingBackend, S: BackendStyle>(
     backend: &mut B,
     marker: Marker,
@@ -83,7 +83,7 @@ fn fill<B: DrawingBackend, S: BackendStyle>(
     style: &S,
 ) -> Result<(), DrawingErrorKind<B::ErrorType>> {
     let r = size + rim;
-    // Corners of a rectangle with these half lengths of its sides.
+    // Corners of a rectangle whose sides have the half lengths `a` and `b`.
     let bar = |a: f64, b: f64| [(-a, -b), (a, -b), (a, b), (-a, b)];
     let long = bar(1.15 * r, 0.35 * size + rim);
     let (corners, turns): (&[(f64, f64)], &[f64]) = match marker {

@@ -1,4 +1,4 @@
-//! 95 % intervals of statistics, from the Monte Carlo error of their trials.
+//! 95 % intervals of statistics, computed from the Monte Carlo error of their trials.
 
 use crate::Table;
 use palpate_study::{Quantity, QuantityKind, Statistic};
@@ -6,7 +6,7 @@ use palpate_study::{Quantity, QuantityKind, Statistic};
 /// Note on the error bars of a figure.
 pub(crate) const BARS: &str =
     "Bars: 95 % intervals of the Monte Carlo error. Bars shorter than their marker are not drawn.";
-/// Half-width of a 95 % interval, in standard deviations.
+/// Half-width of a 95 % interval, in standard errors.
 const HALF_WIDTH: f64 = 1.96;
 
 /// Ends of the 95 % interval of a value with this standard error.
@@ -14,13 +14,13 @@ pub(crate) fn normal(value: f64, error: f64) -> [f64; 2] {
     [value - HALF_WIDTH * error, value + HALF_WIDTH * error]
 }
 
-/// Ends of the 95 % interval of a statistic of `row` from its Monte Carlo error, in the unit of the table. `None` for a
-/// statistic without Monte Carlo error, for fewer than two trials, and for a mean reported standard deviation, because
-/// the table has no column with its scatter.
+/// Ends of the 95 % interval of a statistic in `row`, computed from its Monte Carlo error, in the unit of the table.
+/// `None` for a statistic without Monte Carlo error, for fewer than two trials, and for the mean of the reported
+/// standard deviations, because the table does not contain its scatter.
 ///
-/// If a trial observes several places, the places of a trial are not independent. The intervals of errors and of shares
-/// of places count the trial once. The intervals of other statistics are too wide, as if all places of a trial had the
-/// same error.
+/// If a trial observes several places, the errors at these places are not independent. Therefore the intervals of rms
+/// errors, mean absolute errors and shares of places count each trial once. The intervals of other statistics are too
+/// wide, because they assume that all places of a trial have the same error.
 pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]> {
     let statistic = Statistic::named(name)?;
     let of = |statistic: Statistic| table.statistic(row, statistic.name());
@@ -46,7 +46,8 @@ pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]
                     mean,
                 )
         }
-        // The error at each place is 0 or 1, so that the mean square error is the share of wrong places.
+        // For a share, the squared error at a place is 0 or 1, so the mean square error is the share of wrongly
+        // classified places.
         Statistic::Mean | Statistic::Bias if is_share => {
             2.0 * of(Statistic::RmsError)? * of(Statistic::RmsErrorStd)?
         }
@@ -76,22 +77,23 @@ pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]
     ends.iter().all(|end| end.is_finite()).then_some(ends)
 }
 
-/// Standard errors of the median, and of the 5 and 95 % quantiles, of n normal numbers, multiplied by √n and divided by
-/// the distance between the 5 and 95 % quantiles.
+/// Standard error of the median of n normally distributed numbers, multiplied by √n and divided by the distance between
+/// the 5 % and 95 % quantiles.
 const MEDIAN_PER_SPREAD: f64 = 0.381;
+/// The same number for the standard errors of the 5 % and 95 % quantiles.
 const TAIL_PER_SPREAD: f64 = 0.642;
 
 fn ratio(error: f64, of: f64) -> f64 {
     if of > 0.0 { error / of } else { 0.0 }
 }
 
-/// Standard error of the mean of magnitudes with the root mean square `rms`.
+/// Standard error of the mean of absolute values. `rms` is their root mean square.
 fn of_mean_size(rms: f64, mean: f64, count: f64) -> f64 {
     ((rms * rms - mean * mean).max(0.0) / count).sqrt()
 }
 
-/// Standard error of a standard deviation: from the scatter of the squared errors if the bias is small, otherwise as for
-/// a normal distribution.
+/// Standard error of a standard deviation. If the bias is small, it is computed from the scatter of the squared errors;
+/// otherwise a normal distribution is assumed.
 fn of_std(std: f64, bias: f64, of: &impl Fn(Statistic) -> Option<f64>, count: f64) -> Option<f64> {
     if bias.abs() > 0.5 * std || std == 0.0 {
         return Some(std / (2.0 * (count - 1.0)).sqrt());
@@ -101,7 +103,7 @@ fn of_std(std: f64, bias: f64, of: &impl Fn(Statistic) -> Option<f64>, count: f6
     Some((of_square * of_square - of_bias).max(0.0).sqrt() / (2.0 * std))
 }
 
-/// Wilson's interval of a share; `None` for a number that is not from 0 to 1.
+/// Wilson's 95 % interval of a share; `None` if the number is not between 0 and 1.
 fn of_share(share: f64, count: f64) -> Option<[f64; 2]> {
     if !(0.0..=1.0).contains(&share) {
         return None;
@@ -112,7 +114,7 @@ fn of_share(share: f64, count: f64) -> Option<[f64; 2]> {
         .max(0.0)
         .sqrt();
     let [low, high] = [middle - half, middle + half].map(|end| end / (1.0 + squared));
-    // Rounding must not move an end past the share itself.
+    // Limit the interval so that it contains the share, because rounding could exclude it.
     Some([low.clamp(0.0, share), high.clamp(share, 1.0)])
 }
 
@@ -121,7 +123,7 @@ mod tests {
     use super::*;
     use crate::Files;
 
-    /// Interval of a statistic in a table with one row, of 100 trials with these columns.
+    /// The interval of a statistic in a table with one row. The row has 100 trials and these columns.
     fn found(quantity: &str, columns: &[(Statistic, f64)], of: Statistic) -> Option<[f64; 2]> {
         let names = Statistic::ALL.map(Statistic::name).join(",");
         let texts = Statistic::ALL.map(|statistic| {
@@ -166,11 +168,11 @@ mod tests {
         let found = |statistic| found("mean_curvature", &errors, statistic);
         is(found(S::RmsError), 0.5, 1.96 * 0.02);
         is(found(S::RelativeRmsError), 5.0, 1.96 * 0.2);
-        // √(0.5² − 0.4²)/√100.
+        // The standard error is √(0.5² − 0.4²)/√100 = 0.03.
         is(found(S::MeanAbsError), 0.4, 1.96 * 0.03);
         is(found(S::RelativeMeanAbsError), 4.0, 1.96 * 0.3);
         is(found(S::Mean), 2.0, 1.96 * 0.05);
-        // Without a bias the standard deviation is the rms error.
+        // Without a bias, the standard deviation equals the rms error.
         is(found(S::Std), 0.5, 1.96 * 0.02);
         for none in [
             S::Truth,
@@ -186,7 +188,8 @@ mod tests {
     #[test]
     fn shares_stay_shares() {
         use Statistic as S;
-        // With a share p of correct places, the mean square error is 1 − p; its standard error is 2 · rms · std of rms.
+        // If the share of correct places is p, the mean square error is 1 − p. Its standard error is twice the rms
+        // error times the standard error of the rms error.
         let right = [(S::Mean, 0.91), (S::RmsError, 0.3), (S::RmsErrorStd, 0.01)];
         is(found("class", &right, S::Mean), 0.91, 1.96 * 0.006);
         let all = found("class", &[(S::Coverage95, 1.0)], S::Coverage95).unwrap();

@@ -1,9 +1,9 @@
-//! Each claim on tables that agree with it, tables that contradict it, and tables that do not test it.
+//! Each claim is tested with tables that agree with it, tables that contradict it, and tables that do not test it.
 
 use crate::fixture::{Cells, Numbers, angular_velocity, config, differs, holds, untestable};
 use palpate_report::{Study, Verdict, score};
 
-// ---- 1 and 2: noise in the angular velocity
+// ---- Claims 1 and 2: noise in the angular velocity
 
 #[test]
 fn claim_1_differs_if_the_error_does_not_grow_or_the_prediction_fails() {
@@ -19,7 +19,7 @@ fn claim_1_differs_if_the_error_does_not_grow_or_the_prediction_fails() {
         cells.study(&config("sphere", "claims = [1]"))
     };
     differs(&table(|_| 0.1), &["0 of 2 steps"]);
-    // Grows enough, but the rms error is off by a tenth.
+    // The error grows in both steps to a lower relative curvature, but it is 1.1 times the predicted rms error.
     differs(
         &table(|r| 0.011 * (1.0 + r) / 12f64.sqrt()),
         &["1.1 × the predicted"],
@@ -60,9 +60,9 @@ fn claim_2_compares_lengths() {
     untestable(&study, &["rolls of different length"]);
 }
 
-// ---- 3 and 4: the length of the roll
+// ---- Claims 3 and 4: the length of the roll
 
-/// Noiseless errors of paraboloids rolled by their exact closed form, in table order.
+/// Noiseless errors of rolls on paraboloids, by their exact closed form, in the order of the table.
 fn paraboloids(claims: &str, error: impl Fn(f64, f64) -> f64) -> Study {
     let mut cells = Cells::new(
         "scene.object.c_per_cm,scene.motion.arc_length_cm,scene.noise.angular_velocity.fraction",
@@ -104,9 +104,10 @@ fn claims_3_and_4_name_the_cell_they_lack() {
     untestable(&scores[1], &["c = 0.01"]);
 }
 
-// ---- 5 to 8 and 20: pads
+// ---- Claims 5 to 8 and 20: pads
 
-/// Errors of a square grid of pads: exact for a roll from a pad's centre, by the law `random` for random offsets.
+/// Errors of a square grid of pads. Rolls that start at the centre of a pad are exact; for random offsets, the errors
+/// follow the law `random`.
 fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
     let mut cells = Cells::new(
         "scene.sensor.pitch_cm,scene.object.radius_cm,scene.sensor.offset,scene.motion.rate_rad_per_s",
@@ -141,7 +142,7 @@ fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
     cells.study(&config("sphere", claims))
 }
 
-/// Error that grows with the rounding of the shift to whole pads.
+/// Error that grows with the rounding of shifts to whole pads.
 fn rounding(pitch: f64, radius: f64, rate: f64) -> f64 {
     0.2 * pitch / rate * (1.0 + radius).powi(2) / radius
 }
@@ -154,7 +155,7 @@ fn claim_8_takes_half_a_radian_however_a_roll_is_given() {
             "angle_deg = 1",
             (|_| 0.5_f64.to_degrees()) as fn(f64) -> f64,
         ),
-        // Arc length of a roll by half a radian with a probe of radius 2: θ/(1/R₁ + 1/R₂).
+        // Arc length of a roll by half a radian of a probe with radius 2: θ/(1/R₁ + 1/R₂).
         ("scene.motion.arc_length_cm", "arc_length = 1", |radius| {
             0.5 / (0.5 + 1.0 / radius)
         }),
@@ -183,7 +184,7 @@ fn pad_claims_differ_for_the_opposite() {
     differs(&scores[1], &["in 0 of 24"]);
     let study = pads("claims = [8]", |_, _, _| 0.26);
     differs(&study, &["26 % (random offsets"]);
-    // If the shortest roll is exact, the ratio of errors is undefined.
+    // If the shortest roll has no error, the ratio of errors is undefined.
     let study = pads("claims = [7]", |pitch, radius, rate| {
         if rate < 0.15 && radius == 1.0 {
             0.0
@@ -214,7 +215,7 @@ fn pad_claims_need_pads() {
     }
 }
 
-// ---- 21: the wrist
+// ---- Claim 21: the sensor in the wrist
 
 fn wrist(factor: f64) -> Study {
     let mut cells = Cells::new("scene.sensor,scene.object.radius_cm");
@@ -247,7 +248,7 @@ fn claim_21_needs_its_labels() {
     untestable(&study, &["scene.sensor"]);
 }
 
-// ---- all of them
+// ---- All claims
 
 #[test]
 fn unknown_claims_and_other_quantities_are_not_testable() {

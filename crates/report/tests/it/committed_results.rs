@@ -1,4 +1,4 @@
-//! The tables in `results/` give the committed figures, scores and page.
+//! The tables in `results/` produce exactly the committed figures, scores and page.
 
 use palpate_report::{
     Figure, Files, Study, claims_table, figures, page, press_figures, score, tradeoff_figures,
@@ -10,7 +10,7 @@ fn results() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../results")
 }
 
-/// Folders of studies, by name.
+/// Folders of all studies, sorted by name.
 fn studies() -> Vec<PathBuf> {
     let folders = read_dir(results())
         .unwrap()
@@ -22,7 +22,7 @@ fn studies() -> Vec<PathBuf> {
     folders
 }
 
-/// Number of figures in the folder, which are all the same as these.
+/// Number of figures in the folder. Checks that they are identical to `figures`.
 #[track_caller]
 fn drawn(folder: &Path, figures: Vec<Figure>) -> usize {
     for figure in &figures {

@@ -1,4 +1,4 @@
-//! Figure of the contacts in space.
+//! The figure of contacts in space.
 
 use crate::fixture::{count, drawn, refused, shows};
 use crate::glides::{cells, config, study};
@@ -9,7 +9,8 @@ const PLOT: &str =
 const HEADER: &str =
     "finger,x_cm,y_cm,z_cm,normal_x,normal_y,normal_z,tip_x_cm,tip_y_cm,tip_z_cm\n";
 
-/// Three fingers on the plane z = 0, `scale` apart, two contacts each, tips of radius `tip`.
+/// Trace of three fingers on the plane z = 0, `scale` apart, with two contacts each. The radius of the fingertips is
+/// `tip`.
 fn trace(scale: f64, tip: f64) -> String {
     let mut text = HEADER.to_owned();
     for finger in 0..3 {
@@ -21,7 +22,7 @@ fn trace(scale: f64, tip: f64) -> String {
     text
 }
 
-/// Readings of [`trace`] that are too high by `by`.
+/// Readings of [`trace`] whose heights are too large by `by`.
 fn readings(scale: f64, by: f64) -> String {
     let mut text = "finger,x_cm,y_cm,z_cm,normal_x,normal_y,normal_z\n".to_owned();
     for finger in 0..3 {

@@ -1,11 +1,11 @@
-//! Small studies in memory, and checks of their scores, figures and errors.
+//! Small studies in memory, and functions that check their scores, figures and errors.
 
 use palpate_report::{Files, Score, Study, Verdict, figures, score};
 
 pub(crate) const STATISTICS: &str = "truth,trials,failures,mean,std,bias,rms_error,rms_error_std,mean_abs_error,\
     relative_rms_error,relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage50,coverage80,coverage95";
 
-/// A config with a spherical probe of radius 1 and an object of `kind`.
+/// A config with a spherical probe of radius 1 and an object of `kind`. `rest` is added to it.
 pub(crate) fn config(kind: &str, rest: &str) -> String {
     format!(
         "name = \"study\"\ntitle = \"A question?\"\nsource = \"somewhere\"\nseed = 7\ncrate_version = \"0.1.0\"\n{rest}\n\
@@ -22,7 +22,7 @@ pub(crate) struct Cells {
     rows: usize,
 }
 
-/// Numbers of a row, without its swept values.
+/// Numbers of a row, without the swept values.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Numbers {
     pub(crate) truth: Option<f64>,
@@ -32,7 +32,7 @@ pub(crate) struct Numbers {
     pub(crate) std: Option<f64>,
     /// Relative rms error.
     pub(crate) rms: Option<f64>,
-    /// Mean relative |error|.
+    /// Mean of the relative magnitude of the errors.
     pub(crate) abs: Option<f64>,
     /// The 5, 50 and 95 % quantiles.
     pub(crate) quantiles: Option<[f64; 3]>,
@@ -64,12 +64,12 @@ impl Cells {
         }
     }
 
-    /// Adds a cell of `normal_curvature_u`; its failures are `unresolved`.
+    /// Adds a cell of the quantity `normal_curvature_u`, whose failures are `unresolved`.
     pub(crate) fn push(&mut self, place: &str, numbers: Numbers) {
         self.push_of(place, "normal_curvature_u,1/cm", numbers, "unresolved");
     }
 
-    /// Adds a cell of a quantity with its unit; its failures are of this kind.
+    /// Adds a cell of a quantity with its unit; `failure` is the kind of its failures.
     pub(crate) fn push_of(&mut self, place: &str, quantity: &str, of: Numbers, failure: &str) {
         let Numbers {
             trials, failures, ..
@@ -122,7 +122,7 @@ impl Cells {
 
 pub(crate) const NO_FAILURES: &str = "cell,kind,count,first_trial\n";
 
-/// A study of these three files, and others by name.
+/// A study with these three files and with further files by name.
 pub(crate) fn study(config: &str, cells: &str, failures: &str, others: &[(&str, &str)]) -> Study {
     let files = [
         ("run.toml", config),
@@ -132,7 +132,7 @@ pub(crate) fn study(config: &str, cells: &str, failures: &str, others: &[(&str, 
     Study::read(Files::in_memory(files.iter().chain(others).copied())).unwrap()
 }
 
-/// One claim's score, or the only one of a study.
+/// The score of one claim, or the only score of a study.
 pub(crate) trait Scored {
     fn score(&self) -> Score;
 }
@@ -175,13 +175,13 @@ pub(crate) fn untestable(of: &impl Scored, parts: &[&str]) {
     has_verdict(&of.score(), Verdict::NotTestable, parts);
 }
 
-/// The study's first figure as SVG.
+/// The first figure of the study, as SVG.
 #[track_caller]
 pub(crate) fn drawn(study: &Study) -> String {
     figures(study).unwrap().remove(0).svg
 }
 
-/// Checks that a study cannot be drawn, and that the error contains these texts.
+/// Checks that a study cannot be drawn, and that the error message contains these texts.
 #[track_caller]
 pub(crate) fn refused(study: &Study, parts: &[&str]) {
     says(&figures(study).unwrap_err().to_string(), parts);
@@ -194,7 +194,7 @@ pub(crate) fn says(text: &str, parts: &[&str]) {
     }
 }
 
-/// Lines of text in a picture.
+/// Checks that a figure contains these lines of text.
 #[track_caller]
 pub(crate) fn shows(svg: &str, texts: &[&str]) {
     for text in texts {
@@ -205,19 +205,19 @@ pub(crate) fn shows(svg: &str, texts: &[&str]) {
     }
 }
 
-/// Number of elements of a colour.
+/// Number of elements with this colour.
 pub(crate) fn count(svg: &str, element: &str, colour: &str) -> usize {
     let is_one = |line: &&str| line.starts_with(&format!("<{element} ")) && line.contains(colour);
     svg.lines().filter(is_one).count()
 }
 
-/// Number in an attribute of an element.
+/// The number in an attribute of an element.
 pub(crate) fn attribute(element: &str, name: &str) -> f64 {
     let text = element.split(&format!(" {name}=\"")).nth(1).unwrap();
     text.split('"').next().unwrap().parse().unwrap()
 }
 
-/// Study over radii and noises, with the errors that theory predicts. The config also contains `rest`.
+/// A study with several radii and noises, and with the errors that theory predicts. `rest` is added to its config.
 pub(crate) fn angular_velocity(rest: &str) -> Study {
     let mut cells = Cells::new("scene.object.radius_cm,scene.noise.angular_velocity.fraction");
     for radius in [500.0, 50.0, 5.0, 0.5] {

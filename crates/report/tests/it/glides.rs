@@ -1,9 +1,9 @@
-//! Small studies of patches: tables of fabricated errors, maps of a given layout, traces of a few contacts.
+//! Small studies of patches: tables with invented errors, maps with a given layout, and traces of a few contacts.
 
 use crate::fixture::{self, NO_FAILURES, STATISTICS};
 use palpate_report::Study;
 
-/// Config of a glide over a saddle with the coefficient `a` per inter-finger distance. The config also contains `rest`.
+/// Config of a glide over a saddle with the coefficient `a` per inter-finger distance. `rest` is added to it.
 pub(crate) fn config(a: f64, rest: &str) -> String {
     format!(
         "name = \"study\"\ntitle = \"A question?\"\n{rest}\n\
@@ -13,7 +13,7 @@ pub(crate) fn config(a: f64, rest: &str) -> String {
     )
 }
 
-/// Errors of one method on one surface at one noise.
+/// Errors of one method on one surface with one noise.
 #[derive(Clone, Copy)]
 pub(crate) struct Made {
     pub(crate) gaussian: f64,
@@ -25,7 +25,8 @@ pub(crate) struct Made {
 pub(crate) const SURFACES: [&str; 4] = ["sphere", "cylinder", "turned cylinder", "saddle"];
 pub(crate) const METHODS: [&str; 3] = ["first pass", "two-pass", "penalised"];
 
-/// Table of every surface, noise (0, 5 and 10 %) and method, with the errors of `made(surface, noise, method)`.
+/// A study with every surface, noise (0, 5 and 10 %) and method. The errors are those that `made(surface, noise,
+/// method)` returns.
 pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> Study {
     let mut text = format!(
         "cell,scene.object,scene.noise.position.fraction_of_ifd,scene.estimator,quantity,unit,{STATISTICS}\n"
@@ -41,7 +42,8 @@ pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> S
                     failures,
                 } = made(surface, noise, method);
                 let (true_gaussian, true_mean) = match surface {
-                    // If the true values vary over the patch, the table has none, and the config states the shape.
+                    // If the true values vary over the patch, the table does not contain them, and the shape follows
+                    // from the config.
                     "sphere" | "saddle" => ("", ""),
                     _ => ("0", "0.1"),
                 };
@@ -75,12 +77,13 @@ pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> S
     study(&config(0.1, &format!("claims = {claims}")), &text, &[])
 }
 
-/// Study with these tables.
+/// A study with these tables.
 pub(crate) fn study(config: &str, cells: &str, others: &[(&str, &str)]) -> Study {
     fixture::study(config, cells, NO_FAILURES, others)
 }
 
-/// Cells 0, 1, … with one row of `class` each; `axes` and the texts of each cell as in the file.
+/// Table of the cells 0, 1, … with one row of the quantity `class` each. `axes` and `places` are texts in the form of
+/// the file.
 pub(crate) fn cells(axes: &str, places: &[&str]) -> String {
     let mut text = format!("cell,{axes},quantity,unit,{STATISTICS}\n");
     for (cell, place) in places.iter().enumerate() {
@@ -89,8 +92,8 @@ pub(crate) fn cells(axes: &str, places: &[&str]) -> String {
     text
 }
 
-/// `map.csv` of cells 0, 1, … over a square grid of step 0.5 from −0.5 up, x slowest; a letter per point:
-/// r(idge), p(eak), s(addle ridge), space for none.
+/// Text of `map.csv` for the cells 0, 1, … over a square grid with steps of 0.5 that begins at −0.5; x changes slowest.
+/// Each letter is the class at a point: r for ridge, p for peak, s for saddle ridge, and a space for none.
 pub(crate) fn map(cells: &[(&str, &str)]) -> String {
     let name = |letter: char| match letter {
         'r' => "ridge",

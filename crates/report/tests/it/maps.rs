@@ -1,4 +1,4 @@
-//! Class maps: their shapes and texts, and rejected input.
+//! Class maps: their shapes and texts, and input that is rejected.
 
 use crate::fixture::{attribute, count, drawn, refused, shows};
 use crate::glides::{cells, config, map, study};
@@ -7,8 +7,9 @@ use palpate_report::Study;
 const PLOT: &str = "[[plot]]\nname = \"map\"\nkind = \"class-map\"\n";
 const AXES: &str = "scene.noise.position.fraction_of_ifd,scene.estimator";
 const PLACES: [&str; 2] = ["0.05,two-pass", "0.05,penalised"];
-/// True classes, with a saddle ridge in one corner, and possible estimates.
+/// True classes on a grid of 3 × 3 points, with a saddle ridge in one corner.
 const TRUTH: &str = "rrrrrrrss";
+/// Estimated classes on the same grid; at one point, there is no estimate.
 const FOUND: &str = "rrr rrpss";
 
 fn made(plots: &str, map: &str) -> Study {
@@ -120,7 +121,7 @@ fn classes_are_drawn_on_the_fitted_surface() {
             "z (mm)",
         ],
     );
-    // Squares of the class peak: one on the first surface, and its sample in the key.
+    // Two squares have the colour of the class peak: one on the first surface, and the sample in the key.
     assert_eq!(count(&text, "polygon", "#7A1F12"), 2);
     let bare = both.replace("z_mm", "w_mm");
     refused(&made(&plot, &bare), &["map.csv", "\"z\""]);
@@ -128,7 +129,7 @@ fn classes_are_drawn_on_the_fitted_surface() {
         &made(&plot, &both.replace(",0,ridge", ",inf,ridge")),
         &["z_mm", "inf"],
     );
-    // A surface of any size and slope, and one of a single point.
+    // The surfaces may have any size and slope, and one may have only a single point.
     for height in ["1e-300", "-5e99", "0.25"] {
         let text = drawn(&made(
             &plot,

@@ -1,4 +1,4 @@
-//! The page and the scorecard.
+//! The HTML page and the scorecard.
 
 use crate::fixture::{Cells, Numbers, angular_velocity, config};
 use palpate_report::{ReportError, page};
@@ -39,7 +39,7 @@ fn the_page_is_complete_and_loads_nothing() {
     ] {
         assert!(html.contains(part), "{part}");
     }
-    // One plot from a config, and the default plot of the study without a `[[plot]]`.
+    // One plot is stated in a config, and one is the default plot of the study without a `[[plot]]`.
     assert_eq!(html.matches("<svg").count(), 2);
     for part in ["<script", "<link", "<img", "@import", "url(", "<b>", "src="] {
         assert!(!html.contains(part), "{part}");
@@ -76,7 +76,7 @@ fn the_page_is_complete_and_loads_nothing() {
         "words",
         "word-unresolved"
     ])));
-    // The tables of these studies have no coverage of intervals.
+    // The tables of these studies do not contain the coverage of intervals.
     assert!(!html.contains("Calibration of intervals"));
 }
 

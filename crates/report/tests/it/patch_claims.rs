@@ -1,9 +1,9 @@
-//! Claims about patches on fabricated tables that agree with them or contradict them.
+//! Claims about patches, tested with invented tables that agree with them or contradict them.
 
 use crate::fixture::{differs, holds, untestable};
 use crate::glides::{Made, cells, config, patches, study};
 
-/// Good results: errors of 1 % of the curvatures, all classes correct.
+/// Good results: the errors are 1 % of the curvatures, and all classes are correct.
 const GOOD: Made = Made {
     gaussian: 0.0004,
     mean: 0.002,
@@ -29,7 +29,7 @@ fn claim_9_compares_the_fits() {
         })
     };
     holds(&table(3.0, 3.0), &["at 5 % noise the rms error of K falls"]);
-    // The fourth root of 3 × 1³ is 1.32.
+    // The geometric mean of the four ratios is the fourth root of 3 × 1³, which is 1.32.
     differs(
         &table(3.0, 1.0),
         &["1.32 (two-pass)", "by 1 to 3 with two-pass"],
@@ -52,7 +52,7 @@ fn claim_10_is_about_the_worst_surface() {
                     failures,
                     ..GOOD
                 },
-                // The claim does not use these rows.
+                // The claim does not use these rows of the table.
                 (_, 0.1, _) | (_, _, "first pass") => Made { share: 0.1, ..GOOD },
                 _ => GOOD,
             }
@@ -60,7 +60,7 @@ fn claim_10_is_about_the_worst_surface() {
     };
     holds(&table(0.91, 0), &["91 % (turned cylinder)"]);
     differs(&table(0.89, 0), &["89 % (turned cylinder)"]);
-    // A tenth of the trials failed: 0.9 × 0.95.
+    // A tenth of the trials failed, so that the share is 0.9 × 0.95.
     differs(&table(0.95, 20), &["85.5 % (turned cylinder)"]);
 }
 
@@ -83,7 +83,7 @@ fn claim_11_wants_the_sphere_alone_and_a_better_mean_curvature() {
             }
         })
     };
-    // κ is 0.2 on all surfaces; for the saddle it is 2 × 0.1, from its config.
+    // The curvature κ is 0.2 on all surfaces. For the saddle it is 2 × 0.1, from its config.
     holds(&table(0.95, 0.3, 0.02, 0.02), &["95 % of the sphere"]);
     differs(&table(0.8, 0.3, 0.02, 0.02), &["80 % of the sphere"]);
     differs(&table(0.95, 0.95, 0.02, 0.02), &["95 % (saddle)"]);

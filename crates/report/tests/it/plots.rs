@@ -1,4 +1,4 @@
-//! Plots: their content, the notes on what is missing, and rejected input.
+//! Plots: their content, the notes about missing data, and input that is rejected.
 
 use crate::fixture::{Cells, Numbers, angular_velocity, attribute, config, drawn, refused, shows};
 use palpate_report::figures;
@@ -8,7 +8,7 @@ const BASIC: &str = "[[plot]]\nx = \"scene.noise.angular_velocity.fraction\"\ny 
 
 #[test]
 fn a_study_without_plots_gets_the_default_plot() {
-    // The default plot is equal to this one. The radius, as the first axis, is along x.
+    // The default plot is equal to this plot. The first axis, the radius, is drawn along x.
     let asked = "[[plot]]\nx = \"scene.object.radius\"\ny = \"relative_rms_error\"\n\
         series = \"scene.noise.angular_velocity.fraction\"\nscale = \"log-log\"\n";
     assert_eq!(
@@ -22,7 +22,7 @@ fn a_study_without_plots_gets_the_default_plot() {
         }
         cells.study(&config("sphere", ""))
     };
-    // Fields that vary together count once; fields that do not vary do not count.
+    // Fields that vary together count as one field; fields that do not vary do not count.
     let together = table(
         "scene.object.radius_cm,scene.probe.radius_cm,scene.object.s,scene.motion.duration_s",
         &[
@@ -42,7 +42,7 @@ fn a_study_without_plots_gets_the_default_plot() {
         ],
     );
     assert!(!svg.contains("probe radius"));
-    // A third field makes panels; a fourth field is shown at its first value.
+    // A third field is shown as several panels, and a fourth field only at its first value.
     let places: Vec<(String, f64)> = (0..16)
         .map(|cell| {
             let [a, b, c, d] = [8, 4, 2, 1].map(|bit| 1 + (cell & bit) / bit);
@@ -65,7 +65,7 @@ fn a_study_without_plots_gets_the_default_plot() {
             "For object radius 1 cm: 100 trials per point.",
         ],
     );
-    // Without an error, the plot shows the mean. A study with one cell has no plot.
+    // If the table contains no error, the plot shows the mean. A study with only one cell has no plot.
     let mut cells = Cells::new("scene.object.radius_cm");
     for radius in ["1", "2"] {
         cells.push(
@@ -93,7 +93,7 @@ fn a_picture_in_pixels_has_its_size_and_its_letters() {
     let png = figure.png().unwrap();
     assert!(png.starts_with(b"\x89PNG"));
     assert_eq!(png, figure.png().unwrap());
-    // Width and height follow the name of the first chunk.
+    // In a PNG file, width and height follow the name of the first chunk.
     let number = |at: usize| f64::from(u32::from_be_bytes(png[at..at + 4].try_into().unwrap()));
     let size = ["width", "height"].map(|name| attribute(&figure.svg, name));
     assert_eq!([number(16), number(20)], size);
@@ -144,12 +144,12 @@ fn unknown_names_are_refused_with_similar_ones() {
             with("marks = [{ axis = \"y\", value = 0, label = \"\" }]"),
             &["the mark at y = 0 is exactly 0"],
         ),
-        // The good plot before a bad plot is not drawn either.
+        // The valid plot before an invalid plot is not drawn either.
         (
             with("[[plot]]\nx = \"truth\"\ny = \"nothing\""),
             &["plot-2", "nothing"],
         ),
-        // The config parser also parses the plots.
+        // Errors in plots are also found when the config is parsed.
         (with("where = 3"), &["run.toml:", "plot.0.where", "table"]),
         (
             with("name = \"../a\""),
@@ -257,7 +257,7 @@ fn points_of_survivors_are_circled() {
         let svg = drawn(&cells.study(&config("sphere", plot)));
         (svg.matches("<circle").count(), svg)
     };
-    // A point is circled if 6 of 100 trials failed, but not if 5 failed.
+    // A point has a circle if 6 of 100 trials failed, but not if 5 failed.
     let (plain, svg) = circles([0, 0, 5]);
     assert!(!svg.contains("Circled"), "{svg}");
     let (one, svg) = circles([0, 0, 6]);

@@ -1,12 +1,12 @@
-//! Claims about presses on fabricated tables that agree with them or contradict them.
+//! Claims about presses, tested with invented tables that agree with them or contradict them.
 
 use crate::fixture::{Cells, Numbers, differs, holds, untestable};
 use crate::presses::{OBJECTS, config};
 use palpate_report::{Study, score};
 
-// ---- 15: R² of the Gaussian
+// ---- Claim 15: R² of the Gaussian
 
-/// Table of R² by layout, for this number of trials and this estimator.
+/// Table of R² by layout, with this number of trials and this estimator.
 fn profiles(by_layout: &[(&str, f64)], trials: u64, estimator: &str) -> Cells {
     let mut cells = Cells::new("scene.probe.layout,scene.estimator");
     for (layout, found) in by_layout {
@@ -41,7 +41,7 @@ fn claim_15_holds_if_some_weighting_gives_the_published_value() {
         &study(&[("equal steps", 0.977), ("even over the area", 0.9717)]),
         &["0.977 (equal steps, calibrated gaussian), 0.972"],
     );
-    // All rows of a layout must meet the bound.
+    // All rows of a layout must meet the limit.
     differs(
         &study(&[("equal steps", 0.961), ("equal steps", 0.98)]),
         &["0.961 to 0.98 (equal steps, calibrated gaussian)"],
@@ -63,10 +63,10 @@ fn claim_15_needs_a_noiseless_gaussian_on_the_half_space() {
     missing(profiles(&found, 1, "gaussian"), hertz);
 }
 
-// ---- 16: convergence of the effective radius
+// ---- Claim 16: convergence of the effective radius
 
-/// Table of every object, estimator and indentation. `made` returns median and scatter relative to the true value, for
-/// the paper's estimator at an indentation.
+/// Table of every object, estimator and indentation. `made` returns the median and the scatter of the paper's estimator
+/// at an indentation, both relative to the true value.
 fn radii(made: impl Fn(f64) -> Option<[f64; 2]>) -> Study {
     let mut cells = Cells::new("scene.object,scene.motion.indentation_mm,scene.estimator");
     for (object, _, radius) in OBJECTS {
@@ -138,10 +138,10 @@ fn claim_16_needs_the_papers_objects_estimator_and_unit() {
     untestable(&cells.study(&unnamed), &["must not be `unit`"]);
 }
 
-// ---- 17: regimes
+// ---- Claim 17: regimes
 
-/// Sensors of 5, 10 and 20 mm on a ball, a plane and dishes of 20 and 10 mm; the coverage where contact is at a
-/// point, and the failure where it is not.
+/// Sensors with radii of 5, 10 and 20 mm on a ball, a plane, and dishes with radii of 20 and 10 mm. `coverage` is the
+/// coverage if the contact is at a point, and `failure` is the failure if it is not.
 fn regimes(coverage: impl Fn(f64) -> f64, failure: impl Fn(f64) -> &'static str) -> Cells {
     let mut cells = Cells::new("scene.probe.radius_mm,scene.object");
     for radius in [20.0, 10.0, 5.0] {
@@ -154,7 +154,7 @@ fn regimes(coverage: impl Fn(f64) -> f64, failure: impl Fn(f64) -> &'static str)
             let relative = 1.0 / radius + curvature;
             let touches = relative > 1e-12;
             let numbers = Numbers {
-                // If all trials fail, the true value follows from the config.
+                // If all trials fail, the table contains no true value, and it is computed from the config.
                 truth: touches.then_some(relative),
                 trials: 1000,
                 failures: if touches { 0 } else { 1000 },
@@ -193,7 +193,7 @@ fn of_regimes(cells: &Cells) -> Study {
 
 #[test]
 fn claim_17_differs_if_a_regime_or_the_trend_is_another() {
-    // For the flattest contact, the trials succeed but too few intervals contain the true value.
+    // For the flattest contact, the trials succeed, but too few intervals contain the true value.
     differs(
         &of_regimes(&regimes(|c| if c < 0.051 { 0.5 } else { 0.94 }, by_sign)),
         &["7 of 9 cells of positive relative curvature are sensed"],

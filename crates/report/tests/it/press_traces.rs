@@ -1,4 +1,4 @@
-//! Figures of one press.
+//! Figures of a single press.
 
 use crate::fixture::{self, attribute};
 use palpate_report::{Figure, Files, ReportError, press_figures};
@@ -9,7 +9,8 @@ const TRACE: &str = "marker,x_mm,y_mm,radial_position_mm,normal_displacement_mm,
     2,0,4,4,0.5,0,0.2\n\
     3,-4,0,4,0.5,-0.2,0\n\
     4,0,-4,4,0.5,0,-0.2\n";
-/// The third marker is lost, and the others have another order. The errors are 0.1 inward and 0.05 along the skin.
+/// The third marker is lost, and the other markers are in a different order. The errors are 0.1 inward and 0.05 along
+/// the skin.
 const READINGS: &str = "x_mm,y_mm,normal_displacement_mm,tangential_x_mm,tangential_y_mm\n\
     0,-4,0.6,0,-0.25\n\
     4,0,0.4,0.25,0\n\
@@ -24,7 +25,7 @@ fn press(trace: &str, readings: &str) -> Result<Vec<Figure>, ReportError> {
     ]))
 }
 
-/// The quiver and the profile, as SVG.
+/// The figures `quiver` and `profile`, as SVG.
 #[track_caller]
 fn drawn(trace: &str, readings: &str) -> [String; 2] {
     let figures = press(trace, readings).unwrap();
@@ -37,7 +38,7 @@ fn says(svg: &str, text: &str) -> bool {
     svg.contains(&format!("\n{text}\n"))
 }
 
-/// Middle heights of the discs of a colour, in pixels.
+/// Vertical positions of the centres of all discs with this colour, in pixels.
 fn heights(svg: &str, colour: &str) -> Vec<f64> {
     let discs = svg
         .lines()
@@ -56,11 +57,11 @@ fn missing_readings_are_not_drawn() {
     ));
     assert!(!profile.contains("along the skin"));
     assert!(says(&profile, "distance from the contact (mm)"));
-    // No marker was found at all.
+    // The readings contain no marker.
     let [quiver, profile] = drawn(TRACE, READINGS.lines().next().unwrap());
     assert!(says(&quiver, "5 markers, 5 without a reading."));
     assert_eq!(heights(&profile, VERMILION).len(), 1);
-    // Nothing moves along the skin.
+    // No marker moves along the skin.
     let still = "marker,x,y,radial_position,normal_displacement,tangential_x,tangential_y\n\
         0,1,0,1,0.5,0,0\n";
     let [quiver, _] = drawn(still, "x,y,normal_displacement\n1,0,0.5\n");
@@ -126,7 +127,8 @@ fn bad_tables_are_refused() {
             trace("y_mm\n", "y_um\n"),
             &["trace.csv", "no column \"tangential_y_mm\""],
         ),
-        // A reading at a place without a marker, and two readings at the place of one marker.
+        // In the first case, a reading is at a position without a marker; in the second case, two readings are at the
+        // position of one marker.
         (readings("0,-4,", "0,-4.1,"), &once_each),
         (readings("0,-4,", "-4,0,"), &once_each),
     ] {

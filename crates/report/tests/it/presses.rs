@@ -1,6 +1,6 @@
-//! Config of small studies of presses.
+//! Configs of small studies of presses.
 
-/// Objects by label, config and effective radius on a sensor of 20 mm.
+/// Objects: label, config, and effective radius of a contact with a sensor of radius 20 mm.
 pub(crate) const OBJECTS: [(&str, &str, f64); 3] = [
     (
         "dish of 80 mm",
@@ -11,7 +11,7 @@ pub(crate) const OBJECTS: [(&str, &str, f64); 3] = [
     ("ball of 80 mm", "kind = \"sphere\", radius = 80.0", 16.0),
 ];
 
-/// Config of presses in mm that sweeps objects and estimators. The config also contains `rest`.
+/// Config of presses in mm, which sweeps over objects and estimators. `rest` is added to it.
 pub(crate) fn config(claims: &str, rest: &str) -> String {
     let objects = OBJECTS.map(|(label, shape, _)| format!("{{ label = \"{label}\", {shape} }}"));
     format!(

@@ -1,4 +1,4 @@
-//! Profiles of presses, reference points and the bound: their lines and texts, and rejected input.
+//! Profiles of presses, reference points and the bound: their lines and texts, and input that is rejected.
 
 use crate::fixture::{Cells, Numbers, drawn, refused};
 use crate::presses::{OBJECTS, config};
@@ -10,7 +10,7 @@ const LINES: &str = "[[plot]]\nname = \"p\"\nx = \"scene.motion.indentation\"\ny
 const HEADER: &str = "cell,radial_position_mm,normal_displacement_mm,radial_displacement_mm,\
     estimated_normal_displacement_mm,estimated_radial_displacement_mm\n";
 const POINTS: &str = "[[plot.points]]\nlabel = \"published\"\n";
-/// Cells 0 … 5: each object with two estimators. The second estimator has no radial component.
+/// Cells 0 to 5: each of three objects with two estimators. The second estimator has no radial component.
 fn cells() -> Cells {
     let mut cells = Cells::new("scene.object,scene.estimator");
     for (object, ..) in OBJECTS {
@@ -30,7 +30,7 @@ fn cells() -> Cells {
     cells
 }
 
-/// Three places per cell: truths differ between objects, estimates between all cells.
+/// A map with three positions per cell. The true values differ between objects, and the estimates between all cells.
 fn map() -> String {
     let mut text = HEADER.to_owned();
     for cell in 0..6_u8 {
@@ -98,7 +98,7 @@ fn bad_profiles_are_refused() {
     ] {
         refused(&made(&format!("{PROFILE}{rest}\n"), &map()), parts);
     }
-    // There are only seven colours for these eight lines.
+    // There are eight lines, but only seven colours.
     let mut many = Cells::new("scene.motion.indentation_mm");
     let mut table = HEADER.to_owned();
     for cell in 0..8 {
@@ -131,7 +131,7 @@ fn profiles_of_any_size_are_drawn() {
     }
 }
 
-/// Two indentations per object.
+/// Cells with two indentations per object.
 fn spreads() -> Cells {
     let mut cells = Cells::new("scene.object,scene.motion.indentation_mm");
     for (at, (object, ..)) in OBJECTS.iter().enumerate() {

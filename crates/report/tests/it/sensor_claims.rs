@@ -1,4 +1,4 @@
-//! Claims about the camera and the skin on fabricated tables that agree with them or contradict them.
+//! Claims about the camera and the skin, tested with invented tables that agree with them or contradict them.
 
 use crate::fixture::{Cells, Numbers, differs, holds, untestable};
 use crate::presses::{OBJECTS, config};
@@ -12,16 +12,17 @@ fn mean(mean: f64) -> Numbers {
     }
 }
 
-// ---- 14: straight lines
+// ---- Claim 14: straight lines
 
-/// Hue by indentation on each object (by its number), then centroid by shift at two indentations.
+/// The change of hue at several indentations for each object (given by its number), and the shift of the centroid at
+/// several shifts and two indentations.
 fn lines(hue: impl Fn(usize, f64) -> Numbers, centroid: impl Fn(usize, f64) -> f64) -> Cells {
     let mut cells = Cells::new("scene.object,scene.motion.indentation_mm,scene.motion.shift_mm");
     for (at, (object, ..)) in OBJECTS.iter().enumerate() {
         for depth in [0.4, 0.8, 1.2] {
             for shift in [0.0, 0.5, 1.0] {
                 let place = format!("{object},{depth},{shift}");
-                // The hue at a nonzero shift must not affect the result.
+                // The hue at a shift other than 0 must not affect the result.
                 let wild = mean(100.0 * shift);
                 let read = if shift == 0.0 { hue(at, depth) } else { wild };
                 cells.push_of(&place, "hue_change,1/mm", read, "");
@@ -52,7 +53,7 @@ fn claim_14_holds_for_straight_lines_of_any_slope() {
 #[test]
 fn claim_14_differs_for_bent_or_scattered_lines() {
     let straight = |_: usize, depth: f64| mean(0.025 * depth);
-    // Through 0, 0, 1: R² = 3/4. Through 0, 0.41, 1: just under 0.99.
+    // A line through the values 0, 0 and 1 has R² = 3/4; a line through 0, 0.41 and 1 has R² just below 0.99.
     let bent = |at: usize, depth: f64| mean(if at == 2 && depth < 1.0 { 0.0 } else { depth });
     differs(
         &of_lines(&lines(bent, |_, shift| 7.0 * shift)),
@@ -66,7 +67,7 @@ fn claim_14_differs_for_bent_or_scattered_lines() {
         }
     };
     differs(&of_lines(&lines(straight, sagging)), &["shifts is 0.98"]);
-    // Sums of squares 0.0002 of the means, and 3 × 0.005² of the scatter: R² = 0.73.
+    // The sum of squares is 0.0002 for the means and 3 × 0.005² for the scatter, so that R² = 0.73.
     let scattered = |_: usize, depth: f64| Numbers {
         std: Some(0.005),
         ..mean(0.025 * depth)
@@ -94,7 +95,7 @@ fn claim_14_needs_three_indentations_and_three_shifts() {
         &few("hue_change", "indentation"),
         &["the hue of the summed light at three or more indentations"],
     );
-    // Hues, but no shift anywhere.
+    // The table contains hues, but no shift.
     let mut cells = Cells::new("scene.motion.indentation_mm");
     for depth in ["0.4", "0.8", "1.2"] {
         for hue in ["hue_change,1/mm", "mean_hue_change,1/mm"] {
@@ -105,14 +106,15 @@ fn claim_14_needs_three_indentations_and_three_shifts() {
     untestable(&of_lines(&cells), &["the centroid at three or more shifts"]);
 }
 
-// ---- 22: slopes of those lines
+// ---- Claim 22: slopes of the straight lines
 
-/// Mean hue and centroid of two sensors, with slopes per millimetre. The hue of the summed light does not change.
+/// A study with the mean hue and the centroid of two sensors, with these slopes per millimetre. The hue of the summed
+/// light does not change.
 fn slopes(hue: [f64; 2], centroid: [f64; 2]) -> Study {
     slopes_with("", hue, centroid)
 }
 
-/// The same with further keys of the probe.
+/// The same study with the additional keys `probe` in the config of the probe.
 fn slopes_with(probe: &str, hue: [f64; 2], centroid: [f64; 2]) -> Study {
     let mut cells = Cells::new("scene.sensor,scene.motion.indentation_mm,scene.motion.shift_mm");
     for (at, sensor) in ["as designed", "nearer camera"].into_iter().enumerate() {
@@ -149,7 +151,7 @@ fn claim_22_differs_where_no_sensor_has_both() {
         &slopes([0.005166, 0.02583], [7.0, 4.2]),
         &["20 % (as designed)", "60 % (nearer camera)"],
     );
-    // A deviation of 20 % is still accepted, a larger one is not.
+    // A deviation of 20 % is accepted, a larger deviation is not.
     holds(
         &slopes([0.0, 0.0309], [0.0, 7.0]),
         &["120 %", "19.6 % (nearer camera)"],
@@ -166,7 +168,7 @@ fn claim_22_compares_only_sensors_that_do_not_strain() {
     );
 }
 
-// ---- 18: gores
+// ---- Claim 18: gores
 
 fn gores(greatest: &[(u32, f64)], rms: &[(u32, f64)]) -> Study {
     let mut cells = Cells::new("scene.probe.layout.gores");
@@ -213,9 +215,9 @@ fn claim_18_needs_each_number_of_gores() {
     untestable(&gores(&all, &[]), missing);
 }
 
-// ---- 19: the fisheye
+// ---- Claim 19: the fisheye
 
-/// Areas at 0, 30 and 60°, of each lens.
+/// Image areas at 0, 30 and 60° for each lens.
 fn areas(lenses: &[(&str, [Option<f64>; 3])]) -> Study {
     let mut cells = Cells::new("scene.sensor.lens,scene.view.polar_deg");
     for (lens, areas) in lenses {

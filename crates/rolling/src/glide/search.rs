@@ -1,8 +1,8 @@
-//! The search for the contact of a spherical tip.
+//! Searches for the contact of a spherical tip.
 //!
-//! Seen from above, a contact at `w` puts the tip's centre at `w + r n_xy(w)`. Unlike heights, this map has no
-//! singularity at the silhouettes of closed objects. Its derivative has the determinant `det(I + r S)`, so it folds
-//! only if the object's concave curvature reaches 1/r.
+//! In a view from above, a contact at `w` means that the tip's centre is at `w + r n_xy(w)`. Unlike heights, this map
+//! has no singularity at the silhouettes of closed objects. The determinant of its derivative is `det(I + r S)`. So it
+//! folds only if the object's concave curvature reaches 1/r.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -11,24 +11,27 @@ use palpate_geometry::{Surface, SurfaceError};
 
 use super::touch::{Foot, GlideError};
 
-/// Largest number of Newton steps, and largest number of halvings of each step.
+/// Maximum number of Newton steps.
 const MAX_STEPS: usize = 100;
+/// Maximum number of halvings of each Newton step.
 const MAX_HALVINGS: i32 = 40;
-/// Largest miss of a contact, relative to the lengths involved.
+/// Largest accepted horizontal distance between the tip's actual centre and the centre of a tip at the contact that was
+/// found. It is relative to the lengths involved.
 pub(super) const ACCEPTED_MISS: f64 = 1e-12;
-/// The error of a contact is estimated from the next step. The estimate is right within this factor if the step is
-/// small.
+/// Share of the tolerance. The search stops if the next Newton step is shorter. The step is an estimate of the
+/// contact's error; for small steps it is correct within a factor of 2.
 const STEP_SHARE: f64 = 0.5;
-/// Longest step, in radii of the tip, from which the error of a contact can be estimated.
+/// Longest step from which the error of a contact can be estimated, in radii of the tip.
 const MAX_LAST_STEP: f64 = 1e-3;
-/// Largest distance that counts as touching, as a share of the tip's radius.
+/// Largest distance between tip and object that counts as touching, relative to the tip's radius.
 const TOUCHING: f64 = 1e-9;
-/// A search without progress is at a fold of the offset surface if the clearance is below this value.
+/// Clearance below which the search is at a fold of the offset surface, if it makes no progress.
 const FOLD: f64 = 1e-3;
-/// A contact is on the object's silhouette if the vertical component of the unit normal is below this value.
+/// Vertical component of the unit normal below which a contact is on the object's silhouette.
 const SILHOUETTE: f64 = 1e-3;
 
-/// Places under a tip, in radii: eight on a ring of 0.85, and eight between them on a ring of 0.45.
+/// Places under a tip, in radii from its centre: eight on a ring of radius 0.85, and eight between them on a ring of
+/// radius 0.45.
 const PLACES: [[f64; 2]; 16] = {
     let [outer, outer_diagonal] = [0.85, 0.85 * FRAC_1_SQRT_2];
     // 0.45 times the cosine and the sine of 22.5°.
@@ -53,19 +56,20 @@ const PLACES: [[f64; 2]; 16] = {
     ]
 };
 
-/// Number of grid lines on each side of the middle of a relief.
+/// Number of grid lines on each side of the centre line of the height grid.
 const HALF: usize = 12;
+/// Number of grid lines along each direction of a relief.
 const SIDE: usize = 2 * HALF + 1;
 
-/// A tip that is held above a place.
+/// The search for the contact of a tip that is held above a place.
 pub(super) struct Search<'a, S> {
     pub(super) object: &'a S,
     pub(super) radius: f64,
-    /// Largest accepted error of a contact, in radii of the tip.
+    /// Largest accepted error of the contact, in radii of the tip.
     pub(super) tolerance: f64,
-    /// Whether there may be more than one fitting contact.
+    /// Whether the tip may fit at more than one contact.
     pub(super) rugged: bool,
-    /// Position of the tip's centre, seen from above.
+    /// Position of the tip's centre in the xy plane.
     pub(super) centre: Vector2<f64>,
 }
 
@@ -73,8 +77,8 @@ impl<S: Surface> Search<'_, S> {
     /// The contact that the tip meets first.
     pub(super) fn contact(&self) -> Result<Foot, GlideError> {
         palpate_statistics::work::searched(1);
-        // The order of several contacts must not depend on the tolerance. So the first contact is at least as exact as
-        // the distance that separates contacts.
+        // The choice among several contacts must not depend on the tolerance. Therefore the error of the first contact
+        // is limited to the distance by which contacts are distinguished.
         let tolerance = if self.rugged {
             self.tolerance.min(TOUCHING)
         } else {
@@ -88,8 +92,8 @@ impl<S: Surface> Search<'_, S> {
         }
     }
 
-    /// Start of the search: beneath the tip's centre; otherwise at the point of the object closest to a point above;
-    /// otherwise at the object's default contact.
+    /// Start of the search: the point of the object below the tip's centre. If there is none, it is the point of the
+    /// object closest to a point above, or else the object's default contact.
     fn start(&self) -> Result<Foot, SurfaceError> {
         let beneath = self.foot(self.centre);
         let Err(off_domain) = beneath else {
@@ -109,13 +113,14 @@ impl<S: Surface> Search<'_, S> {
         Foot::at(self.object, self.object.contact_at(at.x, at.y)?)
     }
 
-    /// Horizontal displacement from the centre of a tip that touches at `foot` to the centre of the actual tip.
+    /// Horizontal displacement, called the miss, from the centre of a tip that would touch at `foot` to the centre of
+    /// the actual tip.
     fn miss(&self, foot: &Foot) -> Vector2<f64> {
         self.centre - foot.point.coords.xy() - foot.normal.xy() * self.radius
     }
 
-    /// Newton's method from `foot`. Each step is halved until the miss decreases. The method ends when the miss and the
-    /// next step along the object are within the tolerance, or at the limit of rounding errors.
+    /// Newton's method, starting at `foot`. Each step is halved until the miss decreases. The method ends when the miss
+    /// and the next step along the object are within the tolerance, or when rounding errors prevent further progress.
     fn converge(&self, mut foot: Foot, tolerance: f64) -> Result<Foot, GlideError> {
         let mut miss = self.miss(&foot);
         for _ in 0..MAX_STEPS {
@@ -136,7 +141,7 @@ impl<S: Surface> Search<'_, S> {
                 return Ok(foot);
             }
             if close {
-                // Rounding errors allow at most one more step.
+                // Because of rounding errors, at most one more step is useful.
                 let next = self.descend(&foot, &miss, &step, 1);
                 return Ok(next.map_or(foot, |(next, _)| next));
             }
@@ -153,8 +158,8 @@ impl<S: Surface> Search<'_, S> {
         Err(self.no_convergence(miss.norm()))
     }
 
-    /// The longest of the step and its halves that decreases the miss. If there is none, the error is the edge of the
-    /// object that was reached, if any.
+    /// The first of `step`, `step/2`, `step/4`, … that decreases the miss. If none of them does, the error states
+    /// whether the edge of the object was reached.
     fn descend(
         &self,
         foot: &Foot,
@@ -182,19 +187,19 @@ impl<S: Surface> Search<'_, S> {
         Err(edge)
     }
 
-    /// Whether the tip fits into the object at `foot`.
+    /// Whether the tip fits at `foot`, that is, whether the object is less concave there than the tip is convex.
     fn fits(&self, foot: &Foot) -> bool {
         foot.clearance(self.radius) > ACCEPTED_MISS
     }
 
-    /// Sixteen places under the tip, on two rings.
+    /// The sixteen places under the tip, which lie on two rings.
     fn places(&self) -> impl Iterator<Item = Vector2<f64>> + '_ {
         let place = |&[x, y]: &[f64; 2]| self.centre + Vector2::new(x, y) * self.radius;
         PLACES.iter().map(place)
     }
 
-    /// Whether there may be a higher contact than `foot`: at one of these places the object extends into the tip, or
-    /// the tip does not fit.
+    /// Whether there may be a higher contact than `foot`. This is the case if, at one of the sixteen places, the object
+    /// extends into the tip or the tip does not fit.
     fn has_rivals(&self, foot: &Foot) -> bool {
         let centre = foot.tip_centre(self.radius);
         let rounding = 8.0 * f64::EPSILON * centre.coords.abs().sum();
@@ -204,7 +209,8 @@ impl<S: Surface> Search<'_, S> {
             .any(|place| !self.fits(&place) || (place.point - centre).norm() < inside)
     }
 
-    /// The contact with the highest tip, among `first` and the contacts near the tops of a relief.
+    /// The contact at which the tip is highest, among `first` and the contacts near the local maxima of the height
+    /// grid.
     fn highest(&self, first: Result<Foot, GlideError>) -> Result<Foot, GlideError> {
         let relief = Relief::under(self.object, self.centre, self.radius);
         let reached = relief
@@ -234,7 +240,8 @@ impl<S: Surface> Search<'_, S> {
         };
         let hidden = relief.summit() - height(&best);
         if hidden > TOUCHING * self.radius + 8.0 * f64::EPSILON * relief.summit().abs() {
-            // There is no contact at the highest place: it is at an edge of the object, or on a spike.
+            // There is no contact at the highest place of the grid, so this place is at an edge of the object or on a
+            // spike.
             Err(match first {
                 Err(edge @ GlideError::Surface(_)) => edge,
                 _ => self.no_convergence(hidden),
@@ -255,8 +262,8 @@ impl<S: Surface> Search<'_, S> {
     }
 }
 
-/// Heights of the object under the tip on a square grid: at each place, the height of the tip's centre if the tip
-/// touches there; −∞ if the object has no such place. The first contact is the highest place.
+/// Heights of the tip's centre on a square grid of places of the object under the tip. The height at a place is that of
+/// a tip that touches there; −∞ if the object does not exist there. The first contact is at the highest place.
 struct Relief {
     centre: Vector2<f64>,
     spacing: f64,
@@ -264,7 +271,7 @@ struct Relief {
 }
 
 impl Relief {
-    /// The relief under a tip of `radius` above `centre`.
+    /// The height grid under a tip of `radius` above `centre`.
     fn under<S: Surface>(object: &S, centre: Vector2<f64>, radius: f64) -> Self {
         let mut relief = Self {
             centre,
@@ -286,7 +293,7 @@ impl Relief {
         relief
     }
 
-    /// The height of the highest place.
+    /// The height of the highest place of the grid.
     fn summit(&self) -> f64 {
         self.heights
             .iter()
@@ -295,7 +302,7 @@ impl Relief {
             .fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The places without a higher neighbour.
+    /// The grid points that have no higher neighbour.
     fn tops(&self) -> impl Iterator<Item = Vector2<f64>> + '_ {
         let places = (0..SIDE).flat_map(|row| (0..SIDE).map(move |column| (row, column)));
         places

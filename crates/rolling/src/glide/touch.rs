@@ -1,4 +1,4 @@
-//! A fingertip, its contact, and the reasons why there may be none.
+//! Fingertips, their contacts, and the reasons for a missing contact.
 
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_geometry::{CurvatureForm, Surface, SurfaceError};
@@ -9,11 +9,11 @@ use thiserror::Error;
 /// The shape of a fingertip that glides over an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fingertip {
-    /// A point.
+    /// A fingertip that is a point.
     Point,
-    /// A sphere.
+    /// A fingertip that is a sphere.
     Sphere {
-        /// Its radius.
+        /// Radius of the sphere.
         radius: f64,
     },
 }
@@ -21,67 +21,67 @@ pub enum Fingertip {
 /// A contact of a fingertip, in the object's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// The contact.
+    /// Contact point on the object.
     pub point: Point3<f64>,
-    /// The object's unit normal there, out of the object.
+    /// The object's unit normal at the contact, out of the object.
     pub normal: Vector3<f64>,
     /// The centre of the tip, `point + radius · normal`; for a point, the contact itself.
     pub tip_centre: Point3<f64>,
-    /// The object's curvature there, in an orthonormal tangent basis: along the level line and up the slope,
-    /// right-handed with the normal. Where the object is level, these are x and y.
+    /// The object's curvature at the contact, in an orthonormal tangent basis. The first axis is along the level line,
+    /// the second up the slope; with the normal, they are right-handed. Where the object is level, this basis is x and
+    /// y.
     pub curvature: CurvatureForm,
 }
 
-/// Reasons why a finger has no contact to report.
+/// Reasons why a finger has no contact.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum GlideError {
-    /// The contact would be where the object is not defined; for a point, also beside a closed object.
+    /// The object is not defined at the place of the contact. A point tip beside a closed object also gives this error.
     #[error("the finger left the object: {0}")]
     #[strum(transparent)]
     Surface(#[from] SurfaceError),
-    /// The tip passes beside the object: the offset surface does not extend there, or only where the object's normal is
-    /// horizontal.
+    /// The tip passes beside the object. At this place, the offset surface does not exist, or has a horizontal normal.
     #[error(
         "a tip of radius {radius} at x = {x}, y = {y} passes beside the object",
         radius = Number(*radius), x = Number(*x), y = Number(*y)
     )]
     ContactLost {
-        /// Coordinate x at which the tip's centre is held.
+        /// x coordinate of the tip's centre.
         x: f64,
-        /// Coordinate y at which the tip's centre is held.
+        /// y coordinate of the tip's centre.
         y: f64,
         /// The tip's radius.
         radius: f64,
     },
-    /// The tip touches at two places at once, or at a continuum of places: in a dish, valley or hole that is as tight
-    /// as the tip or tighter.
+    /// The tip touches at two places at once, or along a curve or an area. The object is a dish, valley or hole that is
+    /// as narrow as the tip or narrower.
     #[error(
         "a tip of radius {radius} at x = {x}, y = {y} touches at more than one place",
         radius = Number(*radius), x = Number(*x), y = Number(*y)
     )]
     TwoContacts {
-        /// Coordinate x at which the tip's centre is held.
+        /// x coordinate of the tip's centre.
         x: f64,
-        /// Coordinate y at which the tip's centre is held.
+        /// y coordinate of the tip's centre.
         y: f64,
         /// The tip's radius.
         radius: f64,
     },
-    /// The search for the contact did not converge: lengths differ too much for double precision, or the object is too
-    /// rough for the tip.
+    /// The search for the contact did not converge. The lengths differ too much for double precision, or the object is
+    /// too rough for the tip.
     #[error(
         "no contact found for a tip of radius {radius} at x = {x}, y = {y}: off by {miss}",
         radius = Number(*radius), x = Number(*x), y = Number(*y), miss = Number(*miss)
     )]
     NoConvergence {
-        /// Coordinate x at which the tip's centre is held.
+        /// x coordinate of the tip's centre.
         x: f64,
-        /// Coordinate y at which the tip's centre is held.
+        /// y coordinate of the tip's centre.
         y: f64,
         /// The tip's radius.
         radius: f64,
-        /// Horizontal distance by which the best contact misses.
+        /// Horizontal distance between the tip's centre and the centre of a tip at the best contact that was found.
         miss: f64,
     },
 }
@@ -108,12 +108,12 @@ impl GlideError {
     }
 }
 
-/// A point of the object with its normal, and its curvature along the level line and up the slope.
+/// A point of the object with its normal, and with its curvature along the level line and up the slope.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Foot {
     pub(super) point: Point3<f64>,
     pub(super) normal: Vector3<f64>,
-    /// Unit vector up the slope, seen from above; +y where the object is level.
+    /// Unit vector up the slope, projected onto the xy plane; +y where the object is level.
     uphill: Vector2<f64>,
     curvature: CurvatureForm,
 }
@@ -138,24 +138,25 @@ impl Foot {
         })
     }
 
-    /// The centre of a tip of `radius` that touches here.
+    /// The centre of a tip of `radius` that touches at this point.
     pub(super) fn tip_centre(&self, radius: f64) -> Point3<f64> {
         self.point + self.normal * radius
     }
 
-    /// The smaller eigenvalue of `I + r S`: 0 if the object's concave curvature is 1/radius, below 0 if it is sharper.
+    /// The smaller eigenvalue of `I + r S`, where r is the tip's radius and S the shape operator. It is 0 if the object
+    /// is as concave as the tip is convex, and negative if it is more concave.
     pub(super) fn clearance(&self, radius: f64) -> f64 {
         1.0 + radius * self.curvature.principal().k_min
     }
 
-    /// Displacement of the contact, seen from above, that moves the tip's centre by `miss`. It is the inverse of
-    /// `P (I + r S) P⁻¹`, where `P` is the projection from above. `None` if that is singular.
+    /// Horizontal displacement of the contact that moves the tip's centre by `miss`. It is `P (I + r S)⁻¹ P⁻¹` applied
+    /// to `miss`, where `P` is the projection onto the xy plane. `None` if `I + r S` is singular.
     pub(super) fn step(&self, radius: f64, miss: &Vector2<f64>) -> Option<Vector2<f64>> {
         let along = Vector2::new(self.uphill.y, -self.uphill.x);
         let (aside, ahead) = (along.dot(miss), self.uphill.dot(miss));
         let CurvatureForm { k_uu, k_uv, k_vv } = self.curvature;
         let (level, twist, steep) = (1.0 + radius * k_uu, radius * k_uv, 1.0 + radius * k_vv);
-        // The projection from above shortens lengths up the slope by n_z.
+        // The projection onto the xy plane multiplies lengths up the slope by n_z.
         let lengthened = if twist == 0.0 {
             0.0
         } else {
@@ -167,7 +168,7 @@ impl Foot {
         step.sum().is_finite().then_some(step)
     }
 
-    /// The touch of a tip of `radius` here.
+    /// The contact of a tip of `radius` at this point.
     pub(super) fn touch(&self, radius: f64) -> Result<Touch, GlideError> {
         let tip_centre = self.tip_centre(radius);
         let CurvatureForm { k_uu, k_uv, k_vv } = self.curvature;

@@ -12,13 +12,14 @@ use crate::Model;
 /// A model that finds the contact of a fingertip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TouchModel {
-    /// The closed form if there is one, otherwise Newton's method with this tolerance.
+    /// The closed form if one exists, otherwise Newton's method with this tolerance.
     Auto {
         /// Largest error of the contact's position, relative to the tip's radius, from [`Model::SMALLEST_TOLERANCE`] to
         /// [`Model::LARGEST_TOLERANCE`].
         tolerance: f64,
     },
-    /// Only the closed form. It exists for points, and for round tips on planes, spheres, dishes and cylinders.
+    /// The closed form of the contact point. It exists for point tips, and for round tips on planes, spheres, dishes
+    /// and cylinders; other contacts are rejected.
     ClosedForm,
     /// Newton's method on the offset surface of a round tip.
     Newton {
@@ -46,12 +47,12 @@ pub enum InvalidTouch {
     /// The fingertip has an invalid radius.
     #[error("{0}")]
     Tip(#[from] InvalidShape),
-    /// The set rung cannot compute these contacts.
+    /// The model that the user has set cannot compute these contacts.
     #[error("the {rung} rung cannot do this: {reason}")]
     Unsupported {
-        /// Name of the rung.
+        /// Name of the model.
         rung: &'static str,
-        /// The reason, in words.
+        /// Reason why the model cannot compute the contacts, as text.
         reason: String,
     },
     /// The tolerance is out of range.
@@ -62,15 +63,15 @@ pub enum InvalidTouch {
         tolerance = Number(*tolerance)
     )]
     Tolerance {
-        /// The tolerance.
+        /// The tolerance that is out of its range.
         tolerance: f64,
     },
 }
 
-/// A rung that finds contacts, ready to use.
+/// A model that finds contacts. It is prepared for one fingertip and one object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum TouchRung {
-    /// A point touches vertically below.
+    /// A point tip, which touches the object vertically below its position.
     Point,
     Offset(Offset),
     Newton {
@@ -90,7 +91,7 @@ impl TouchRung {
         }
     }
 
-    /// The rung of `model`.
+    /// The model `model` of the user, prepared for this fingertip and object.
     pub(super) fn new(
         model: TouchModel,
         object: &Shape,
@@ -124,12 +125,13 @@ impl TouchRung {
     }
 }
 
-/// The surface on which the centre of a round tip lies. For planes, spheres, dishes and cylinders it is of the same
-/// kind as the object.
+/// The surface on which the centre of a round tip moves. For planes, spheres, dishes and cylinders, it is a surface of
+/// the same type as the object.
 ///
-/// The tip's centre lies on a sphere or cylinder of radius `R + r`, or in a dish of radius `R − r`. The contact is on
-/// the line from there to the object's centre or axis. Seen from above, the contact is at `R/(R ± r)` of the distance
-/// to the tip's centre.
+/// The tip's centre lies on a sphere or cylinder of radius `R + r`, or in a dish of radius `R − r`, where R is the
+/// radius of the object and r the radius of the tip. The contact is on the line from the tip's centre to the object's
+/// centre or axis. In the xy plane, the distance of the contact from this centre or axis is `R/(R ± r)` times the
+/// distance of the tip's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Offset {
     kind: Kind,
@@ -143,14 +145,14 @@ pub(super) struct Offset {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Plane,
-    /// Offset of a sphere or dish, whose normals point away from or to a centre.
+    /// Offset surface of a sphere or dish. Its normals point away from a centre or towards it.
     Round,
-    /// Offset of a cylinder, with the direction of its axis. The normals point away from the axis.
+    /// Offset surface of a cylinder, with the direction of its axis. Its normals point away from the axis.
     Cylinder(Vector2<f64>),
 }
 
 impl Offset {
-    /// The offset of `object` for a tip of `tip_radius`; `None` if the offset is of another kind.
+    /// The offset surface of `object` for a tip of `tip_radius`; `None` if it is not of the same type as the object.
     pub(super) fn of(object: &Shape, tip_radius: f64) -> Option<Self> {
         let (kind, radius, outwards) = match object {
             Shape::Plane(_) => (Kind::Plane, 1.0, 0.0),
@@ -172,7 +174,7 @@ impl Offset {
 
     /// The contact of the tip that is held above `centre`.
     pub(super) fn contact(&self, object: &Shape, centre: Vector2<f64>) -> Result<Foot, GlideError> {
-        // The dish is as tight as the tip, or tighter.
+        // In this case, the dish is not wider than the tip.
         if self.offset_radius <= ACCEPTED_MISS * self.radius {
             return Err(GlideError::two_contacts(self.tip_radius, &centre));
         }

@@ -1,9 +1,9 @@
-//! Dormand and Prince's method of order 8 with error estimates of order 5 and 3.
+//! Dormand and Prince's method of order 8, with error estimates of order 5 and 3.
 //!
 //! Coefficients and error estimate after Hairer, Nørsett and Wanner, *Solving Ordinary Differential
 //! Equations I*, second edition, section II.5 and the program DOP853.
 
-// The published digits are kept, although a double cannot hold all of them.
+// Keep the published digits, although a double does not store all of them.
 #![allow(clippy::excessive_precision)]
 
 use super::{Integrated, Stopped, System, stage, weighted};
@@ -29,29 +29,34 @@ use crate::RollFault;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Dop853 {
-    /// Bound on the weighted local error of a step (root mean square over the components).
+    /// Largest accepted local error of a step. The error is the root mean square of the weighted errors of the
+    /// components.
     pub(crate) tolerance: f64,
-    /// Largest number of steps, accepted or rejected. The integration fails beyond it.
+    /// Maximum number of steps, including rejected steps. If it is reached, the integration fails.
     pub(crate) most_steps: usize,
 }
 
-/// The first step changes the state by this much (weighted, root mean square) at tolerance 1.
+/// Weighted change of the state (root mean square) in the first step, if the tolerance is 1.
 const FIRST_CHANGE: f64 = 2.0;
+/// Factor by which the next step is shorter than its error estimate allows.
 const SAFETY: f64 = 0.8;
+/// Smallest ratio of the next step size to this step size.
 const SHRINK: f64 = 1.0 / 3.0;
+/// Largest ratio of the next step size to this step size.
 const GROW: f64 = 6.0;
-/// If fewer steps than this remain, they are made equal.
+/// Number of remaining steps below which they are all made equally long.
 const LAST_FEW: f64 = 3.0;
-/// Shortest step: relative to the elapsed time, and relative to the duration.
+/// Shortest step, relative to the elapsed time.
 const SHORTEST: f64 = 1e-12;
+/// Shortest step, relative to the duration. The longer of the two limits applies.
 const SHORTEST_OF_ALL: f64 = 1e-18;
 
 impl Dop853 {
     /// Integrates from `state` over `duration_s`.
     ///
-    /// If a step leaves the system's domain, its end time becomes a barrier, and the next step is half as long. Steps
-    /// end at the barrier at the latest. A step that reaches the barrier removes it. If the step becomes shorter than a
-    /// trillionth of the elapsed time instead, the fault of the barrier is returned.
+    /// If a step leaves the domain of the system, its end time becomes a barrier, and the next step is half as long. No
+    /// step goes beyond the barrier. A step that reaches the barrier removes it. If the step becomes shorter than 1e-12
+    /// of the elapsed time first, the fault of the barrier is returned.
     ///
     /// # Errors
     /// [`Stopped`] with the last valid state.
@@ -94,7 +99,7 @@ impl Dop853 {
             evaluations += 11;
             let tried = stages(system, &y, h, &mut slopes);
             let (end, square_error) = end_of_step(&y, h, &slopes, &weights);
-            // (error/tolerance)².
+            // Square of the ratio of the error to the tolerance.
             let excess = square_error / (self.tolerance * self.tolerance);
             let fault = match tried {
                 Err(fault) => Some(fault),
@@ -121,7 +126,7 @@ impl Dop853 {
                             continue;
                         }
                         Err(fault) => {
-                            // Return to the last valid state and recompute its slope, which was overwritten.
+                            // Return to the last valid state. Its slope was overwritten, so compute it again.
                             evaluations += 1;
                             system
                                 .derivative(&y, &mut slopes[0])
@@ -157,28 +162,29 @@ impl Dop853 {
     }
 }
 
-/// Whether a step is accepted whose squared error is `excess` times the squared tolerance; false for NaN.
+/// Whether a step is accepted. `excess` is the squared error of the step, divided by the squared tolerance. False for
+/// NaN.
 fn accepts(excess: f64) -> bool {
     excess <= 1.0
 }
 
-/// Ratio of the next step size to this one, at most `most`. `excess` is the squared error of the step, divided by the
-/// squared tolerance.
+/// Ratio of the next step size to this step size, at most `most`. `excess` is the squared error of the step, divided by
+/// the squared tolerance.
 #[inline]
 fn factor(excess: f64, most: f64) -> f64 {
     (SAFETY * inverse_sixteenth_root(excess)).clamp(SHRINK, most)
 }
 
-/// `x^(−1/16)` for `x >= 0`, within 7 %. This is accurate enough for a step size and avoids roots and powers, for which
-/// the next step would wait. The bits of a double, as an integer, are nearly proportional to its logarithm. The result
-/// is tiny for infinity and NaN.
+/// `x^(−1/16)` for `x >= 0`, within 7 %. This is accurate enough for a step size. It avoids roots and powers, which
+/// would delay the next step. The method uses that the bits of a double, read as an integer, are nearly proportional to
+/// its logarithm. The result is tiny for infinity and NaN.
 #[inline]
 fn inverse_sixteenth_root(x: f64) -> f64 {
     let one = 1.0_f64.to_bits();
     f64::from_bits(one + one / 16 - x.to_bits() / 16)
 }
 
-/// The slopes of a step: at its start, and at eleven stages.
+/// The slopes at the start of a step and at its eleven further stages.
 type Slopes<const N: usize> = [[f64; N]; 12];
 
 #[inline]
@@ -211,8 +217,8 @@ fn stages<const N: usize>(
     )
 }
 
-/// The state after the step, and its squared error: Hairer's combination of both error estimates, as mean square over
-/// the weighted components.
+/// The state after the step, and the squared error of the step. The error is Hairer's combination of both error
+/// estimates, as the mean square of the weighted components.
 #[inline]
 fn end_of_step<const N: usize>(
     y: &[f64; N],
@@ -231,12 +237,12 @@ fn end_of_step<const N: usize>(
     }
     let (fifth, third) = (square(&fifth, weights, h), square(&third, weights, h));
     let blend = fifth + 0.01 * third;
-    // `blend` is 0 if there is no error, and NaN if a slope is not finite.
+    // `blend` is 0 if both error estimates are 0, and NaN if a slope is not finite.
     let share = if blend > 0.0 { fifth / blend } else { blend };
     (end, fifth * share / N as f64)
 }
 
-/// The sum of the squares of the weighted components, over a step.
+/// Sum of the squares of the weighted components of a slope, multiplied by the step.
 #[inline]
 fn square<const N: usize>(slope: &[f64; N], weights: &[f64; N], h: f64) -> f64 {
     slope
@@ -246,7 +252,7 @@ fn square<const N: usize>(slope: &[f64; N], weights: &[f64; N], h: f64) -> f64 {
         .sum()
 }
 
-// Row j: the weights of earlier slopes in stage j. Zero weights are left out.
+// Row j has the weights of the earlier slopes in stage j. Weights that are zero are left out.
 const A2: [f64; 1] = [0.0526001519587677318785587544488];
 const A3: [f64; 2] = [
     0.0197250569845378994544595329183,
@@ -317,7 +323,7 @@ const A12: [f64; 9] = [
     12.3605671757943030647266201528,
     0.643392746015763530355970484046,
 ];
-/// Weights of slopes 1 and 6 to 12 in the slope of the whole step, which is of order 8.
+/// Weights of the slopes 1 and 6 to 12 in the mean slope of the step. This mean is of order 8.
 const B: [f64; 8] = [
     0.0542937341165687622380535766363,
     4.45031289275240888144113950566,
@@ -328,7 +334,7 @@ const B: [f64; 8] = [
     0.201365400804030348374776537501,
     0.0447106157277725905176885569043,
 ];
-/// Weights of slopes 1 and 6 to 12 in the difference between the slopes of order 8 and 5.
+/// Weights of slopes 1 and 6 to 12 in the difference between the mean slopes of order 8 and order 5.
 const E5: [f64; 8] = [
     0.01312004499419488073250102996,
     -1.225156446376204440720569753,
@@ -339,7 +345,7 @@ const E5: [f64; 8] = [
     0.08192320648511571246570742613,
     -0.02235530786388629525884427845,
 ];
-/// Weights of slopes 1, 9 and 12 in a slope of order 3.
+/// Weights of slopes 1, 9 and 12 in the mean slope of order 3.
 const B3: [f64; 3] = [
     0.244094488188976377952755905512,
     0.733846688281611857341361741547,
@@ -361,7 +367,7 @@ mod tests {
         }
     }
 
-    /// Constant slope, undefined beyond a wall. Counts the evaluations.
+    /// A system with a constant slope that is undefined beyond a wall. It counts how often it is evaluated.
     struct Wall<'a> {
         wall: f64,
         asked: &'a Cell<usize>,
@@ -430,7 +436,7 @@ mod tests {
         }
     }
 
-    /// Decays fast towards the edge of its domain. Long steps leave the domain.
+    /// A system that decays fast towards the edge of its domain. Long steps leave the domain.
     struct Decay;
 
     impl System<1> for Decay {

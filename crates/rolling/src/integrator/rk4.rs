@@ -2,10 +2,10 @@
 
 use super::{Integrated, Stopped, System, stage, weighted};
 
-/// RK4 with a fixed number of equal steps; its global error is `O(h⁴)`.
+/// RK4 with a fixed number of equal steps of length h. Its global error is `O(h⁴)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rk4 {
-    /// Number of steps; 0 counts as 1.
+    /// Number of steps. 0 counts as 1.
     pub(crate) steps: usize,
 }
 

@@ -1,5 +1,5 @@
-//! Rolls and glides on objects blunter than the probe succeed. Probes, objects, motions and places with any bit
-//! patterns return finite numbers or a named error. A roll forth and back ends where it began.
+//! Rolls and glides succeed on objects that are blunter than the probe. Probes, objects, motions and positions with any
+//! bit patterns return finite numbers or a named error. A roll forth and back ends where it began.
 
 use nalgebra::{Vector2, Vector3};
 use palpate_geometry::formula::Formula;
@@ -78,7 +78,7 @@ fn is_sound(contact: &Contact) -> bool {
         && contact.arc_length >= 0.0
 }
 
-/// Whether a touch has finite numbers, and the tip's centre is above (x, y).
+/// Whether all numbers of a touch are finite, and the centre of the tip is above (x, y).
 fn is_sound_touch(touch: &Touch, tip: Fingertip, (x, y): (f64, f64)) -> bool {
     let vectors = [touch.point.coords, touch.normal, touch.tip_centre.coords];
     let form = touch.curvature;
@@ -95,7 +95,7 @@ fn is_sound_touch(touch: &Touch, tip: Fingertip, (x, y): (f64, f64)) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..Default::default() })]
 
-    /// Rolls of up to a radian on objects blunter than the probe, of any size.
+    /// Rolls by up to 1 rad on objects of any size that are blunter than the probe.
     #[test]
     fn blunt_objects_are_rolled_and_glided_on(
         probe in (-9.0..9.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
@@ -156,7 +156,7 @@ proptest! {
             duration_s,
         };
         let plain = Motion::rolling(x, y, duration_s);
-        // Skip long motions: an integrator takes up to 100 000 steps before it fails, which is slow.
+        // Long motions are skipped, because an integrator takes up to 100,000 steps before it fails, which is slow.
         let is_short = |motion: &Motion| {
             let sharpness = 1.0 / made[3] + made[0].abs() + 1.0 / made[0].abs();
             let way = motion.sliding.norm() + motion.angular_velocity.norm() * made[3];

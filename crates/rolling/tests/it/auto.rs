@@ -1,5 +1,6 @@
-//! Tests `auto` on random scenes: the error of the chosen rung is at most the tolerance, and its cost is at most twice
-//! the cost of the cheapest sufficient rung. The cost is the number of evaluations of the contact equations.
+//! Tests `auto` on random scenes. The error of the chosen model is at most the tolerance, and its cost is at most twice
+//! the cost of the cheapest model that meets the tolerance. The cost is the number of evaluations of the contact
+//! equations.
 
 use palpate_geometry::Shape;
 use palpate_rolling::{Chart, InvalidRoll, MeasuredRung, Model, Motion, Probe, Roller, Rolls};
@@ -8,7 +9,7 @@ use crate::scenes::{
     cylinder, dish, ellipsoid, height_field, paraboloid, plane, saddle, sphere, torus,
 };
 
-/// Random numbers from 0 to 1, the same in every run: the upper bits of a linear congruential generator.
+/// Random numbers from 0 to 1, which are the same in every run: the upper bits of a linear congruential generator.
 struct Numbers(u64);
 
 impl Numbers {
@@ -49,7 +50,7 @@ fn scene(kind: usize, numbers: &mut Numbers) -> Scene {
         2 => (plane(), on(size)),
         3 => (cylinder(size, 360.0 * aside[0]), on(size)),
         4 => (ellipsoid(size, size * spread, 1.3 * size), on(size)),
-        // Through the apex, and beside it.
+        // The roll passes through the apex, or beside it.
         5 => (ellipsoid(size, size, size * spread), (0.0, 0.0)),
         6 => (paraboloid(0.5 / size), (0.0, 0.0)),
         7 => (paraboloid(-0.45 / (1.0 + size)), on(1.0)),
@@ -87,7 +88,7 @@ fn scene(kind: usize, numbers: &mut Numbers) -> Scene {
 
 const FREE: Chart = Chart::Free;
 
-/// The closed form, the meridian, and the integrators with many settings.
+/// The closed form, the meridian, and the integrators with many different settings.
 fn models() -> Vec<Model> {
     let few = 1..=8;
     let more = [10, 12, 14, 16, 20, 24, 32, 40, 48, 56, 64];
@@ -130,12 +131,12 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
         let taken = roller
             .measure(&[roller.choice().model], FREE, rolls)
             .remove(0);
-        // A roll that leaves the object has no error.
+        // A roll that leaves the object is skipped, because it has no error.
         let Ok(err) = taken.outcome else { continue };
         judged += 1;
         let what = format!("{:?} {} {:e}", scene.object, taken.name, scene.tolerance);
         assert!(err <= scene.tolerance, "{what}: error {err:e}");
-        // Rounding errors of the reference are added to the bound.
+        // The bound is increased by the rounding errors of the reference.
         let bound = roller.choice().error_bound.unwrap() + 1e-13;
         assert!(err <= bound, "{what}: error {err:e} > {bound:e}");
 
@@ -151,7 +152,7 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
     }
 }
 
-/// Number of turns of the probe in each of four directions.
+/// Rolls in which the probe makes `turns` turns, one in each of four directions.
 fn turns(turns: f64) -> Vec<Vec<Motion>> {
     let angle = turns * std::f64::consts::TAU;
     let directions = [0.2, 1.7, 3.3, 4.9];
@@ -184,7 +185,7 @@ fn long_rolls_are_not_rolled_to_choose_how() {
             assert!(choice.reason.contains("too long"), "{choice:?}");
         }
     }
-    // A rung that is chosen without a measurement also meets the tolerance.
+    // A model that is chosen without a measurement of its error also meets the tolerance.
     let rolls = turns(100.0);
     let rolls = Rolls::exact(&rolls);
     let roller = start(100.0, 1e-6);

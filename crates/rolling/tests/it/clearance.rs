@@ -9,7 +9,7 @@ use palpate_rolling::{Model, Motion, Probe, RollFault, Roller, Rolls};
 /// Number of random scenes.
 const SCENES: u64 = 40;
 
-/// Random numbers (SplitMix64), one stream per scene.
+/// Random numbers (SplitMix64), with one stream of numbers per scene.
 struct Draws(u64);
 
 impl Draws {
@@ -29,7 +29,7 @@ fn height_field(formula: &str) -> Shape {
     ))
 }
 
-/// A height field of one of five kinds, and the radius of a probe that may or may not fit.
+/// A height field of one of five kinds, and the radius of a probe that may or may not fit into it.
 fn scene(number: u64) -> (Shape, f64) {
     let mut draws = Draws(number.wrapping_mul(77));
     let mut draw = |least, most| draws.between(least, most);
@@ -70,7 +70,7 @@ fn scene(number: u64) -> (Shape, f64) {
     }
 }
 
-/// Depth of the deepest overlap along a roll, found by a grid search at 41 positions of the probe.
+/// Depth of the deepest overlap during a roll, found by a grid search at 41 positions of the probe.
 fn overlap(roller: &Roller, motion: &Motion) -> f64 {
     let radius = roller.probe().radius();
     let mut deepest: f64 = 0.0;
@@ -90,7 +90,7 @@ fn overlap(roller: &Roller, motion: &Motion) -> f64 {
         };
         let (mut middle, mut half) = (centre.xy().coords, radius);
         let mut best = f64::NEG_INFINITY;
-        // Each round refines the grid around the deepest point of the round before.
+        // Each round refines the grid around the deepest point of the previous round.
         for lines in [90, 12, 12, 12, 12, 12] {
             let spacing = 2.0 * half / f64::from(lines);
             let from = middle;
@@ -124,7 +124,8 @@ fn no_roll_is_accepted_that_overlaps_nor_refused_that_clears() {
             chart: Default::default(),
         };
         let rolls = [vec![motion]];
-        // Skip objects that are at least as hollow as the probe is round: the roller rejects them.
+        // The roller rejects a hollow object if the radius of the hollow is not larger than the probe's radius. Such
+        // objects are skipped.
         let Ok(roller) = Roller::new(
             Probe::new(radius).unwrap(),
             object,
@@ -203,8 +204,8 @@ fn steep_steps_and_paths_that_close_are_checked() {
             assert!(along_x(&step(far + 0.9), 0.3, 0.0).is_ok(), "{steep} {far}");
         }
     }
-    // With a spin as fast as the roll, the path is a circle of radius 1 through the origin. The object has steps at y =
-    // ±2.6.
+    // If the spin is as fast as the roll, the path is a circle of radius 1 through the origin. The object has steps at
+    // y = ±2.6.
     let tau = std::f64::consts::TAU;
     let fault = along_x("1.5*(1+tanh(20*(y^2-6.76)))", tau, tau).unwrap_err();
     assert!(matches!(fault, RollFault::Overlapping { .. }), "{fault}");

@@ -30,14 +30,14 @@ fn a_dish_as_tight_as_the_probe_conforms() {
             "{error}"
         );
     }
-    // In a slightly wider dish the path length is `θ/(1/R₁ − 1/R₂)`, which is one radius here.
+    // In a dish that is slightly wider than the probe, the path length is `θ/(1/R₁ − 1/R₂)`, which is one radius here.
     for gap in [1.0, 1e-6, 1e-12] {
         let radius = 1.0 + gap;
         let motion = Motion::rolling(0.0, 1.0, (radius - 1.0) / radius);
         for (model, bound) in [(Model::ClosedForm, 1e-14), (DOP853, 1e-9)] {
             let end = roll(1.0, &dish(radius), (0.0, 0.0), model, motion);
             let off = (end.arc_length - 1.0).abs();
-            // The difference of the curvatures loses more digits as the gap becomes smaller.
+            // The smaller the gap, the more digits are lost in the difference of the curvatures.
             assert!(off < bound + 5e-16 / gap, "{model:?}, {gap:e}: {off:e}");
         }
     }
@@ -45,7 +45,7 @@ fn a_dish_as_tight_as_the_probe_conforms() {
 
 #[test]
 fn conforming_on_the_way_is_located() {
-    // A wave whose trough is tighter than the probe.
+    // The object is a wave whose trough is tighter than the probe.
     let object = height_field("0.5*cos(2*x)", &[]);
     let motion = Motion::rolling(0.0, 1.0, 10.0);
     let roller = roller(1.0, &object, (0.0, 0.0), DOP853, motion);
@@ -54,8 +54,9 @@ fn conforming_on_the_way_is_located() {
         matches!(error.fault, RollFault::Conforming { .. }),
         "{error}"
     );
-    // The roll ends where the curvature κ = −1: 2 cos(2x) = (1 + sin²(2x))^{3/2}. The contact becomes ever faster near
-    // this place, so its position is accurate only to the square root of the accuracy of time.
+    // The roll ends where the curvature κ is −1, that is, where 2 cos(2x) = (1 + sin²(2x))^{3/2}. Near this point, the
+    // speed of the contact grows without limit, so that the number of correct digits of its position is only half of
+    // that of the time.
     let x = error.on_object.x;
     let curvature = 2.0 * libm::cos(2.0 * x) / libm::pow(1.0 + libm::sin(2.0 * x).powi(2), 1.5);
     assert!(
@@ -85,7 +86,7 @@ fn errors_at_wall(object: &Shape, motion: Motion) -> [RollError; 2] {
 
 #[test]
 fn a_wall_is_located() {
-    // On a tilted plane; the logarithm ends the domain at x = 1.
+    // The object is a tilted plane, and the logarithm in its formula ends its domain at x = 1.
     let object = height_field("x + 0*ln(1 - x)", &[]);
     let motion = Motion::rolling(0.0, 1.0, 10.0);
     for error in errors_at_wall(&object, motion) {
@@ -99,12 +100,13 @@ fn a_wall_is_located() {
 
 #[test]
 fn a_vertical_wall_is_located() {
-    // The parabola x = 1 − z² from z = 1 to its vertex: θ is the turn of the normal plus the arc length.
+    // The probe rolls on the parabola x = 1 − z² from z = 1 to its vertex. θ is the turn of the normal plus the arc
+    // length.
     let object = height_field("sqrt(1 - x)", &[]);
     let theta = libm::atan(2.0_f64) + 0.5 * 5.0_f64.sqrt() + 0.25 * libm::asinh(2.0_f64);
     let motion = Motion::rolling(0.0, 1.0, 10.0);
     for error in errors_at_wall(&object, motion) {
-        // Near a vertical wall, the slope is accurate only to the square root of the height's accuracy.
+        // Near a vertical wall, the slope has only half as many correct digits as the height.
         assert!(
             (error.time_s - theta).abs() < 1e-5,
             "{error}, not {theta} s"
@@ -184,7 +186,7 @@ fn motions_that_are_not_numbers_are_errors() {
             };
             let fast = Motion::rolling(0.0, bad, 1e10);
             for motion in [lasting, fast] {
-                // The roll may fail, because numbers are out of range or it needs too many steps.
+                // The roll may fail because numbers are out of range or because it needs too many steps.
                 match roller.roll(&[motion]) {
                     Ok(contact) => assert!(contact.arc_length.is_finite()),
                     Err(error) => assert!(error.time_s.is_finite(), "{error}"),

@@ -1,4 +1,4 @@
-//! Scales from 1e-9 to 1e9, ratios from 1e-12 to 1e12, many turns, zero rotation, poles of charts.
+//! Scales from 1e-9 to 1e9, ratios from 1e-12 to 1e12, many turns, zero rotation, and poles of charts.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -38,7 +38,7 @@ const CHARTS: [Chart; 3] = [
 
 #[test]
 fn a_start_on_a_wall_facing_x() {
-    // +x has no projection onto the tangent plane, so x₁ starts along +y.
+    // The projection of +x onto the tangent plane is zero, so that x₁ starts along +y.
     for (object, place) in [
         (sphere(2.0), (2.0, 0.0)),
         (ellipsoid(2.0, 3.0, 1.0), (2.0, 0.0)),
@@ -109,7 +109,7 @@ fn spinning_and_sliding_on_the_spot() {
                 object.name()
             );
         }
-        // The probe slips: it turns as fast as it slides back, so the contact on the object does not move.
+        // The probe slips: it turns as fast as it slides back, so that the contact on the object does not move.
         let slide = Motion {
             sliding: Vector2::new(0.1, -0.2),
             ..still
@@ -189,14 +189,14 @@ fn rolls_of_any_length_on_a_sphere_and_a_plane() {
     };
     for theta in [1e-300, 1e-12, 0.1, TAU, 1e3 * TAU, 1e9 * TAU] {
         let motion = Motion::rolling(0.0, 1.0, theta);
-        // The rounding error of an angle grows with its number of turns.
+        // The rounding error of an angle grows with the number of turns.
         let blur = 5e-15 * theta.max(1.0);
         for (object, curvature) in [(plane(), 0.0), (sphere(3.0), 1.0 / 3.0)] {
             let roller = roller(1.0, &object, (0.0, 0.0), auto, motion);
             let shift = roller.shift(&[motion]).unwrap();
             let path = theta / (1.0 + curvature);
             assert_relative_eq!(shift.arc_length, path, max_relative = 1e-14);
-            // Remainder of the path after whole turns of the probe.
+            // Length of the path that remains after whole turns of the probe.
             let rest = path - (path / TAU).round() * TAU;
             assert_abs_diff_eq!(shift.displacement.x, rest, epsilon = blur.min(1e-14 * path));
         }
@@ -207,8 +207,8 @@ fn rolls_of_any_length_on_a_sphere_and_a_plane() {
     }
 }
 
-/// Error of a roll by `theta` of a probe of radius 1 on a sphere of radius 2. The exact contact moves by
-/// the angle `theta / 3` along a great circle.
+/// Error of a roll by the angle `theta` of a probe of radius 1 on a sphere of radius 2. The exact contact moves by the
+/// angle `theta / 3` along a great circle.
 fn off_great_circle(start: (f64, f64), direction: f64, theta: f64, model: Model) -> f64 {
     let motion = Motion::rolling(direction, 1.0, theta);
     let roller = roller(1.0, &sphere(2.0), start, model, motion);
@@ -237,7 +237,7 @@ fn dop853_keeps_every_tolerance_for_many_turns() {
             chart: Chart::Free,
         };
         let off = off_great_circle((0.3, 0.2), 0.4, theta, model);
-        // Errors add up over the turns.
+        // Errors accumulate over the turns.
         let bound = tolerance * (theta / TAU).max(1.0) + 1e-14;
         assert!(off <= bound, "{tolerance:e}, {theta:e} rad: {off:e}");
     }
@@ -249,7 +249,7 @@ fn dop853_keeps_every_tolerance_for_many_turns() {
 
 #[test]
 fn charts_end_at_poles_and_chart_free_rolls_do_not() {
-    // From `short`, the contact reaches the pole at +x when the probe has turned by 0.8 rad.
+    // If the contact starts at `short`, it reaches the pole at +x when the probe has turned by 0.8 rad.
     let short = 2.0 * libm::sin(FRAC_PI_2 - 0.8 / 3.0);
     for (start, theta) in [
         ((2.0, 0.0), 1.0),
@@ -269,7 +269,8 @@ fn charts_end_at_poles_and_chart_free_rolls_do_not() {
     }
 }
 
-/// Arc lengths s from mpmath with 60 digits, for slope q = tan α: `θ = α + s` and `4 c s = q √(1 + q²) + asinh q`.
+/// The arc lengths s were computed by mpmath with 60 digits. For the slope q = tan α, `θ = α + s` and `4 c s = q √(1 +
+/// q²) + asinh q`.
 #[test]
 fn meridians_from_flat_to_sharp() {
     for (c, theta, arc) in [
@@ -278,8 +279,8 @@ fn meridians_from_flat_to_sharp() {
         (1e-3, 0.1, 0.09980039920556497),
         (1e12, 0.1, 5.0251382208526555e-14),
         (1e12, 3.0, 1.4292040914425157),
-        // A bowl that is almost as tight as the probe amplifies errors. A long path has the relative error of its
-        // angle.
+        // A bowl that is almost as tight as the probe amplifies errors. The relative error of a long path is equal to
+        // the relative error of its angle.
         (-0.4999995, 0.1, 0.650654102346358),
         (0.5, 1e9, 999999998.429226),
     ] {
@@ -301,7 +302,7 @@ fn meridians_from_flat_to_sharp() {
     }
 }
 
-/// A copy of the object with all lengths times `scale`.
+/// Copies of the objects with all lengths multiplied by `scale`.
 fn scaled(scale: f64) -> [Shape; 4] {
     [
         sphere(5.0 * scale),
@@ -345,14 +346,14 @@ proptest! {
             let end = roll(probe, &sphere(radius), (0.0, 0.0), model, motion);
             assert_relative_eq!(end.arc_length, path, max_relative = bound);
             let along = radius * libm::sin(path / radius);
-            // The rounding error of a coordinate grows with the object's size.
+            // The rounding error of a coordinate grows with the size of the object.
             let blur = bound * path + 1e-15 * radius;
             assert_abs_diff_eq!(end.on_object.x, along, epsilon = blur);
         }
     }
 
-    /// A tip of radius t that touches a paraboloid at r has its centre at `r + t 2cr/√(1 + (2cr)²)`. On a sphere, the
-    /// contact is on the line between the two centres.
+    /// If a tip of radius t touches a paraboloid at the distance r from its axis, the centre of the tip is at `r + t
+    /// 2cr/√(1 + (2cr)²)`. On a sphere, the contact is on the line between the two centres.
     #[test]
     fn tips_of_any_ratio(size in decades(9.0), ratio in decades(12.0), foot in decades(12.0)) {
         let touch = |object: Shape, radius: f64, at: f64| {

@@ -1,4 +1,4 @@
-//! Gliding fingertips: closed forms, the offset surface, the first of several contacts, errors.
+//! Gliding fingertips: closed forms, the offset surface, the first of several contacts, and errors.
 
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_geometry::{Shape, Surface};
@@ -29,7 +29,7 @@ fn assert_at(touch: &Touch, point: [f64; 3], normal: Vector3<f64>, tolerance: f6
     assert!(turned <= 1e-12, "{} is not {normal}", touch.normal);
 }
 
-/// A zero of a function that is below 0 at `low` and above at `high`.
+/// A zero of a function that is negative at `low` and positive at `high`.
 fn bisect(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
@@ -46,7 +46,7 @@ fn bisect(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
 fn a_sphere_and_a_dish_are_touched_towards_their_centre() {
     for radius in [0.01, 0.5, 3.0, 200.0_f64] {
         for (x, y) in [(0.0, 0.0), (0.3, -0.2), (1.9, 0.4), (0.0, 1.999)] {
-            // The range includes places beyond the sphere's rim.
+            // Some of the positions are beyond the rim of the sphere.
             let (x, y) = (x * (2.0 + radius) / 2.0, y * (2.0 + radius) / 2.0);
             let z = ((2.0 + radius).powi(2) - x * x - y * y).sqrt();
             let normal = Vector3::new(x, y, z) / (2.0 + radius);
@@ -73,7 +73,7 @@ fn a_plane_and_a_turned_cylinder() {
 
     let half = 0.5_f64.sqrt();
     for (x, y) in [(0.0, 0.0), (1.2, 0.4), (-1.0, 2.5), (4.0, 0.5)] {
-        // The section at right angles to the axis, which lies at 45°, is a circle.
+        // The axis of the cylinder lies at 45°. The section at right angles to it is a circle.
         let (along, across) = (half * (x + y), half * (y - x));
         let normal_across = across / 3.0;
         let up = (1.0 - normal_across * normal_across).sqrt();
@@ -107,7 +107,7 @@ fn a_torus_is_touched_towards_its_core() {
             }
         }
     }
-    // Above the middle of the hole, the tip falls through or touches all around.
+    // Above the middle of the hole, the tip falls through, or it touches all around.
     assert_eq!(error(&object, 1.0, 0.0, 0.0), "contact-lost");
     assert_eq!(error(&object, 1.5, 0.2, 0.1), "contact-lost");
     assert_eq!(error(&object, 2.5, 0.0, 0.0), "two-contacts");
@@ -115,7 +115,7 @@ fn a_torus_is_touched_towards_its_core() {
 
 #[test]
 fn paraboloids_saddles_and_ellipsoids_on_a_line_of_symmetry() {
-    // In the section z = f(w), the contact solves w − r f'/√(1 + f'²) = x.
+    // In the section z = f(w), the coordinate w of the contact is the solution of w − r f'/√(1 + f'²) = x.
     let solve = |slope: &dyn Fn(f64) -> f64, radius: f64, x: f64| {
         bisect(x - 2.0 * radius, x + 2.0 * radius, |w| {
             w - radius * slope(w) / (1.0 + slope(w).powi(2)).sqrt() - x
@@ -145,7 +145,7 @@ fn paraboloids_saddles_and_ellipsoids_on_a_line_of_symmetry() {
             );
         }
     }
-    // On the ellipse (3 sin φ, cos φ), the normal is along (sin φ, 3 cos φ).
+    // At the point (3 sin φ, cos φ) of the ellipse, the normal has the direction (sin φ, 3 cos φ).
     for radius in [1e-3, 1.0, 100.0] {
         for part in [0.0, 0.5, 0.9, 0.999] {
             let x = part * (3.0 + radius);
@@ -160,7 +160,7 @@ fn paraboloids_saddles_and_ellipsoids_on_a_line_of_symmetry() {
     }
 }
 
-/// Objects, the half-width of the square that is touched, and the radius of the largest tip that fits.
+/// Objects, each with the half-width of the square in which it is touched and the radius of the largest tip that fits.
 fn objects() -> Vec<(Shape, f64, f64)> {
     vec![
         (sphere(2.0), 1.3, 1e3),
@@ -212,7 +212,7 @@ fn the_tip_is_held_where_asked_and_touches_at_its_radius() {
                 let operator = level_set.shape_operator();
                 let mean = 0.5 * operator.trace();
                 assert!((curvature.mean_curvature() - mean).abs() < 1e-12 * (1.0 + mean.abs()));
-                // The distance from the tip's centre to the closest point equals the radius.
+                // The distance from the centre of the tip to the closest point of the object is the radius of the tip.
                 let nearest = object.closest_point(&tip_centre).unwrap();
                 let gap = (nearest - tip_centre).norm() - radius;
                 assert!(gap.abs() < 1e-12 * size, "{what}: {gap}");
@@ -221,7 +221,7 @@ fn the_tip_is_held_where_asked_and_touches_at_its_radius() {
     }
 }
 
-/// The height of a tip's centre at its first contact with a graph, from a fine grid: a lower bound.
+/// Height of the centre of a tip at its first contact with a graph, found on a fine grid. It is a lower bound.
 fn first_met(height: impl Fn(f64, f64) -> f64, radius: f64, x: f64, y: f64) -> f64 {
     let steps = 300;
     let mut highest = f64::NEG_INFINITY;
@@ -241,7 +241,7 @@ fn first_met(height: impl Fn(f64, f64) -> f64, radius: f64, x: f64, y: f64) -> f
 fn the_contact_met_first_counts() {
     let height = |x: f64, y: f64| 0.3 * libm::sin(2.0 * x) * libm::cos(1.5 * y) + 0.1 * x;
     let rough = height_field("0.3*sin(2*x)*cos(1.5*y) + 0.1*x", &[]);
-    // Small tips that fit into the valleys, and large tips that touch only ridges.
+    // Small tips fit into the valleys; large tips touch only the ridges.
     for radius in [0.3, 0.8, 2.0, 4.0] {
         for (x, y) in [
             (0.1, 0.2),
@@ -260,7 +260,7 @@ fn the_contact_met_first_counts() {
             );
         }
     }
-    // A tip too large for a saddle's valley touches the nearer wall.
+    // A tip that is too large for the valley of a saddle touches the nearer wall.
     let valley = |x: f64, y: f64| 0.3 * (x * x - y * y);
     for (x, y) in [
         (0.05, 0.3),
@@ -273,7 +273,7 @@ fn the_contact_met_first_counts() {
         assert!(excess > -1e-12 && excess < 1e-4, "{x} {y}: {excess}");
         assert_eq!(found.point.x > 0.0, x > 0.0);
     }
-    // A tip too large for the hollow around a bump touches the bump.
+    // A tip that is too large for the hollow around a bump touches the bump.
     let bump = height_field("0.3*exp(-(x^2+y^2))", &[]);
     let found = touch(&bump, 10.0, 1.0, 0.0).unwrap();
     let expected = first_met(|x, y| 0.3 * libm::exp(-(x * x + y * y)), 10.0, 1.0, 0.0);
@@ -288,7 +288,7 @@ fn two_contacts_at_once() {
         assert_eq!(error(&dish(2.0), radius, 0.3, 0.1), "two-contacts");
     }
     assert!(touch(&dish(2.0), 1.999_999, 0.0, 0.0).is_ok());
-    // Between two walls: the valley of a saddle, the bottom of a bowl, a groove.
+    // The tip touches two walls at once: in the valley of a saddle, at the bottom of a bowl, and in a groove.
     assert_eq!(error(&saddle(0.3), 2.5, 0.0, 0.3), "two-contacts");
     assert_eq!(error(&paraboloid(-0.5), 1.1, 0.0, 0.0), "two-contacts");
     let groove = height_field("0.5*cos(2*x)", &[]);
@@ -314,7 +314,7 @@ fn contacts_lost_and_domains_left() {
         assert_eq!(error(&object, 0.5, 1.000_001 * rim, 0.0), "contact-lost");
         assert_eq!(error(&object, 0.5, 9.0 * rim, 0.0), "contact-lost");
     }
-    // This place is just inside the rim, but rounding moves its contact to the equator.
+    // This position is just inside of the rim, but rounding moves its contact to the equator.
     let near_rim = 1.875_f64.next_down();
     assert_eq!(error(&sphere(0.375), 1.5, near_rim, 0.0), "contact-lost");
     assert!(touch(&ellipsoid(3.0, 2.0, 1.0), 0.5, 0.0, 2.499).is_ok());
@@ -322,15 +322,16 @@ fn contacts_lost_and_domains_left() {
         error(&ellipsoid(3.0, 2.0, 1.0), 0.5, 0.0, 2.501),
         "contact-lost"
     );
-    // On a slope of 45° that ends at x = 1, the tip's centre can reach x = 1 − r/√2.
+    // On a slope of 45° that ends at x = 1, the centre of the tip can reach x = 1 − r/√2.
     let slope = height_field("x + 0*ln(1 - x)", &[]);
     let rim = 1.0 - 0.5_f64.sqrt();
     assert!(touch(&slope, 1.0, rim - 1e-6, 0.0).is_ok());
-    // Downhill, the contact is still on the slope when the tip's centre is beyond its end.
+    // On a downward slope, the contact is still on the slope when the centre of the tip is already beyond the end of
+    // the slope.
     let downhill = height_field("-x + 0*ln(1 - x)", &[]);
     assert!(touch(&downhill, 1.0, 1.5, 0.0).is_ok());
     assert_eq!(error(&downhill, 1.0, 1.8, 0.0), "off-domain");
-    // A point touches on its own vertical line or not at all.
+    // A point touches the object on its own vertical line or not at all.
     let point = Glider::new(sphere(2.0), Fingertip::Point).unwrap();
     let found = point.touch(1.0, 1.0).unwrap();
     assert_eq!(found.point, Point3::new(1.0, 1.0, found.point.z));
@@ -348,7 +349,7 @@ fn contacts_lost_and_domains_left() {
     }
 }
 
-/// Copies of the objects with all lengths times `scale`.
+/// Copies of the objects with all lengths multiplied by `scale`.
 fn scaled(scale: f64) -> [Shape; 7] {
     [
         sphere(2.0 * scale),
@@ -374,7 +375,7 @@ proptest! {
         for (unit, object) in scaled(1.0).iter().zip(&scaled(scale)) {
             let reference = touch(unit, radius, x, y);
             let found = touch(object, radius * scale, x * scale, y * scale);
-            // Inside the rim of each object, except above the hole of the torus.
+            // The position is inside of the rim of each object; the torus is left out because of its hole.
             let is_inside = libm::hypot(x, y) < 0.99 && radius < 1.0 && unit.name() != "torus";
             prop_assert!(found.is_ok() || !is_inside, "{found:?}");
             match (reference, found) {

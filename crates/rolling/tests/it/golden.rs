@@ -1,4 +1,5 @@
-//! Final contacts of five rolls from an independent program: accurate to 1e-9, path lengths to 1e-6.
+//! Final contacts of five rolls, compared with an independent program. Positions are accurate to 1e-9, and path lengths
+//! to 1e-6.
 
 use nalgebra::Point3;
 use palpate_geometry::Shape;

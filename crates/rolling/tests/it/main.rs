@@ -1,4 +1,4 @@
-//! Integration tests of the rolling law.
+//! Integration tests of rolls and glides.
 #![allow(clippy::unwrap_used)]
 
 mod any_number;

@@ -1,4 +1,4 @@
-//! Compares every rung with every other rung that can compute the same roll, and with closed forms.
+//! Compares all models that can compute the same roll with each other and with closed forms.
 
 use approx::assert_relative_eq;
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -53,7 +53,7 @@ fn closed_form_slides_too() {
 
 #[test]
 fn sphere_on_sphere_travels_as_the_formula_says() {
-    // s = θ/(1/R₁ + 1/R₂), also for many turns of the probe.
+    // The path length is s = θ/(1/R₁ + 1/R₂), also for many turns of the probe.
     for (object, curvature) in [
         (sphere(5.0), 0.2),
         (plane(), 0.0),
@@ -112,14 +112,14 @@ fn lines_of_symmetry_are_meridians_unless_noise_leaves_them() {
             let integrated = roll(1.0, &object, (0.0, 0.0), DOP853, motion);
             let off = difference(&rolled.roll(&[motion]).unwrap(), &integrated, 1.0);
             assert!(off < 1e-11, "{object:?} {quarter}: {off:e}");
-            // A motion beside the line is integrated.
+            // A motion in another direction is integrated.
             let aslant = Motion::rolling(1.0, 1.0, 0.8);
             let integrated = roll(1.0, &object, (0.0, 0.0), DOP853, aslant);
             let off = difference(&rolled.roll(&[aslant]).unwrap(), &integrated, 1.0);
             assert!(off < 1e-11, "{object:?}: {off:e}");
             let shift = rolled.shift(&[aslant]).unwrap();
             assert!((shift.arc_length - integrated.arc_length).abs() < 1e-11);
-            // With noise, the probe would leave the line.
+            // With noise, the probe would leave the section.
             let noisy = Rolls {
                 rolls: &[vec![motion]],
                 has_noise: true,
@@ -140,7 +140,7 @@ fn lines_of_symmetry_are_meridians_unless_noise_leaves_them() {
 
 #[test]
 fn paraboloid_rolls_as_the_formula_says() {
-    // θ = α + s/R₁ with tan α = 2 c r.
+    // The angle is θ = α + s/R₁, where tan α = 2 c r.
     let (c, radius) = (0.8, 1.3);
     let end = roll(
         radius,
@@ -224,7 +224,7 @@ fn rolling_back_returns() {
             let end = roller.roll(&[there, back]).unwrap();
             let moved = (end.on_object - roller.first_contact().on_object).norm();
             let turned = end.object_from_probe().matrix() - Matrix3::identity();
-            // Each of the two rolls has an error up to its tolerance.
+            // Each of the two rolls may have an error as large as its tolerance.
             let off = moved.max(turned.norm());
             assert!(off < 2.0 * tolerance, "{}: {off:e}", object.name());
         }
@@ -248,7 +248,7 @@ fn motions_beyond_a_closed_form_or_a_meridian_are_integrated() {
         (paraboloid(1.0), Model::Meridian),
         (ellipsoid(2.0, 2.0, 1.0), Model::Meridian),
     ] {
-        // The rung was chosen for a plain roll, and is now used for other motions.
+        // The model was chosen for a plain roll and is now used for other motions.
         let quick = roller(1.0, &object, (0.0, 0.0), model, rolling);
         let integrated = roller(1.0, &object, (0.0, 0.0), DOP853, rolling);
         for motions in [
@@ -365,7 +365,8 @@ fn auto_meets_its_tolerance_and_takes_the_cheapest() {
 
 #[test]
 fn meridians_of_flat_and_of_long_spheroids() {
-    // θ = α + s/R₁. The arc is a trapezoidal sum, which is exact for a full period of a smooth function.
+    // The angle is θ = α + s/R₁. The arc length is computed by the trapezoidal rule, which is exact for a full period
+    // of a smooth function.
     let quarter = |a: f64, c: f64| {
         let nodes = 200_000;
         let width = std::f64::consts::FRAC_PI_2 / f64::from(nodes);
@@ -380,7 +381,7 @@ fn meridians_of_flat_and_of_long_spheroids() {
         (0.05, 5.0),
         (50.0, 0.5),
     ] {
-        // From the pole to the equator the object's normal turns by a quarter turn.
+        // From the pole to the equator, the normal of the object turns by a quarter turn.
         let arc = quarter(a, c);
         let theta = std::f64::consts::FRAC_PI_2 + arc / 1.3;
         let motion = Motion::rolling(0.7, 1.0, theta);

@@ -1,4 +1,4 @@
-//! Objects and rolls that the tests share.
+//! Objects and rolls that several tests use.
 
 use std::collections::BTreeMap;
 
@@ -77,7 +77,7 @@ pub(crate) fn roll(
         .unwrap()
 }
 
-/// The largest difference between two contacts: positions, axes and path lengths.
+/// The largest difference between two contacts, over their positions, axes and path lengths.
 pub(crate) fn difference(a: &Contact, b: &Contact, radius: f64) -> f64 {
     [
         (a.on_object - b.on_object).norm(),

@@ -1,4 +1,4 @@
-//! Sensors of the contacts of gliding fingers.
+//! Sensors that read the contacts of gliding fingers.
 
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::{RoundTip, TipPoint};
@@ -10,7 +10,7 @@ use palpate_study::config::Reports;
 #[derive(Clone, Debug)]
 pub(super) struct GlideSensor {
     pub(super) kind: SensorKind,
-    /// Whether normals are reported.
+    /// Whether the sensor reports normals.
     pub(super) normals: bool,
 }
 
@@ -21,7 +21,7 @@ pub(super) enum SensorKind {
 }
 
 impl GlideSensor {
-    /// Position and normal that a tip of this radius (0: a point) reports for a contact.
+    /// Position and normal that a fingertip of this radius (0 for a point) reports for a contact.
     pub(super) fn read(
         &self,
         touch: &Touch,
@@ -40,7 +40,7 @@ impl GlideSensor {
         Ok((position, self.normals.then_some(normal)))
     }
 
-    /// The tip, if the sensor reports its lowest point instead of the contact.
+    /// The round fingertip, if the sensor reports its lowest point instead of the contact.
     pub(super) fn tip(&self, radius: f64) -> Option<RoundTip> {
         let is_lowest = matches!(self.kind, SensorKind::Ideal(Reports::LowestPoint));
         (is_lowest && radius > 0.0).then_some(RoundTip {
@@ -65,15 +65,16 @@ impl GlideSensor {
     }
 }
 
-/// Direction from the tip's centre to the pad that reports a contact in `direction` (a unit vector). The pads are
-/// laid out around the tip's lowest point.
+/// Direction from the centre of the fingertip to the pad that reports a contact. The contact lies in `direction` (a
+/// unit vector). The pads are arranged around the lowest point of the tip.
 fn pad_direction(
     pads: &Pads,
     placement: &PadPlacement,
     radius: f64,
     direction: &Vector3<f64>,
 ) -> Result<Vector3<f64>, BeyondPads> {
-    // Flip z: the pole of the pads is then the tip's lowest point.
+    // The pads are arranged around the direction +z; with z reversed, they are arranged around the lowest point of the
+    // tip.
     let upside_down =
         |direction: &Vector3<f64>| Vector3::new(direction.x, direction.y, -direction.z);
     let displacement = displacement_between(&Vector3::z(), &upside_down(direction)) * radius;

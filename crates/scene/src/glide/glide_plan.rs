@@ -1,4 +1,4 @@
-//! Builds a [`GlideScene`] from its config, and its ladder.
+//! Builds a [`GlideScene`] from its config, and compares the models that can compute its contacts.
 
 use palpate_ep2::{Contact, RoundTip};
 use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
@@ -22,11 +22,11 @@ use palpate_study::config::{
 };
 use palpate_study::{FieldError, Warning};
 
-/// Relative tolerances of the rungs of Newton's method.
+/// Relative tolerances of Newton's method that are compared with each other.
 const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
 impl GlideScene {
-    /// Builds the scene of a config; `seed` seeds its random numbers.
+    /// Builds the scene of a config. `seed` is the seed of its random numbers.
     ///
     /// # Errors
     /// [`FieldError`] with the path of the invalid field.
@@ -61,7 +61,7 @@ impl GlideScene {
         })
     }
 
-    /// Builds the glider that finds the contacts of a config's scene.
+    /// Builds the glider that computes the contacts in the scene of a config.
     ///
     /// # Errors
     /// [`FieldError`] with the path of the invalid field.
@@ -79,7 +79,7 @@ impl GlideScene {
         })
     }
 
-    /// Computes the contacts of all fingers with `glider`, finger by finger.
+    /// Computes the contacts of all fingers, finger by finger.
     ///
     /// # Errors
     /// [`FieldError`] if the contact of a finger cannot be computed.
@@ -105,8 +105,8 @@ impl GlideScene {
         let finest = on(TouchModel::Newton {
             tolerance: Model::SMALLEST_TOLERANCE,
         });
-        // The closed form and the finest Newton are compared with each other. If only one is possible, its error
-        // counts as 0.
+        // The closed form is compared with Newton's method at the smallest tolerance. If only one of the two is
+        // possible, its error counts as 0.
         let best = closed.as_ref().or(finest.as_ref());
         let closed_error = match (&closed, &finest) {
             (Ok(closed), Ok(finest)) => Ok(distance(closed, finest) / radius),
@@ -151,7 +151,7 @@ fn tip(config: &GlideConfig) -> (Fingertip, f64) {
     }
 }
 
-/// Line for `palpate check`: how the contacts are computed.
+/// Line of `palpate check` that states how the contacts are computed.
 fn need(glider: &Glider) -> String {
     let choice = glider.choice();
     let bound = match (choice.model, choice.error_bound) {
@@ -163,11 +163,11 @@ fn need(glider: &Glider) -> String {
     format!("contacts by {} ({}{bound})", choice.rung, choice.reason)
 }
 
-/// Line for `palpate check`: how contacts are computed from the tips' centres.
+/// Line of `palpate check` that states how contacts are computed from the centres of the fingertips.
 fn tip_text(tip: &RoundTip, with_normals: bool) -> String {
     let normals = match with_normals {
         true => "the sensed normals",
-        false => "the normals of a first fit to the tips' centres",
+        false => "the normals of a surface fitted to the tips' centres",
     };
     format!(
         "contacts at a distance of {} from the tips' centres, along {normals}",
@@ -220,7 +220,7 @@ fn touches(
     Ok(touches)
 }
 
-/// Position of item `index` of `count` equally spaced items from −1 to 1; 0 if there is only one.
+/// Position of item `index` if `count` items are equally spaced from −1 to 1; 0 if there is only one item.
 fn share(index: u32, count: u32) -> f64 {
     if count == 1 {
         0.0
@@ -249,7 +249,7 @@ fn sensor(config: &GlideSensorConfig, radius: f64) -> Result<GlideSensor, FieldE
                 cap_deg.to_radians(),
             )
             .map_err(|error| sensor_error("scene.sensor", error))?;
-            // The placement of centred pads draws no random numbers.
+            // Centred pads need no random numbers.
             let placement = pads.place(&mut Stream::new(0, 0, Channel::PadOffset));
             GlideSensor {
                 kind: SensorKind::Pads { pads, placement },
@@ -352,7 +352,7 @@ fn grid(
     let grid_error = |error: GlideError| {
         FieldError::at("scene.evaluate.half_width", format!("the grid: {error}"))
     };
-    // A constant curvature has no rounding errors: K of a cylinder is exactly 0.
+    // If the object's curvature is constant, it is used without rounding errors: K of a cylinder is then exactly 0.
     let everywhere = object.constant_curvature();
     let place = |x: f64, y: f64| -> Result<TruePlace, FieldError> {
         let touch = truth
@@ -378,10 +378,10 @@ fn grid(
     })
 }
 
-/// Relative difference between the stated and the true distance of fingers that is rounding.
+/// Largest relative difference between the stated and the true distance between fingers that counts as rounding.
 const SPACING_TOLERANCE: f64 = 1e-6;
 
-/// Warns if `inter_finger_distance` is not the distance between neighbouring fingers.
+/// Warning if `inter_finger_distance` differs from the distance between neighbouring fingers.
 fn finger_spacing(motion: &GlideMotionConfig) -> Option<Warning> {
     let stated = motion.inter_finger_distance;
     let mut positions = motion.finger_positions.clone();
@@ -397,7 +397,7 @@ fn finger_spacing(motion: &GlideMotionConfig) -> Option<Warning> {
     Some(Warning::new("stated-scale", text, numbers))
 }
 
-/// Warns if the grid extends beyond the contacts.
+/// Warning if the grid extends beyond the contacts.
 fn beyond(config: &GlideConfig) -> Option<Warning> {
     let motion = &config.motion;
     let positions = || motion.finger_positions.iter().copied();
@@ -408,7 +408,7 @@ fn beyond(config: &GlideConfig) -> Option<Warning> {
     (half_width > reach * (1.0 + 1e-9)).then(|| {
         Warning::new(
             "grid-beyond-contacts",
-            "the grid extends beyond the contacts, where the fit is extrapolated",
+            "the grid extends beyond the contacts, so the fit is extrapolated there",
             [("half_width", half_width), ("reach", reach)],
         )
     })
@@ -422,7 +422,7 @@ fn distance(touches: &[FingerTouch], others: &[FingerTouch]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The model's name, and its form in a config.
+/// Name of the model, and the model in the form of a config.
 fn named(model: TouchModel) -> (String, GlideModelConfig) {
     match model {
         TouchModel::Auto { tolerance } => (

@@ -1,4 +1,4 @@
-//! Tables of a glide: its trace, and maps of the curvature that trials estimate.
+//! Tables of a glide: its trace, and maps of the curvature estimated in trials.
 
 use palpate_ep2::{Contact, ShapeError, regions};
 use palpate_estimators::push_map_point;
@@ -11,7 +11,7 @@ use crate::trace::{Trace, counted};
 const NORMAL: [&str; 3] = ["normal_x", "normal_y", "normal_z"];
 
 impl GlideScene {
-    /// Records one pass of every finger: in trial number `trial`, or without noise if it is `None`.
+    /// Records one glide of every finger: with the noise of trial number `trial`, or without noise if it is `None`.
     pub(super) fn record(&self, trial: Option<u64>, unit: LengthUnit) -> Trace {
         let tip = Column::in_length(["tip_x", "tip_y", "tip_z"], Unit::Length, unit);
         let mut contacts = Table::new(places(unit).chain(Column::pure(NORMAL)).chain(tip));
@@ -30,7 +30,7 @@ impl GlideScene {
         }
     }
 
-    /// Adds the map of trial number `trial`: one row per point of the grid; x changes slowest.
+    /// Adds the map of trial number `trial`, with one row per grid point; x changes slowest.
     pub(super) fn push_map(
         &self,
         cell: usize,
@@ -55,7 +55,7 @@ impl GlideScene {
     }
 }
 
-/// Readings as a table that `palpate estimate glide` accepts, one row per contact.
+/// Readings as a table that `palpate estimate glide` can read, one row per contact.
 fn readings_table(contacts: &[Contact], unit: LengthUnit) -> Table {
     let with_normals = contacts
         .first()
@@ -70,7 +70,7 @@ fn readings_table(contacts: &[Contact], unit: LengthUnit) -> Table {
     table
 }
 
-/// Columns of the finger and its place.
+/// Columns of the finger's number and position.
 fn places(unit: LengthUnit) -> impl Iterator<Item = Column> {
     let places = Column::in_length(["x", "y", "z"], Unit::Length, unit);
     std::iter::once(Column::count("finger")).chain(places)

@@ -17,31 +17,31 @@ use palpate_study::config::{GlideConfig, LengthUnit};
 use palpate_study::{FieldError, MapTable, Quantity};
 use palpate_sweep::Observation;
 
-/// Quantities that a glide estimates, at every place of its grid.
+/// Quantities that a glide estimates at every point of its grid.
 pub(crate) const GLIDE_QUANTITIES: [Quantity; 3] = [
     Quantity::GAUSSIAN_CURVATURE,
     Quantity::MEAN_CURVATURE,
     Quantity::CLASS,
 ];
 
-/// A glide that is ready to run: the truth, the sensor, the noise and the method of a cell.
+/// A glide that is ready to run: the true contacts, the sensor, the noise and the estimator of a study's cell.
 #[derive(Clone, Debug)]
 pub struct GlideScene {
     pub(super) seed: u64,
     pub(super) config: GlideConfig,
     /// The true contacts.
     pub(super) touches: Vec<FingerTouch>,
-    /// Contacts as the sensor reports them, without noise.
+    /// Contacts that the sensor reports without noise.
     pub(super) noiseless_readings: Vec<Contact>,
     pub(super) noise: ContactNoise,
-    /// The round tip, if the sensor reports its lowest point instead of the contact.
+    /// The round fingertip, if the sensor reports its lowest point instead of the contact.
     pub(super) tip: Option<RoundTip>,
     pub(super) method: GlideMethod,
     pub(super) grid: TrueGrid,
     pub(super) needs: Vec<Need>,
 }
 
-/// A fitted graph or shape.
+/// The fitted surface: a graph over a plane, or a simple shape.
 pub(super) enum GlideSurface {
     Graph(Fit),
     Shape(ShapeFit),
@@ -69,24 +69,24 @@ pub(super) struct FingerTouch {
     pub(super) touch: Touch,
 }
 
-/// Errors of positions and normals; `None` if they are exact.
+/// Errors of positions and normals; `None` for exact ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ContactNoise {
     pub(super) position: Option<PositionError>,
     pub(super) normal: Option<NormalError>,
 }
 
-/// Grid at which estimates are compared with the true values.
+/// Grid of points at which estimates are compared with true values.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TrueGrid {
     /// Number of points along each side.
     pub(super) side: usize,
-    /// The true surface at each point; x changes slowest.
+    /// Properties of the true surface at each point; x changes slowest.
     pub(super) places: Vec<TruePlace>,
     pub(super) thresholds: ShapeThresholds,
 }
 
-/// The true surface at one point of the grid.
+/// Properties of the true surface at one grid point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TruePlace {
     pub(super) point: nalgebra::Point3<f64>,
@@ -107,7 +107,7 @@ impl TruePlace {
 }
 
 impl GlideScene {
-    /// Contacts that the sensor reports: in trial number `trial`, or without noise if it is `None`.
+    /// Contacts that the sensor reports: with the noise of trial number `trial`, or without noise if it is `None`.
     pub(super) fn readings(&self, trial: Option<u64>) -> Vec<Contact> {
         let mut contacts = self.noiseless_readings.clone();
         let Some(trial) = trial else {
@@ -128,7 +128,8 @@ impl GlideScene {
         contacts
     }
 
-    /// Contacts from the readings of a trial, or from noiseless readings, for a graph.
+    /// Patch of the contacts that are read in a trial, or read without noise if `trial` is `None`, for a fit of a
+    /// graph.
     fn patch(&self, method: &GlideFit, trial: Option<u64>) -> Result<Patch, Ep2Error> {
         let readings = self.readings(trial);
         let contacts = match &self.tip {
@@ -138,7 +139,7 @@ impl GlideScene {
         Patch::new(&contacts, &Vector3::z())
     }
 
-    /// Fits a surface to the readings of a trial, or to noiseless readings.
+    /// Fits a surface to the readings of a trial, or to readings without noise if `trial` is `None`.
     pub(super) fn fit(&self, trial: Option<u64>) -> Result<GlideSurface, ShapeError> {
         Ok(match &self.method {
             GlideMethod::Graph(method) => {
@@ -153,7 +154,7 @@ impl GlideScene {
         })
     }
 
-    /// Compares a fit with the true surface at each point of the grid.
+    /// Compares a fit with the true surface at each grid point.
     fn compare(
         &self,
         fit: &GlideSurface,
@@ -259,7 +260,7 @@ impl Trials for GlideScene {
     }
 }
 
-/// Names the config field that makes the fit to noiseless contacts fail.
+/// Error that names the config field because of which the fit to noiseless contacts fails.
 fn fit_error(error: &ShapeError) -> FieldError {
     let ShapeError::Contacts(error) = error else {
         return FieldError::at("scene", error);

@@ -1,4 +1,4 @@
-//! The calibration of a camera sensor, by frames at rest and by presses on a plane.
+//! Calibration of a camera sensor, by frames at rest and by presses on a plane.
 
 use std::sync::Arc;
 
@@ -19,15 +19,15 @@ use super::truth::{DiscMarkers, PressGeometry};
 
 const PATH: &str = "scene.sensor.calibration";
 
-/// A calibration, and the errors of the displacements that it yields.
+/// A calibration, and the errors of the displacements that it computes.
 #[derive(Clone, Debug)]
 pub(super) struct CameraCalibration {
     pub(super) calibration: Calibration,
-    /// Standard deviations of normal and tangential displacements near a contact.
+    /// Standard deviations of the errors of normal and tangential displacements near a contact.
     pub(super) stds: [Option<f64>; 2],
 }
 
-/// Marker of a calibration press: its true displacement, and the change of its image.
+/// A marker in a calibration press: its true displacement, and the change of its image.
 struct CalibrationPoint {
     marker: usize,
     truth: MarkerDisplacement,
@@ -35,7 +35,7 @@ struct CalibrationPoint {
 }
 
 impl CameraCalibration {
-    /// Calibrates a sensor by presses of its apex on a plane, whose true displacements are given. `rest` are the images
+    /// Calibrates a sensor by pressing its apex on a plane; the true displacements are used. `rest` contains the images
     /// of the markers at rest.
     pub(super) fn new(
         setup: &PressSetup<'_>,
@@ -85,7 +85,7 @@ impl CameraCalibration {
     }
 }
 
-/// Fits a calibration. Normal displacements use only the marker `only`, if there is one.
+/// Fits a calibration. If a marker `only` is given, the calibration of normal displacements uses this marker alone.
 fn fit(
     presses: &[Vec<CalibrationPoint>],
     only: Option<usize>,
@@ -118,7 +118,7 @@ fn fit(
     Calibration::new(Some(normal), Some(lateral), None)
 }
 
-/// Calibration presses on a plane; `indentation` is the deepest one if the config states none.
+/// Geometry of the calibration presses on a plane. `indentation` is the deepest indentation if the config states none.
 fn planes(calibration: &CalibrationConfig, indentation: f64) -> Vec<PressGeometry> {
     let deepest = calibration.indentation.unwrap_or(indentation);
     let indentation = |press: u32| deepest * f64::from(press) / f64::from(calibration.presses);
@@ -135,9 +135,9 @@ fn failed_press(plane: &PressGeometry, error: PressError) -> FieldError {
     FieldError::at(PATH, message)
 }
 
-/// Rms errors of displacements in the calibration presses, over markers that move at least half as much as the marker
-/// that moves most. There the motions of a marker's two discs differ most, and the readings depend most on the object's
-/// shape.
+/// Rms errors of displacements in the calibration presses, over all markers that move at least half as much as the
+/// marker that moves most. Near the contact, the motions of a marker's two discs differ most, and the readings depend
+/// most on the shape of the object.
 fn residual_stds(calibration: &Calibration, presses: &[Vec<CalibrationPoint>]) -> [Option<f64>; 2] {
     let mut errors = [Vec::new(), Vec::new()];
     for points in presses {
@@ -180,19 +180,20 @@ fn along(moved: &MarkerDisplacement) -> f64 {
     libm::hypot(moved.tangential[0], moved.tangential[1])
 }
 
-/// The noise of calibration presses uses the trial numbers below this one; the noise of frames at rest uses those above.
+/// Limit between trial numbers that seed noise: smaller numbers are for calibration presses, larger numbers for frames
+/// at rest.
 const ABOVE_PRESSES: u64 = AT_REST - 1000;
 
-/// Inputs that determine the images of the markers at rest; used as a cache key.
+/// Inputs that determine the images of the markers at rest. They are the key of a cache.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct RestFrames {
     camera: SimulatedCamera,
-    /// Number of frames that are averaged.
+    /// Number of frames over which the images are averaged.
     frames: u32,
 }
 
 impl RestFrames {
-    /// Averages `frames` frames, or uses one if frames have no noise.
+    /// Averages over `frames` frames, or uses one frame if frames have no noise.
     pub(super) fn new(camera: &SimulatedCamera, frames: u32) -> Self {
         Self {
             camera: camera.clone(),
@@ -205,13 +206,14 @@ impl RestFrames {
         self.camera.optics.array().places().len()
     }
 
-    /// Images of the markers; `None` for markers that are not visible.
+    /// Images of the markers; `None` for a marker that is not visible.
     pub(crate) fn markers(&self) -> Result<Vec<Option<Marker>>, PressFailure> {
         let measured = self.measurements(AT_REST)?.into_iter();
         Ok(measured.map(|one| one.map(|one| one.marker)).collect())
     }
 
-    /// Mean images of the markers with their errors. The trial numbers from `first` down seed the noise of the frames.
+    /// Mean images of the markers, with their errors. The noise of the frames is seeded by the trial numbers `first`,
+    /// `first` − 1 and so on.
     pub(super) fn measurements(
         &self,
         first: u64,
@@ -234,22 +236,22 @@ impl RestFrames {
     }
 }
 
-/// Image of each marker at rest; `None` if the camera does not find it.
+/// Image of each marker at rest; `None` if the camera does not find the marker.
 pub(crate) type RestMarkers = Arc<[Option<Marker>]>;
 
-/// Inputs that determine the changes of images in calibration presses; used as a cache key.
+/// Inputs that determine the changes of images in calibration presses. They are the key of a cache.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CalibrationFrames {
     rest: RestFrames,
-    /// Displacements of the discs of each marker in each press.
+    /// For each press, the motion of both discs of each marker.
     motions: Vec<Vec<MarkerMotion>>,
 }
 
-/// Changes of each marker's image in each press; `None` where it was not tracked.
+/// Changes of each marker's image in each press; `None` if the marker was not tracked.
 pub(crate) type ImageChanges = Arc<[Vec<Option<Change>>]>;
 
 impl CalibrationFrames {
-    /// Number of markers in all presses and at rest.
+    /// Number of marker images in all presses and at rest.
     pub(crate) fn size(&self) -> usize {
         self.rest.size() * (1 + self.motions.len())
     }
@@ -269,9 +271,9 @@ impl CalibrationFrames {
     }
 }
 
-/// The mean of several images of a marker.
+/// Mean of several images of one marker.
 fn mean(first: Marker, others: &[Marker]) -> Marker {
-    // Sums of the differences from the first image: centroid, hue, mean hue, size.
+    // Sums of the differences from the first image: in both centroid coordinates, hue, mean hue and size.
     let mut sums = [0.0; 5];
     for marker in others {
         let turn = marker.hue_turns - first.hue_turns;

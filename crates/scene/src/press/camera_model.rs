@@ -1,4 +1,4 @@
-//! A camera in the sensor's centre: images of the markers, from the motions of their discs.
+//! A camera in the centre of the sensor, which images the markers after their discs moved.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, Layout, Lens, MarkerMotion, OddTerms, Optics, Pose, Seams,
@@ -17,33 +17,33 @@ use super::PressFailure;
 use super::plan::PressSetup;
 use super::reading::gaussian;
 
-/// Trial number that seeds the noise of the first frame at rest; further frames count down from it.
+/// Trial number that seeds the noise of the first frame at rest. Further frames have smaller numbers.
 pub(super) const AT_REST: u64 = u64::MAX;
 
-/// The camera: its optics, and the fidelity level of its simulation.
+/// The camera: its optics, and the level of detail of its simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SimulatedCamera {
     pub(super) optics: Optics,
-    /// The lens model that tracking uses.
+    /// Lens model that is used for tracking.
     pub(super) lens: Equidistant,
     pub(super) model: CameraModel,
-    /// Whether images of the same markers differ because of noise.
+    /// Whether noise makes two images of the same markers differ.
     pub(super) is_random: bool,
     pub(super) seed: u64,
 }
 
-/// Fidelity level of the camera's simulation.
+/// Level of detail of the camera's simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CameraModel {
     /// The image of each marker is computed directly, without pixels.
     Projected(ImageNoise),
-    /// Frames are rendered; markers are found and tracked in them.
+    /// Frames are rendered, and markers are found and tracked in them.
     Rendered,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ImageNoise {
-    /// Error of both hues, turns.
+    /// Error of the hue and of the mean hue, turns.
     hue: GaussianError,
     /// Error of each coordinate of the centroid, px.
     centroid: GaussianError,
@@ -69,7 +69,8 @@ impl ImageNoise {
 
     /// Covariance of the errors of a marker's image.
     fn errors(&self) -> MarkerErrors {
-        // Numerical errors of an image without noise: x and y (px), hue (turns), logarithm of the size.
+        // Numerical errors of an image without noise: of x and y (px), of the hue (turns) and of the logarithm of the
+        // size.
         const EXACT: [f64; 4] = [1e-7, 1e-7, 1e-9, 1e-8];
         let stds = [self.centroid, self.centroid, self.hue, self.size].map(|error| error.std());
         let mut covariance = [[0.0; 4]; 4];
@@ -93,13 +94,13 @@ impl ImageNoise {
 pub(super) struct MarkerTracks {
     /// Track of each marker from rest to press; `None` if it is not visible at rest.
     pub(super) tracks: Vec<Option<Track>>,
-    /// Number of markers that were matched to a wrong marker.
+    /// Number of markers that were matched with a wrong marker.
     pub(super) wrong_matches: usize,
-    /// Errors of each marker in the press; `None` if it was not found as a single marker.
+    /// Errors of each marker's image in the press; `None` if the marker was not found as a single marker.
     pub(super) errors: Vec<Option<MarkerErrors>>,
 }
 
-/// The image of a marker as found in a frame, and the covariance of its errors.
+/// The image of a marker in a frame, and the covariance of its errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MarkerMeasurement {
     pub(super) marker: Marker,
@@ -107,14 +108,14 @@ pub(super) struct MarkerMeasurement {
 }
 
 impl MarkerMeasurement {
-    /// The image with its errors, as input of a fit.
+    /// The image with its errors, in the form that a fit needs.
     pub(super) fn image(&self) -> Seen {
         marker_image(&self.marker, &self.errors)
     }
 }
 
 impl SimulatedCamera {
-    /// The camera of a config; `is_rendered` selects frames instead of closed forms.
+    /// The camera of a config. If `is_rendered`, frames are rendered; otherwise, images are computed in closed form.
     pub(super) fn new(
         setup: &PressSetup<'_>,
         config: &CameraConfig,
@@ -171,7 +172,7 @@ impl SimulatedCamera {
         })
     }
 
-    /// The camera without noise and pixels.
+    /// The same camera without noise and without pixels.
     pub(super) fn exact(&self) -> Option<Self> {
         let noise = ImageNoise::new(&PressNoiseConfig::default()).ok()?;
         Some(Self {
@@ -180,7 +181,7 @@ impl SimulatedCamera {
         })
     }
 
-    /// Images of the markers at rest, with the noise of trial number `trial`, if any.
+    /// Images of the markers at rest, with the noise of trial number `trial`, or without noise if it is `None`.
     pub(super) fn at_rest(
         &self,
         trial: Option<u64>,
@@ -208,7 +209,8 @@ impl SimulatedCamera {
         }
     }
 
-    /// Tracks markers that moved by `motions` (`None`: lost), with the noise of trial number `trial`, if any.
+    /// Tracks markers that moved by `motions` (`None` for a lost marker), with the noise of trial number `trial`, or
+    /// without noise if it is `None`.
     pub(super) fn track(
         &self,
         rest: &[Option<Marker>],
@@ -256,7 +258,7 @@ impl SimulatedCamera {
         }
     }
 
-    /// Number of pixels rendered per frame.
+    /// Number of pixels that are rendered per frame.
     pub(super) fn pixels(&self) -> f64 {
         match self.model {
             CameraModel::Projected(_) => 0.0,
@@ -264,7 +266,7 @@ impl SimulatedCamera {
         }
     }
 
-    /// Renders a frame, with the pixel noise of trial number `trial`, if any.
+    /// Renders a frame, with the pixel noise of trial number `trial`, or without noise if it is `None`.
     pub(super) fn render(
         &self,
         motions: &[Option<MarkerMotion>],
@@ -292,7 +294,8 @@ impl SimulatedCamera {
         };
         let [mut hues, mut centroids, mut sizes] = [Channel::Hue, Channel::Centroid, Channel::Size]
             .map(|channel| Stream::new(self.seed, trial, channel));
-        // Draw for every marker, visible or not, so that scenes share random numbers.
+        // Random numbers are drawn for every marker, visible or not, so that the noise of a marker does not depend on
+        // which other markers are visible.
         let noisy = |image: Option<SeenMarker>| {
             let hue = noise.hue.draw(&mut hues);
             let centroid = [(); 2].map(|()| noise.centroid.draw(&mut centroids));
@@ -335,7 +338,7 @@ fn exact_track(rest: Marker, pressed: Option<Marker>) -> Track {
     }
 }
 
-/// Index of the marker nearest to a place in the image.
+/// Index of the marker that is nearest to a point of the image.
 fn nearest(images: &[Option<SeenMarker>], [x, y]: [f64; 2]) -> Option<usize> {
     let distance =
         |image: &SeenMarker| libm::hypot(image.centroid_px[0] - x, image.centroid_px[1] - y);

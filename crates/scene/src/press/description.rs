@@ -1,4 +1,4 @@
-//! Lines about a press for `palpate check`: its models, its noise, and warnings.
+//! Lines of `palpate check` about a press: its models, its noise, and warnings.
 
 use palpate_estimators::large_contact_warning;
 use palpate_press::{ContactRegime, PressEstimate};
@@ -15,12 +15,12 @@ use super::trial::{PressCase, PressEstimator, PressScene};
 use super::truth::{TrueContact, TruePress};
 use crate::scene::Need;
 
-/// Warning that displacements along the skin have no noise, although normal displacements have.
-const EXACT_TANGENTIAL: &str = "displacements along the skin have no error, so they outweigh all \
-    others; set `noise.tangential_displacement`, or `sensor.tangential` = false";
+/// Text of the warning that displacements along the skin have no noise although normal displacements have noise.
+const EXACT_TANGENTIAL: &str = "displacements along the skin have no error, so the fit ignores \
+     all other displacements; set `noise.tangential_displacement`, or `sensor.tangential` = false";
 
 impl PressScene {
-    /// The models of the scene and its noise, with warnings.
+    /// Models of the scene, its noise, and warnings.
     pub(super) fn description(&self) -> Vec<Need> {
         let mut needs = vec![Need::from(self.model_text())];
         match &self.case {
@@ -37,7 +37,7 @@ impl PressScene {
         needs
     }
 
-    /// The model of the body, with the reason of `auto`.
+    /// The model of the body, with the reason for the choice of `auto`.
     fn model_text(&self) -> String {
         let model = match self.choice.model.reference() {
             PressModelConfig::Hertz { .. } => "Hertz contact, markers at the surface: closed form",
@@ -54,7 +54,7 @@ impl PressScene {
         }
     }
 
-    /// The regime of the contact, with warnings about its size.
+    /// Contact regime of the press, with warnings about the size of the contact.
     fn contact_needs(&self, truth: &TruePress) -> Vec<Need> {
         let skin = self.markers.skin();
         let (object, shift) = (truth.geometry.object.curvature, truth.geometry.shift);
@@ -72,7 +72,7 @@ impl PressScene {
         let text = format!("{} contact{shape}{ellipse}", regime.name());
         let mut needs = vec![Need::from(text)];
         let is_layer = matches!(self.choice.model, PressModelConfig::BondedLayer { .. });
-        // The longer semi-axis lies along the smaller curvature.
+        // The longer semi-axis has the direction of the smaller curvature.
         let own = skin.curvature();
         let extents = match self.body.contact(&self.markers, &self.geometry) {
             Ok(TrueContact::Elliptic(contact, _)) => {
@@ -88,14 +88,15 @@ impl PressScene {
             let numbers = [("shift", shift), ("contact_radius", radius)];
             let [shift, radius] = numbers.map(|(_, number)| Number::rounded(number));
             let text = format!(
-                "the shift of {shift} is more than the contact's radius, {radius}: strains are not small, and skin would slip"
+                "the shift of {shift} is more than the contact radius, {radius}: the strains are \
+                 not small, and skin would slip"
             );
             needs.push(Warning::new("large-shift", text, numbers).into());
         }
         needs
     }
 
-    /// The errors of the readings, and the sensor.
+    /// Sensor of the press, and the errors of its readings.
     fn reading_needs(&self) -> Vec<Need> {
         let camera = self.case.camera();
         let mut needs = Vec::new();
@@ -154,7 +155,7 @@ impl PressScene {
         needs
     }
 
-    /// The estimator, with warnings about it.
+    /// Estimator of the press, with warnings about it.
     fn estimator_needs(&self) -> Vec<Need> {
         let (body, has_depth) = assumed_body(&self.config.estimator);
         let priors = self.config.estimator.priors();
@@ -168,7 +169,7 @@ impl PressScene {
         };
         let noise = match priors.noise {
             NoiseKnown::Stated => "noise as stated",
-            NoiseKnown::Found => "noise found from the residuals",
+            NoiseKnown::Found => "noise estimated from the residuals",
         };
         let fit = format!("least-squares fit of {body}, {indentation}{baseline}, {noise}");
         let mut needs = vec![Need::from(fit)];
@@ -180,14 +181,15 @@ impl PressScene {
         let PressProbeConfig::MarkerSphere { marker_depth, .. } = self.config.probe;
         let at_surface = matches!(self.choice.model, PressModelConfig::Hertz { .. });
         if at_surface && has_depth && marker_depth > 0.0 {
-            let text = "the model moves the markers as if they were at the surface; the estimator assumes them at their depth";
+            let text = "the model moves the markers as if they were at the surface, but the \
+                 estimator assumes that they are at their depth";
             let numbers = [("marker_depth", marker_depth)];
             needs.push(Warning::new("markers-at-surface", text, numbers).into());
         }
         needs
     }
 
-    /// Warns if the estimate fails or is biased even without noise.
+    /// Warning if the estimate fails or is biased even without noise.
     fn exact_warning(&self) -> Option<Warning> {
         if let PressCase::NoPress(_) = &self.case {
             return None;
@@ -203,7 +205,7 @@ impl PressScene {
     }
 }
 
-/// The noise of displacements and of the indentation, if there is any.
+/// Noise of the displacements and of the indentation; `None` if there is none.
 fn displacement_noise(noise: &PressNoise) -> Option<String> {
     let errors = [
         (
@@ -256,7 +258,7 @@ fn calibration_text(camera: &CameraConfig) -> String {
     )
 }
 
-/// The noise of the camera, if there is any.
+/// Noise of the camera; `None` if there is none.
 fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
     let mut errors = Vec::new();
     if let Some(ReadingNoise::Gaussian { std: Level(std) }) = noise.pixel {
@@ -280,12 +282,13 @@ fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
     (!errors.is_empty()).then(|| format!("noise of the camera: {}", errors.join("; ")))
 }
 
-/// Error, relative to the relative curvature, above which a noiseless estimate counts as biased.
+/// Largest error of a noiseless estimate that does not count as a bias, relative to the relative curvature.
 const BIAS_LIMIT: f64 = 0.5;
-/// The same limit if the interval of the estimate excludes the truth.
+/// Largest error of a noiseless estimate that does not count as a bias, if the interval of the estimate excludes the
+/// true value.
 const EXCLUDED_BIAS_LIMIT: f64 = 0.05;
 
-/// Warns if an estimate without noise is far from the object's curvature.
+/// Warning if an estimate without noise is far from the curvature of the object.
 fn bias_warning(estimate: &PressEstimate, object: f64) -> Option<Warning> {
     let estimated = estimate.object_curvature();
     let relative = estimate.sensor_curvature + object;
@@ -309,11 +312,10 @@ fn bias_warning(estimate: &PressEstimate, object: f64) -> Option<Warning> {
     }
 }
 
-/// A fit to noiseless readings with the correct body explains at least this fraction of the variance of normal
-/// displacements.
+/// Smallest share of the variance of normal displacements that a fit with the correct body explains, without noise.
 const MIN_R_SQUARED: f64 = 0.95;
 
-/// Warns if the fit explains the noiseless readings badly: with noise its result is unpredictable.
+/// Warning if the fit does not explain the noiseless readings well; with noise, its result is then unpredictable.
 fn unexplained_warning(estimate: &PressEstimate) -> Option<Warning> {
     let explained = estimate.r_squared;
     (explained < MIN_R_SQUARED).then(|| {
@@ -323,7 +325,7 @@ fn unexplained_warning(estimate: &PressEstimate) -> Option<Warning> {
     })
 }
 
-/// Name of the body that an estimator assumes, and whether it models displacements below the surface.
+/// Name of the body that an estimator assumes, and whether this body models displacements below the surface.
 const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static str, bool) {
     match estimator {
         PressEstimatorConfig::HalfSpace { .. } => ("a half-space", true),

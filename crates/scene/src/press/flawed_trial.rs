@@ -1,4 +1,4 @@
-//! Trials whose readings may have a flaw, and the warnings of their estimates.
+//! Trials in which the readings may have a flaw, and the warnings of their estimates.
 
 use super::PressFailure;
 use super::reading::PressReading;
@@ -6,22 +6,22 @@ use super::trial::PressScene;
 use palpate_press::Reading;
 use palpate_sweep::Observation;
 
-/// Errors of the readings of a press beside the noise of its scene.
+/// Errors of the readings of a press in addition to the noise of its scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PressFlaw {
-    /// Error of one normal displacement, each time of another marker, length.
+    /// Error of one normal displacement, length. Each trial has the error at another marker.
     pub outlier: f64,
-    /// Error of the indentation, in standard deviations of the difference between the stated indentation and the one estimated
+    /// Error of the stated indentation, in standard deviations of its difference from the indentation that is estimated
     /// from the displacements alone.
     pub indentation: f64,
 }
 
 impl PressScene {
-    /// Runs a trial as [`Trials::trial`](crate::Trials::trial) does, with a flaw of its readings, and returns the names of
-    /// the warnings of its estimate; `outlier` if the fit rejects markers.
+    /// Runs a trial as [`Trials::trial`](crate::Trials::trial) does, but with a flaw in its readings, and returns the
+    /// names of the warnings of its estimate. If the fit rejects markers, `outlier` is one of these names.
     ///
     /// # Errors
-    /// The stable name of the failure.
+    /// The name of the failure, which stays the same in all versions.
     pub fn flawed_trial(
         &self,
         trial: u64,
@@ -40,8 +40,8 @@ impl PressScene {
             .map_err(|failure| failure.name())
     }
 
-    /// Standard deviation of the difference between the stated indentation and the one estimated from displacements alone,
-    /// without noise in the readings.
+    /// Standard deviation of the difference between the stated indentation and the indentation estimated from the
+    /// displacements alone, computed for readings without noise.
     fn indentation_difference_std(&self) -> Result<f64, PressFailure> {
         self.with_fit(&self.reading(None)?, |fit, reading| {
             let alone = fit.estimate(&Reading {
@@ -53,7 +53,8 @@ impl PressScene {
         })
     }
 
-    /// Estimates from a reading, compares the estimate with the true values, and returns the names of its warnings.
+    /// Estimates the press from a reading, compares the estimate with the true values, and returns the names of its
+    /// warnings.
     fn warnings(
         &self,
         reading: &PressReading,
@@ -61,7 +62,7 @@ impl PressScene {
     ) -> Result<Vec<&'static str>, PressFailure> {
         let estimate = self.estimate(reading)?;
         let given = self.given_indentation(reading);
-        // A reading that gives no indentation on its own cannot contradict the stated one.
+        // If the readings alone do not determine the indentation, they cannot contradict the stated one.
         let (indentation, misfits) = match self.estimator.images(reading) {
             Some((fit, images)) => (
                 fit.check_indentation(images, given),

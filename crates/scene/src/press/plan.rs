@@ -26,13 +26,13 @@ use super::truth::{DiscMarkers, PressGeometry, SoftBody, TrueContact, TruePress}
 use crate::cache::SharedModels;
 use crate::ladder::{Accuracy, Ladder, Rung};
 
-/// Error of displacements from a layer's tables, relative to the largest displacement.
+/// Error of displacements that are computed from a layer's tables, relative to the largest displacement.
 const TABLE_ERROR: f64 = 1e-7;
-/// Number of markers for which a direct solution costs as much as a layer's table.
+/// Number of markers from which the tables of a layer are faster than direct solutions for all markers.
 const MANY_MARKERS: usize = 1000;
 
 impl PressScene {
-    /// Builds the scene of a config. `seed` seeds its random numbers; other scenes may share `models`.
+    /// Builds the scene of a config. `seed` is the seed of its random numbers. Several scenes may share `models`.
     ///
     /// # Errors
     /// [`FieldError`] with the path of the invalid field.
@@ -76,7 +76,7 @@ impl PressScene {
             Ok(contact) => setup.case(contact, camera)?,
             Err(error) => PressCase::NoPress(*error),
         };
-        // `noise` does not contain the errors of a camera, so presses with a camera have no bound.
+        // A press with a camera has no bound, because `noise` does not contain the errors of the camera.
         let bounds = contact
             .ok()
             .filter(|_| camera.is_none())
@@ -101,7 +101,7 @@ impl PressScene {
     }
 }
 
-/// Young's modulus of the soft body, N over the square of the unit of lengths, if it is stated.
+/// Young's modulus of the soft body, N per squared unit of length; `None` if it is not stated.
 fn young(model: &PressModelConfig, unit: LengthUnit) -> Result<Option<f64>, FieldError> {
     let Some(modulus_kpa) = model.modulus_kpa() else {
         return Ok(None);
@@ -129,8 +129,8 @@ fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), FieldE
     Ok((markers, places))
 }
 
-/// Thickness of the layer if tables compute its true displacements; `None` if they are solved directly. Tables are used
-/// if the fit shares them or there are many markers, and if they are accurate enough for `auto`.
+/// Thickness of the layer if its true displacements are computed from tables; `None` if they are solved directly.
+/// Tables are used if they are accurate enough for `auto`, and if the fit shares them or there are many markers.
 fn layer_with_tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> {
     let thickness = config.model.thickness();
     let is_shared = matches!(config.estimator, PressEstimatorConfig::BondedLayer { .. })
@@ -145,7 +145,7 @@ fn layer_with_tables(config: &PressConfig, choice: &Choice, markers: usize) -> O
 /// Inputs from which the parts of a press are built.
 pub(super) struct PressSetup<'a> {
     pub(super) config: &'a PressConfig,
-    /// Model of the body, never `auto`.
+    /// Model of the body; it is never `auto`.
     pub(super) model: &'a PressModelConfig,
     pub(super) sphere: &'a MarkerSphere<'a>,
     pub(super) markers: &'a Markers,
@@ -158,7 +158,7 @@ pub(super) struct PressSetup<'a> {
 }
 
 impl PressSetup<'_> {
-    /// The true press of a contact and its sensor, or the reason why there is no press.
+    /// The true press of a contact and its sensor, or the reason for which there is no press.
     fn case(
         &self,
         contact: &TrueContact<'_>,
@@ -191,7 +191,7 @@ impl PressSetup<'_> {
         Ok(PressCase::Press { truth, sensor })
     }
 
-    /// The estimator of the config; `tables` is the thickness of the body's layer, if fits can share its tables.
+    /// The estimator of the config. `tables` is the thickness of the body's layer, if fits can share its tables.
     fn estimator(
         &self,
         noise: &PressNoise,
@@ -249,7 +249,7 @@ impl PressSetup<'_> {
         })
     }
 
-    /// The fit of marker images; `None` if the config uses another estimator.
+    /// The fit to marker images; `None` if the config states another estimator.
     fn image_estimator(
         &self,
         camera: &SimulatedCamera,
@@ -276,8 +276,8 @@ impl PressSetup<'_> {
         Ok(Some(ImageEstimator::new(fit, rest.collect())))
     }
 
-    /// Cramér–Rao bounds of a fit with the true body; `None` for a fit that does not contain the true press: of a Gaussian, or
-    /// of one curvature if the object has two.
+    /// Cramér–Rao bounds of a fit that assumes the true body. `None` for a fit that cannot describe the true press: a
+    /// Gaussian, or a fit of one curvature to an object that has two.
     fn bounds(
         &self,
         noise: &PressNoise,
@@ -320,27 +320,28 @@ impl PressSetup<'_> {
     }
 }
 
-/// The model used, and the reason for it.
+/// The model that is used, and the reason for it.
 #[derive(Clone, Debug)]
 pub(super) struct Choice {
-    /// Model in the form of a config: never `auto`.
+    /// The model in the form of a config; it is never `auto`.
     pub(super) model: PressModelConfig,
     pub(super) reason: String,
-    /// Tolerance of `auto`; `None` if the config names a model.
+    /// Tolerance of `auto`; `None` if the config names the model.
     pub(super) tolerance: Option<f64>,
 }
 
-/// `auto` accepts no smaller tolerance: the solved layer is not more accurate.
+/// Smallest tolerance that `auto` accepts. The solved layer, the most accurate model, has errors of about this size.
 const SMALLEST_TOLERANCE: f64 = 1e-9;
+/// Largest tolerance that `auto` accepts.
 const LARGEST_TOLERANCE: f64 = 1.0;
 
 /// Models that can compute a press, and the depths at which their displacements are compared.
 #[derive(Clone, Debug)]
 pub(super) struct PressRungs {
-    /// Model of the config, which may be `auto`.
+    /// Model in the config, which may be `auto`.
     requested: PressModelConfig,
     radius: f64,
-    /// Depth of the markers (midway between their discs) and, with a camera, of both discs.
+    /// Depth of the markers (midway between their discs) and, with a camera, depths of both discs.
     depths: Vec<f64>,
 }
 
@@ -362,7 +363,7 @@ impl PressRungs {
         })
     }
 
-    /// The model of a press: the one that the config names, or the choice of `auto`.
+    /// The model of a press, which the config names or `auto` chooses.
     fn choice(&self, markers: &Markers, geometry: &PressGeometry) -> Result<Choice, FieldError> {
         let PressModelConfig::Auto { tolerance, .. } = self.requested else {
             return Ok(Choice {
@@ -379,7 +380,7 @@ impl PressRungs {
         }
         let rungs = self.measure(markers, geometry)?;
         let reference = self.requested.reference();
-        // Hertz contact and the half-space cost the same, so the error decides between them.
+        // Hertz contact and the half-space have the same cost, so that their errors decide which one is chosen.
         let cheap = rungs.iter().filter_map(|(model, accuracy)| {
             let error = accuracy.error().filter(|&error| error <= tolerance)?;
             model.thickness().is_none().then_some((model, error))
@@ -402,7 +403,8 @@ impl PressRungs {
                         };
                         format!("{other} is {error:.1e} of the largest displacement")
                     }
-                    None => "there is no press with which to compare a cheaper model".to_owned(),
+                    None => "no press can be simulated to measure the error of a cheaper model"
+                        .to_owned(),
                 };
                 (reference, reason)
             }
@@ -414,7 +416,7 @@ impl PressRungs {
         })
     }
 
-    /// All models, cheapest first; their errors are relative to the last one.
+    /// All models, the fastest first. Their errors are relative to the last model.
     fn measure(
         &self,
         markers: &Markers,
@@ -482,14 +484,14 @@ impl PressRungs {
         })
     }
 
-    /// Bodies of a model at all depths.
+    /// Bodies of a model, one for each depth.
     fn bodies(&self, model: &PressModelConfig) -> Result<Vec<SoftBody>, FieldError> {
         let body = |&depth| SoftBody::new(model, self.radius, depth, Body::solved_layer);
         self.depths.iter().map(body).collect()
     }
 }
 
-/// Largest difference from the `reference`, relative to its largest displacement.
+/// Largest difference from the displacements `reference`, relative to the largest of these.
 fn relative_error(moved: &[MarkerDisplacement], reference: &[MarkerDisplacement]) -> Accuracy {
     let size = |normal: f64, [x, y]: [f64; 2]| libm::hypot(libm::hypot(normal, x), y);
     let differences = moved.iter().zip(reference).map(|(one, other)| {

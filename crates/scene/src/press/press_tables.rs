@@ -1,4 +1,4 @@
-//! Tables of one press: its trace, and its profile along a radius.
+//! Tables of one press: its trace, and the profile of its displacements along a radius.
 
 use palpate_estimators::tracks_table;
 use palpate_study::config::LengthUnit;
@@ -9,13 +9,14 @@ use super::trial::PressScene;
 use super::truth::TrueContact;
 use crate::trace::{CameraTrace, Trace, counted};
 
-/// Number of points of a profile.
+/// Number of points in a profile.
 const PLACES: u32 = 121;
-/// Length of a profile from the contact's centre, in contact radii; of an ellipse, along its longer axis.
+/// Length of a profile, which begins at the centre of the contact, in contact radii. For an elliptic contact, the
+/// profile is along the longer axis.
 const REACH: f64 = 3.0;
 
 impl PressScene {
-    /// Records one press: in trial number `trial`, or without noise if it is `None`.
+    /// Records one press: with the noise of trial number `trial`, or without noise if it is `None`.
     pub(super) fn record(
         &self,
         trial: Option<u64>,
@@ -74,8 +75,8 @@ impl PressScene {
         })
     }
 
-    /// Empty table of profiles: true and estimated displacements against the distance from the contact. Values that
-    /// an estimate does not provide stay empty.
+    /// Empty table of profiles, which are true and estimated displacements as functions of the distance from the
+    /// contact. Fields of values that an estimate does not contain stay empty.
     pub(crate) fn profile_table(unit: LengthUnit) -> MapTable {
         let names = [
             "radial_position",
@@ -91,7 +92,7 @@ impl PressScene {
     /// Adds the profile of this scene, with the estimate of trial number `trial`.
     ///
     /// # Errors
-    /// [`PressFailure`] without a press (no row is added) or if the trial failed (rows have true values only).
+    /// [`PressFailure`] if there is no press (no row is added), or if the trial failed (rows contain only true values).
     pub(super) fn push_profile(
         &self,
         cell: usize,
@@ -118,7 +119,7 @@ impl PressScene {
         estimated.map(drop)
     }
 
-    /// Estimated normal and radial displacement of a trial, as a function of the distance from its contact.
+    /// Estimated normal and radial displacement in a trial, as a function of the distance from its contact.
     fn estimated_displacement(
         &self,
         trial: u64,
@@ -133,7 +134,8 @@ impl PressScene {
             )?),
         };
         let moves_tangentially = body.moves_tangentially();
-        // A Gaussian's gain is its amplitude; the gain of other bodies belongs to the sensor.
+        // For a Gaussian, the gain is the amplitude of the displacement; for other bodies, it is a property of the
+        // sensor and does not affect the displacement.
         let amplitude = estimate
             .gain
             .filter(|_| !moves_tangentially)

@@ -1,4 +1,4 @@
-//! Readings of a press: the sensors of the markers and of the indentation, and their noise.
+//! Readings of a press: sensors of the markers and of the indentation, and their noise.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use super::plan::PressSetup;
 use super::sensor_variation::SensorVariation;
 use super::truth::{DiscMarkers, PressGeometry, TruePress};
 
-/// Smaller shifts of a marker's image are rounding errors and count as 0, px.
+/// Largest shift of a marker's image that counts as a rounding error, px. Such shifts are set to 0.
 const ROUNDING_PX: f64 = 1e-9;
 
 /// Reading of one tracked marker.
@@ -27,7 +27,7 @@ struct MarkerReading {
     tangential: [f64; 2],
 }
 
-/// Readings of one press. Only [`PressSensor::read`] makes them.
+/// Readings of one press, made by [`PressSensor::read`].
 #[derive(Clone, Debug)]
 pub(super) struct PressReading {
     /// Indices of the tracked markers, in ascending order.
@@ -37,7 +37,7 @@ pub(super) struct PressReading {
     /// Tangential displacement of each tracked marker.
     tangential: Vec<[f64; 2]>,
     pub(super) indentation: f64,
-    /// The camera's tracks and images of all markers; `None` with a direct sensor.
+    /// The camera's tracks and images of all markers; `None` for a direct sensor.
     pub(super) camera: Option<CameraReading>,
 }
 
@@ -48,20 +48,20 @@ pub(super) struct CameraReading {
 }
 
 impl PressReading {
-    /// Index, normal and tangential displacement of each tracked marker.
+    /// Index, normal displacement and tangential displacement of each tracked marker.
     pub(super) fn markers(&self) -> impl ExactSizeIterator<Item = (usize, f64, [f64; 2])> {
         let readings = self.normal.iter().zip(&self.tangential);
         let tracked = self.tracked.iter().zip(readings);
         tracked.map(|(&marker, (&normal, &tangential))| (marker, normal, tangential))
     }
 
-    /// The tracked markers of a layout; `None` if all are tracked.
+    /// The tracked markers of a layout; `None` if all markers are tracked.
     pub(super) fn subset(&self, layout: &Markers) -> Option<Markers> {
         let has_lost = self.tracked.len() < layout.places().len();
         has_lost.then(|| layout.subset(&self.tracked))
     }
 
-    /// Adds an error to one normal displacement, of another marker in each trial.
+    /// Adds an error to one normal displacement. The marker depends on the number of the trial.
     pub(super) fn add_outlier(&mut self, error: f64, trial: u64) {
         let count = self.normal.len() as u64;
         let marker = trial.checked_rem(count).unwrap_or(0) as usize;
@@ -70,7 +70,7 @@ impl PressReading {
         }
     }
 
-    /// The readings as input of a fit; `markers` are the tracked ones.
+    /// The readings in the form that a fit needs; `markers` are the tracked markers.
     pub(super) fn fit_input<'a>(
         &'a self,
         markers: &'a Markers,
@@ -89,14 +89,14 @@ impl PressReading {
 /// Sensor of the markers in a press.
 #[derive(Clone, Debug)]
 pub(super) enum PressSensor {
-    /// Reads the displacements of all markers directly.
+    /// A sensor that reads the displacements of all markers directly.
     Direct,
-    /// Reads the displacements of the markers that a camera tracks.
+    /// A camera sensor, which reads the displacements of the markers that it tracks.
     Camera(Box<CameraPressSensor>),
 }
 
 impl PressSensor {
-    /// Reads a press: without noise, or in trial number `trial`.
+    /// Reads a press: with the noise of trial number `trial`, or without noise if it is `None`.
     pub(super) fn read(
         &self,
         truth: &TruePress,
@@ -141,7 +141,7 @@ impl PressSensor {
     }
 }
 
-/// Sensor of the indentation, such as a robot's pose.
+/// Sensor of the indentation, for example by the pose of a robot.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct IndentationSensor {
     pub(super) error: GaussianError,
@@ -149,7 +149,7 @@ pub(super) struct IndentationSensor {
 }
 
 impl IndentationSensor {
-    /// Reads the indentation of a press: without noise, or in trial number `trial`.
+    /// Reads the indentation of a press: with the noise of trial number `trial`, or without noise if it is `None`.
     pub(super) fn read(&self, geometry: &PressGeometry, trial: Option<u64>) -> f64 {
         let error = trial.map_or(0.0, |trial| {
             let mut stream = Stream::new(self.seed, trial, Channel::Indentation);
@@ -167,17 +167,17 @@ pub(super) struct PressNoise {
     /// Error of each component of each tangential displacement.
     pub(super) tangential: GaussianError,
     pub(super) indentation: IndentationSensor,
-    /// Error of the factor on all normal displacements.
+    /// Error of the factor by which all normal displacements are multiplied.
     pub(super) gain: GaussianError,
-    /// Number of outliers among the markers.
+    /// Number of markers that are outliers.
     outliers: usize,
-    /// Additional error of the outliers.
+    /// Error of an outlier, in addition to the other errors.
     outlier: GaussianError,
     seed: u64,
 }
 
 impl PressNoise {
-    /// Noise of a config for this number of markers, averaged over `frames`.
+    /// The noise in a config for this number of markers, averaged over `frames` frames.
     pub(super) fn new(
         config: &PressNoiseConfig,
         frames: u32,
@@ -212,7 +212,7 @@ impl PressNoise {
         })
     }
 
-    /// Whether trials differ; the flags state whether tangential displacements and the indentation are read.
+    /// Whether trials differ. The arguments state whether tangential displacements and the indentation are read.
     pub(super) fn is_random(&self, has_tangential: bool, has_indentation: bool) -> bool {
         self.normal.is_random()
             || (has_tangential && self.tangential.is_random())
@@ -225,8 +225,8 @@ impl PressNoise {
         self.outliers > 0 && self.outlier.is_random()
     }
 
-    /// Adds the errors of a trial to the readings of all markers of the layout. It also draws errors for markers that
-    /// are not tracked, so that scenes share random numbers.
+    /// Adds the errors of a trial to the readings of all markers of the layout. Errors are also drawn for markers that
+    /// are not tracked, so that the error of a marker does not depend on which other markers are tracked.
     fn add_to(&self, markers: &mut [Option<MarkerReading>], trial: u64) {
         let stream = |channel| Stream::new(self.seed, trial, channel);
         let gain = 1.0 + self.gain.draw(&mut stream(Channel::Gain));
@@ -259,13 +259,13 @@ impl MarkerReading {
     }
 }
 
-/// Gaussian error with this standard deviation, 0 by default; `noise` names its config field.
+/// Gaussian error with the standard deviation `std`, or 0 without one; `noise` is the name of its config field.
 pub(super) fn gaussian(std: Option<f64>, noise: &str) -> Result<GaussianError, FieldError> {
     GaussianError::new(std.unwrap_or(0.0))
         .map_err(|error: InvalidSensor| FieldError::at(format!("scene.noise.{noise}.std"), error))
 }
 
-/// Number of markers that a noise affects; an error if it exceeds `markers`.
+/// Number of markers that a kind of noise affects; an error if it exceeds `markers`.
 fn marker_count(count: Option<u32>, noise: &str, markers: usize) -> Result<usize, FieldError> {
     let count = count.unwrap_or(0) as usize;
     if count <= markers {
@@ -282,32 +282,32 @@ fn marker_count(count: Option<u32>, noise: &str, markers: usize) -> Result<usize
 #[derive(Clone, Debug)]
 pub(super) struct CameraPressSensor {
     pub(super) camera: SimulatedCamera,
-    /// Image of each marker of the layout at rest; `None` if it is not visible.
+    /// Image of each marker of the layout at rest; `None` for a marker that is not visible.
     pub(super) rest: Arc<[Option<Marker>]>,
     pub(super) calibration: CameraCalibration,
-    /// Number of lost markers, chosen at random in every trial.
+    /// Number of lost markers, which are chosen at random in every trial.
     lost_markers: usize,
-    /// The marker nearest to the contact.
+    /// Index of the marker nearest to the contact.
     central_marker: usize,
-    /// True change of that marker's image, computed without noise and pixels.
+    /// True change of the image of the marker nearest to the contact, computed without noise and pixels.
     pub(super) true_change: Option<MarkerChange>,
-    /// Redraws the sensor parameters in every trial; `None` if all trials share one sensor.
+    /// Draws new sensor parameters in every trial; `None` if all trials share one sensor.
     pub(super) variation: Option<SensorVariation>,
 }
 
 /// Change of a marker's image in a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MarkerChange {
-    /// Change of the hue of its summed light, turns.
+    /// Change of the hue of the marker's summed light, turns.
     pub(super) hue_turns: f64,
-    /// Change of its mean hue, turns.
+    /// Change of the marker's mean hue, turns.
     pub(super) mean_hue_turns: f64,
-    /// Shift of its centroid, in pixels at the scale of the image centre.
+    /// Shift of the marker's centroid, px at the scale of the image centre.
     pub(super) shift_px: f64,
 }
 
 impl CameraPressSensor {
-    /// Builds and calibrates the camera of a config for a press whose markers have these `discs`.
+    /// Builds and calibrates the camera of a config, for a press whose markers have these `discs`.
     pub(super) fn new(
         setup: &PressSetup<'_>,
         (config, is_rendered): (&CameraConfig, bool),
@@ -340,7 +340,7 @@ impl CameraPressSensor {
         })
     }
 
-    /// Number of markers that are visible at rest, minus the lost ones.
+    /// Number of markers that are visible at rest, without the lost markers.
     pub(super) fn visible(&self) -> usize {
         let visible = self.rest.iter().flatten().count();
         visible.saturating_sub(self.lost_markers)
@@ -351,7 +351,8 @@ impl CameraPressSensor {
         self.lost_markers > 0 || self.camera.is_random || self.variation.is_some()
     }
 
-    /// Tracks the markers of a press: without noise, or with the noise and the sensor of trial number `trial`.
+    /// Tracks the markers of a press: with the noise and the sensor of trial number `trial`, or without noise if it is
+    /// `None`.
     fn read(&self, truth: &TruePress, trial: Option<u64>) -> Result<CameraReading, PressFailure> {
         let (tracks, own_rest) = match (&self.variation, trial) {
             (Some(variation), Some(number)) => {
@@ -372,7 +373,7 @@ impl CameraPressSensor {
         Ok(CameraReading { tracks, images })
     }
 
-    /// Displacement of each marker of the layout, from the calibration; `None` if the marker is not tracked.
+    /// Displacement of each marker of the layout, computed with the calibration; `None` if the marker is not tracked.
     fn displacements(&self, tracks: &MarkerTracks) -> Vec<Option<MarkerReading>> {
         let calibration = &self.calibration.calibration;
         let reading = |(marker, change): (usize, Option<Change>)| {
@@ -386,7 +387,7 @@ impl CameraPressSensor {
         changes.enumerate().map(reading).collect()
     }
 
-    /// The frames at rest and pressed, if the camera renders frames.
+    /// Frames at rest and pressed, if the camera renders frames.
     pub(super) fn frames(
         &self,
         truth: &TruePress,
@@ -402,7 +403,7 @@ impl CameraPressSensor {
         Ok(Some([self.camera.render(&rest, at_rest)?, pressed]))
     }
 
-    /// Motions of the discs; `None` for the markers that are lost in a trial.
+    /// Motions of the discs; `None` for markers that are lost in the trial.
     fn without_lost(
         &self,
         motions: &[MarkerMotion],
@@ -418,13 +419,13 @@ impl CameraPressSensor {
         motions
     }
 
-    /// Change of the image of the marker nearest to the contact, if it is tracked.
+    /// Change of the image of the marker nearest to the contact; `None` if it is not tracked.
     pub(super) fn central_change(&self, tracks: &MarkerTracks) -> Option<MarkerChange> {
         MarkerChange::new(&self.camera, tracks, self.central_marker)
     }
 }
 
-/// Change of a marker's image in the press, without noise and pixels.
+/// Change of a marker's image in the press, computed without noise and pixels.
 fn true_change(
     camera: &SimulatedCamera,
     motions: &[MarkerMotion],

@@ -1,4 +1,4 @@
-//! Sensor parameters that are redrawn in every trial.
+//! Sensor parameters that are drawn anew in every trial.
 
 use std::sync::Arc;
 
@@ -16,11 +16,11 @@ use super::camera_model::{AT_REST, SimulatedCamera};
 use super::plan::PressSetup;
 use super::truth::{PressGeometry, SoftBody, marker_motions};
 
-/// Each trial with a redrawn sensor reserves this many trial numbers to seed the noise of its frames. They are below
-/// the numbers of the frames that trials share.
+/// Number of trial numbers that a trial with its own sensor reserves for the noise of its frames. They are smaller than
+/// the numbers of the frames that all trials share.
 const NUMBERS_PER_TRIAL: u64 = 1000;
 
-/// Trial number that seeds the noise of the first frame at rest of a redrawn sensor.
+/// Trial number that seeds the noise of the first frame at rest, for the sensor of trial number `trial`.
 const fn rest_number(trial: u64) -> u64 {
     AT_REST.wrapping_sub(NUMBERS_PER_TRIAL.wrapping_mul(trial.wrapping_add(2)))
 }
@@ -31,14 +31,14 @@ pub(super) struct SensorVariation {
     errors: Vec<GaussianError>,
     model: PressModelConfig,
     markers: Markers,
-    /// Nominal depths of the magenta and the yellow discs.
+    /// Nominal depths of the magenta and the yellow discs, length.
     depths: [f64; 2],
     rest_frames: u32,
-    /// Largest misalignment of a marker, as a fraction of the yellow diameter.
+    /// Largest misalignment of a marker, as a share of the diameter of the yellow disc.
     misalignment: f64,
 }
 
-/// The sensor of a trial.
+/// The sensor of one trial.
 pub(super) struct VariedSensor {
     pub(super) camera: SimulatedCamera,
     /// Motions of the discs in the press.
@@ -49,7 +49,7 @@ pub(super) struct VariedSensor {
 }
 
 impl SensorVariation {
-    /// The variation of a config's sensor; `None` if all trials share one sensor.
+    /// The variation of the sensor in a config; `None` if all trials share one sensor.
     pub(super) fn new(
         setup: &PressSetup<'_>,
         camera: &CameraConfig,
@@ -71,7 +71,8 @@ impl SensorVariation {
         }))
     }
 
-    /// Draws the sensor of a trial around the `nominal` one, and moves its discs by a press.
+    /// Draws the sensor of a trial, whose parameters scatter about the parameters of the `nominal` sensor, and moves
+    /// its discs by a press.
     pub(super) fn sensor(
         &self,
         nominal: &SimulatedCamera,
@@ -86,7 +87,7 @@ impl SensorVariation {
         let departure = nominal.optics.possible(Departure::of(numbers));
         let optics = nominal.optics.departed(&departure)?;
         let array = optics.array().clone();
-        // Number 0 seeds the misalignments of scenes whose trials share one sensor.
+        // The number 0 seeds the misalignments in scenes whose trials share one sensor.
         let array = array.misaligned(self.misalignment, nominal.seed, trial.wrapping_add(1))?;
         let camera = SimulatedCamera {
             optics: optics.misaligned(&array.misalignments())?,
@@ -106,7 +107,7 @@ impl SensorVariation {
         })
     }
 
-    /// Motions of the discs in a press if they lie `deeper` than nominal.
+    /// Motions of the discs in a press, if the discs are deeper than the nominal depth by `deeper`.
     fn motions(
         &self,
         geometry: &PressGeometry,

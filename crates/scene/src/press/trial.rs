@@ -22,9 +22,10 @@ use crate::ladder::Ladder;
 use crate::scene::{Need, Trials};
 use crate::trace::{Trace, TraceError};
 
-/// Quantities of presses, in the order of the tables: of all presses, then those of a camera (errors of each tracked marker,
-/// the hue change and the shift of the marker under the contact, and the results of tracking), of an object with a radius,
-/// of an elliptic fit, of an elliptic fit to an object with an axis, and of a body whose modulus is stated.
+/// Quantities of presses, in the order of the tables. The elements are the quantities of all presses; of a camera
+/// (errors of each tracked marker, change of hue and shift of the marker under the contact, and results of tracking);
+/// of an object with a radius; of an elliptic fit; of an elliptic fit to an object with an axis; and of a body whose
+/// modulus is stated.
 const QUANTITIES: [&[Quantity]; 6] = [
     &[
         Quantity::RELATIVE_CURVATURE,
@@ -53,7 +54,8 @@ const QUANTITIES: [&[Quantity]; 6] = [
     &[Quantity::FORCE],
 ];
 
-/// The quantities of each combination: bit n of the index stands for element n of [`QUANTITIES`].
+/// The quantities of every combination of these elements. If bit n of the index is 1, the combination contains element
+/// n of [`QUANTITIES`].
 static COMBINATIONS: LazyLock<Vec<Vec<Quantity>>> = LazyLock::new(|| {
     let combination = |bits: usize| {
         let some = QUANTITIES.iter().enumerate();
@@ -64,7 +66,7 @@ static COMBINATIONS: LazyLock<Vec<Vec<Quantity>>> = LazyLock::new(|| {
     (0..1 << QUANTITIES.len()).map(combination).collect()
 });
 
-/// A press that is ready to run: the truth, the sensor, the noise and the estimator of a cell.
+/// A press that is ready to run: the true press, the sensor, the noise and the estimator of a study's cell.
 #[derive(Clone, Debug)]
 pub struct PressScene {
     pub(super) config: PressConfig,
@@ -81,20 +83,20 @@ pub struct PressScene {
     pub(super) noise: PressNoise,
     pub(super) estimator: PressEstimator,
     pub(super) bounds: Option<Bounds>,
-    /// Young's modulus of the body, N/length², if the config states it.
+    /// Young's modulus of the body, N/length²; `None` if the config does not state it.
     pub(super) young: Option<f64>,
-    /// Estimate from readings without noise, computed on first use.
+    /// Estimate from readings without noise, which is computed when it is first used.
     pub(super) exact: OnceLock<Result<PressEstimate, PressFailure>>,
 }
 
-/// A press with its sensor, or the reason why there is no press.
+/// A press with its sensor, or the reason for which there is no press.
 #[derive(Clone, Debug)]
 pub(super) enum PressCase {
     Press {
         truth: TruePress,
         sensor: PressSensor,
     },
-    /// The press is impossible: every trial fails with the name of this error.
+    /// The press is impossible. Every trial fails with the name of this error.
     NoPress(PressError),
 }
 
@@ -106,7 +108,7 @@ impl PressCase {
         }
     }
 
-    /// The camera that reads the press; `None` with a direct sensor or without a press.
+    /// The camera that reads the press; `None` for a direct sensor, and if there is no press.
     pub(super) fn camera(&self) -> Option<&CameraPressSensor> {
         self.press().ok().and_then(|(_, sensor)| sensor.camera())
     }
@@ -115,9 +117,9 @@ impl PressCase {
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub(super) enum PressEstimator {
-    /// A fit to displacements of markers and, if the config uses it, one to their images.
+    /// A fit to displacements of markers and, if the config uses it, a fit to images of markers.
     Fit(ForwardFit, Option<ImageEstimator>),
-    /// No fit can be built: every trial fails with the name of this error.
+    /// The fit cannot be built. Every trial fails with the name of this error.
     NoFit(PressError),
 }
 
@@ -129,7 +131,7 @@ impl PressEstimator {
         }
     }
 
-    /// The fit to images, with the images of a reading.
+    /// The fit to images, and the images of a reading; `None` if the estimator uses displacements.
     pub(super) fn images<'a>(
         &'a self,
         reading: &'a PressReading,
@@ -143,7 +145,7 @@ impl PressEstimator {
     }
 }
 
-/// Standard deviation of the indentation that is stated to the estimator; `None` if the estimator fits it.
+/// Standard deviation of the indentation that is given to the estimator; `None` if the estimator fits the indentation.
 pub(super) fn given_indentation_std(estimator: &PressEstimatorConfig) -> Option<f64> {
     let priors = estimator.priors();
     (priors.indentation == Indentation::Known).then_some(priors.indentation_std)
@@ -157,7 +159,7 @@ impl PressScene {
         fit.map_or([None; 2], |fit| [fit.normal_std, fit.tangential_std])
     }
 
-    /// Readings of the sensor: without noise, or in trial number `trial`.
+    /// Readings of the sensor: with the noise of trial number `trial`, or without noise if it is `None`.
     pub(super) fn reading(&self, trial: Option<u64>) -> Result<PressReading, PressFailure> {
         let (truth, sensor) = self.case.press()?;
         sensor.read(truth, &self.noise, trial)
@@ -176,7 +178,7 @@ impl PressScene {
         }
     }
 
-    /// The indentation that is an input of the estimator; `None` if the estimator fits it.
+    /// The indentation that is given to the estimator; `None` if the estimator fits it.
     pub(super) fn given_indentation(&self, reading: &PressReading) -> Option<Measured> {
         given_indentation_std(&self.config.estimator).map(|std| Measured {
             value: reading.indentation,
@@ -184,7 +186,7 @@ impl PressScene {
         })
     }
 
-    /// Calls `then` with the fit to displacements and its input.
+    /// Calls `then` with the fit to displacements and the readings in the form that this fit needs.
     pub(super) fn with_fit<T>(
         &self,
         reading: &PressReading,
@@ -197,7 +199,7 @@ impl PressScene {
         Ok(then(self.estimator.fit()?, &input)?)
     }
 
-    /// Index of a quantity among the scene's quantities, if the scene has it.
+    /// Index of a quantity among the quantities of the scene; `None` if the scene does not have the quantity.
     fn place(&self, quantity: Quantity) -> Option<usize> {
         self.quantities().iter().position(|one| *one == quantity)
     }
@@ -265,7 +267,7 @@ impl PressScene {
             Quantity::R_SQUARED,
             Observation::plain(estimate.r_squared, 1.0),
         );
-        // An object that is estimated to be flat has no finite radius.
+        // If the object is estimated to be flat, its radius is not finite.
         let radius = estimate.most_likely_object_curvature().recip();
         if let Some(truth) = self.geometry.object.radius
             && radius.is_finite()
@@ -289,7 +291,7 @@ impl PressScene {
             }
             if let Some(truth) = self.true_value(Quantity::AXIS_DEG) {
                 let [axis, std] = [principal.axis, principal.axis_std].map(f64::to_degrees);
-                // Axes that differ by half a turn are the same.
+                // Two axes that differ by half a turn are the same axis.
                 let value = truth + half_turn(axis - truth);
                 let [low, high] = [-NORMAL_95, NORMAL_95].map(|width| Some(value + width * std));
                 let interval = Interval { low, high };
@@ -308,7 +310,7 @@ impl PressScene {
         self.observe_camera(reading, observe);
     }
 
-    /// Force of an estimated press, by the body that its fit assumes. A Gaussian has none.
+    /// Force of an estimated press on the body that the fit assumes; `None` for a Gaussian.
     fn force(&self, estimate: &PressEstimate, young: f64) -> Option<f64> {
         if let Some(principal) = &estimate.principal {
             return finite(principal.contact.force(young));
@@ -319,7 +321,7 @@ impl PressScene {
         contact.force(young)
     }
 
-    /// Reports the quantities that a camera adds, after a successful estimate.
+    /// Reports the additional quantities of a camera, after a successful estimate.
     fn observe_camera(&self, reading: &PressReading, observe: &mut dyn FnMut(usize, Observation)) {
         let PressCase::Press { truth, sensor } = &self.case else {
             return;
@@ -361,7 +363,7 @@ impl PressScene {
         report(Quantity::PIXELS, Observation::exact(sensor.camera.pixels()));
     }
 
-    /// Quantities that the trials of a config's press report.
+    /// Quantities that trials of the press in a config report.
     pub(crate) fn quantities_of(config: &PressConfig) -> &'static [Quantity] {
         let is_elliptic = matches!(config.estimator, PressEstimatorConfig::Elliptic { .. });
         let is_plane = matches!(config.object, PressObjectConfig::Plane {});
@@ -394,8 +396,8 @@ impl Trials for PressScene {
             || self.noise.is_random(self.has_tangential, has_indentation)
     }
 
-    /// Fails if there are too few markers or a setting of the method is invalid. If there is no press, or the camera
-    /// cannot image it, the scene can still run: its trials fail.
+    /// An error if there are too few markers, or if a setting of the estimator is invalid. If there is no press, or if
+    /// the camera cannot image it, the scene can still run, but its trials fail.
     fn estimable(&self) -> Result<(), FieldError> {
         match self.exact() {
             Err(PressFailure::Press(error @ PressError::TooFewMarkers { .. })) => {
@@ -431,8 +433,8 @@ impl Trials for PressScene {
         self.true_value(*self.quantities().get(quantity)?)
     }
 
-    /// Cramér–Rao bound for the scene's own body and noise. Fitted parameters are unknowns. Given parameters have the
-    /// noise that is drawn or, without such noise, the standard deviation in the config.
+    /// Cramér–Rao bound for the scene's own body and noise. Fitted parameters count as unknown. Given parameters have
+    /// the noise that is drawn or, if none is drawn, the standard deviation in the config.
     fn std_bound(&self, quantity: usize) -> Option<f64> {
         let bounds = self.bounds?;
         let quantity = *self.quantities().get(quantity)?;
@@ -481,8 +483,9 @@ fn outcome(estimated: &Estimated, truth: f64) -> Observation {
     }
 }
 
-/// Whether the 50, 80 and 95 % intervals contain the truth. The 95 % interval is the estimate's own. The others scale
-/// its half-width as for a normal distribution, or use `std` on a side without a bound.
+/// Whether the 50, 80 and 95 % intervals contain the true value. The 95 % interval is part of the estimate. The
+/// half-widths of the others follow from its half-width as for a normal distribution or, on a side without a bound,
+/// from `std`.
 fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
     let Estimated {
         value,
@@ -499,7 +502,7 @@ fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
     [narrowest, narrow, interval.holds(truth)]
 }
 
-/// An axis's angle in degrees, from −90 to 90.
+/// The angle of an axis, degrees, moved into the range from −90 to 90.
 fn half_turn(degrees: f64) -> f64 {
     degrees - 180.0 * (degrees / 180.0).round()
 }

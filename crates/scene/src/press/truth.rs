@@ -14,21 +14,21 @@ use palpate_study::config::{DiscsConfig, PressConfig, PressModelConfig, PressObj
 
 use crate::cache::SharedModels;
 
-/// True values of a press. A sensor reads them; an estimator does not get them.
+/// True values of a press. The sensor reads them; the estimator has no access to them.
 #[derive(Clone, Debug)]
 pub(super) struct TruePress {
     pub(super) geometry: PressGeometry,
     pub(super) contact_radius: f64,
-    /// Force over Young's modulus of the body, length²; `None` if it is not finite.
+    /// Force divided by Young's modulus of the body, length²; `None` if it is not finite.
     pub(super) force_per_young: Option<f64>,
-    /// Displacements of the markers, midway between their discs.
+    /// Displacements of the markers, at the point midway between their discs.
     pub(super) markers: Vec<MarkerDisplacement>,
-    /// Motions of the discs of each marker; empty without a camera.
+    /// Motions of both discs of each marker; empty without a camera.
     pub(super) discs: Vec<MarkerMotion>,
 }
 
 impl TruePress {
-    /// Computes the press with this contact; `discs` are the markers' discs if there is a camera.
+    /// Computes the press with this contact. `discs` are the discs of the markers, if there is a camera.
     pub(super) fn new(
         body: &SoftBody,
         markers: &Markers,
@@ -47,14 +47,14 @@ impl TruePress {
     }
 }
 
-/// The properties of the object that affect a press.
+/// Properties of the object that affect a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TouchedObject {
-    /// 1/R_o, positive where convex; the mean of two different curvatures.
+    /// Curvature 1/R_o of the object, positive if it is convex; the mean if the object has two different curvatures.
     pub(super) curvature: f64,
-    /// R_o, negative for a dish; `None` for a plane and if there are two curvatures.
+    /// Radius R_o of the object, negative for a dish; `None` for a plane, and if there are two different curvatures.
     pub(super) radius: Option<f64>,
-    /// The principal curvatures, if they differ.
+    /// The principal curvatures, if they differ; otherwise `None`.
     pub(super) principal: Option<UnequalCurvatures>,
 }
 
@@ -63,7 +63,7 @@ pub(super) struct TouchedObject {
 pub(super) struct UnequalCurvatures {
     pub(super) smaller: f64,
     pub(super) larger: f64,
-    /// Angle of the direction of the smaller one to the x axis at the contact, radians.
+    /// Angle between the direction of the smaller curvature and the x axis at the contact, radians.
     pub(super) axis: f64,
 }
 
@@ -108,19 +108,19 @@ impl TouchedObject {
     }
 }
 
-/// The object of a press, how deep it is pressed, and where it touches.
+/// Object of a press, indentation, and position of the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PressGeometry {
     pub(super) object: TouchedObject,
     pub(super) indentation: f64,
     /// Chart coordinates of the contact.
     pub(super) at: [f64; 2],
-    /// Sideways displacement of the object after it touched, along x.
+    /// Displacement of the object along x after it has touched the skin, length.
     pub(super) shift: f64,
 }
 
 impl PressGeometry {
-    /// The geometry of a config's press; `radius` is the sensor's.
+    /// Geometry of the press in a config. `radius` is the radius of the sensor.
     pub(super) fn new(config: &PressConfig, radius: f64) -> Result<Self, FieldError> {
         let motion = &config.motion;
         if motion.shift.abs() >= radius {
@@ -137,7 +137,7 @@ impl PressGeometry {
         })
     }
 
-    /// A press of the apex on a plane.
+    /// A press of the sensor's apex on a plane.
     pub(super) const fn on_plane(indentation: f64) -> Self {
         Self {
             object: TouchedObject::PLANE,
@@ -148,7 +148,7 @@ impl PressGeometry {
     }
 }
 
-/// Chart coordinates of a polar angle and an azimuth.
+/// Chart coordinates of the point with this polar angle and azimuth.
 fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], FieldError> {
     if !(0.0..=180.0).contains(&polar) {
         let message = format!(
@@ -162,17 +162,17 @@ fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], Fi
     Ok([distance * cosine, distance * sine])
 }
 
-/// A true contact of an object with the sensor's soft body.
+/// The true contact of an object with the soft body of the sensor.
 #[derive(Clone, Debug)]
 pub(super) enum TrueContact<'b> {
-    /// Of an object of one curvature.
+    /// Contact with an object that has one curvature.
     Round(Contact<'b>),
-    /// Of an object of two curvatures, with the depth of the points.
+    /// Contact with an object that has two curvatures, and the depth of the points.
     Elliptic(EllipticContact, f64),
 }
 
 impl TrueContact<'_> {
-    /// Radius of the contact; of an ellipse the geometric mean of the semi-axes.
+    /// Radius of the contact; for an ellipse, the geometric mean of its semi-axes.
     pub(super) fn radius(&self) -> f64 {
         match self {
             Self::Round(contact) => contact.radius,
@@ -180,7 +180,8 @@ impl TrueContact<'_> {
         }
     }
 
-    /// Force for a Young's modulus of the soft body, in its unit times length², if it is finite.
+    /// Force for this Young's modulus of the soft body, in the unit of the modulus times length²; `None` if it is not
+    /// finite.
     fn force(&self, young: f64) -> Option<f64> {
         match self {
             Self::Round(contact) => contact.force(young),
@@ -188,7 +189,7 @@ impl TrueContact<'_> {
         }
     }
 
-    /// Displacement of the skin at a distance from the middle; of an ellipse, along its longer axis.
+    /// Displacement of the skin at a distance from the middle of the contact; for an ellipse, along its longer axis.
     pub(super) fn displacement(&self, distance: f64) -> Displacement {
         match self {
             Self::Round(contact) => contact.displacement(distance),
@@ -203,16 +204,17 @@ impl TrueContact<'_> {
     }
 }
 
-/// A model of the sensor's soft body. It computes the displacements of points at one depth under the skin.
+/// Model of the sensor's soft body. It computes the displacements of points at one depth under the skin.
 #[derive(Clone, Debug)]
 pub(super) struct SoftBody {
     pub(super) body: Body,
-    /// Poisson's ratio, and the depth of the points in the model; `None` if the model has no sideways displacements.
+    /// Poisson's ratio, and the depth of the points (0 for the model Hertz), from which displacements by a sideways
+    /// shift are computed; `None` if the model has no such displacements.
     pub(super) sideways: Option<(f64, f64)>,
 }
 
 impl SoftBody {
-    /// Builds the body of a model for a sensor of `radius`; `layer` builds a layer from its thickness and depth.
+    /// Builds the body of a model for a sensor of radius `radius`. `layer` builds a layer from its thickness and depth.
     pub(super) fn new(
         model: &PressModelConfig,
         radius: f64,
@@ -232,7 +234,7 @@ impl SoftBody {
         Ok(Self { body, sideways })
     }
 
-    /// The contact of a press with the skin of these markers.
+    /// Contact of a press with the skin above these markers.
     pub(super) fn contact(
         &self,
         markers: &Markers,
@@ -255,8 +257,8 @@ impl SoftBody {
         Ok(TrueContact::Round(contact))
     }
 
-    /// Displacements of the markers by this contact and by the object's sideways shift, during which the skin sticks to
-    /// the object.
+    /// Displacements of the markers by this contact and by the sideways shift of the object, during which the skin
+    /// sticks to the object.
     fn displacements_by(
         &self,
         contact: &TrueContact<'_>,
@@ -291,15 +293,15 @@ impl SoftBody {
     }
 }
 
-/// Discs of one colour.
+/// The discs of one colour.
 struct Discs {
     body: SoftBody,
-    /// Strain of the discs; `None` if the skin does not strain them.
+    /// Computes the strain of the discs; `None` if the discs do not follow the strain of the skin.
     strain: Option<DiscStrain>,
 }
 
-/// Displacements of the discs of one colour and, if the skin strains, the relative widening of each disc and of the skin
-/// around it.
+/// Displacements of the discs of one colour and, if they follow the strain of the skin, the relative widening of each
+/// disc and of the skin around it.
 type DiscDisplacements = (Vec<MarkerDisplacement>, Option<Vec<[f64; 2]>>);
 
 impl Discs {
@@ -315,7 +317,7 @@ impl Discs {
     }
 }
 
-/// Combines the displacements of the magenta and of the yellow discs into one motion per marker.
+/// Combines the displacements of the magenta and the yellow discs into one motion per marker.
 pub(super) fn marker_motions(discs: [DiscDisplacements; 2]) -> Vec<MarkerMotion> {
     let [magenta, yellow] = discs.map(|(moved, widened)| {
         moved.into_iter().enumerate().map(move |(marker, moved)| {
@@ -335,7 +337,7 @@ pub(super) fn marker_motions(discs: [DiscDisplacements; 2]) -> Vec<MarkerMotion>
         .collect()
 }
 
-/// Markers of two discs, and the bodies that move them.
+/// Markers with two discs, and the soft bodies that move them.
 pub(super) struct DiscMarkers<'a> {
     markers: &'a Markers,
     /// Soft body at the depth of the markers, midway between their discs.
@@ -374,7 +376,7 @@ impl<'a> DiscMarkers<'a> {
         })
     }
 
-    /// Displacements of the markers, midway between their discs.
+    /// Displacements of the markers, at the point midway between their discs.
     pub(super) fn displacements(
         &self,
         geometry: &PressGeometry,
@@ -391,28 +393,29 @@ impl<'a> DiscMarkers<'a> {
         Ok(marker_motions([magenta, yellow]))
     }
 
-    /// The marker nearest to a place on the skin.
+    /// Index of the marker nearest to a point on the skin.
     pub(super) fn nearest(&self, place: [f64; 2]) -> Option<usize> {
         let distances = self.markers.distances(place);
         (0..distances.len()).min_by(|one, other| distances[*one].total_cmp(&distances[*other]))
     }
 }
 
-/// Distance above and below a disc at which the skin's displacement is computed, in sensor radii.
+/// Distance above and below a disc at which displacements of the skin are computed, in radii of the sensor.
 const STRAIN_STEP: f64 = 0.0025;
 
-/// Skin just above and below the discs of one colour; its displacements yield the strain.
+/// Skin just above and just below the discs of one colour. The strain follows from the difference of the displacements
+/// there.
 struct DiscStrain {
-    /// Fraction of the skin's strain that the discs follow.
+    /// Share of the skin's strain that the discs follow.
     share: f64,
     above: SoftBody,
     below: SoftBody,
-    /// Distance between `above` and `below`, length.
+    /// Distance between the depths of `above` and `below`, length.
     apart: f64,
 }
 
 impl DiscStrain {
-    /// Skin around discs at `depth`, no deeper than `deepest`; `body` builds the body at a depth.
+    /// Skin around discs at `depth`, but not deeper than `deepest`. `body` builds the soft body at a depth.
     fn new(
         share: f64,
         depth: f64,
@@ -429,8 +432,8 @@ impl DiscStrain {
         })
     }
 
-    /// Relative widening of each disc in a press, and of the skin around it. An incompressible skin that is compressed along its normal widens in
-    /// both tangential directions by half that strain.
+    /// Relative widening of each disc in a press, and of the skin around it. If an incompressible skin is compressed
+    /// along its normal, it widens in both tangential directions by half of the normal strain.
     fn stretches(
         &self,
         markers: &Markers,
@@ -453,7 +456,8 @@ mod tests {
     use super::*;
     use palpate_press::Skin;
 
-    /// Half the area strain of a half-space, by finite differences of its radial displacement: (r u_r)′ / 2r.
+    /// Half of the area strain of a half-space, (r u_r)′ / 2r, computed by finite differences of the radial
+    /// displacement u_r.
     fn widened(markers: &[[f64; 2]], depth: f64, geometry: &PressGeometry) -> Vec<f64> {
         const STEP: f64 = 1e-3;
         let body = half_space(depth);

@@ -1,4 +1,4 @@
-//! Rolls in closed form: the contact's path is a constant matrix times the rotation.
+//! Rolls with a closed form in which the path of the contact is a constant matrix times the rotation.
 
 use nalgebra::{Matrix2, Vector2};
 use palpate_ep1::{BATCH_SIZE, BatchMoments, Moments, ProbeRotation};
@@ -8,23 +8,23 @@ use palpate_study::config::Side;
 
 use super::motion_noise::{MotionNoise, Roll};
 
-/// Steady rolls on a plane, sphere, dish or cylinder; their reported rotations have no errors.
+/// Steady rolls on a plane, sphere, dish or cylinder. The reported rotations have no errors.
 #[derive(Clone, Debug)]
 pub(super) struct LinearRolls {
     radius: f64,
     probes: Vec<LinearRoll>,
-    /// Distribution of the error of each component of the rotation, if there is one.
+    /// Distribution of the error of each component of the rotation; `None` without an error.
     error: Option<Distribution>,
 }
 
 /// The roll of one probe.
 #[derive(Clone, Copy, Debug)]
 struct LinearRoll {
-    /// Path of the contact as commanded, along u and v.
+    /// Path of the contact along u and v, for the commanded rotation.
     commanded: [f64; 2],
-    /// Change of that path per unit of error of the rotation about x.
+    /// Change of the path per unit error of the rotation about x.
     per_error_x: [f64; 2],
-    /// Change of that path per unit of error of the rotation about y.
+    /// Change of the path per unit error of the rotation about y.
     per_error_y: [f64; 2],
     reported: ProbeRotation,
 }
@@ -39,7 +39,7 @@ impl LinearRoll {
         }: &Roll,
     ) -> Self {
         let size = error * command.angular_velocity.norm() * command.duration_s;
-        // The contact's path is `mobility` times (−Δθ_y, Δθ_x).
+        // The path of the contact is `mobility` times (−Δθ_y, Δθ_x).
         let path = |rotation: Vector2<f64>| -> [f64; 2] {
             (mobility * Vector2::new(-rotation.y, rotation.x)).into()
         };
@@ -51,10 +51,11 @@ impl LinearRoll {
         }
     }
 
-    /// The path with these errors of the rotation, in units of the errors' size.
+    /// Path of the contact with these errors of the rotation, in units of the size of the errors.
     #[inline(always)]
     fn path(&self, [error_x, error_y]: [f64; 2]) -> [f64; 2] {
-        // Not a closure: if it were not inlined, it would lack the vector instructions of its caller.
+        // This is no closure, because a closure that is not inlined would not use the vector instructions of its
+        // caller.
         let ([u, v], [u_x, v_x], [u_y, v_y]) = (self.commanded, self.per_error_x, self.per_error_y);
         [
             u + u_x * error_x + u_y * error_y,
@@ -64,8 +65,8 @@ impl LinearRoll {
 }
 
 impl LinearRolls {
-    /// Rolls of probes that report the commanded rotations. Returns `None` if the rolls have no linear closed form,
-    /// if noise changes the motion during a roll, or if the noise is an error of measurement.
+    /// Rolls of probes that report the commanded rotations. Returns `None` if the rolls have no linear closed form, if
+    /// noise changes the motion during a roll, or if the noise is a measurement error.
     pub(super) fn new(
         roller: &Roller,
         rolls: &[Roll],
@@ -93,8 +94,8 @@ impl LinearRolls {
         })
     }
 
-    /// Rolls every probe. Returns `None` if a contact passes halfway round its probe: its shift then differs from its
-    /// path.
+    /// Rolls every probe and returns the moments of the readings. Returns `None` if a contact moves more than halfway
+    /// around its probe, because its shift then differs from its path.
     #[inline(always)]
     pub(super) fn short(&self, seed: u64, trial: u64) -> Option<Moments> {
         let mut moments = Moments::default();
@@ -109,10 +110,10 @@ impl LinearRolls {
         are_short.then_some(moments)
     }
 
-    /// Rolls up to [`BATCH_SIZE`] trials from `first` on and stores their moments in `many`. Returns the number of trials
-    /// before the first for which [`LinearRolls::short`] returns `None`.
+    /// Rolls the probes in up to [`BATCH_SIZE`] trials, from number `first` on, and stores the moments of the readings
+    /// in `many`. Returns the number of trials before the first for which [`LinearRolls::short`] returns `None`.
     ///
-    /// Inlined, so that it uses the vector instructions of its caller.
+    /// The function is inlined, so that it uses the vector instructions of its caller.
     #[inline(always)]
     pub(super) fn side_by_side(
         &self,
@@ -125,7 +126,8 @@ impl LinearRolls {
         let half_turn = self.half_turn_squared();
         let mut streams = Streams::new(seed, first, Channel::AngularVelocity);
         for (number, &probe) in self.probes.iter().enumerate() {
-            // Draw first and compute in a second loop: processors overlap short loops best.
+            // Errors are drawn first, and paths are computed in a second loop, because processors overlap short loops
+            // best.
             many.draw(self.error, &mut streams, count);
             match number {
                 0 => many.add::<true>(probe, half_turn, count),
@@ -133,7 +135,7 @@ impl LinearRolls {
             }
         }
         let long = &many.long[..count];
-        // Almost always 0.
+        // The sum is almost always 0.
         match long.iter().sum::<u64>() {
             0 => long.len(),
             _ => long.iter().take_while(|&&long| long == 0).count(),
@@ -145,7 +147,7 @@ impl LinearRolls {
         half_turn * half_turn
     }
 
-    /// Errors of a rotation in units of their size.
+    /// Draws the errors of a rotation, in units of their size.
     #[inline(always)]
     fn errors(&self, stream: &mut Stream) -> [f64; 2] {
         match self.error {
@@ -154,8 +156,8 @@ impl LinearRolls {
         }
     }
 
-    /// Rolls every probe; `read` converts the contact's displacement on the probe (logarithm map) to the sensor's
-    /// reading.
+    /// Rolls every probe. `read` converts the displacement of the contact on the probe (logarithm map) to the reading
+    /// of the sensor.
     pub(super) fn read<E>(
         &self,
         seed: u64,
@@ -174,19 +176,19 @@ impl LinearRolls {
     }
 }
 
-/// Whether a path ends before it passes halfway round the probe.
+/// Whether the contact moves at most halfway around the probe along this path.
 #[inline(always)]
 fn is_short([u, v]: [f64; 2], half_turn_squared: f64) -> bool {
     u * u + v * v <= half_turn_squared
 }
 
-/// Rolls of up to [`BATCH_SIZE`] trials side by side.
+/// Rolls of up to [`BATCH_SIZE`] trials, computed together.
 #[derive(Clone, Debug)]
 pub(super) struct ManyRolls {
     pub(super) moments: BatchMoments,
-    /// Number of paths that pass halfway round their probe.
+    /// For each trial, the number of paths that lead more than halfway around their probe.
     long: [u64; BATCH_SIZE],
-    /// Errors of the rotation of one probe, in units of their size.
+    /// Errors of the rotation of one probe in each trial, in units of their size.
     errors: [[f64; BATCH_SIZE]; 2],
 }
 
@@ -201,7 +203,7 @@ impl Default for ManyRolls {
 }
 
 impl ManyRolls {
-    /// Draws the errors of a probe's rotation in the first `count` trials, or none without a distribution.
+    /// Draws the errors of a probe's rotation in the first `count` trials; without a distribution, nothing is drawn.
     #[inline(always)]
     fn draw(
         &mut self,
@@ -209,7 +211,7 @@ impl ManyRolls {
         streams: &mut Streams<BATCH_SIZE>,
         count: usize,
     ) {
-        // Matched outside the loops, so that each loop has one fixed distribution.
+        // The distribution is matched outside of the loops, so that each loop has one fixed distribution.
         match error {
             None => (),
             Some(Distribution::Uniform) => {
@@ -227,7 +229,7 @@ impl ManyRolls {
         }
     }
 
-    /// Adds the roll of a probe to the moments; the first probe replaces them.
+    /// Adds the roll of a probe to the moments. The roll of the first probe replaces earlier moments.
     #[inline(always)]
     fn add<const IS_FIRST: bool>(
         &mut self,
@@ -314,7 +316,7 @@ mod tests {
     #[test]
     fn side_by_side_is_one_by_one_to_the_last_bit() {
         for noise in NOISES {
-            // Rolls of 31 s end near half a turn: some pass it, others do not.
+            // Rolls of 31 s end near halfway around the probe: in some trials beyond it, in others before it.
             for duration_s in [1.0, 31.0] {
                 let scene = scene(duration_s, noise);
                 let (mut trial, mut together) = (0, 0);

@@ -1,42 +1,42 @@
-//! Error of the angular velocity, in the motion or in its measurement.
+//! Error of the angular velocity, either of the motion or of its measurement.
 
 use nalgebra::Vector2;
 use palpate_rolling::{Motion, RollError, Roller, Terrain};
 use palpate_sensing::{AngularVelocityError, Channel, Distribution, Stream};
 use palpate_study::config::Side;
 
-/// Error of the angular velocity.
+/// Error of the angular velocity of a probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MotionNoise {
     pub(super) error: AngularVelocityError,
-    /// Number of draws in a roll.
+    /// Number of times in a roll at which an error is drawn.
     pub(super) instants: u32,
-    /// `Motion`: the probe's motion is noisy, and the command is reported. `Measurement`: the probe moves as commanded,
-    /// and a noisy rotation is reported.
+    /// With `Motion`, the motion of the probe is noisy, and the commanded rotation is reported. With `Measurement`, the
+    /// probe moves as commanded, and a noisy rotation is reported.
     pub(super) side: Side,
 }
 
-/// The roll of one probe as commanded, without noise.
+/// The commanded roll of one probe, without noise.
 #[derive(Clone, Debug)]
 pub(super) struct Roll {
     pub(super) command: Motion,
-    /// The rotation, summed in the contact frame.
+    /// Rotation of the probe, summed in the contact frame, rad.
     pub(super) rotation: Vector2<f64>,
-    /// The contact's displacement on the probe.
+    /// Displacement of the contact on the probe.
     pub(super) displacement: Vector2<f64>,
-    /// The relief along the roll, if noise may move the probe into the object.
+    /// Relief of the object along the roll; `None` if noise cannot move the probe into the object.
     pub(super) terrain: Option<Terrain>,
 }
 
 pub(super) struct NoiseTrial(Option<(MotionNoise, Stream)>);
 
 impl MotionNoise {
-    /// Whether the probe's motion is noisy, not only its measurement.
+    /// Whether the noise is in the motion of the probe, and not only in its measurement.
     pub(super) fn is_of_motion(&self) -> bool {
         self.side == Side::Motion
     }
 
-    /// Number of pieces into which noise cuts a roll.
+    /// Number of pieces of a roll, each with its own error of the motion.
     pub(super) const fn pieces(&self) -> u32 {
         match self.side {
             Side::Motion => self.instants,
@@ -44,8 +44,9 @@ impl MotionNoise {
         }
     }
 
-    /// Bound on the distance (length) by which noise moves the centre of a probe of `radius` away from a commanded roll
-    /// by `rotation` (rad): the largest possible distance, but at most six standard deviations.
+    /// Bound on the distance (length) by which noise moves the centre of a probe of radius `radius` away from its
+    /// commanded position in a roll by `rotation` (rad): the largest possible distance, but at most six standard
+    /// deviations.
     pub(super) fn stray(&self, radius: f64, rotation: &Vector2<f64>) -> f64 {
         if self.side == Side::Measurement {
             return 0.0;
@@ -54,13 +55,13 @@ impl MotionNoise {
             Distribution::Uniform => self.error.fraction(),
             Distribution::Gaussian => f64::INFINITY,
         };
-        // The centre moves by the radius times the rotation. The factor √2 is for the two components of the noise,
-        // the factor 2 for the curvature of the path on the object.
+        // The centre moves by the radius times the rotation. The factor √2 accounts for the two components of the
+        // noise, and the factor 2 for the curvature of the path on the object.
         let share = 2.0 * std::f64::consts::SQRT_2 * bound.min(6.0 * self.relative_rotation_std());
         share * radius * rotation.norm()
     }
 
-    /// Standard deviation of each component of a summed rotation, as a fraction of its magnitude.
+    /// Standard deviation of each component of a summed rotation, as a share of the rotation's magnitude.
     pub(super) fn relative_rotation_std(&self) -> f64 {
         self.error.relative_std() / f64::from(self.instants).sqrt()
     }
@@ -86,8 +87,8 @@ impl NoiseTrial {
         Self(noise.map(|noise| (noise, stream())))
     }
 
-    /// The contact's displacement on a probe, and the reported rotation of the probe. The reported rotation contains
-    /// the noise only if the noise is an error of measurement.
+    /// Displacement of the contact on a probe, and the rotation that the probe reports. The reported rotation contains
+    /// the noise only if the noise is a measurement error.
     #[inline]
     pub(super) fn roll(
         &mut self,
@@ -126,7 +127,7 @@ impl NoiseTrial {
         }
     }
 
-    /// The actual motions of the probe for `command`.
+    /// The actual motions of the probe when `command` is commanded.
     pub(super) fn motions(&mut self, command: &Motion) -> Vec<Motion> {
         let Some((noise, stream)) = &mut self.0 else {
             return vec![*command];
@@ -144,7 +145,7 @@ impl NoiseTrial {
     }
 }
 
-/// Displacement of the contact on a probe, or an error if the probe overlaps the terrain.
+/// Displacement of the contact on a probe; an error if the probe overlaps the terrain.
 #[inline]
 fn cleared_shift(
     roller: &Roller,

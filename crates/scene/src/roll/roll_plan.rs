@@ -1,4 +1,4 @@
-//! Builds a [`RollScene`] from its config, and its ladder.
+//! Builds a [`RollScene`] from its config, and compares the models that can compute its rolls.
 
 use nalgebra::Vector2;
 use palpate_ep1::{LeastSquares, ReadingNoise};
@@ -32,7 +32,7 @@ fn roll_error(object: &ObjectConfig, error: InvalidRoll) -> FieldError {
 }
 
 impl RollScene {
-    /// Builds the scene of a config; `seed` seeds its random numbers.
+    /// Builds the scene of a config. `seed` is the seed of its random numbers.
     ///
     /// # Errors
     /// [`FieldError`] with the path of the invalid field.
@@ -48,7 +48,8 @@ impl RollScene {
 
         let (roller, commands) = roller(config, probe, object, noise)?;
         let reading_noise = ReadingNoise {
-            // The noise is a fraction of the whole rate including spin, but this ratio refers to the tangential part.
+            // In the config, the noise is a fraction of the whole rate of rotation, including spin; here, it is a
+            // fraction of the tangential part.
             relative_rotation_std: noise.map_or(0.0, |noise| noise.relative_rotation_std())
                 * libm::hypot(config.motion.spin_rad_per_s / rate(&config.motion), 1.0),
             rotation_std_rad: rotation_sensor.std_rad(),
@@ -83,14 +84,14 @@ impl RollScene {
         })
     }
 
-    /// Commanded motion of each probe without noise, cut into the pieces in which noise acts.
+    /// Commanded motion of each probe without noise, cut into the pieces in which noise would act.
     pub fn noiseless(&self) -> Vec<Vec<Motion>> {
         let pieces = self.noise.map_or(1, |noise| noise.pieces());
         let commands: Vec<Motion> = self.commands().copied().collect();
         distinct(&commands, pieces)
     }
 
-    /// Measures the error of each rung of this scene.
+    /// Measures the error of each model that can compute this scene.
     pub(super) fn measured_ladder(&self) -> Ladder {
         let rolls = self.noiseless();
         let rolls = Rolls {
@@ -149,8 +150,9 @@ fn motion_noise(config: &RollConfig) -> Result<Option<MotionNoise>, FieldError> 
     Ok(Some(noise))
 }
 
-/// Chart of the ladder's integrators: the chart of the config's model if it sets one. Otherwise the axis of the motion
-/// selects it: `Free` for a transported axis, `Montana` for an axis that is held in the chart.
+/// Chart of the integrators that are compared: the chart of the model in the config, if it states one. Otherwise it
+/// depends on the axis of the motion: `Free` for a transported axis, `Montana` for an axis that is constant in the
+/// chart.
 fn ladder_chart(config: &RollConfig) -> Chart {
     let axis = config.motion.axis;
     let form = config.model.chart().unwrap_or(match axis {
@@ -237,18 +239,19 @@ fn roller(
             durations.push((*command, duration_s));
             command.duration_s = duration_s;
         }
-        // The choice of a rung depends on how far the probes roll.
+        // The choice of the model depends on the distance that the probes roll.
         roller = set_up(&commands)?;
     }
     Ok((roller, commands))
 }
 
-/// Rate of rotation, rad/s; 1 if the config omits it, because then no result depends on it.
+/// Rate of rotation, rad/s. If the config states none, it is 1, because no result depends on it.
 fn rate(config: &RollMotionConfig) -> f64 {
     config.rate_rad_per_s.unwrap_or(1.0)
 }
 
-/// The commands, with the duration or angle of the config; 1 rad long if the config states an arc length.
+/// The commanded motions, with the duration or the angle in the config. If the config states an arc length, the motions
+/// rotate by 1 rad.
 fn commands(config: &RollMotionConfig) -> Vec<Motion> {
     let rate = rate(config);
     let angle_rad = config.angle_deg.map_or(1.0, f64::to_radians);
@@ -264,7 +267,7 @@ fn commands(config: &RollMotionConfig) -> Vec<Motion> {
         .collect()
 }
 
-/// Commands without repetitions, each cut into `pieces`.
+/// The commands without repetitions, each cut into `pieces`.
 fn distinct(commands: &[Motion], pieces: u32) -> Vec<Vec<Motion>> {
     let mut rolls: Vec<Vec<Motion>> = Vec::new();
     for command in commands {
@@ -301,7 +304,7 @@ fn noiseless(
         let fail = |error: RollError| format!("probe {probe} cannot roll: {error}");
         let shift = roller.shift(&[command]);
         if shift.is_err() {
-            // If the probe overlaps the object from the start, report the overlap instead.
+            // If the probe overlaps the object at the start, this overlap is reported instead.
             let start = Motion {
                 duration_s: 0.0,
                 ..command
@@ -329,7 +332,8 @@ fn noiseless(
     ))
 }
 
-/// The terrain that noisy rolls might overlap; `None` if the commanded roll clears it by at least `stray`.
+/// Terrain with which noisy rolls might overlap; `None` if the distance between the commanded roll and the terrain is
+/// always at least `stray`.
 fn terrain(roller: &Roller, command: &Motion, stray: f64) -> Result<Option<Terrain>, RollError> {
     if !roller.may_touch_twice() {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! Sensors of a roll: of the contact on the probe, and of the probe's rotation.
+//! Sensors of a roll, which read the contact on the probe and the rotation of the probe.
 
 use nalgebra::Vector2;
 use palpate_ep1::{PadStart, ReadingNoise};
@@ -22,13 +22,13 @@ pub(super) enum RollSensor {
 pub(super) enum SensorTrial<'a> {
     Ideal,
     Wrist(&'a Wrist, Stream),
-    /// Pads on which each roll starts at its own random place.
+    /// Pads, and the random numbers by which each roll starts at its own place on a pad.
     RandomPads(&'a Pads, Stream),
     Pads(&'a Pads, PadPlacement),
 }
 
 impl RollSensor {
-    /// Sensor of a config on a probe of this radius.
+    /// The sensor in a config, on a probe of this radius.
     pub(super) fn new(config: &RollSensorConfig, radius: f64) -> Result<Self, FieldError> {
         match config {
             RollSensorConfig::Ideal => Ok(Self::Ideal),
@@ -59,7 +59,7 @@ impl RollSensor {
         }
     }
 
-    /// Noise of shifts.
+    /// Noise of the shifts that the sensor reports.
     pub(super) fn shift_noise(&self) -> ReadingNoise {
         match self {
             Self::Ideal => ReadingNoise::default(),
@@ -103,7 +103,7 @@ impl RollSensor {
         }
     }
 
-    /// The sensor without noise. Pads still quantise; one is centred on the first contact.
+    /// The sensor without noise. Pads still round positions; the centre of one pad is at the first contact.
     pub(super) fn noiseless(&self) -> Self {
         match self {
             Self::Ideal | Self::Wrist(_) => Self::Ideal,
@@ -143,12 +143,12 @@ impl SensorTrial<'_> {
 #[derive(Clone, Debug)]
 pub(super) struct RotationSensor {
     error: GaussianError,
-    /// Growth of the error of each component, rad/s.
+    /// Rate at which the error of each component grows during a roll, rad/s.
     drift_rad_per_s: f64,
     encoder: Option<Encoder>,
 }
 
-/// The sensor in one trial.
+/// The rotation sensor in one trial.
 pub(super) struct RotationTrial<'a> {
     sensor: &'a RotationSensor,
     errors: Stream,
@@ -193,7 +193,7 @@ impl RotationSensor {
         }
     }
 
-    /// Standard deviation of each component, rad.
+    /// Standard deviation of each component of the rotation, rad.
     pub(super) fn std_rad(&self) -> f64 {
         libm::hypot(
             self.error.std(),
@@ -233,7 +233,7 @@ impl RotationSensor {
 }
 
 impl RotationTrial<'_> {
-    /// The rotation (rad) that the sensor reports for a true `rotation` in a roll of this duration.
+    /// The rotation (rad) that the sensor reports if the true rotation is `rotation` and the roll lasts `duration_s`.
     pub(super) fn read(&mut self, rotation: Vector2<f64>, duration_s: f64) -> Vector2<f64> {
         let RotationSensor {
             error,

@@ -1,4 +1,4 @@
-//! Tables of one pass of a roll.
+//! Tables of one roll of every probe.
 
 use palpate_rolling::{Contact, Motion};
 
@@ -9,11 +9,11 @@ use palpate_study::config::{LengthUnit, Side};
 use palpate_study::readings::roll_readings_table;
 use palpate_study::{Column, Table, Unit};
 
-/// Number of samples of each roll in the table, besides the first contact.
+/// Number of samples of each roll in the table, in addition to the first contact.
 const SAMPLES: usize = 100;
 
 impl RollScene {
-    /// Records one roll of every probe: in trial number `trial`, or without noise if it is `None`.
+    /// Records one roll of every probe: with the noise of trial number `trial`, or without noise if it is `None`.
     pub(super) fn record(&self, trial: Option<u64>, unit: LengthUnit) -> Result<Trace, TraceError> {
         let noiseless = self.sensor.noiseless();
         let sensor = trial.map_or(&noiseless, |_| &self.sensor);
@@ -30,7 +30,7 @@ impl RollScene {
         for (probe, roll) in self.rolls.iter().enumerate() {
             let command = &roll.command;
             let (motions, rotation) = match self.noise.map(|noise| noise.side) {
-                // Draws the measured rotation without rolling the probe.
+                // This draws the measured rotation without rolling the probe.
                 Some(Side::Measurement) => {
                     let (_, rotation) = noise
                         .roll(&self.roller, roll)
@@ -93,7 +93,7 @@ fn row(contact: &Contact, t_s: f64, radius: f64) -> Vec<f64> {
     row
 }
 
-/// The motions up to time `t_s`.
+/// The part of the motions before time `t_s`.
 fn cut_at(motions: &[Motion], t_s: f64) -> Vec<Motion> {
     let mut left = t_s;
     let mut until = Vec::new();

@@ -30,34 +30,34 @@ pub(crate) const ROLL_QUANTITIES: [Quantity; 5] = [
     Quantity::ARC_LENGTH,
 ];
 
-/// A roll that is ready to run: the truth, the noise, the sensor and the estimator of a cell.
+/// A roll that is ready to run: the true rolls, the noise, the sensor and the estimator of a study's cell.
 #[derive(Clone, Debug)]
 pub struct RollScene {
     pub(super) seed: u64,
     pub(super) roller: Roller,
-    /// The roll of each probe as commanded.
+    /// The commanded roll of each probe.
     pub(super) rolls: Vec<Roll>,
     pub(super) noise: Option<MotionNoise>,
     pub(super) sensor: RollSensor,
     pub(super) rotation_sensor: RotationSensor,
     pub(super) reading_noise: ReadingNoise,
     pub(super) fit: RollFit,
-    /// Set if all rolls are linear and report the same rotations in every trial.
+    /// Closed form of the rolls; `None` unless all rolls are linear and report the same rotations in every trial.
     pub(super) linear: Option<LinearRolls>,
     pub(super) truth: Truth,
     pub(super) directions_path: &'static str,
     /// Largest error that `auto` allows when it chooses the model; `None` if the config names the model.
     pub(super) tolerance: Option<f64>,
-    /// Chart of the ladder's integrators.
+    /// Chart of the integrators that are compared.
     pub(super) chart: Chart,
 }
 
-/// The fit for the commanded rotations. A trace needs none.
+/// The fit for the commanded rotations, which a trace does not need.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub(super) enum RollFit {
     Fit(LeastSquares),
-    /// The rotations do not determine the curvature: every trial that uses the fit fails with the name of this error.
+    /// The rotations do not determine the curvature. Every trial that uses the fit fails with the name of this error.
     NoFit(Ep1Error),
 }
 
@@ -71,14 +71,14 @@ impl RollFit {
     }
 }
 
-/// The object's curvature at the first contact, and the noiseless length of the rolls.
+/// Curvature of the object at the first contact, and length of the noiseless rolls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Truth {
     pub(super) curvature: CurvatureForm,
     pub(super) arc_length: f64,
 }
 
-/// A batch of trials, compiled for every vector width.
+/// A batch of trials. Its code is compiled for every vector width.
 struct Together<'a> {
     seed: u64,
     linear: &'a LinearRolls,
@@ -91,7 +91,7 @@ struct Together<'a> {
 }
 
 impl WithSimd for Together<'_> {
-    /// Number of trials before the first that failed.
+    /// Number of trials before the first failed trial.
     type Output = usize;
 
     #[inline(always)]
@@ -106,8 +106,9 @@ impl WithSimd for Together<'_> {
 }
 
 impl Together<'_> {
-    /// Runs the trials and returns how many succeeded before the first failure. It must be compiled in this crate:
-    /// crates that call [`RollScene::side_by_side`] are optimised less, so the compiler would not vectorise it there.
+    /// Runs the trials, and returns the number of trials before the first failure. It must be compiled in this crate:
+    /// crates that call [`RollScene::side_by_side`] are compiled with fewer optimisations, so that the code would not
+    /// be vectorised there.
     #[inline(never)]
     fn run(self, arch: Arch) -> usize {
         arch.dispatch(self)
@@ -120,7 +121,7 @@ impl RollScene {
         self.reading_noise
     }
 
-    /// The forward law, with the chosen model.
+    /// The roller, which computes rolls with the chosen model.
     pub const fn roller(&self) -> &Roller {
         &self.roller
     }
@@ -149,7 +150,7 @@ impl RollScene {
     /// The outcomes of one trial, in the order of [`Trials::quantities`].
     ///
     /// # Errors
-    /// The stable name of the failure.
+    /// The name of the failure, which stays the same in all versions.
     #[inline(always)]
     pub fn outcomes(
         &self,
@@ -167,10 +168,11 @@ impl RollScene {
             .map(|estimate| self.compare(&estimate))
     }
 
-    /// Runs trials in batches of at most [`BATCH_SIZE`] and passes their outcomes to `take`, in the order of
-    /// [`Trials::quantities`]. They equal those of [`RollScene::outcomes`] to the last bit, but run faster, above all
-    /// on a processor with wide vectors. `take` returns the number of trials that it accepts. Stops if it does not
-    /// accept the whole batch, or if a trial cannot run in a batch. Returns the number of accepted trials.
+    /// Runs trials in batches of at most [`BATCH_SIZE`], and passes the outcomes of each trial to `take`, in the order
+    /// of [`Trials::quantities`]. The outcomes are exactly those of [`RollScene::outcomes`] but are computed faster,
+    /// above all on processors with wide vectors. `take` returns the number of trials that it accepts. The function
+    /// stops if a batch is not accepted as a whole, or if a trial cannot run in a batch. It returns the number of
+    /// accepted trials.
     pub fn side_by_side(
         &self,
         arch: Arch,
@@ -238,7 +240,7 @@ impl RollScene {
         ]
     }
 
-    /// Runs a trial of any kind of roll.
+    /// Runs a trial of a roll of any kind.
     #[inline(never)]
     fn sensor_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let is_measured = !self.rotation_sensor.is_exact()
@@ -252,7 +254,7 @@ impl RollScene {
         }
     }
 
-    /// Runs a trial in which all rolls are linear: it computes neither motions nor states.
+    /// Runs a trial in which all rolls are linear; motions and states are not computed.
     fn linear_trial(&self, linear: &LinearRolls, trial: u64) -> Result<Estimate, &'static str> {
         let fit = self.fit.get()?;
         let mut sensor = self.sensor.begin(self.seed, trial);
@@ -262,7 +264,7 @@ impl RollScene {
         fit.estimate(&moments).map_err(|error| error.name())
     }
 
-    /// Runs a trial whose reported rotations are the same in every trial.
+    /// Runs a trial in which the reported rotations are the same as in every other trial.
     fn general_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let fit = self.fit.get()?;
         let mut moments = Moments::default();
@@ -272,7 +274,7 @@ impl RollScene {
         fit.estimate(&moments).map_err(|error| error.name())
     }
 
-    /// Runs a trial whose reported rotations have errors.
+    /// Runs a trial in which the reported rotations have errors.
     fn measured_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let mut readings = Vec::with_capacity(self.rolls.len());
         self.readings(trial, |reading| readings.push(reading))?;
@@ -280,7 +282,7 @@ impl RollScene {
             .map_err(|error| error.name())
     }
 
-    /// Calls `report` with the reading of each probe in a trial, one after the other.
+    /// Calls `report` with the reading of each probe in a trial, in the order of the probes.
     fn readings(
         &self,
         trial: u64,
@@ -300,12 +302,12 @@ impl RollScene {
         Ok(())
     }
 
-    /// Warning about an object so flat that the rounding of the readings is noticeable in its curvature.
+    /// Warning if the object is so flat that rounding of the readings affects the estimated curvature.
     fn rounding_warning(&self) -> Option<Warning> {
         let curvature = self.truth.curvature.principal();
         let sharper = curvature.k_min.abs().max(curvature.k_max.abs());
         let error = rounding_std(self.roller.probe().radius(), sharper) / sharper;
-        // At a larger error the object counts as a plane, which needs no warning.
+        // If the error is larger, the object counts as a plane, which needs no warning.
         (1e-3..1e12).contains(&error).then(|| {
             let share = Number::rounded(error);
             Warning::new(

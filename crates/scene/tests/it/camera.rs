@@ -1,4 +1,5 @@
-//! Presses read by a camera: readings and random draws at each fidelity level, and settings that are rejected.
+//! Presses that are read by a camera: readings and random draws at each level of detail, and settings that are
+//! rejected.
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{Camera, Lens, OddTerms};
@@ -9,7 +10,7 @@ use palpate_study::config::{LengthUnit, Study, parse};
 use palpate_sweep::Observation;
 use palpate_tracking::Equidistant;
 
-/// Config of a press with the 2020 paper's sensor: a layer 5 mm thick on a core, pressed 1 mm deep onto a plane.
+/// Config of a press with the sensor of the 2020 paper: a layer 5 mm thick on a core, pressed 1 mm deep onto a plane.
 fn text(sensor: &str, noise: &str) -> String {
     format!(
         r#"name = "a-study"
@@ -49,7 +50,7 @@ fn refused(text: &str) -> String {
     format!("{}: {}", error.path(), error.message())
 }
 
-/// The outcomes of a quantity in a trial.
+/// The outcomes of one quantity in a trial.
 fn outcomes(scene: &Scene, trial: u64, name: &str) -> Vec<Observation> {
     let mut outcomes = Vec::new();
     scene
@@ -84,7 +85,8 @@ fn an_image_without_errors_yields_displacements_and_draws_nothing() {
         assert_eq!(scene.trials(1000), 1);
         let normal = outcomes(&scene, 0, "normal_displacement");
         assert_eq!(normal.len(), 77);
-        // This error is systematic: the hue depends on the difference between the displacements of the two discs.
+        // This error is systematic, because the hue depends on the difference between the displacements of the two
+        // discs.
         assert!(rms_error(&normal) < limit, "{from}: {}", rms_error(&normal));
         let tangential = outcomes(&scene, 0, "tangential_displacement");
         assert_eq!(tangential.len(), 2 * 77);
@@ -106,7 +108,7 @@ fn rendered_and_projected_cameras_agree() {
         ("normal_displacement", 0.01),
         ("tangential_displacement", 0.003),
         ("hue_change", 2e-4),
-        // Pixels at the edge of two aligned discs mix both sides of red.
+        // Pixels at the edge of two aligned discs contain hues on both sides of red.
         ("mean_hue_change", 0.015),
         ("centroid_shift", 0.02),
     ] {
@@ -147,7 +149,7 @@ fn errors_of_images_have_the_stated_size() {
         .map(|trial| only(&noisy, trial, "hue_change").estimate - truth.truth)
         .collect();
     let mean = errors.iter().sum::<f64>() / 400.0;
-    // The mean of the 16 frames at rest has a standard error of 0.001/√16 = 0.00025 itself.
+    // The mean of the 16 frames at rest has a standard error of 0.001/√16 = 0.00025, which all trials have in common.
     assert!(mean.abs() < 0.001, "{mean}");
     let spread = errors
         .iter()
@@ -169,7 +171,7 @@ fn frames_at_rest_are_averaged() {
             } = only(&noisy, trial, "hue_change");
             estimate - truth
         });
-        // Standard error for 1000 frames at rest and 200 presses: 0.001 √(1/1000 + 1/200) = 7.7e-5.
+        // For 1000 frames at rest and 200 presses, the standard error is 0.001 √(1/1000 + 1/200) = 7.7e-5.
         let mean = errors.sum::<f64>() / 200.0;
         assert!(mean.abs() < 2.3e-4, "{seed}: {mean}");
     }
@@ -229,7 +231,7 @@ fn tracking_reads_the_lens_that_the_optics_have() {
 
 #[test]
 fn a_lens_with_odd_terms_leaves_displacements_as_they_are() {
-    // The calibration uses the same lens. Without pixels and noise, only the finite width of the discs causes errors.
+    // The calibration uses the same lens. Without pixels and noise, only the finite size of the discs causes errors.
     let results = |terms: &str| {
         let scene = scene(&text(&format!(r#"kind = "projected"{terms}"#), ""));
         [
@@ -272,7 +274,7 @@ fn sensors_that_cannot_be_are_refused_at_the_field() {
             camera(r#"kind = "rendered", k5 = -0.2"#, ""),
             "scene.sensor.k3",
         ),
-        // Only the edge of a marker is in the field.
+        // Only the edge of a marker is inside of the field of view.
         (
             camera(r#"kind = "projected", field_deg = 1.0"#, ""),
             "scene.sensor",
@@ -326,14 +328,16 @@ fn a_sideways_shift_moves_the_centroid() {
         only(&scene, 0, "centroid_shift").estimate
     };
     let [once, twice] = [shifted(0.5), shifted(1.0)];
-    // Share of the shift that the discs follow, 1 and 3 deep under a contact with a² = R δ; scale f = 319.5 px / 65°.
+    // Share of the shift that the discs follow at the depths 1 and 3 under a contact with a² = R δ. The scale of the
+    // image is f = 319.5 px / 65°.
     let apex = Markers::new(Skin::new(20.0).unwrap(), &[[0.0; 2]]).unwrap();
     let followed = |depth: f64| {
         let moved = apex.shifted(0.5, depth, 20_f64.sqrt(), [0.0; 2], 1.0);
         moved.unwrap()[0].tangential[0] / (20.0 - depth)
     };
     let expected = 319.5 / 65_f64.to_radians() * 0.5 * 0.5 * (followed(1.0) + followed(3.0));
-    // Neglected: the discs also move towards the camera, and the visible share of each disc changes.
+    // Two effects are neglected here: the discs also move towards the camera, and the visible share of each disc
+    // changes.
     assert!((once / expected - 1.0).abs() < 0.07, "{once} {expected}");
     assert!((twice / once - 2.0).abs() < 0.05, "{once} {twice}");
 }

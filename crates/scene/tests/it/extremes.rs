@@ -1,11 +1,11 @@
-//! Scenes of extreme sizes, ratios and noise. Without noise the estimate is the true value; with noise its error does not
-//! depend on the unit of length; impossible scenes have named errors.
+//! Scenes with extreme sizes, ratios and noise. Without noise, the estimate is equal to the true value; with noise, its
+//! relative error does not depend on the unit of length. Impossible scenes have named errors.
 
 use palpate_scene::Scenes;
 use palpate_study::config::parse;
 
 const PLANE: &str = "{ kind = \"plane\" }";
-/// Estimator of presses without noise.
+/// Estimator of presses whose indentation is stated, without noise.
 const KNOWN: &str = "estimator = { kind = \"half-space\", indentation = \"known\" }";
 
 fn scene(kind: &str, probe: &str, object: &str, motion: &str, lines: &str) -> String {
@@ -14,13 +14,13 @@ fn scene(kind: &str, probe: &str, object: &str, motion: &str, lines: &str) -> St
     )
 }
 
-/// A probe of radius `unit` that rolls by an angle.
+/// Config of a probe with radius `unit` that rolls by `angle`.
 pub(crate) fn roll(unit: f64, object: &str, angle: f64, lines: &str) -> String {
     let motion = format!("{{ rate_rad_per_s = {angle:e}, duration_s = 1.0 }}");
     scene("roll", &sphere(unit), object, &motion, lines)
 }
 
-/// Three fingers that slide over a patch of side 2 units.
+/// Config of three fingers that slide over a patch with a side length of 2 units.
 pub(crate) fn glide(unit: f64, object: &str, lines: &str) -> String {
     let [side, half, third] = [2.0 * unit, unit, 0.5 * unit];
     let motion = format!(
@@ -36,7 +36,7 @@ pub(crate) fn glide(unit: f64, object: &str, lines: &str) -> String {
     scene("glide", &sphere(third), object, &motion, &lines)
 }
 
-/// A sensor of radius 20 units, with an indentation of `share` of its radius.
+/// Config of a sensor with a radius of 20 units. The indentation is `share` of its radius.
 pub(crate) fn press(unit: f64, object: &str, share: f64, lines: &str) -> String {
     let [radius, depth, indentation] = [20.0 * unit, 2.0 * unit, 20.0 * unit * share];
     let probe = format!(
@@ -61,8 +61,8 @@ fn layered(thickness: f64) -> String {
     press(1.0, PLANE, 0.02, &lines)
 }
 
-/// Estimates and true values of the first trials, divided by the largest true value of their quantity. Quantities
-/// whose true values are all 0 are left out. The error is the name of a failure, or the path of a field.
+/// Estimates and true values of the first trials, divided by the largest true value of their quantity. Quantities whose
+/// true values are all 0 are left out. The error is the name of a failure or the path of a field.
 fn relative(text: &str) -> Result<Vec<[f64; 2]>, String> {
     let study = parse("study.toml", text);
     let scene = study.and_then(|study| study.estimable_scene(0));
@@ -80,8 +80,9 @@ fn relative(text: &str) -> Result<Vec<[f64; 2]>, String> {
         of_it.fold(0.0, |largest: f64, (.., truth)| largest.max(truth.abs()))
     };
     let pairs = all.iter().filter_map(|&(quantity, estimate, truth)| {
-        // In a press the object's curvature is the relative curvature minus the sensor's, so its error is compared with
-        // the relative curvature. The object's radius is compared as its inverse.
+        // In a press, the curvature of the object is the relative curvature minus the curvature of the sensor;
+        // therefore, its error is compared with the relative curvature. The radius of the object is compared as its
+        // inverse.
         let is_of_object = ["object_curvature", "object_radius"].contains(&quantity);
         let scale = largest(if is_of_object {
             "relative_curvature"
@@ -104,12 +105,13 @@ fn scenes_without_noise_are_exact() {
         (roll(1e9, &sphere(3e9), 0.5, ""), 1.0),
         (press(1e-9, &sphere(30e-9), 0.05, KNOWN), 1.0),
         (press(1e9, &sphere(30e9), 0.05, KNOWN), 1.0),
-        // Errors of the shift are amplified by 1 + R₂/R₁: the object's radius over the probe's.
+        // Errors of the shift are amplified by 1 + R₂/R₁, where R₂/R₁ is the ratio of the object's radius to the
+        // probe's radius.
         (roll(1.0, &sphere(1e-9), 0.1, ""), 1.0),
         (roll(1.0, &sphere(1e12), 0.1, ""), 1e12),
         (press(1.0, &sphere(20e12), 0.01, KNOWN), 1e12),
         (press(1.0, &sphere(1e308), 0.01, KNOWN), 1.0),
-        // The estimated curvature is mostly rounding error of the positions.
+        // The estimated curvature consists mostly of rounding errors of the positions.
         (glide(1.0, &sphere(2e9), ""), 1e10),
         (roll(1.0, PLANE, 1e-12, ""), 1.0),
         (roll(1.0, &sphere(2.0), 1e-12, ""), 1.0),
@@ -150,13 +152,13 @@ fn impossible_scenes_have_named_errors() {
         (glide(1.0, &sphere(5e-324), ""), "scene.object.radius"),
         (glide(1.0, &sphere(0.0), ""), "scene.object.radius"),
     ] {
-        // TOML writes NaN in lower case.
+        // In TOML, NaN is written in lower case.
         let found = relative(&text.replace("NaN", "nan"));
         assert_eq!(found.err().as_deref(), Some(name), "{text}");
     }
 }
 
-/// Scaling all lengths by a power of two changes no error by more than a billionth of the quantity.
+/// If all lengths are multiplied by a power of two, no error changes by more than a billionth of the quantity.
 #[test]
 fn errors_are_the_same_in_any_unit() {
     let noisy_press = |unit: f64, noise: f64| {
@@ -188,7 +190,7 @@ fn errors_are_the_same_in_any_unit() {
             assert!((here[0] - there[0]).abs() <= 1e-9, "{here:?} {there:?}");
         }
     };
-    // A press with noise of 10 has no visible contact.
+    // The contact of a press cannot be detected if the noise is 10.
     for noise in [1e-9, 0.1] {
         same(&|unit| noisy_press(unit, noise));
     }

@@ -1,4 +1,4 @@
-//! Fingertips without contact: folding strain, image area of markers, and cutting patterns.
+//! Fingertips without contact: strain of the folded skin, image area of markers, and cutting patterns.
 
 use palpate_scene::{CutPattern, Scene, Scenes};
 use palpate_study::config::{Study, parse};
@@ -42,7 +42,8 @@ fn values(text: &str) -> Vec<(&'static str, f64)> {
 fn folding_strain_equals_the_closed_form() {
     let strains = values(&text(GORES, ""));
     assert_eq!(strains.len(), 2);
-    // The shear at a seam's upper end is s = π/n. Its largest stretch is σ = s/2 + √(1 + s²/4), its strain σ − 1.
+    // The shear at the upper end of a seam is s = π/n. The largest stretch there is σ = s/2 + √(1 + s²/4), and the
+    // strain is σ − 1.
     let shear = std::f64::consts::PI / 4.0;
     let greatest = 0.5 * shear + (1.0 + 0.25 * shear * shear).sqrt() - 1.0;
     assert_eq!(strains[0].0, "greatest_fold_strain");
@@ -62,7 +63,7 @@ fn the_image_area_follows_from_the_lens() {
         found[2].1
     };
     let polar = 50_f64.to_radians();
-    // An equidistant lens magnifies areas by θ/sin θ, a pinhole lens by 1/cos³ θ.
+    // An equidistant lens magnifies areas by θ/sin θ, and a pinhole lens by 1/cos³ θ.
     let fisheye = area("fisheye", 50.0) / area("fisheye", 0.0);
     assert!(
         (fisheye / (polar / libm::sin(polar)) - 1.0).abs() < 2e-3,
@@ -73,12 +74,13 @@ fn the_image_area_follows_from_the_lens() {
         (pinhole * libm::cos(polar).powi(3) - 1.0).abs() < 2e-2,
         "{pinhole}"
     );
-    // At the apex the magenta disc is the larger one: diameter 2, distance 17; f = 319.5 px / 65°.
+    // At the apex, the image of the magenta disc is larger than that of the yellow disc. The disc has the diameter 2
+    // and the distance 17 from the camera; f = 319.5 px / 65°.
     let f = 319.5 / 65_f64.to_radians();
     let expected = std::f64::consts::PI * (f / 17.0_f64).powi(2);
     let apex = area("fisheye", 0.0);
     assert!((apex / expected - 1.0).abs() < 5e-3, "{apex} {expected}");
-    // A skin that is not folded from gores has no folding strain.
+    // A skin that is not folded from gores has no strain of folding.
     let lattice = "layout = { kind = \"lattice\", pitch = 6.0, cap_deg = 60.0 }";
     let camera = "sensor = { lens = \"fisheye\", size_px = 640, field_deg = 65 }";
     let unfolded = values(&text(&format!("{lattice}, {DISCS}"), camera));

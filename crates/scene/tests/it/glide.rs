@@ -3,7 +3,7 @@
 use palpate_scene::{Scene, Scenes};
 use palpate_study::config::{LengthUnit, parse};
 
-/// Config of three fingers on the paper's patch; `lines` add fields of the scene.
+/// Config of three fingers on the patch of the 1996 paper. `lines` adds fields of the scene.
 fn text(probe: &str, object: &str, lines: &str) -> String {
     format!(
         r#"name = "a-study"
@@ -53,12 +53,12 @@ const SADDLE: &str = r#"{ kind = "saddle", a = 0.1 }"#;
 const NOISE: &str = r#"noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05 }, normal = { kind = "gaussian", std_deg = 2 } }
 "#;
 
-/// K and H of z = a (x² − y²).
+/// Gaussian curvature K and mean curvature H of z = a (x² − y²).
 fn of_saddle(a: f64, x: f64, y: f64) -> (f64, f64) {
     let (p, q) = (2.0 * a * x, -2.0 * a * y);
     let d = 1.0 + p * p + q * q;
     let gaussian = -4.0 * a * a / (d * d);
-    // Convex positive: −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}) with r = 2a = −t.
+    // H is positive where the surface is convex: −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}), with r = 2a = −t.
     let mean = -a * (q * q - p * p) / libm::pow(d, 1.5);
     (gaussian, mean)
 }
@@ -153,8 +153,8 @@ fn noise_has_the_stated_size() {
     assert!((std / (0.3 / 3.0_f64.sqrt()) - 1.0).abs() < 0.03, "{std}");
 }
 
-/// The lowest points of a tip of radius r that slides on a sphere of radius R lie on a sphere of radius R + r. The
-/// contacts computed from them lie on the sphere of radius R, with and without normals.
+/// If a tip of radius r slides on a sphere of radius R, its lowest points lie on a sphere of radius R + r. The contacts
+/// computed from them lie on the sphere of radius R, both with and without normals.
 #[test]
 fn contacts_are_found_from_the_lowest_points_of_round_tips() {
     let sphere = |sensor: &str, method: &str| {
@@ -201,7 +201,7 @@ fn pads_quantise_position_and_normal_alike() {
         let (truth, reading) = (numbers(truth), numbers(reading));
         let mut off = 0.0_f64;
         for axis in 0..3 {
-            // position = centre of the tip − radius · normal
+            // The position that is reported is the centre of the tip minus radius · normal.
             let [centre, normal, position] =
                 [truth[7 + axis], reading[4 + axis], reading[1 + axis]];
             assert!((position - (centre - 2.0 * normal)).abs() < 1e-12);
@@ -211,7 +211,7 @@ fn pads_quantise_position_and_normal_alike() {
         pads.insert(format!("{} {}", reading[4], reading[5]));
     }
     assert!((4..15).contains(&pads.len()), "{}", pads.len());
-    // Pads with a tiny pitch report the true contacts.
+    // Pads with a very small pitch report the true contacts.
     let fine = traced(1e-6);
     for (truth, reading) in fine.contacts.rows.iter().zip(&fine.readings.rows) {
         let (truth, reading) = (numbers(truth), numbers(reading));
@@ -313,7 +313,7 @@ fn maps_hold_truth_and_estimate_of_every_place() {
 
 #[test]
 fn noise_in_lengths_is_that_in_shares_of_the_fingers_distance() {
-    // The fingers are 0.5 apart, so that a share and a length are different numbers.
+    // The distance between fingers is 0.5, so that a share of it and a length are different numbers.
     let near = "inter_finger_distance = 0.5";
     let trial_of = |lines: &str| {
         let text = text(POINT, SADDLE, lines).replace("inter_finger_distance = 1.0", near);
@@ -332,7 +332,7 @@ fn noise_in_lengths_is_that_in_shares_of_the_fingers_distance() {
     ] {
         let noise = |position: &str| format!("noise = {{ position = {{ {position} }} }}\n");
         assert_eq!(trial_of(&noise(share)), trial_of(&noise(length)));
-        // The same holds for the noise that is stated to the estimator.
+        // The same is true for the noise that is stated to the estimator.
         let stated = |key: &str| {
             format!(
                 "{}estimator = {{ kind = \"penalised\", {key} }}\n",
@@ -349,7 +349,7 @@ fn noise_in_lengths_is_that_in_shares_of_the_fingers_distance() {
     for (lines, said) in [
         (
             "noise = { position = { kind = \"gaussian\", std = 0.1, fraction_of_ifd = 0.1 } }",
-            "scene.noise.position.fraction_of_ifd: cannot stand beside `std`; keep one of them",
+            "scene.noise.position.fraction_of_ifd: cannot be combined with `std`; keep one of them",
         ),
         (
             "noise = { position = { kind = \"gaussian\" } }",
@@ -365,7 +365,7 @@ fn noise_in_lengths_is_that_in_shares_of_the_fingers_distance() {
         ),
         (
             "estimator = { kind = \"quadric\", position_std = 0.1, position_fraction_of_ifd = 0.1 }",
-            "scene.estimator.position_fraction_of_ifd: cannot stand beside `position_std`; keep one of them",
+            "scene.estimator.position_fraction_of_ifd: cannot be combined with `position_std`; keep one of them",
         ),
     ] {
         assert_eq!(refused(&text(POINT, SADDLE, lines)), said);

@@ -4,7 +4,8 @@ use palpate_scene::{Scene, Scenes, SharedModels};
 use palpate_study::config::parse;
 use palpate_sweep::Observation;
 
-/// Config of a press on a ball of radius 40 mm, read by a camera and estimated from marker images.
+/// Config of a press on a ball with radius 40 mm, which is read by a camera and estimated from the images of the
+/// markers.
 fn text(sensor: &str, noise: &str, model: &str) -> String {
     format!(
         r#"
@@ -33,7 +34,7 @@ fn scene(text: &str) -> Scene {
     scene.expect("a scene")
 }
 
-/// Observations of a quantity in the first trials.
+/// Observations of one quantity in the first trials.
 fn outcomes(scene: &Scene, quantity: &str, trials: u64) -> Vec<Observation> {
     let place = scene
         .quantities()
@@ -65,7 +66,8 @@ fn images_without_errors_determine_the_press() {
     }
 }
 
-/// Every trial redraws the sensor. The estimator gets only the nominal parameters and their standard deviations.
+/// In every trial, the sensor has new random parameters. The estimator uses only the nominal parameters and their
+/// standard deviations.
 #[test]
 fn intervals_hold_over_redrawn_sensors() {
     let noise = r#"{ centroid = { kind = "gaussian", std = 0.005 }, hue = { kind = "gaussian", std = 1e-4 },
@@ -81,9 +83,9 @@ fn intervals_hold_over_redrawn_sensors() {
         squared += (outcome.estimate - outcome.truth).powi(2);
         stated += outcome.std.map_or(0.0, |std| std * std);
     }
-    // Of 60 correct 95 % intervals, 51 or fewer contain the truth with a probability of 0.3 %.
+    // If 95 % intervals are correct, 51 or fewer of 60 contain the true value with a probability of 0.3 %.
     assert!(held > 51, "{held} of 60");
-    // The root of a sum of 60 squares has a standard deviation of 9 %.
+    // The root of a sum of 60 squares has a relative standard error of 9 %.
     let ratio = (stated / squared).sqrt();
     assert!((0.75..1.35).contains(&ratio), "{ratio}");
 }
@@ -111,10 +113,13 @@ fn pictures_need_a_camera() {
         &text(r#"{ kind = "direct" }"#, "{}", r#"{ kind = "half-space" }"#),
     );
     let said = refused.expect_err("no camera").to_string();
-    assert!(said.contains("a fit of pictures needs a camera"), "{said}");
+    assert!(
+        said.contains("an estimator of kind image needs a camera"),
+        "{said}"
+    );
 }
 
-/// Uncertain disc depths and colours bias the most likely curvature, but not the estimate, which is bias-corrected.
+/// Uncertain disc depths and colours bias the most likely curvature. The estimate is corrected for this bias.
 #[test]
 fn curvatures_are_right_in_the_mean_over_sensors() {
     let noise =
@@ -132,7 +137,7 @@ fn curvatures_are_right_in_the_mean_over_sensors() {
     let mean = found.iter().map(error).sum::<f64>() / count;
     let squares = found.iter().map(|outcome| (error(outcome) - mean).powi(2));
     let scatter = (squares.sum::<f64>() / (count - 1.0)).sqrt();
-    // The standard error of the mean of 120 errors is 0.09 of their scatter. The mean of the most likely curvatures is
-    // off by 0.6 of the scatter.
+    // The standard error of the mean of 120 errors is 0.09 times their scatter. The mean of the most likely curvatures
+    // differs from the true value by 0.6 times the scatter.
     assert!(mean.abs() < 0.3 * scatter, "{mean} {scatter}");
 }

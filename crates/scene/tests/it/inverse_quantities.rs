@@ -1,4 +1,4 @@
-//! Statistics of quantities that are reciprocals of others.
+//! Statistics of quantities that are the inverse of another quantity.
 
 use palpate_scene::drop_undefined_moments;
 use palpate_study::Quantity;

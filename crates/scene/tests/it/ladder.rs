@@ -1,4 +1,4 @@
-//! Ladders of models, and the rung that `auto` chooses.
+//! The models that can compute a scene (its ladder), and the model (rung) that `auto` chooses.
 
 use palpate_scene::Scenes;
 use palpate_scene::{Ladder, Rung, Scene};
@@ -21,7 +21,7 @@ fn roll(object: &str, contact: &str, model: &str) -> String {
     )
 }
 
-/// Checks that the error of the chosen rung is at most the tolerance.
+/// Checks that the error of the chosen model is at most the tolerance.
 fn meets_its_tolerance(ladder: &Ladder) {
     let error = ladder.taken().accuracy.error().unwrap();
     assert!(error <= ladder.tolerance.unwrap(), "{ladder:#?}");
@@ -39,7 +39,7 @@ fn a_roll_on_a_sphere_is_in_closed_form() {
     let model = ModelConfig::Roll(RollModelConfig::ClosedForm {});
     assert_eq!(ladder.taken().model, model);
     meets_its_tolerance(&ladder);
-    // The rung `meridian` is impossible: the contact is not the apex of a graph.
+    // The model `meridian` is impossible, because the contact is not at the apex of a graph.
     let meridian = &ladder.rungs[1];
     assert_eq!(meridian.name, "meridian");
     assert_eq!(meridian.accuracy.error(), None);
@@ -168,7 +168,7 @@ fn markers_count_as_at_the_surface_only_if_they_are() {
     let (name, error) = taken(&press(0.0, auto, 1.0, HALF_SPACE));
     assert!(name.starts_with("Hertz") && error == 0.0, "{name} {error}");
     let (name, error) = taken(&press(1e-3, auto, 1.0, HALF_SPACE));
-    // The error of Hertz contact is small here, but the half-space costs the same and has none.
+    // The error of Hertz contact is small here, but the half-space costs the same and has no error.
     assert!(
         name.starts_with("half-space") && error == 0.0,
         "{name} {error}"
@@ -204,7 +204,8 @@ fn a_layer_is_solved_only_where_it_is_thin() {
     };
     let thin = press(1.0, &auto(4.0, 1e-3), 0.5, HALF_SPACE);
     assert!(taken(&thin).0.starts_with("bonded layer"));
-    // A core far below the contact reduces the displacement by about a/t (contact radius over thickness).
+    // A core far below the contact reduces the displacement by a share of about a/t, the contact radius divided by the
+    // thickness.
     let thick = press(0.01, &auto(20.0, 1e-3), 1e-9, HALF_SPACE);
     let ladder = ladder(&thick);
     let [_, half_space, layer] = &ladder.rungs[..] else {
@@ -218,7 +219,7 @@ fn a_layer_is_solved_only_where_it_is_thin() {
 #[test]
 fn an_estimator_uses_the_layer_of_auto() {
     let estimator = r#"{ kind = "bonded-layer" }"#;
-    // The tolerance is so loose that `auto` chooses the half-space. The estimator still assumes the layer.
+    // The tolerance is so large that `auto` chooses the half-space. The estimator nevertheless assumes the layer.
     let model = r#"{ kind = "auto", thickness = 20.0, tolerance = 0.2 }"#;
     let text = press(1.0, model, 0.1, estimator);
     let study = config::parse("study.toml", &text).unwrap();
@@ -231,7 +232,7 @@ fn an_estimator_uses_the_layer_of_auto() {
         outcomes
     };
     let auto = outcomes(&study.scene(0).unwrap());
-    // If the chosen model replaces `auto` in the config, the estimator keeps the thickness of the layer.
+    // If `auto` is replaced by the chosen model in the config, the estimator still uses the thickness of the layer.
     let mut explicit = study.clone();
     explicit.config.scene = explicit
         .config

@@ -1,4 +1,4 @@
-//! Marker errors as stated by the tracker, compared with the scatter over frames that differ only in pixel noise.
+//! Errors of markers that the tracker states, compared with the scatter over frames that differ only in pixel noise.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, Discs, Layout, Lens, MarkerArray, MarkerMotion, Optics,
@@ -14,7 +14,8 @@ struct Look {
 }
 
 impl Look {
-    /// The published layout with this misalignment; the centre of the lens is `offset_px` from the frame's centre.
+    /// A sensor with the published layout and this misalignment. The centre of the lens is `offset_px` away from the
+    /// centre of the frame.
     fn new(size_px: u32, pixel_std: f64, misalignment: f64, offset_px: [f64; 2]) -> Self {
         let places = Layout::published().places(20.0).expect("places");
         let (magenta, yellow) = (2.0, 2.0);
@@ -61,7 +62,8 @@ impl Look {
     }
 }
 
-/// Index of the marker nearest to `at`, and its difference from `at`: x and y (px), hue (turns), logarithm of the size.
+/// Difference between `at` and the marker nearest to it: x and y (px), hue (turns), logarithm of the size; and the
+/// index of the marker.
 fn beyond(found: &Found, at: &[f64; 4]) -> ([f64; 4], usize) {
     let away = |marker: &Marker| {
         let [x, y] = [0, 1].map(|axis| marker.centroid_px[axis] - at[axis]);
@@ -82,8 +84,8 @@ fn beyond(found: &Found, at: &[f64; 4]) -> ([f64; 4], usize) {
     (numbers, nearest)
 }
 
-/// Root mean squares over markers of their errors in frames that differ only in pixel noise: mean error (bias), scatter
-/// about the mean, and standard deviation stated by the tracker.
+/// Root mean squares over all markers, for frames that differ only in pixel noise: of the mean error (bias), of the
+/// scatter about the mean, and of the standard deviation that the tracker states.
 #[derive(Debug, Default)]
 struct Errors {
     bias: [f64; 4],
@@ -97,7 +99,8 @@ fn errors(looks: &mut [Look], frames: u64) -> Errors {
     for look in looks {
         let found: Vec<Found> = (0..frames).map(|frame| look.found(frame)).collect();
         for at in look.projected() {
-            // Skip markers that touch another marker or the rim, because they are not found separately.
+            // Markers that touch another marker or the rim are left out, because they are not found as separate
+            // markers.
             let is_there = |found: &Found| {
                 let ([x, y, ..], _) = beyond(found, &at);
                 libm::hypot(x, y) < 1.0
@@ -130,7 +133,7 @@ fn errors(looks: &mut [Look], frames: u64) -> Errors {
     errors
 }
 
-/// Sensors whose markers have different positions relative to the pixel grid.
+/// Sensors whose markers have different positions relative to the pixels.
 fn looks(size_px: u32, pixel_std: f64, misalignment: f64) -> Vec<Look> {
     let offsets = [[0.0, 0.0], [0.31, -0.44], [-0.17, 0.23], [0.48, 0.12]];
     offsets
@@ -138,7 +141,8 @@ fn looks(size_px: u32, pixel_std: f64, misalignment: f64) -> Vec<Look> {
         .into()
 }
 
-/// With pixel noise of 3 levels of 255, the bias is less than half of the scatter, for all positions of the pixel grid.
+/// If the pixel noise is 3 levels of 255, the bias is less than half of the scatter, for all positions relative to the
+/// pixels.
 #[test]
 fn markers_are_where_they_are_projected() {
     for (size_px, misalignment) in [(400, 0.0), (400, 0.3), (700, 0.15), (1024, 0.0)] {
@@ -160,14 +164,15 @@ fn the_stated_errors_of_markers_equal_their_scatter() {
             scatter, stated, ..
         } = errors(&mut look, 12);
         let ratios = [0, 1, 2, 3].map(|number| scatter[number] / stated[number]);
-        // 77 markers with 11 degrees of freedom each determine a ratio to 2.5 %.
+        // Each of the 77 markers has 11 degrees of freedom, so that a ratio has a relative standard error of 2.5 %.
         for ratio in ratios {
             assert!((0.75..1.08).contains(&ratio), "{size_px} px: {ratios:?}");
         }
     }
 }
 
-/// In frames, the mean hue has the bias of mixed pixels at the edges. It shrinks with the pixels.
+/// In frames, the mean hue is biased by pixels at edges, which mix colours. The smaller the pixels, the smaller the
+/// bias.
 #[test]
 fn mean_hues_of_frames_have_the_bias_of_their_edges() {
     for (size_px, bias, scatter) in [(265, 0.0..0.006, 0.010), (1060, 0.0..0.003, 0.002)] {
@@ -195,7 +200,8 @@ fn mean_hues_of_frames_have_the_bias_of_their_edges() {
     }
 }
 
-/// The sensor with discs at one depth, and the yellow ones displaced by a length, in another direction for each marker.
+/// A sensor whose discs are all at the same depth. The yellow discs are displaced by the length `offset`, in another
+/// direction for each marker.
 fn offset_discs(optics: &Optics, offset: f64) -> Optics {
     let (magenta, yellow) = (2.0, 2.0);
     let depths = DiscDepths { magenta, yellow };

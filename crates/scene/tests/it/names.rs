@@ -1,4 +1,4 @@
-//! Names of errors, as `failures.csv` has them.
+//! Names of errors, as they are written in `failures.csv`.
 
 use palpate_chromatouch::OpticsError;
 use palpate_ep1::Ep1Error;
@@ -14,7 +14,7 @@ use palpate_study::config::parse;
 use palpate_study::glossary::meaning;
 use strum::VariantNames;
 
-/// Names that palpate prints, except the names of error variants, which `VariantNames` lists.
+/// Names that palpate prints in addition to the names of error variants, which `VariantNames` lists.
 const PRINTED: &str = "beyond-pads out-of-field not-seen tracked lost merged split new \
     polynomial interpolating smoothing knots-exhausted unsettled \
     roll glide press fingertip least-squares quadric penalised two-pass half-space bonded-layer gaussian hertz \
@@ -38,7 +38,7 @@ fn every_name_is_explained() {
         Verdict::FlatWithinNoise,
         Verdict::NotResolved,
     ];
-    // Regimes for a sensor of curvature 1.
+    // Contact regimes of a sensor with curvature 1.
     let regimes = [1.0, 0.0, -0.5, -1.0, -2.0].map(|object| ContactRegime::of(1.0, object).name());
     let names = variants
         .iter()
@@ -85,7 +85,8 @@ fn quantities_are_those_of_their_scenes() {
                 quantity.name
             );
         }
-        // The quantities of a press depend on its object, model and estimator, those of a fingertip on its parts.
+        // The quantities of a press depend on its object, model and estimator; the quantities of a fingertip depend on
+        // its parts.
         let listed = Quantity::ALL
             .iter()
             .filter(|quantity| quantity.scenes.contains(&kind));

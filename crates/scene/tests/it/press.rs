@@ -5,7 +5,7 @@ use palpate_study::Table;
 use palpate_study::config::{LengthUnit, parse};
 use palpate_sweep::Observation;
 
-/// Config of a press with indentation 1 by a sensor of radius 20; `lines` add fields of the scene.
+/// Config of a press with the indentation 1 by a sensor with radius 20. `lines` adds fields of the scene.
 fn text(object: &str, lines: &str) -> String {
     format!(
         r#"name = "a-study"
@@ -80,7 +80,7 @@ fn without_noise_every_object_is_found() {
             ("effective_radius", 1.0 / relative_curvature),
             ("object_curvature", curvature),
             ("indentation", 1.0),
-            // a² = R δ.
+            // The contact radius a follows from a² = R δ.
             ("contact_radius", libm::pow(relative_curvature, -0.5)),
             ("r_squared", 1.0),
             ("object_radius", 1.0 / curvature),
@@ -117,7 +117,7 @@ fn without_noise_both_curvatures_and_the_axis_are_found() {
     for (object, larger, smaller, axis) in [
         (cylinder(10.0, 30.0), 0.1, 0.0, 30.0),
         (cylinder(40.0, 260.0), 0.025, 0.0, 80.0),
-        // z/x² and z/y².
+        // The curvatures are z/x² and z/y², computed from the semi-axes.
         (ellipsoid([20.0, 10.0, 16.0]), 0.16, 0.04, 0.0),
         (ellipsoid([10.0, 20.0, 16.0]), 0.16, 0.04, 90.0),
     ] {
@@ -163,7 +163,7 @@ fn a_press_on_a_cylinder_has_the_golden_displacements() {
     );
     let trace = press(&text).trace(None, LengthUnit::Mm).unwrap();
     let rows = numbers(&trace.contacts);
-    // The first row of press/tests/it/elliptic-half-space.csv.
+    // The values are in the first row of press/tests/it/elliptic-half-space.csv.
     assert!((rows[1][4] - 0.78384711507).abs() < 1e-9, "{rows:?}");
     assert!(rows[1][5].abs() < 1e-9 && rows[1][6].abs() < 1e-9);
     let radius = (4.89968578679_f64 * 2.13762746926).sqrt();
@@ -178,7 +178,7 @@ fn an_ellipsoid_of_equal_axes_is_a_ball() {
         outcomes(&scene_of(&text(&object, &format!("{NOISE}{layer}"))), 3).unwrap()
     });
     assert_eq!(both[0], both[1]);
-    // A ball has two equal curvatures and no axis.
+    // A ball has two equal curvatures and therefore no axis.
     let scene = scene_of(&text(BALL, &format!("{NOISE}{ELLIPTIC}")));
     let names: Vec<&str> = scene.quantities().iter().map(|one| one.name).collect();
     let ends = [
@@ -203,7 +203,7 @@ fn an_ellipsoid_of_equal_axes_is_a_ball() {
 
 #[test]
 fn the_force_is_in_newtons() {
-    // Young's modulus of 600 kPa: E* = 800 kPa, and a kPa mm² is a mN.
+    // Young's modulus is 600 kPa, so that E* = 800 kPa. The unit kPa mm² is equal to mN.
     let force = |object: &str, model: &str, estimator: &str, unit: &str| {
         let lines = format!("model = {{ {model}, modulus_kpa = 600 }}\n{estimator}");
         let lines = text(object, &lines).replace("seed = 3", &format!("length_unit = \"{unit}\""));
@@ -222,7 +222,8 @@ fn the_force_is_in_newtons() {
         truth
     };
     let half_space = "kind = \"half-space\"";
-    // 4/3 E* √R δ^(3/2) with R = 16 mm and δ = 1 mm; lengths in metres are 1000 times as long.
+    // The force is 4/3 E* √R δ^(3/2) with R = 16 mm and δ = 1 mm. If the same numbers are lengths in metres, the
+    // lengths are 1000 times as long.
     let closed = 4.0 / 3.0 * 800.0 * 4.0 * 1e-3;
     for (unit, factor) in [("mm", 1.0), ("m", 1e6), ("um", 1e-6)] {
         let force = force(BALL, half_space, "", unit);
@@ -231,12 +232,12 @@ fn the_force_is_in_newtons() {
             "{unit} {force}"
         );
     }
-    // 2/3 π a b p₀ with the golden values of press/tests/it/elliptic-half-space.csv.
+    // The force is 2/3 π a b p₀, with the golden values of press/tests/it/elliptic-half-space.csv.
     let golden = 2.0 / 3.0 * std::f64::consts::PI * 4.89968578679 * 2.13762746926;
     let golden = golden * 0.205202786617 * 0.8;
     let ellipse = force(&cylinder(8.0, 0.0), half_space, ELLIPTIC, "mm");
     assert!((ellipse / golden - 1.0).abs() < 1e-9, "{ellipse}");
-    // A layer that is thick beside the contact is nearly a half-space.
+    // A layer that is thick compared with the contact is nearly a half-space.
     let layer = force(
         BALL,
         "kind = \"bonded-layer\", thickness = 19.9",
@@ -252,7 +253,7 @@ fn the_force_is_in_newtons() {
 #[test]
 fn both_curvatures_and_the_axis_reach_their_bounds() {
     let noise = NOISE.replace("0.07", "0.02");
-    // The axis is at the end of its range, where estimates are on both sides of a quarter turn.
+    // The axis is near the end of its range, so that some estimates are beyond 90° and appear at −90°.
     let text = text(&cylinder(10.0, 89.0), &format!("{noise}{ELLIPTIC}"));
     let scene = scene_of(&text.replace("indentation = 1.0 }", "indentation = 2.0 }"));
     let (trials, names) = (
@@ -282,7 +283,7 @@ fn both_curvatures_and_the_axis_reach_their_bounds() {
         );
         assert!(held[index] >= 52, "{name}: {held:?}");
     }
-    // One curvature does not describe the press, so its estimate has no bound.
+    // One curvature cannot describe the press, so that the estimate has no bound.
     let round = "estimator = { kind = \"half-space\" }\n";
     let scene = scene_of(&self::text(
         &cylinder(10.0, 0.0),
@@ -333,13 +334,13 @@ fn markers_move_away_from_the_contact_wherever_it_is() {
         let [_, x, y, position, _, along_x, along_y] = row[..] else {
             panic!("{row:?}");
         };
-        // Under an incompressible half-space the skin moves outward, here along (x, y).
+        // Under an incompressible half-space, the skin moves outward, in the direction of (x, y).
         let (outward, across) = (along_x * x + along_y * y, along_y * x - along_x * y);
         assert!(position == 0.0 || outward > 0.0, "{row:?}");
         assert!(across.abs() < 1e-12, "{row:?}");
     }
-    // The contact is now at the second marker. It moves as the apex moved before, and the apex moves as the second
-    // marker did, in the opposite direction.
+    // The contact is now at the second marker, which moves as the apex moved before. The apex moves as the second
+    // marker moved before, but in the opposite direction.
     let moved = rows(&off_apex);
     assert!(moved[1][3] < 1e-12 && (moved[1][4] - apex[0][4]).abs() < 1e-12);
     assert!((moved[0][4] - apex[1][4]).abs() < 1e-12);
@@ -370,7 +371,8 @@ fn noise_has_the_stated_size_and_frames_average_it() {
         let indentation: f64 = stated.sum::<f64>() / 500.0;
         [normal / count, tangential / count, indentation].map(f64::sqrt)
     };
-    // The standard deviation of 4,620 draws is accurate to 1 %, that of 500 draws to 3 %.
+    // The standard deviation of 4,620 draws has a standard error of 1 %, and the standard deviation of 500 draws has
+    // one of 3 %.
     let single = sample("");
     let four = sample("sensor = { kind = \"direct\", frames = 4 }\n");
     for (found, expected, tolerance) in [
@@ -503,19 +505,20 @@ fn intervals_have_their_coverage_and_bounds_are_reached() {
         let object = outcomes.iter().find(|(name, _)| *name == "object_radius");
         assert_eq!(object.unwrap().1.interval_holds, outcome.interval_holds);
     }
-    // Of 200 intervals of 50, 80 and 95 %, 100 ± 7.1, 160 ± 5.7 and 190 ± 3.1 are expected to contain the truth.
+    // Of 200 intervals of 50, 80 and 95 %, the expected numbers that contain the true value are 100 ± 7.1, 160 ± 5.7
+    // and 190 ± 3.1.
     for (held, expected) in held.iter().zip([72..=128, 138..=182, 178..=199]) {
         assert!(expected.contains(held), "{held} of {expected:?}");
     }
     let (rms, bound) = ((square / trials as f64).sqrt(), scene.std_bound(0).unwrap());
     assert!(rms > 0.85 * bound && rms < 1.25 * bound, "{rms} {bound}");
-    // The bounds of the radii and of the object's curvature follow from this bound.
+    // The bounds of the radii and of the object's curvature are computed from this bound.
     let radius = 1.0 / 0.0625;
     let close = |found: Option<f64>, expected: f64| (found.unwrap() / expected - 1.0).abs() < 1e-9;
     assert!(close(scene.std_bound(1), bound * radius * radius));
     assert!(close(scene.std_bound(2), bound) && close(scene.std_bound(6), bound * 6400.0));
     assert_eq!(scene.std_bound(5), None);
-    // Without a stated indentation the bound is larger. A Gaussian is not the true body, so it has no bound.
+    // Without a stated indentation, the bound is larger. A Gaussian has no bound, because it is not the true body.
     let of = |estimator: &str| {
         scene_of(&text(BALL, &format!("{NOISE}estimator = {estimator}\n"))).std_bound(0)
     };
@@ -523,7 +526,7 @@ fn intervals_have_their_coverage_and_bounds_are_reached() {
     assert_eq!(of(r#"{ kind = "gaussian" }"#), None);
 }
 
-/// The needs of a scene, one per line.
+/// The needs of a scene as text, one per line.
 fn needs_of(scene: &Scene) -> String {
     let needs = scene.needs().into_iter().map(|need| need.to_string());
     needs.collect::<Vec<_>>().join("\n")
@@ -551,7 +554,7 @@ fn presses_that_cannot_be_are_failures_with_a_name() {
         let needs = needs_of(&scene);
         assert!(needs.contains(&format!("fails as `{name}`")), "{needs}");
         assert!(needs.len() < 1000, "{needs}");
-        // The true values that exist are still available.
+        // True values that do not depend on a contact are still available.
         assert!(scene.truth(3).is_some());
         assert_eq!(
             scene.truth(1).is_some(),
@@ -570,16 +573,16 @@ fn presses_without_useful_readings_have_warnings() {
         )
     };
     let needs = |text: &str| needs_of(&scene_of(text));
-    let off = "every trial fails as `off-markers`: the contact lies";
+    let off = "every trial fails as `off-markers`: the estimated contact is";
     assert!(needs(&moved(", contact_deg = [180, 0]", "")).contains(off));
     assert!(needs(&moved(", contact_deg = [120, 0]", "")).contains(off));
     assert!(!needs(&moved(", contact_deg = [30, 0]", "")).contains(off));
     let scene = scene_of(&moved(", contact_deg = [180, 0]", ""));
     assert!((0..20).all(|trial| outcomes(&scene, trial) == Err("off-markers")));
 
-    let slips = "is more than the contact's radius, 4.47: strains are not small";
+    let slips = "is more than the contact radius, 4.47: the strains are not small";
     assert!(needs(&moved(", shift = 5", "")).contains(slips));
-    assert!(!needs(&moved(", shift = 4", "")).contains("strains are not small"));
+    assert!(!needs(&moved(", shift = 4", "")).contains("the strains are not small"));
 
     let layer = "model = { kind = \"bonded-layer\", thickness = 3.0 }\n";
     let half_space = "estimator = { kind = \"half-space\", indentation = \"fitted\" }\n";
@@ -621,13 +624,15 @@ fn needs_describe_the_scene() {
         assert!(plain.lines().any(|need| need == line), "{line}: {plain}");
     }
     assert!(!plain.contains("warning"), "{plain}");
-    // Contact radius a = 6.32: the indentation is a atanh(a/R) = 2.0710 by Sneddon's relation, 2 by Hertz's.
+    // The contact radius is a = 6.32. The indentation is a atanh(a/R) = 2.0710 by Sneddon's relation and 2 by Hertz's
+    // relation.
     let wide = needs(PLANE, "2.0", "");
     assert!(
         wide.contains("warning: the contact's radius is 0.32 of the sensor's, past 0.3: by Sneddon's relation it takes an indentation 3.5 % larger than by Hertz's"),
         "{wide}"
     );
-    // Contact radius a = 1.35 mm, ball radius R = 2 mm: Sneddon's indentation is (a/2) ln((R + a)/(R − a)).
+    // The contact radius is a = 1.35 mm, and the radius of the ball is R = 2 mm. By Sneddon's relation, the indentation
+    // is (a/2) ln((R + a)/(R − a)).
     let sharp = needs(r#"{ kind = "sphere", radius = 2 }"#, "1.0", "");
     assert!(
         sharp.contains("warning: the contact's radius is 0.67 of the object's, past 0.3: by Sneddon's relation it takes an indentation 21.4 % larger than by Hertz's"),
@@ -723,7 +728,7 @@ fn bad_scenes_are_refused_at_their_field() {
         ),
         (
             with("estimator = { kind = \"bonded-layer\" }"),
-            "scene.estimator: `thickness` is missing, and the model has no layer to take it from",
+            "scene.estimator: `thickness` is missing, and the model has no layer whose thickness could be used",
         ),
         (
             with("estimator = { kind = \"bonded-layer\", thickness = 1 }"),
@@ -773,7 +778,7 @@ fn every_layout_and_estimator_runs() {
             let outcomes = outcomes(&scene_of(&text), 0)
                 .unwrap_or_else(|name| panic!("{name}: {layout} {estimator}"));
             let (_, radius) = outcomes[1];
-            // A Gaussian whose c is not calibrated has an arbitrary radius.
+            // If the c of a Gaussian is not calibrated, its radius is arbitrary.
             let tolerance = if estimator.contains("c = ") {
                 10.0
             } else {

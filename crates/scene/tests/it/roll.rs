@@ -5,7 +5,7 @@ use palpate_scene::Scenes;
 use palpate_study::config::{LengthUnit, parse};
 use palpate_sweep::Observation;
 
-/// A probe of radius 1 rolls by 0.1 rad; `lines` add fields of the scene.
+/// A scene in which a probe of radius 1 rolls by 0.1 rad. `lines` adds fields of the scene.
 fn text(object: &str, lines: &str) -> String {
     format!(
         r#"name = "a-study"
@@ -78,7 +78,8 @@ fn a_bias_and_a_drift_shift_all_measured_rotations() {
                 "{noise}: {read} {exact}"
             );
         }
-        // Errors of opposite rolls would cancel; these two are at right angles.
+        // Errors of rolls in opposite directions would cancel each other; therefore, these two rolls are at right
+        // angles.
         let curvature = trial(&scene, 0)[3].0;
         assert_eq!((curvature - 0.25).abs() < 1e-12, shift == 0.0, "{noise}");
     }
@@ -135,7 +136,8 @@ fn true_values_are_available_without_a_trial() {
         assert_eq!(scene.truth(quantity), Some(truth));
     }
     assert_eq!(scene.truth(5), None);
-    // z = a (x² − y²) is concave along x, with curvature −2a, and convex along y, with curvature 2a.
+    // The surface z = a (x² − y²) is concave along x, with the curvature −2a, and convex along y, with the curvature
+    // 2a.
     assert!((scene.truth(0).unwrap() + 0.2).abs() < 1e-12);
     assert!((scene.truth(1).unwrap() - 0.2).abs() < 1e-12);
 }
@@ -151,7 +153,7 @@ fn a_trial_can_be_replayed_alone() {
     assert!((1..20).all(|number| forwards[number] != forwards[0]));
 }
 
-/// All models compute the same law, so equal draws yield equal estimates.
+/// All models compute the same rolls, so that equal random draws result in equal estimates.
 #[test]
 fn models_share_draws_and_results() {
     let object = r#"{ kind = "sphere", radius = 4 }"#;
@@ -173,7 +175,7 @@ fn models_share_draws_and_results() {
     }
 }
 
-/// A further source of noise does not change the draws of the others.
+/// An additional source of noise does not change the random draws of the other sources.
 #[test]
 fn channels_are_apart() {
     let object = r#"{ kind = "sphere", radius = 4 }"#;
@@ -212,9 +214,9 @@ fn a_noisy_measurement_is_quantised_once() {
     let coarse = scene(sphere, &noise(", encoder = { step_rad = 0.03 }"));
     let fine = scene(sphere, &noise(", encoder = { step_rad = 1e-9 }"));
     let none = scene(sphere, &noise(""));
-    // Noise moves readings across the edges of the encoder's steps, so trials differ.
+    // Because of the noise, readings cross the limits of the encoder's steps, so that trials differ.
     assert_ne!(trial(&coarse, 0), trial(&coarse, 1));
-    // Steps that are much smaller than the noise change nothing.
+    // If the steps are much smaller than the noise, they have no effect.
     let (fine, none) = (trial(&fine, 0)[0].0, trial(&none, 0)[0].0);
     assert!((fine - none).abs() < 1e-6, "{fine} {none}");
 }
@@ -242,7 +244,7 @@ fn the_stated_deviation_counts_spin() {
     assert!((0.85..1.15).contains(&ratio), "{ratio}");
 }
 
-/// Scene with another motion.
+/// A scene with this motion.
 fn with_motion(motion: &str, lines: &str) -> Scene {
     let text = format!(
         r#"name = "a-study"
@@ -259,7 +261,7 @@ scene.{lines}"#
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The path is R r/(R + r) times the angle: 0.08 for 0.1 rad, a ball of R = 4 and a probe of r = 1.
+/// The path of the contact is R r/(R + r) times the angle: 0.08 for 0.1 rad, a ball with R = 4 and a probe with r = 1.
 #[test]
 fn duration_angle_or_path_determine_the_length_of_a_roll() {
     let of_time = trial(
@@ -287,8 +289,8 @@ fn duration_angle_or_path_determine_the_length_of_a_roll() {
     assert!((twice[4].1 - 2.0 * of_time[4].1).abs() < 1e-14);
 }
 
-/// Rms error, mean error and mean reported standard deviation of the normal curvature along u, in 500 trials. A star
-/// is four rolls of 20° by a probe of radius 9 on a cylinder of radius 20.
+/// Rms error, mean error and mean reported standard error of the normal curvature along u, over 500 trials. A star
+/// consists of four rolls of 20° by a probe with radius 9 on a cylinder with radius 20.
 fn errors_of_stars(stars: usize, lines: &str) -> [f64; 3] {
     let directions = [[0, 90, 180, 270]].repeat(stars).concat();
     let text = format!(
@@ -329,7 +331,7 @@ fn repeated_rolls_over_pads_err_as_they_state() {
             "{stars}: {rms} {stated}"
         );
         assert!(mean.abs() < 0.3 * rms, "{stars}: {mean} {rms}");
-        // If all rolls start at one place, more stars do not reduce the error.
+        // If all rolls start at the same place, more stars do not reduce the error.
         let [rms, _, stated] = errors_of_stars(stars, &pads("random-per-trial"));
         assert!((0.0025..0.0037).contains(&rms), "{stars}: {rms}");
         assert!(
@@ -361,7 +363,7 @@ fn rotations_err_as_they_state() {
         ),
     ] {
         let [rms, mean, stated] = errors_of_stars(4, &format!("noise = {{ {noise} }}"));
-        // Eight rolls determine the curvature along u. An error of the rotation is amplified by 1 + R₂/R₁.
+        // Eight rolls determine the curvature along u. The error of the rotation is amplified by 1 + R₂/R₁.
         let due = std_deg / 20.0 / 8.0_f64.sqrt() * (1.0 / 9.0 + 1.0 / 20.0);
         assert!((stated / due - 1.0).abs() < 0.1, "{noise}: {stated} {due}");
         assert!(
@@ -393,7 +395,7 @@ fn a_probe_inside_the_object_is_refused_before_the_run() {
             "{error}"
         );
     }
-    // Without noise the probe just misses the step; with noise some trials hit it.
+    // Without noise, the probe just misses the step; with noise, it hits the step in some trials.
     let step = "1.5*(1+tanh(20*(x-1.5)))";
     assert!(roll(1.0, step, "").is_ok());
     let noisy = roll(

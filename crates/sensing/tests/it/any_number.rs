@@ -1,4 +1,4 @@
-//! Sensors with any bit patterns as arguments return finite readings or named errors.
+//! Sensors whose arguments have any bit patterns return finite readings or named errors.
 
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_sensing::{
@@ -38,13 +38,13 @@ fn is_tame(value: f64) -> bool {
     value.abs() <= 1e150
 }
 
-/// Whether pads of this pitch (rad) make a lattice of 2 to 1e15 pads.
+/// Whether pads with this pitch (rad) form a lattice of 2 to 1e15 pads.
 fn is_lattice(pitch_rad: f64) -> bool {
     let pads = (4.0 * std::f64::consts::PI / (pitch_rad * pitch_rad)).round();
     pitch_rad > 0.0 && (2.0..=1e15).contains(&pads)
 }
 
-/// Returns the sensor, if any. Panics if the result is an error for valid settings, or a sensor for invalid settings.
+/// The sensor, if it could be made. Panics if valid settings result in an error, or invalid settings in a sensor.
 fn made_if<T: std::fmt::Debug>(is_good: bool, made: Result<T, InvalidSensor>) -> Option<T> {
     assert_eq!(made.is_ok(), is_good, "{made:?}");
     made.ok()
@@ -130,7 +130,7 @@ proptest! {
             let turned = Vector2::new(place[0], place[1]);
             let read = encoder.read(&mut stream, &turned);
             for (read, angle) in read.iter().zip(&turned) {
-                // If the step is smaller than the rounding error of the angle, the reading is the angle itself.
+                // If the step is smaller than the rounding error of the angle, the reading is equal to the angle.
                 let bound = size + 2.0 * f64::EPSILON * angle.abs();
                 prop_assert!((read - angle).abs() <= bound, "{encoder:?}: {read:e}, not {angle:e}");
             }
@@ -148,7 +148,7 @@ proptest! {
         let due = Vector3::new(cos * libm::sin(angle), sin * libm::sin(angle), libm::cos(angle));
         prop_assert!((direction_at(&displacement) - due).amax() <= 3e-15);
         let back = displacement_between(&Vector3::z(), &direction_at(&displacement));
-        // The closer a direction is to the opposite pole, the less exactly it determines the displacement.
+        // The closer a direction is to the opposite pole, the less accurately it determines the displacement.
         let bound = 1e-15 * angle * (1.0 + angle / libm::sin(angle));
         prop_assert!((back - displacement).norm() <= bound.max(4e-16 * angle), "{back}");
         if far.iter().all(|&x| is_tame(x)) {

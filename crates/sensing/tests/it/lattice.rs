@@ -1,4 +1,4 @@
-//! Compares the uniform lattice with a search through all pads.
+//! Compares the search for the nearest pad of the uniform lattice with a search through all pads.
 
 use nalgebra::Vector3;
 use palpate_sensing::UniformLattice;
@@ -47,7 +47,8 @@ proptest! {
         let lattice = UniformLattice::with_pitch(pitch).unwrap();
         let at = direction(z, azimuth);
         let found = (lattice.direction(lattice.nearest(&at)) - at).norm();
-        // Every place is within 0.83 pitches of a pad in the plane, and within 1 pitch near a pole.
+        // The distance from any point to the nearest pad is at most 0.83 pitches in the plane, and at most 1 pitch near
+        // a pole.
         prop_assert!(found < 1.05 * pitch, "{found} pitches {}", found / pitch);
     }
 }

@@ -1,4 +1,4 @@
-//! Normal numbers that are drawn in groups: their distribution and their independence.
+//! Normally distributed numbers that are drawn in groups: their distribution and their independence.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -11,13 +11,13 @@ fn draws(seed: u64, trial: u64) -> impl Iterator<Item = [f32; Stream::NORMALS]> 
     std::iter::repeat_with(move || stream.standard_normals())
 }
 
-/// Probability that a normal number is below `limit`.
+/// Probability that a standard normal number is below `limit`.
 fn below(limit: f64) -> f64 {
     0.5 * libm::erfc(-limit * FRAC_1_SQRT_2)
 }
 
-/// Chi-square test of counts in intervals of 1/16, to beyond six standard deviations. The tails, whose intervals have
-/// too few counts, are tested as a whole.
+/// χ² test of the counts in intervals of 1/16, up to more than six standard deviations. Intervals in the tails have too
+/// few counts, so that each tail is tested as a whole.
 #[test]
 fn every_interval_and_both_tails_have_their_share() {
     const PER_UNIT: f64 = 16.0;
@@ -47,8 +47,8 @@ fn every_interval_and_both_tails_have_their_share() {
         let (low, high) = (&counts[..MIDDLE - beyond], &counts[MIDDLE + beyond..]);
         for tail in [low, high] {
             let count = f64::from(tail.iter().sum::<u32>());
-            // 4.8 counts are expected beyond five standard deviations: the probability of none is 1/120, of 16 is
-            // 1/10,000.
+            // Beyond five standard deviations, 4.8 numbers are expected. The probability of none is 1/120, that of 16
+            // or more is 1/10,000.
             assert!(
                 (count - expected).abs() < 4.0 * expected.sqrt() + 2.0 && count > 0.0,
                 "{units}: {count} of {expected}"
@@ -82,7 +82,7 @@ fn no_draw_depends_on_another() {
             for (sums, own) in sums.iter_mut().zip(own) {
                 for (sums, other) in sums.iter_mut().zip(other) {
                     sums[0] += own * other;
-                    // Detects dependence even if the draws themselves are uncorrelated.
+                    // The squares show dependence of draws that are uncorrelated.
                     sums[1] += (own * own - 1.0) * (other * other - 1.0);
                 }
             }
@@ -90,7 +90,7 @@ fn no_draw_depends_on_another() {
         for (i, sums) in sums.iter().enumerate() {
             for (j, [product, square]) in sums.iter().enumerate() {
                 let is_itself = index == 0 && i == j;
-                // Variances are 1 and 4. The largest of 3000 scores is below 5 with probability 0.998.
+                // The variances are 1 and 4. With a probability of 0.998, the largest of 3,000 scores is below 5.
                 let scores = [*product, square / 2.0].map(|sum| sum / (TRIALS as f64).sqrt());
                 let independent = scores.iter().all(|score| score.abs() < 5.0);
                 assert!(independent != is_itself, "{index} {i} {j}: {scores:?}");
@@ -99,7 +99,7 @@ fn no_draw_depends_on_another() {
     }
 }
 
-/// Angles of pairs are uniform and independent of the pairs' lengths.
+/// The directions of pairs of numbers are uniform and do not depend on the length of the pairs.
 #[test]
 fn pairs_have_no_direction() {
     const SECTORS: usize = 48;
@@ -127,7 +127,7 @@ fn pairs_have_no_direction() {
 
 #[test]
 fn known_draws_do_not_change() {
-    // Published results cite seeds: change these numbers only with a note in the changelog.
+    // Published results state seeds; therefore, these numbers may only be changed with a note in the changelog.
     let normals = Stream::new(1996, 0, Channel::Pixel).standard_normals();
     assert_eq!(
         normals[..4],

@@ -17,7 +17,7 @@ fn read(pads: &Pads, trial: u64, displacement: Vector2<f64>) -> Vector2<f64> {
 
 #[test]
 fn the_papers_reading_of_a_fifty_millimetre_sphere() {
-    // R₁ = 10 mm, R₂ = 50 mm, 0.1 rad: the shift is 0.833 mm. Pads of both pitches read 1 mm.
+    // With R₁ = 10 mm, R₂ = 50 mm and a rotation of 0.1 rad, the shift is 0.833 mm. Pads of both pitches report 1 mm.
     let moved = 0.1 / (1.0 / 10.0 + 1.0 / 50.0);
     for pitch in [0.5, 1.0] {
         let pads = pads(pitch, PadLayout::Square, PadOffset::Centred);
@@ -90,8 +90,9 @@ fn centred_pads_draw_nothing() {
 
 #[test]
 fn quantisation_error_is_that_of_two_ends() {
-    // The error of each end is uniform over a pad. On a square grid both ends share the grid, so a shift of a whole
-    // number of pads plus f has a mean square error of f (1 − f) pads squared.
+    // The error of each end of a shift is uniformly distributed over a pad. In a square grid, both ends are in the same
+    // grid, so that a shift by a whole number of pads plus f has the mean square error f (1 − f) in squared pad
+    // pitches.
     for (layout, expected) in [
         (PadLayout::Square, 0.5 * (0.24 + 0.16)),
         (PadLayout::Uniform, 1.0 / 6.0),
@@ -127,7 +128,7 @@ proptest! {
     ) {
         let pitch = libm::pow(10.0_f64, exponent);
         let displacement = Vector2::new(libm::cos(azimuth), libm::sin(azimuth)) * (10.0 * angle);
-        // The chart of the sphere stretches errors perpendicular to the displacement.
+        // The chart of the sphere stretches errors that are perpendicular to the displacement.
         let stretch = angle / libm::sin(angle).max(1e-300);
         for (layout, offset, bound) in [
             (PadLayout::Square, PadOffset::Centred, 0.5),

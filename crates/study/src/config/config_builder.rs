@@ -1,4 +1,4 @@
-//! Configs that programs build and change.
+//! Builds and changes configs from code, without a text file.
 
 use serde_json::Value as Json;
 use toml::Value as Toml;
@@ -8,7 +8,7 @@ use super::load::Study;
 use super::schema::alternatives;
 use super::tree;
 
-/// The text of a config, from a table. Keys with the value `null` are omitted.
+/// Makes the text of a config from a table. Keys with the value `null` are omitted.
 ///
 /// ```
 /// use palpate_study::config::{of_json, parse};
@@ -29,7 +29,7 @@ use super::tree;
 /// ```
 ///
 /// # Errors
-/// [`ConfigError`] if the value is not a table, or if TOML cannot represent a number.
+/// [`ConfigError`] if the value is not a table, or if TOML cannot represent one of its numbers.
 pub fn of_json(file: &str, config: &Json) -> Result<String, ConfigError> {
     match value(file, "", config)? {
         Some(table @ Toml::Table(_)) => to_text(file, &table),
@@ -37,9 +37,9 @@ pub fn of_json(file: &str, config: &Json) -> Result<String, ConfigError> {
     }
 }
 
-/// The text of a config with these fields set. A path consists of keys and indices joined by dots; `null` removes a field.
-/// Alternatives to a field are removed, such as `duration_s` if `arc_length` is set. Fields and values are only validated
-/// when the text is parsed.
+/// Sets fields of a config, and returns the text of the changed config. A path consists of keys and indices joined by
+/// dots; `null` removes a field. Fields that are alternatives to a changed field are removed, for example `duration_s`
+/// if `arc_length` is set. Fields and values are validated only when the returned text is parsed.
 ///
 /// ```
 /// use palpate_study::config::with_fields;
@@ -80,7 +80,7 @@ pub fn with_fields(
     to_text(file, &config)
 }
 
-/// The text of a config with an additional axis for each of these fields, over these values.
+/// Adds a sweep axis for each of these fields, with its values, and returns the text of the changed config.
 ///
 /// ```
 /// use palpate_study::config::with_axes;
@@ -126,7 +126,7 @@ fn to_text(file: &str, table: &Toml) -> Result<String, ConfigError> {
     toml::to_string(table).map_err(refused)
 }
 
-/// JSON as TOML; `None` for `null`.
+/// Converts a JSON value to TOML; `None` for `null`.
 pub(super) fn value(file: &str, path: &str, json: &Json) -> Result<Option<Toml>, ConfigError> {
     let under = |key: &dyn std::fmt::Display| match path {
         "" => key.to_string(),
@@ -163,10 +163,10 @@ pub(super) fn value(file: &str, path: &str, json: &Json) -> Result<Option<Toml>,
 }
 
 impl Study {
-    /// Replaces the seed of all cells.
+    /// Replaces the seed of the study, for all cells.
     ///
     /// # Errors
-    /// [`ConfigError`] if the config sweeps the seed, or if the seed is too large for a TOML integer.
+    /// [`ConfigError`] if the config sweeps the seed, or if the new seed is too large for a TOML integer.
     pub fn override_seed(&mut self, seed: u64) -> Result<(), ConfigError> {
         self.check_override("seed", seed, 0)?;
         self.config.seed = seed;
@@ -176,7 +176,8 @@ impl Study {
     /// Replaces the number of trials of all cells.
     ///
     /// # Errors
-    /// [`ConfigError`] if the config sweeps the number, or if it is 0 or too large for a TOML integer.
+    /// [`ConfigError`] if the config sweeps the number of trials, or if the new number is 0 or too large for a TOML
+    /// integer.
     pub fn override_trials(&mut self, trials: u64) -> Result<(), ConfigError> {
         self.check_override("trials", trials, 1)?;
         self.config.trials = trials;

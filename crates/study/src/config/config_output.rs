@@ -6,7 +6,7 @@ use super::sweep::SweepConfig;
 use super::{tree, validate};
 use toml::Value;
 
-/// A config as TOML, including its defaults. It parses back to the same config.
+/// A config as TOML text, including its defaults. Parsing the text returns the same config.
 ///
 /// The default of `directions_deg` is omitted if the config states `rolls` instead. If a sweep varies a `kind`, the keys of this table that equal their defaults are omitted, because another kind may not
 /// have them.
@@ -28,7 +28,8 @@ use toml::Value;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn to_toml(config: &StudyConfig) -> String {
-    // By way of a value: a config is compiled for one serialiser instead of one for each depth of a document.
+    // The config is converted to a value first. Its serialisation code is then compiled for one serialiser, instead of
+    // one for each depth of a document.
     let table = toml::Table::try_from(config)
         .expect("strings, numbers, arrays and tables all have a TOML form");
     let paths = config.sweep.iter().flat_map(SweepConfig::targets);
@@ -49,7 +50,7 @@ pub fn to_toml(config: &StudyConfig) -> String {
         .map_or_else(String::new, toml::Table::to_string)
 }
 
-/// Removes the keys of the tagged table at a path that equal their defaults.
+/// Removes keys from the table at a path if their values equal their defaults.
 fn drop_defaults(config: &mut Value, path: &str) {
     let schema = validate::at(&SCHEMA, config, path);
     let table = tree::at_mut(config, path).and_then(Value::as_table_mut);

@@ -1,13 +1,13 @@
-//! Errors of a config: the problem and its place in the text.
+//! Errors of a config: the problem and its position in the text.
 
 use std::fmt::Write as _;
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
-/// Bytes of the config's text.
+/// Byte range in the config's text.
 pub(super) type Span = Range<usize>;
 
-/// Error of a config: the problem, the field and its place in the text.
+/// Error of a config: the problem, the field, and its position in the text.
 ///
 /// ```text
 /// study.toml:9:40: scene.object.radius: must be > 0, is -5
@@ -41,7 +41,7 @@ pub struct ConfigError {
 }
 
 impl ConfigError {
-    /// An error that concerns the file as a whole.
+    /// An error that applies to the whole file.
     pub(super) fn of_file(file: &str, message: impl Into<String>) -> Self {
         Self {
             place: file.into(),
@@ -51,7 +51,7 @@ impl ConfigError {
         }
     }
 
-    /// An error of a field that has no place in a text.
+    /// An error in a field that has no position in the text.
     pub(super) fn of_field(file: &str, path: &str, message: impl Into<String>) -> Self {
         Self {
             path: path.into(),
@@ -59,7 +59,7 @@ impl ConfigError {
         }
     }
 
-    /// Adds the cell, and the swept values that make it, to the message.
+    /// Adds the number of the cell and its swept values to the message of the error.
     pub(super) fn in_cell(mut self, cell: usize, coordinates: &str) -> Self {
         let indent = " ".repeat(
             self.details
@@ -71,28 +71,29 @@ impl ConfigError {
         self
     }
 
-    /// The field, as keys and array indices joined by dots; empty when the file as a whole is wrong.
+    /// Path of the field: keys and array indices joined by dots. The path is empty if the error applies to the whole
+    /// file.
     pub fn path(&self) -> &str {
         &self.path
     }
 
-    /// Problem in words, without the place and the excerpt.
+    /// The problem in words, without position and excerpt.
     pub fn message(&self) -> &str {
         &self.message
     }
 }
 
-/// A problem in a field, before the text is at hand to show it.
+/// A problem in a field whose position in the text is not determined yet.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fault {
-    /// The field.
+    /// Path of the field.
     pub(super) path: String,
     pub(super) message: String,
-    /// Path of the value that the excerpt shows: of the field itself, or of what states it in a sweep.
+    /// Path of the value that the excerpt shows: the field itself, or the swept value that sets the field.
     pub(super) location: String,
     /// Whether the excerpt shows the key instead of the value.
     pub(super) is_key: bool,
-    /// Place of a syntax error.
+    /// Position of a syntax error, as a byte range.
     pub(super) span: Option<Span>,
 }
 
@@ -107,7 +108,7 @@ impl Fault {
         }
     }
 
-    /// Fault of a key that should not exist.
+    /// Fault of a key that is not allowed.
     pub(super) fn of_key(key: &str, message: impl Into<String>) -> Self {
         Self {
             is_key: true,
@@ -115,7 +116,7 @@ impl Fault {
         }
     }
 
-    /// Puts a key or an index in front of the path and the location.
+    /// Adds a key or an index in front of the path and of the location.
     pub(super) fn under(self, key: impl std::fmt::Display) -> Self {
         let join = |path: &str| match path {
             "" => key.to_string(),
@@ -128,7 +129,7 @@ impl Fault {
         }
     }
 
-    /// Shows a part of the field instead of all of it.
+    /// Restricts the location to a part of the field.
     pub(super) fn at(self, part: impl std::fmt::Display) -> Self {
         let location = match self.location.as_str() {
             "" => part.to_string(),
@@ -143,15 +144,15 @@ impl Fault {
 pub(super) struct Source {
     pub(super) file: String,
     pub(super) text: String,
-    /// Whether the text is the file's, so that its lines can be named.
+    /// Whether the text is the content of the file. Only then are line numbers meaningful.
     is_written: bool,
 }
 
-/// An excerpt shows at most this many characters of a line.
+/// Largest number of characters of a line that an excerpt shows.
 const EXCERPT: usize = 120;
 
 impl Source {
-    /// A byte order mark at the start of the text is dropped.
+    /// Stores a text, without a byte order mark at its start.
     pub(super) fn new(file: &str, text: &str) -> Self {
         Self {
             file: file.into(),
@@ -160,7 +161,7 @@ impl Source {
         }
     }
 
-    /// Text made from the config in a file. Errors do not name its lines.
+    /// A text that was generated from the config of a file. Errors in such a text state no line numbers.
     pub(super) fn made(file: &str, text: &str) -> Self {
         Self {
             is_written: false,
@@ -168,7 +169,7 @@ impl Source {
         }
     }
 
-    /// Line of a value of the file, from 1; `None` of a text that was made.
+    /// Line number of a value in the file, counted from 1; `None` for a generated text.
     pub(super) fn line(&self, location: &str, is_key: bool) -> Option<usize> {
         let start = self.locate(location, is_key)?.start;
         let lines = self.text[..start].matches('\n').count();
@@ -190,14 +191,14 @@ impl Source {
         }
     }
 
-    /// Bytes of the value at a path, or of its key; of the nearest value around it if the path ends before. `None` of the
-    /// text as a whole.
+    /// Byte range of the value at a path, or of its key. If a part of the path does not exist, this is the range of the
+    /// innermost existing value on the path. `None` if this is the whole text.
     pub(super) fn locate(&self, path: &str, is_key: bool) -> Option<Span> {
         let root = DeValue::Table(DeTable::parse(&self.text).ok()?.into_inner());
         let (mut node, mut rest) = (&root, path);
         let (mut span, mut key_span) = (None, None);
         while !rest.is_empty() {
-            // A key may contain dots.
+            // A key may contain dots, so compare the whole key with the beginning of the path.
             let after = |key: &str| {
                 let after = rest.strip_prefix(key)?;
                 (after.is_empty() || after.starts_with('.')).then_some(after)
@@ -222,7 +223,8 @@ impl Source {
         key_span.filter(|_| is_key).or(span)
     }
 
-    /// `file:line:column`, both from 1 and the column in characters, and the line with a caret under the span.
+    /// Returns the position as `file:line:column`, and the line of text with carets under the span. Line and column (in
+    /// characters) are counted from 1.
     fn show(&self, span: &Span) -> (String, String) {
         let text = &self.text;
         let start = text.floor_char_boundary(span.start);
@@ -251,7 +253,7 @@ impl Source {
         );
         let shown: String = line[first.min(last)..last].iter().collect();
         let before = line[first.min(last)..column.clamp(first.min(last), last)].iter();
-        // A tab stays a tab, so that the caret stands under its column.
+        // A tab is kept as a tab, so that the caret is under the right character.
         let pad: String = head
             .chars()
             .map(|_| ' ')
@@ -268,19 +270,19 @@ impl Source {
     }
 }
 
-/// A problem in a field of a config, without its location in a text.
+/// A problem in a field of a config, without its position in the text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldError {
     /// Path of the field, such as `scene.object.radius`.
     pub path: String,
-    /// Problem in words.
+    /// Description of the problem.
     pub message: String,
-    /// Byte range of the wrong part of the field's text.
+    /// Byte range of the wrong part, if the value of the field is a text.
     pub part: Option<Range<usize>>,
 }
 
 impl FieldError {
-    /// An error of a whole field.
+    /// An error that applies to a whole field.
     pub fn at(path: impl Into<String>, message: impl ToString) -> Self {
         Self {
             path: path.into(),

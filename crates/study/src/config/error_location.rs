@@ -1,4 +1,4 @@
-//! Errors about a study, with their location in its text.
+//! Errors about a study, with their position in its text.
 
 use super::error::{ConfigError, Fault, Span};
 use super::load::Study;
@@ -6,18 +6,20 @@ use super::tree;
 use std::ops::Range;
 
 impl Study {
-    /// Error in a field of a cell that is only found when the config is used, for example a pitch larger than the probe. Its
-    /// location is the field, the sweep if that sets the field, or the nearest parent in the text.
+    /// Error in a field of a cell that is found only when the config is used, for example a pitch that is larger than
+    /// the probe. Its position in the text is the field; the sweep, if a sweep sets the field; or the nearest parent,
+    /// if the field is missing.
     pub fn error_at(&self, cell: usize, path: &str, message: impl Into<String>) -> ConfigError {
         self.error_within(cell, path, None, message.into())
     }
 
-    /// Error outside of the cells: in a plot (`plot.0.y`) or at the top level (`claims.0`).
+    /// Error in a part of the config that does not belong to a cell, for example in a plot (`plot.0.y`) or at the top
+    /// level (`claims.0`).
     pub fn error_beside(&self, path: &str, message: impl Into<String>) -> ConfigError {
         self.source.error(Fault::new(message).under(path))
     }
 
-    /// Error in a part of a text field, given by its bytes, for example an unknown name in a formula.
+    /// Error in a part of a text field, for example an unknown name in a formula. `part` is a byte range of the text.
     pub fn error_in_text(
         &self,
         cell: usize,
@@ -45,7 +47,7 @@ impl Study {
         }
     }
 
-    /// Location of a part of a string in the config's text, if the string has no escapes.
+    /// Position of a part of a string in the config's text; `None` if the string contains escapes.
     fn part_of(&self, cell: usize, path: &str, location: &str, part: Range<usize>) -> Option<Span> {
         let span = self.source.locate(location, false)?;
         let (tree, _) = self.grid.tree(cell);

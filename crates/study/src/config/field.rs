@@ -1,4 +1,4 @@
-//! Columns of swept fields: name, unit and words from their headers.
+//! Labels of swept fields (words and units), made from the headers of their columns.
 
 use super::schema::{SCHEMA, fields_at, variants};
 use super::{LengthUnit, schema};
@@ -41,7 +41,7 @@ impl Label {
     }
 }
 
-/// The words of a path that is shown in the unit of its header.
+/// Words for a field whose unit is the unit in the header of its column. `segments` are the keys of its path.
 fn plain(segments: &[&str]) -> String {
     match segments {
         ["noise", "wrong markers", "count"] => "wrong markers".to_owned(),
@@ -92,8 +92,8 @@ fn plain(segments: &[&str]) -> String {
     }
 }
 
-/// Name of a swept field without its unit, and the unit as the header of its column has it: by the schema of configs, or as
-/// the header looks ([`split_unit`]) where no field has such a column.
+/// Name of a swept field without its unit, and its unit as written in the header of its column. The schema of configs
+/// states which ending is a unit. If no field has such a column, the form of the header decides ([`split_unit`]).
 ///
 /// ```
 /// use palpate_study::config::field;
@@ -117,7 +117,7 @@ fn in_schema(header: &str) -> Option<(&str, &str)> {
     let known = known(&keys);
     let in_key = |unit: &&str| header.ends_with(&format!("_{unit}"));
     let end = match known {
-        // A length's unit is no part of the key.
+        // The header ends with a length unit that is not a part of the key.
         None => {
             let mut ends = header.match_indices('_').map(|(at, _)| at);
             ends.find(|at| is_column(&header[..*at]))?
@@ -131,10 +131,11 @@ fn in_schema(header: &str) -> Option<(&str, &str)> {
     Some((&header[..end], header.get(end + 1..).unwrap_or_default()))
 }
 
-/// Units that stand in keys.
+/// Units with which keys of configs may end.
 const IN_KEYS: [&str; 5] = ["rad_per_s", "rad", "deg", "s", "px"];
 
-/// Whether a field is named by the schema, rather than by the one who writes the config; `None` if there is no such field.
+/// Whether the schema defines the name of a field. `false` if the author of the config chooses the name (parameters of
+/// a formula); `None` if there is no such field.
 fn known(keys: &[&str]) -> Option<bool> {
     if !fields_at(&SCHEMA, keys).is_empty() {
         return Some(true);

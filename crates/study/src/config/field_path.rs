@@ -1,4 +1,4 @@
-//! Paths of a config's fields, and the field that a short name means.
+//! Paths of the fields of a config, and the meaning of shortened paths.
 
 use super::error::ConfigError;
 use super::load::Study;
@@ -9,7 +9,8 @@ use serde_json::Value as Json;
 use toml::Value;
 
 impl Study {
-    /// Path of the field that a name means: its path, or its last keys if no other field ends with them.
+    /// Path of the field that a name refers to. The name is the whole path, or the last keys of the path if no other
+    /// field ends with these keys.
     ///
     /// ```
     /// use palpate_study::config::parse;
@@ -43,7 +44,7 @@ impl Study {
         }
         let refuse = |message| Err(ConfigError::of_field(self.file(), name, message));
         let ending = format!(".{name}");
-        // Fields of other kinds count only if the kinds of this config have none.
+        // First search the kinds that this config has. Only if they have no such field, search all kinds.
         for in_any_kind in [false, true] {
             let mut paths = paths(&tree, in_any_kind);
             paths.retain(|path| path.ends_with(&ending));
@@ -66,7 +67,8 @@ impl Study {
     }
 }
 
-/// Paths of all fields of a scene, in the kinds that a tree has or in any kind. A table that the tree lacks may be of any.
+/// Paths of all fields of a scene, either of the kinds that the tree states or of all kinds. If the tree does not
+/// contain a table, the fields of all its kinds are listed.
 fn paths(tree: &Value, in_any_kind: bool) -> Vec<String> {
     fn visit(schema: &Json, node: Option<&Value>, path: &str, any: bool, found: &mut Vec<String>) {
         let kind = node.and_then(|node| node.get("kind")?.as_str());
@@ -96,7 +98,7 @@ fn paths(tree: &Value, in_any_kind: bool) -> Vec<String> {
     }
     let mut found = Vec::new();
     let scene = &SCHEMA["properties"]["scene"];
-    // The kind of the scene itself is always that of the tree.
+    // The kind of the scene itself is always the kind in the tree.
     let kind = tree
         .get("scene")
         .and_then(|scene| scene.get("kind")?.as_str());
@@ -122,7 +124,7 @@ fn keys_of(tree: &Value, table: &str) -> Vec<String> {
     keys.map(str::to_owned).collect()
 }
 
-/// Message for a key that the table at a path does not have.
+/// Message for a key that does not exist in the table at a path.
 fn unknown_key(tree: &Value, table: &str, key: &str) -> String {
     let keys = keys_of(tree, table);
     match keys.as_slice() {
@@ -134,7 +136,8 @@ fn unknown_key(tree: &Value, table: &str, key: &str) -> String {
     }
 }
 
-/// Message for a path that names no field of a tree: the first key that does not exist, and the keys of its table.
+/// Message for a path that does not lead to a field of the tree. It states the first key that does not exist, and the
+/// keys that exist in its table.
 pub(super) fn unknown_path(tree: &Value, path: &str) -> Option<String> {
     let exists = |path: &str| {
         let keys: Vec<&str> = path.split('.').collect();
@@ -148,7 +151,8 @@ pub(super) fn unknown_path(tree: &Value, path: &str) -> Option<String> {
     (!keys.is_empty()).then(|| unknown_key(tree, table, key))
 }
 
-/// Message for a single key that no field has: fields with a similar key, nearest first, else the tables of the scene.
+/// Message for a single key that no field has. It lists fields with a similar key, the most similar first. If there are
+/// none, it lists the tables of the scene.
 fn unknown_name(tree: &Value, name: &str) -> String {
     const MAX_SIMILAR: usize = 5;
     const MIN_SIMILARITY: f64 = 0.8;

@@ -1,4 +1,4 @@
-//! Conversion of the values of `--set` and `--vary`: numbers to the unit of their field, and tables to tables with a label.
+//! Converts the values of `--set` and `--vary`: numbers get the unit of their field, and tables get a label.
 
 use super::error::ConfigError;
 use super::load::Study;
@@ -10,7 +10,7 @@ use super::vary::{Takes, Varied, Vary};
 use crate::readings::Measure;
 use toml::Value as Toml;
 
-/// Number and unit that a text such as `8mm` states; `None` if the text does not begin with a finite number.
+/// Number and unit in a text such as `8mm`; `None` if the text does not begin with a finite number.
 pub(super) fn measure(text: &str) -> Option<(f64, &str)> {
     let ends = text.char_indices().map(|(end, _)| end).chain([text.len()]);
     let ends: Vec<usize> = ends.collect();
@@ -24,20 +24,20 @@ pub(super) fn measure(text: &str) -> Option<(f64, &str)> {
     found.filter(|(number, _)| number.is_finite())
 }
 
-/// Unit of a field: a unit of its measure with a text before and after it.
+/// Unit of a field: the unit of a physical quantity, with the text before and after it (such as `1/` in `1/mm`).
 struct FieldUnit {
     measure: Measure,
     around: [&'static str; 2],
     power: i32,
-    /// Factor from the base unit of the measure to the unit of the field.
+    /// Factor from the base unit of the physical quantity to the unit of the field.
     factor: f64,
 }
 
 impl FieldUnit {
-    /// Unit of the field at a path; `None` for a pure number.
+    /// Unit of the field at a path; `None` if the field is a pure number.
     fn of(path: &str) -> Option<Self> {
         let keys: Vec<&str> = path.split('.').collect();
-        // The index of an item is no key.
+        // Drop array indices from the path, because the schema has only keys.
         let key = keys
             .iter()
             .rev()
@@ -61,14 +61,14 @@ impl FieldUnit {
         })
     }
 
-    /// Factor from a unit to that of the field, whose lengths are in `length`.
+    /// Factor from `unit` to the unit of the field. `length` is the unit of lengths in the config.
     fn factor_from(&self, unit: &str, length: LengthUnit) -> Option<f64> {
         let [before, after] = self.around;
         let unit = unit.strip_prefix(before)?.strip_suffix(after)?;
         Some(self.measure.unit(unit)?.to(length)?.powi(self.power) * self.factor)
     }
 
-    /// Units that the field may be given in, for messages.
+    /// Units that the field accepts, as a text for messages.
     fn names(&self) -> String {
         let [before, after] = self.around;
         let separator = format!("{after}, {before}");
@@ -78,7 +78,7 @@ impl FieldUnit {
 }
 
 impl Study {
-    /// The field that an argument means, by its path, with its values in the unit of the field.
+    /// Finds the field that the name in an argument refers to, and converts the values to the unit of the field.
     ///
     /// ```
     /// use palpate_study::config::{Varied, parse};
@@ -99,7 +99,8 @@ impl Study {
     /// ```
     ///
     /// # Errors
-    /// [`ConfigError`] if the name means no field or several, or if the field does not have a value's unit.
+    /// [`ConfigError`] if the name refers to no field or to several, or if a value has a unit that the field cannot
+    /// have.
     pub fn resolve(&self, vary: &Vary) -> Result<Vary, ConfigError> {
         let listed = match &vary.values {
             Varied::Listed(values) => values,
@@ -133,10 +134,11 @@ impl Study {
         Ok(Vary { path, values })
     }
 
-    /// Path of the field that a name means, and values in the unit of the field. A table without a label gets one.
+    /// Path of the field that a name refers to, and its values in the unit of the field. A table without a label
+    /// receives a label.
     ///
     /// # Errors
-    /// As [`Study::resolve`].
+    /// The same errors as [`Study::resolve`].
     pub fn resolve_values(
         &self,
         name: &str,
@@ -156,10 +158,10 @@ impl Study {
         }
     }
 
-    /// Fields with one value each, as [`Study::resolve_values`] has them.
+    /// Converts several fields with one value each, as [`Study::resolve_values`] does for one field.
     ///
     /// # Errors
-    /// As [`Study::resolve`].
+    /// The same errors as [`Study::resolve`].
     pub fn resolve_each(
         &self,
         fields: &[(String, Toml)],
@@ -172,7 +174,7 @@ impl Study {
         Ok(fields?.into_iter().flatten().collect())
     }
 
-    /// Value in the unit of a field, if it is a text with a unit and the field is a number.
+    /// Converts a text with a unit to a number in the unit of the field. Other values are returned unchanged.
     fn in_field_unit(&self, path: &str, value: &Toml) -> Result<Toml, String> {
         let text = match value {
             Toml::String(text) => text,
@@ -223,7 +225,7 @@ impl Study {
     }
 }
 
-/// Table with a label: its kind, or its text if another of the values has the same kind.
+/// Adds a label to a table. The label is the table's kind, or the table's text if another value has the same kind.
 fn labelled(table: &toml::Table, values: &[Toml]) -> Toml {
     let mut table = table.clone();
     if !table.contains_key("label") {

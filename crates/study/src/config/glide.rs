@@ -12,16 +12,17 @@ use super::roll::PadLayout;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GlideConfig {
-    /// The fingertip that touches.
+    /// The fingertip that touches the object.
     pub probe: FingertipConfig,
     /// The surface that is explored.
     pub object: ObjectConfig,
-    /// The middle of the patch: x and y of the object's frame. By default the origin or the top.
+    /// Position of the middle of the patch: x and y in the object's frame. By default the origin of the frame, or the
+    /// top of the object.
     #[schemars(extend("x-unit" = "length"))]
     pub object_contact: Option<[f64; 2]>,
     /// Paths of the fingers and contacts along them.
     pub motion: GlideMotionConfig,
-    /// How contacts are computed.
+    /// The model that computes the contacts.
     #[serde(default)]
     pub model: GlideModelConfig,
     /// The sensor that reads the contacts.
@@ -33,7 +34,7 @@ pub struct GlideConfig {
     /// The estimator of the patch.
     #[serde(default)]
     pub estimator: GlideEstimatorConfig,
-    /// Places at which estimates are compared with the truth.
+    /// Points at which estimates are compared with the true values.
     pub evaluate: EvaluateConfig,
 }
 
@@ -70,11 +71,11 @@ impl GlideConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum FingertipConfig {
-    /// A point, which is itself the contact point.
+    /// A point, which is also the contact point.
     Point {},
-    /// A ball. On a slope its contact point is not its lowest point.
+    /// A ball. If it touches a slope, its contact point is not its lowest point.
     Sphere {
-        /// Its radius.
+        /// Radius of the ball.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         radius: f64,
     },
@@ -84,36 +85,38 @@ pub enum FingertipConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GlideMotionConfig {
-    /// Positions of the fingers' planes: y from the middle of the patch.
+    /// y coordinates of the planes of the fingers, relative to the middle of the patch.
     #[schemars(extend("minItems" = 1, "x-unit" = "length"))]
     pub finger_positions: Vec<f64>,
-    /// The distance between neighbouring fingers. It is a unit of noise, and the unit of the settings of two-pass.
+    /// Distance between neighbouring fingers. Noise may be stated as a fraction of it, and it is the unit of the
+    /// settings of the estimator two-pass.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub inter_finger_distance: f64,
-    /// How far each finger slides along x, its first and last contact included.
+    /// Distance between the first and the last contact of each finger, along x.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub patch_length: f64,
-    /// Contacts of each finger, equally spaced and centred on the patch.
+    /// Number of contacts of each finger, equally spaced and centred on the patch.
     #[schemars(extend("minimum" = 1, "maximum" = 100_000))]
     pub contacts_per_finger: u32,
 }
 
-/// How the contacts of the fingertips are computed.
+/// The model that computes the contacts of the fingertips.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum GlideModelConfig {
-    /// The closed form if there is one, otherwise Newton's method.
+    /// The closed form if one exists, otherwise Newton's method.
     Auto {
-        /// Largest error of a contact's place, relative to the tip's radius.
+        /// Largest error of a contact's position, relative to the tip's radius.
         #[serde(default = "tolerance")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
     },
-    /// The closed form: of points, and of round tips on planes, spheres, dishes and cylinders.
+    /// The closed form of the contact point. It exists for point tips, and for round tips on planes, spheres, dishes
+    /// and cylinders.
     ClosedForm {},
-    /// Newton's method on the offset surface of a round tip.
+    /// Newton's method on the surface that is offset from the object by the radius of a round tip.
     Newton {
-        /// Largest error of a contact's place, relative to the tip's radius.
+        /// Largest error of a contact's position, relative to the tip's radius.
         #[serde(default = "tolerance")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
@@ -138,27 +141,27 @@ impl Default for GlideModelConfig {
 pub enum GlideSensorConfig {
     /// No error.
     Ideal {
-        /// Whether normals are sensed too.
+        /// Whether the sensor also reports the normals.
         #[serde(default = "yes")]
         normals: bool,
-        /// The point that is reported.
+        /// The point of the fingertip that the sensor reports.
         #[serde(default)]
         reports: Reports,
     },
-    /// An array of pads around the lowest point of a round tip. The pad nearest to the contact reports its own
-    /// centre. The direction to it from the tip's centre gives the contact and the normal, so both are quantised.
+    /// An array of pads around the lowest point of a round tip. The pad nearest to the contact reports its own centre.
+    /// The direction from the tip's centre to this pad determines the contact and the normal, so both are quantised.
     Pads {
         /// Distance between neighbouring pads.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         pitch: f64,
-        /// How the pads are laid out.
+        /// Arrangement of the pads on the tip.
         #[serde(default)]
         layout: PadLayout,
-        /// Polar angle of the last pad, from the middle of the array.
+        /// Polar angle of the outermost pad, from the middle of the array.
         #[serde(default = "number::<90>")]
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
         cap_deg: f64,
-        /// Whether normals are reported too.
+        /// Whether the sensor also reports the normals.
         #[serde(default = "yes")]
         normals: bool,
     },
@@ -177,94 +180,95 @@ impl Default for GlideSensorConfig {
     }
 }
 
-/// Which point of a fingertip an ideal sensor reports.
+/// The point of a fingertip that an ideal sensor reports.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reports {
-    /// The contact, wherever it is on the tip.
+    /// The contact point, which may be anywhere on the tip.
     #[default]
     Contact,
-    /// The lowest point of the tip. The estimator computes the contact from it, the tip's radius and the normal. The normal
-    /// is sensed, or else that of a first fit to the tips' centres.
+    /// The lowest point of the tip. The estimator computes the contact point from the lowest point, the tip's radius
+    /// and the normal. The normal is the sensed normal or, without sensed normals, the normal of a first fit to the
+    /// tips' centres.
     LowestPoint,
 }
 
-/// Errors of the readings; a missing one is 0.
+/// Errors of the readings; an error that is not stated is 0.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GlideNoiseConfig {
     /// Error of the contacts' coordinates.
     pub position: Option<PositionNoise>,
-    /// Error of the normals.
+    /// Error of the normal at each contact.
     pub normal: Option<NormalNoise>,
 }
 
-/// Error of a contact's coordinates, each drawn alone.
+/// Error of each coordinate of a contact, drawn independently.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PositionNoise {
     /// Gaussian with mean 0.
     Gaussian {
-        /// The standard deviation as a fraction of the inter-finger distance. This or `std` is given.
+        /// The standard deviation as a fraction of the inter-finger distance. State either this or `std`.
         #[schemars(extend("minimum" = 0, "x-instead-of" = ["std"]))]
         fraction_of_ifd: Option<f64>,
-        /// The standard deviation. This or `fraction_of_ifd` is given.
+        /// The standard deviation. State either this or `fraction_of_ifd`.
         #[schemars(extend("minimum" = 0, "x-unit" = "length", "x-instead-of" = ["fraction_of_ifd"]))]
         std: Option<f64>,
-        /// Which coordinates err.
+        /// Coordinates of the contact that have the error.
         #[serde(default)]
         axis: NoiseAxis,
     },
-    /// Uniform between −bound and +bound.
+    /// Uniform error between −bound and +bound.
     Uniform {
-        /// The bound as a fraction of the inter-finger distance. This or `bound` is given.
+        /// Bound of the error as a fraction of the inter-finger distance. State either this or `bound`.
         #[schemars(extend("minimum" = 0, "x-instead-of" = ["bound"]))]
         fraction_of_ifd: Option<f64>,
-        /// The bound. This or `fraction_of_ifd` is given.
+        /// Bound of the error. State either this or `fraction_of_ifd`.
         #[schemars(extend("minimum" = 0, "x-unit" = "length", "x-instead-of" = ["fraction_of_ifd"]))]
         bound: Option<f64>,
-        /// Which coordinates err.
+        /// Coordinates of the contact that have the error.
         #[serde(default)]
         axis: NoiseAxis,
     },
 }
 
-/// Which coordinates err.
+/// Coordinates of the contact that have the error.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NoiseAxis {
-    /// All three, alike.
+    /// All three coordinates, with the same distribution.
     #[default]
     Xyz,
-    /// The height alone.
+    /// Only the height.
     Z,
 }
 
-/// Error of a normal.
+/// Error of a measured normal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum NormalNoise {
-    /// A tilt by Gaussian angles about two perpendicular tangents.
+    /// The normal is tilted by Gaussian angles about two perpendicular tangents.
     Gaussian {
-        /// Standard deviation of either angle.
+        /// Standard deviation of each of the two angles.
         #[schemars(extend("minimum" = 0, "maximum" = 180))]
         std_deg: f64,
     },
 }
 
-/// Places at which estimates are compared with the truth, a square grid around the middle of the patch, and thresholds
-/// below which curvatures count as zero.
+/// Points at which estimates are compared with the true values (a square grid around the middle of the patch), and
+/// thresholds below which curvatures count as zero.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EvaluateConfig {
-    /// Places along each side.
+    /// Number of points along each side of the grid.
     #[serde(default = "whole::<30>")]
     #[schemars(extend("minimum" = 1, "maximum" = 1000))]
     pub grid: u32,
     /// Half the side of the square, in x and y.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub half_width: f64,
-    /// Threshold below which the Gaussian curvature counts as zero; at least the square of the mean threshold.
+    /// Threshold below which the Gaussian curvature counts as zero; at least the square of `mean_threshold`.
     #[schemars(extend("minimum" = 0, "x-unit" = "1/length^2"))]
     pub gaussian_threshold: f64,
     /// Threshold below which the mean curvature counts as zero.

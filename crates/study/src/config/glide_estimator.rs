@@ -11,13 +11,14 @@ use super::number_default::{number, whole};
 pub enum GlideEstimatorConfig {
     /// One bicubic spline through heights and slopes, with a penalty on its third derivatives.
     Penalised {
-        /// Intervals of the spline along each side; by default chosen from the number of contacts.
+        /// Number of intervals of the spline along each side. By default, it is chosen from the number of contacts.
         #[schemars(extend("minimum" = 1, "maximum" = 24))]
         intervals: Option<u32>,
-        /// How the weight of the penalty is chosen.
+        /// Method that chooses the weight of the penalty.
         #[serde(default)]
         criterion: CriterionName,
-        /// Factor by which robust cross validation smooths more than plain one; other criteria have no gamma.
+        /// Factor on the effective degrees of freedom of the spline in robust cross validation; 1 gives plain cross
+        /// validation. A larger factor gives a smoother surface. Only the criterion robust-gcv has this setting.
         #[serde(default = "gamma")]
         #[schemars(extend("minimum" = 1, "maximum" = 100))]
         gamma: f64,
@@ -25,18 +26,18 @@ pub enum GlideEstimatorConfig {
         #[serde(flatten)]
         noise: StatedNoise,
     },
-    /// The method of the 1996 paper: a smoothing spline, and a second one through it and its tangents. Lengths are
-    /// counted in inter-finger distances.
+    /// The method of the 1996 paper: a first smoothing spline, then a second smoothing spline that also uses the
+    /// tangents of the first. Lengths are in units of the inter-finger distance.
     TwoPass {
         /// Degree of the first spline in both directions.
         #[serde(default = "whole::<2>")]
         #[schemars(extend("minimum" = 1, "maximum" = 5))]
         first_degree: u32,
-        /// Degree of the second spline.
+        /// Degree of the second spline in both directions.
         #[serde(default = "whole::<3>")]
         #[schemars(extend("minimum" = 1, "maximum" = 5))]
         second_degree: u32,
-        /// Factor on the residuals.
+        /// Weight by which all residuals are multiplied.
         #[serde(default = "number::<100>")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         weight: f64,
@@ -48,19 +49,19 @@ pub enum GlideEstimatorConfig {
         #[serde(default = "number::<1000>")]
         #[schemars(extend("minimum" = 0))]
         second_smoothing: f64,
-        /// Step to either side along the tangent.
+        /// Distance between a contact and each of the two points that are added on its tangent, one on either side.
         #[serde(default = "twentieth")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tangent_step: f64,
         /// Source of the normals from which the tangents are computed.
         #[serde(default)]
         normals: NormalsOf,
-        /// How many splines are fitted: 1 stops after the first.
+        /// Number of splines that are fitted in sequence. With 1, the second spline is omitted.
         #[serde(default = "whole::<2>")]
         #[schemars(extend("minimum" = 1, "maximum" = 2))]
         passes: u32,
     },
-    /// The weighted least-squares quadric.
+    /// A quadric, fitted by weighted least squares.
     Quadric(StatedNoise),
     /// A plane, without outliers.
     Plane(StatedNoise),
@@ -72,15 +73,15 @@ pub enum GlideEstimatorConfig {
     Shape(StatedNoise),
 }
 
-/// Noise of contacts that is stated instead of estimated.
+/// Noise of the contacts, if the user states it. Otherwise, the estimator estimates it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StatedNoise {
     /// Standard deviation of a position along each axis; by default estimated from the contacts.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-instead-of" = ["position_fraction_of_ifd"]))]
     pub position_std: Option<f64>,
-    /// Standard deviation of a position along each axis as a fraction of the inter-finger distance, instead of
-    /// `position_std`.
+    /// Standard deviation of a position along each axis as a fraction of the inter-finger distance. State either this
+    /// or `position_std`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["position_std"]))]
     pub position_fraction_of_ifd: Option<f64>,
     /// Standard deviation of a normal's tilt about each tangent; by default estimated from the contacts.
@@ -97,10 +98,10 @@ fn twentieth() -> f64 {
 }
 
 impl GlideEstimatorConfig {
-    /// Rules that join several settings; the error is in words.
+    /// Checks the rules that involve several settings. The error is a message.
     ///
     /// # Errors
-    /// A gamma, and a criterion that has none.
+    /// A message, if `gamma` is stated with a criterion that does not use it.
     pub fn check(&self) -> Result<(), &'static str> {
         match *self {
             Self::Penalised {
@@ -114,7 +115,7 @@ impl GlideEstimatorConfig {
         }
     }
 
-    /// Stated noise; `None` for a method without it.
+    /// Stated noise; `None` for an estimator that does not use it.
     const fn noise(&mut self) -> Option<&mut StatedNoise> {
         match self {
             Self::Penalised { noise, .. }
@@ -127,7 +128,8 @@ impl GlideEstimatorConfig {
         }
     }
 
-    /// The estimator with a noise of positions that is a fraction of the inter-finger distance as a length.
+    /// The estimator with a position noise in length units. A position noise that is a fraction of the inter-finger
+    /// distance is converted.
     #[must_use]
     pub fn with_length_noise(mut self, inter_finger_distance: f64) -> Self {
         if let Some(noise) = self.noise()
@@ -138,19 +140,20 @@ impl GlideEstimatorConfig {
         self
     }
 
-    /// The estimator without its stated noise, and this noise: of positions as a length, and of normals.
+    /// Splits the estimator into the estimator without its stated noise, and this noise: the standard deviation of
+    /// positions (a length) and of normals.
     #[must_use]
     pub fn without_noise(mut self) -> (Self, [Option<f64>; 2]) {
         let stated = self.noise().map(std::mem::take).unwrap_or_default();
         (self, [stated.position_std, stated.normal_std_deg])
     }
 
-    /// Noise of positions as a fraction of the inter-finger distance, if it is stated so.
+    /// Noise of positions as a fraction of the inter-finger distance, if it is stated in this form.
     pub fn position_fraction_of_ifd(&self) -> Option<f64> {
         self.clone().noise()?.position_fraction_of_ifd
     }
 
-    /// Name of the kind, as configs have it.
+    /// Name of the kind, as configs state it.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Penalised { .. } => "penalised",
@@ -175,11 +178,11 @@ impl Default for GlideEstimatorConfig {
     }
 }
 
-/// How the weight of a penalty is chosen.
+/// Method that chooses the weight of the penalty.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum CriterionName {
-    /// Generalised cross validation in which every unknown counts gamma times.
+    /// Generalised cross validation in which each unknown counts `gamma` times.
     #[default]
     RobustGcv,
     /// Generalised cross validation.
@@ -192,9 +195,9 @@ pub enum CriterionName {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NormalsOf {
-    /// The readings, or the first fit if they have no normals.
+    /// The normals of the readings. If the readings have no normals, the normals of the first spline.
     #[default]
     Measured,
-    /// The first fit.
+    /// The normals of the first spline.
     FirstFit,
 }

@@ -1,4 +1,4 @@
-//! The cells of a study: all combinations of its axes' rows. The first axis varies slowest.
+//! The cells of a study: all combinations of the rows of its sweep axes. The first axis varies slowest.
 
 use super::config_builder;
 use super::error::Fault;
@@ -10,16 +10,16 @@ use super::validate::{self, kinds_with};
 use serde_json::json;
 use toml::Value;
 
-/// The tree without its `sweep` and `plot` sections, and the axes.
+/// The tree of the config without its `sweep` and `plot` sections, and the sweep axes.
 #[derive(Debug, Clone)]
 pub(super) struct Grid {
     pub(super) base: Value,
     pub(super) axes: Vec<Axis>,
-    /// Fields of the config that swept fields replace.
+    /// Fields that were removed from the config because a swept field replaces them.
     pub(super) replaced: Vec<Replaced>,
 }
 
-/// A field that is an alternative to a swept field.
+/// A field of the config that states the same quantity as a swept field in another way.
 #[derive(Debug, Clone)]
 pub(super) struct Replaced {
     pub(super) path: String,
@@ -29,8 +29,8 @@ pub(super) struct Replaced {
 }
 
 impl Grid {
-    /// The cells of a config and axes. Removes fields from the config that are alternatives to a swept field and are not
-    /// swept themselves.
+    /// Makes the cells of a config with these axes. A field that is an alternative to a swept field is removed from the
+    /// config, unless this field is swept too.
     pub(super) fn new(mut base: Value, axes: Vec<Axis>) -> Self {
         let mut replaced = Vec::new();
         let targets = || axes.iter().flat_map(|axis| &axis.targets);
@@ -68,7 +68,7 @@ impl Grid {
         rows.flat_map(|(axis, row)| axis.targets.iter().zip(axis.row(row).into_owned()))
     }
 
-    /// Row of each axis in a cell.
+    /// For each axis, the index of its row in a cell.
     pub(super) fn rows_of(&self, cell: usize) -> Vec<usize> {
         let mut faster = self.cells();
         let row = |axis: &Axis| {
@@ -78,20 +78,20 @@ impl Grid {
         self.axes.iter().map(row).collect()
     }
 
-    /// Number of the cell with these rows of the axes.
+    /// Number of the cell with these rows, one row per axis.
     pub(super) fn cell_of(&self, rows: &[usize]) -> usize {
         let axes = self.axes.iter().zip(rows);
         axes.fold(0, |cell, (axis, row)| cell * axis.len() + row)
     }
 
-    /// The swept values of a cell, as in results.
+    /// The swept values of a cell as texts, as results show them.
     pub(super) fn coordinates(&self, cell: usize) -> Vec<String> {
         self.settings(cell)
             .map(|(_, setting)| setting.text().into_owned())
             .collect()
     }
 
-    /// The swept values of a cell for a message; empty without a sweep.
+    /// The swept values of a cell as text for a message; empty if the study has no sweep.
     pub(super) fn describe(&self, cell: usize) -> String {
         let pairs = self
             .settings(cell)
@@ -99,7 +99,7 @@ impl Grid {
         pairs.collect::<Vec<_>>().join(", ")
     }
 
-    /// The axis that sets a field, and the field's index among the fields of this axis.
+    /// The axis that sets a field, and the index of this field among the fields of the axis.
     pub(super) fn axis(&self, path: &str) -> Option<(&Axis, usize)> {
         self.axes.iter().find_map(|axis| {
             let place = axis.targets.iter().position(|target| target.path == path);
@@ -107,10 +107,11 @@ impl Grid {
         })
     }
 
-    /// The tree of a cell. If a path names no field, the tree is incomplete, and the fault says why.
+    /// The tree of a cell. If a swept path does not exist, the tree is incomplete, and the returned fault states the
+    /// reason.
     pub(super) fn tree(&self, cell: usize) -> (Value, Option<Fault>) {
         let mut tree = self.base.clone();
-        // Kinds are set first, because they decide which other fields a new table has.
+        // Set the kinds first, because the kind of a table decides which other fields the table has.
         let is_kind = |target: &Target| target.path.ends_with(".kind");
         let (kinds, others): (Vec<_>, Vec<_>) =
             self.settings(cell).partition(|(target, _)| is_kind(target));
@@ -121,7 +122,7 @@ impl Grid {
                 set.map_err(|reason| unknown_path(&tree, path).unwrap_or(reason))
             });
             if let Err(reason) = set {
-                let fault = target.fault(format!("the sweep path names nothing: {reason}"));
+                let fault = target.fault(format!("the sweep path does not exist: {reason}"));
                 let path = path.clone();
                 return (tree, Some(Fault { path, ..fault }));
             }
@@ -129,7 +130,8 @@ impl Grid {
         (tree, None)
     }
 
-    /// Fault of a cell's field, with its location in the config: in the sweep if that states the field's value.
+    /// Sets the location of a fault in a field of a cell: the position in the config or, if a sweep states the value,
+    /// in the sweep.
     pub(super) fn in_text(&self, cell: usize, mut fault: Fault) -> Fault {
         let path = fault.location.clone();
         for (axis, row) in self.axes.iter().zip(self.rows_of(cell)) {
@@ -149,7 +151,7 @@ impl Grid {
         fault
     }
 
-    /// Whether no swept value is a table, a list or a `kind`. Then each value can be validated by itself.
+    /// Whether no swept value is a table, a list or a `kind`. Each value can then be validated alone.
     pub(super) fn has_plain_values(&self) -> bool {
         let mut targets = self.targets();
         let is_plain =
@@ -162,8 +164,9 @@ impl Grid {
     }
 }
 
-/// Adds the missing tables and lists that contain a swept field: with their defaults, or else empty, of the only kind that
-/// has the field. The error names the value that prevents it.
+/// Adds the tables and lists that contain a swept field but are missing in the config. They receive their defaults.
+/// Without defaults they are empty, and have the only kind that has the swept field. The error states the value that
+/// prevents this.
 fn add_parents(root: &mut Value, path: &str) -> Result<(), String> {
     for (end, _) in path.match_indices('.') {
         let parent = &path[..end];
@@ -217,7 +220,7 @@ fn add_parents(root: &mut Value, path: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Message for a table that takes another kind of the table around it; `None` if no kind has it.
+/// Message for a key that only another kind of its table has; `None` if no kind has the key.
 fn other_kind(root: &Value, path: &str) -> Option<String> {
     let (above, key) = path.rsplit_once('.')?;
     let kinds = kinds_with(

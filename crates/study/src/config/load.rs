@@ -1,4 +1,4 @@
-//! Reading of a study: from a file or a text to validated cells.
+//! Reads a study: from a file or a text to validated cells.
 
 use super::error::{ConfigError, Fault, Source};
 use super::grid::Grid;
@@ -20,39 +20,40 @@ use toml::Value;
 /// Largest size of a config, MiB.
 const MAX_MIB: u64 = 16;
 
-/// A study: a valid config. The cells in [`Study::sample`] are valid too.
+/// A study: a valid config. In a large study, only the cells in [`Study::sample`] were validated.
 #[derive(Debug, Clone)]
 pub struct Study {
-    /// The config of the first cell, defaults filled in, with the sweeps and plots of the study, as in `run.toml`.
-    /// It makes the same cells again.
+    /// The config of the first cell with all defaults, together with the sweeps and plots of the study, as in
+    /// `run.toml`. It describes the same cells as the original config.
     pub config: StudyConfig,
     /// The swept fields, in the order of the config.
     pub paths: Vec<String>,
-    /// The columns of the swept fields: their paths, with the unit appended if they have one.
+    /// Names of the columns of the swept fields: their paths, with the unit appended if the field has a unit.
     pub columns: Vec<String>,
     pub(super) source: Source,
     pub(super) grid: Grid,
     sample: Vec<usize>,
-    /// Whether every swept value is a number, a word or a truth value. Then each value can be validated alone, and cells
-    /// need not be validated again.
+    /// Whether every swept value is a number, a word or a truth value. Each value can then be validated alone, and a
+    /// cell need not be validated again when it is made.
     has_plain_values: bool,
-    /// Whether palpate wrote the config. Then every swept field has its first value.
+    /// Whether palpate wrote the config. In such a config, the scene states the first value of every swept field.
     is_resolved: bool,
 }
 
-/// One combination of the swept values.
+/// A grid point: one combination of the swept values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// The swept values as results show them, one per column: labels of tables, numbers in their shortest form.
+    /// The swept values in the form of the result tables, one per column: labels for tables, and numbers in their
+    /// shortest form.
     pub coordinates: Vec<String>,
-    /// The config with the swept values put in, without sweeps and plots.
+    /// The config with the swept values inserted, without sweeps and plots.
     pub config: StudyConfig,
 }
 
 /// Reads a study from a file.
 ///
 /// # Errors
-/// When the file cannot be read, is not UTF-8, or as [`parse`].
+/// [`ConfigError`] if the file cannot be read, if it is not UTF-8, and for every error of [`parse`].
 pub fn load(path: &Path) -> Result<Study, ConfigError> {
     let file = path.display().to_string();
     let bytes = read_limited(path, MAX_MIB).map_err(|error| {
@@ -81,7 +82,7 @@ pub fn load(path: &Path) -> Result<Study, ConfigError> {
     }
 }
 
-/// Reads a study from a text; `file` is its name in errors.
+/// Reads a study from a text. Errors use `file` as the file name of the text.
 ///
 /// ```
 /// use palpate_study::config::parse;
@@ -103,13 +104,13 @@ pub fn load(path: &Path) -> Result<Study, ConfigError> {
 /// ```
 ///
 /// # Errors
-/// The first thing that is wrong with the config: syntax, keys, types, limits, sweeps, plots, or fields that contradict
-/// each other, in any cell of the study's [sample](Study::sample).
+/// [`ConfigError`] for the first fault: a fault of syntax, keys, types, limits, sweeps or plots, or fields that
+/// contradict each other in a cell of the study's [sample](Study::sample).
 pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
     read(Source::new(file, text))
 }
 
-/// Reads a study, as [`parse`] does.
+/// Reads a study from a config's text, as [`parse`] does.
 pub(super) fn read(source: Source) -> Result<Study, ConfigError> {
     let faulty = |fault| source.error(fault);
     let mut base = tree::parse(&source.text).map_err(faulty)?;
@@ -171,7 +172,7 @@ pub(super) fn read(source: Source) -> Result<Study, ConfigError> {
     })
 }
 
-/// Refuses a config of a later version, which may mean something else.
+/// Rejects a config of a later version of palpate, which may interpret it differently.
 fn check_version(version: &Value) -> Result<(), Fault> {
     const OWN: &str = env!("CARGO_PKG_VERSION");
     let Some(text) = version.as_str() else {
@@ -186,23 +187,24 @@ fn check_version(version: &Value) -> Result<(), Fault> {
             .filter(|all| all.len() == 3)
     };
     let message = match numbers(text) {
-        None => format!("{text:?} is no version, which is written as {OWN:?}"),
+        None => format!("{text:?} is not a version, which is written as {OWN:?}"),
         later if later > numbers(OWN) => format!(
-            "the config is of version {text}, and this is {OWN}; a later version may mean something else by it"
+            "the config is of version {text}, but this is {OWN}; a later version may interpret it \
+             differently"
         ),
         Some(_) => return Ok(()),
     };
     Err(Fault::new(message))
 }
 
-/// Refuses names of columns that the readings of the scene do not have.
+/// Rejects names of columns that the readings of the scene do not have.
 fn check_columns(config: &StudyConfig) -> Result<(), Fault> {
     let columns = columns_of(config.scene.kind());
     check_names(&config.columns, &columns)
         .map_err(|error| Fault::new(error.message).under(error.key).under("columns"))
 }
 
-/// Refuses numbers of trials that contradict the rule that ends them.
+/// Rejects settings for the number of trials that contradict the stopping rule.
 fn check_stop(base: &Value, axes: &[Axis]) -> Result<(), Fault> {
     let number = |path: &str| tree::at(base, path).and_then(as_number);
     if base.get("stop").is_none() {
@@ -210,7 +212,7 @@ fn check_stop(base: &Value, axes: &[Axis]) -> Result<(), Fault> {
     }
     let mut targets = axes.iter().flat_map(|axis| &axis.targets);
     if let Some(target) = targets.find(|target| target.path == "trials") {
-        let message = "is swept, and `stop` decides the number of trials; keep one of them";
+        let message = "is swept, but `stop` decides the number of trials; keep only one of them";
         return Err(Fault {
             path: "trials".into(),
             ..target.fault(message.into())
@@ -219,7 +221,7 @@ fn check_stop(base: &Value, axes: &[Axis]) -> Result<(), Fault> {
     let most = number("stop.max_trials");
     if number("trials").is_some_and(|trials| most.is_some_and(|most| most != trials)) {
         let message =
-            "is not `stop.max_trials`, and `stop` decides the number of trials; leave it out";
+            "differs from `stop.max_trials`, but `stop` decides the number of trials; remove it";
         return Err(Fault::new(message).under("trials"));
     }
     if let (Some(least), Some(most)) = (number("stop.min_trials"), most)
@@ -231,7 +233,7 @@ fn check_stop(base: &Value, axes: &[Axis]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Validates every row of every axis against the limits of its fields, with the first rows of the other axes.
+/// Validates every row of every axis against the limits of its fields, together with the first rows of the other axes.
 fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
     let (first, _) = grid.tree(0);
     for (place, axis) in grid.axes.iter().enumerate() {
@@ -258,7 +260,7 @@ fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// Reads only the plots of a study's config; `file` is the name in errors.
+/// Reads only the plots of a study's config. Errors use `file` as the file name of the text.
 ///
 /// ```
 /// use palpate_study::config::{PlotKind, plots};
@@ -271,7 +273,8 @@ fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
 /// ```
 ///
 /// # Errors
-/// The first thing that is wrong with the syntax of the text or with a plot, without regard to the tables.
+/// [`ConfigError`] for the first fault in the syntax of the text or in a plot. The columns of the tables are not
+/// checked.
 pub fn plots(file: &str, text: &str) -> Result<Vec<PlotConfig>, ConfigError> {
     let source = Source::new(file, text);
     let read = || {
@@ -283,7 +286,8 @@ pub fn plots(file: &str, text: &str) -> Result<Vec<PlotConfig>, ConfigError> {
     read().map_err(|fault| source.error(fault))
 }
 
-/// Takes the list of tables `key` out of a config: as it is written, and read; empty if there is none.
+/// Removes the list of tables `key` from a config, and returns it as TOML and as parsed values; empty if the config has
+/// no such list.
 fn section<T: DeserializeOwned>(base: &mut Value, key: &str) -> Result<(Value, Vec<T>), Fault> {
     let written = tree::take(base, key).unwrap_or_else(|| Value::Array(Vec::new()));
     let schema = &SCHEMA["properties"][key];
@@ -295,11 +299,12 @@ fn section<T: DeserializeOwned>(base: &mut Value, key: &str) -> Result<(Value, V
 /// Config of a cell, if it is valid.
 fn checked(source: &Source, grid: &Grid, cell: usize) -> Result<StudyConfig, ConfigError> {
     let (tree, fault) = grid.tree(cell);
-    // A key that is misspelt in the config itself explains why a sweep path names nothing.
+    // A misspelt key in the config itself may be the reason why a sweep path does not exist, so its error has priority.
     let config = check(&tree).and_then(|config| fault.map_or(Ok(config), Err));
     config.map_err(|fault| {
         let fault = grid.in_text(cell, fault);
-        // The cell is named only when its swept values matter: the config without them is fine, or fails otherwise.
+        // State the cell only if its swept values cause the error, that is, if the config without the sweeps is valid
+        // or has another error.
         let alone = check(&grid.base);
         let of_cell = alone.as_ref() != Err(&fault) && !grid.axes.is_empty();
         let error = source.error(fault);
@@ -311,7 +316,7 @@ fn checked(source: &Source, grid: &Grid, cell: usize) -> Result<StudyConfig, Con
     })
 }
 
-/// Validates a cell's tree, which has no sweeps and plots, and reads it.
+/// Validates and reads the tree of a cell. The tree has no sweeps and no plots.
 fn check(tree: &Value) -> Result<StudyConfig, Fault> {
     validate::validate(&SCHEMA, tree)?;
     let config: StudyConfig = deserialise(tree)?;
@@ -320,7 +325,8 @@ fn check(tree: &Value) -> Result<StudyConfig, Fault> {
     Ok(config)
 }
 
-/// Config of a cell. If all swept values are plain and valid, only the rules that join several fields can be broken.
+/// Config of a cell. If all swept values are plain and already validated, only the rules that involve several fields
+/// are checked.
 fn cell_config(
     source: &Source,
     grid: &Grid,
@@ -335,7 +341,8 @@ fn cell_config(
     plain.map_or_else(|| checked(source, grid, number), Ok)
 }
 
-/// Reads a validated tree. One deserialiser for all trees: the compiler writes the code of all configs for each.
+/// Converts a validated tree to a config. All configs are read from the same type of tree, because the compiler would
+/// generate the code of all configs again for each other type.
 fn deserialise<T: DeserializeOwned>(tree: &Value) -> Result<T, Fault> {
     serde_path_to_error::deserialize(tree.clone()).map_err(|error| Fault {
         path: error.path().to_string(),
@@ -352,12 +359,12 @@ impl Study {
         }
     }
 
-    /// File that it was read from, as errors name it.
+    /// Name of the file from which the study was read, as in error messages.
     pub(crate) fn file(&self) -> &str {
         &self.source.file
     }
 
-    /// Tree of the first cell, without the swept paths that name no field.
+    /// Tree of the first cell. Swept fields whose path does not exist are missing in it.
     pub(super) fn first_tree(&self) -> Value {
         self.grid.tree(0).0
     }
@@ -367,10 +374,11 @@ impl Study {
         self.grid.cells()
     }
 
-    /// Cell with this number, counted from 0; the first axis varies slowest. It is made from the config each time.
+    /// Cell with this number, counted from 0; the first axis varies slowest. The cell is computed in each call.
     ///
     /// # Errors
-    /// When there is no cell of this number, or it is not in the [sample](Self::sample) and not valid.
+    /// [`ConfigError`] if the study has no cell with this number, or if the cell is not in the [sample](Self::sample)
+    /// and is not valid.
     pub fn cell(&self, number: usize) -> Result<Cell, ConfigError> {
         let count = self.cell_count();
         if number >= count {
@@ -391,7 +399,7 @@ impl Study {
         })
     }
 
-    /// Number of trials of a cell in the config, without making the cell.
+    /// Number of trials that the config states for a cell. It is found without making the cell.
     pub fn trials_of(&self, cell: usize) -> u64 {
         let swept = self.grid.axis("trials").and_then(|(axis, place)| {
             let faster = self.grid.axes.iter().rev();
@@ -402,7 +410,8 @@ impl Study {
         swept.map_or(self.config.trials, |trials| trials as u64)
     }
 
-    /// Type of the values that a swept field has in all cells, by its place among the [paths](Self::paths).
+    /// Type of the values that a swept field has in all cells. `place` is the index of the field in
+    /// [paths](Self::paths).
     ///
     /// ```
     /// use palpate_study::{ColumnType, config::parse};
@@ -442,14 +451,15 @@ impl Study {
         }
     }
 
-    /// Numbers of the cells that were checked, ascending: all cells of a study of up to 10,000, otherwise a sample. Each
-    /// swept value was checked in some cell.
+    /// Numbers of the cells that were checked, in ascending order. A study of up to 10,000 cells is checked completely;
+    /// of a larger study, a sample. Each swept value was checked in at least one cell.
     pub fn sample(&self) -> &[usize] {
         &self.sample
     }
 
-    /// Numbers of some cells that pass `filters` (paths of swept fields with the allowed texts): rows of one axis with the
-    /// first rows of the others. A filter that no row of an axis passes is ignored.
+    /// Numbers of some cells that pass `filters`, which are paths of swept fields with the allowed texts. These cells
+    /// combine each row of one axis with the first rows of the other axes. A filter that no row of an axis passes is
+    /// ignored.
     pub fn star(&self, filters: &[(&str, Vec<String>)]) -> Vec<usize> {
         let rows = |axis: &Axis| {
             let mut targets = axis.targets.iter();
@@ -474,8 +484,8 @@ impl Study {
         sample::star(&self.grid, &rows)
     }
 
-    /// Number of trials of all cells as the config has it, at most the largest number of 64 bits; a cell in which nothing
-    /// is random runs only one.
+    /// Number of trials that the config states for all cells together; the largest `u64` if the number is larger. A
+    /// cell without random numbers runs only one trial.
     pub fn trials(&self) -> u64 {
         let cells = self.cell_count() as u64;
         let Some((axis, place)) = self.grid.axis("trials") else {
@@ -488,13 +498,13 @@ impl Study {
         sum.saturating_mul(cells / axis.len() as u64)
     }
 
-    /// Cells in the order of their numbers, each made on demand; invalid cells are omitted.
+    /// Valid cells in the order of their numbers. Each cell is computed when it is needed.
     pub fn cells(&self) -> impl Iterator<Item = Cell> + '_ {
         (0..self.cell_count()).filter_map(|number| self.cell(number).ok())
     }
 
-    /// Fields that the config writes although it sweeps them, by their paths, with a note for each: the sweep
-    /// replaces the written value. Empty for a config that palpate wrote.
+    /// Swept fields that the config also states: their paths, each with a note that the sweep replaces the stated
+    /// value. Empty for a config that palpate wrote.
     pub fn swept_over(&self) -> Vec<(String, String)> {
         const MOST_VALUES: usize = 8;
         let note = |(axis, place): (&Axis, usize), path: &str, written: &Value| {
@@ -525,7 +535,7 @@ impl Study {
             Some((
                 path.to_owned(),
                 format!(
-                    "line {line}: {path}{text} is swept over by line {of_sweep}, which sets {set} to {values}"
+                    "line {line}: {path}{text} is replaced by line {of_sweep}, which sets {set} to {values}"
                 ),
             ))
         };
@@ -545,7 +555,7 @@ impl Study {
         notes.collect()
     }
 
-    /// Text that it was read from.
+    /// Text from which the study was read.
     pub fn text(&self) -> &str {
         &self.source.text
     }

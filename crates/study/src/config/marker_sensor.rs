@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::number_default::{number, whole};
 
-/// The sensor that presses.
+/// The soft sensor that is pressed onto the object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressProbeConfig {
@@ -14,15 +14,17 @@ pub enum PressProbeConfig {
         /// Radius of the skin.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         radius: f64,
-        /// Depth of the markers under the skin, less than the radius; of a marker made of two discs, the mean of their depths.
+        /// Depth of the markers under the skin, less than the radius. If a marker consists of two discs, this is the
+        /// mean depth of the discs.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
         marker_depth: f64,
-        /// Places of the markers along the skin.
+        /// Positions of the markers along the skin.
         #[serde(default)]
         layout: LayoutConfig,
-        /// The two discs of each marker, which are all that a camera images.
+        /// The two discs of each marker. A camera images only these discs.
         discs: Option<DiscsConfig>,
-        /// Number of steps from the apex to the equator in the outline of a gore, on the flat pattern of the skin.
+        /// Number of steps from the apex to the equator in the outline of a gore. The gores are the flat pieces into
+        /// which the skin is cut.
         #[serde(default = "whole::<24>")]
         #[schemars(extend("minimum" = 1, "maximum" = 1000))]
         outline_samples: u32,
@@ -46,7 +48,8 @@ pub struct DiscsConfig {
     /// Disc that is nearer to the camera.
     #[serde(default, skip_serializing_if = "DiscColour::is_magenta")]
     pub inner: DiscColour,
-    /// Largest offset of the two discs of a marker along the skin, as a share of the yellow diameter; drawn once per seed.
+    /// Largest offset between the two discs of a marker along the skin, as a share of the yellow diameter. The offsets
+    /// are drawn once per seed.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub misalignment: f64,
@@ -88,13 +91,13 @@ impl DiscColour {
     }
 }
 
-/// Places of the markers along the skin: the name of a layout, or a table that makes one.
+/// Positions of the markers along the skin: the name of a layout, or a table that describes one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum LayoutConfig {
-    /// A layout that has a name.
+    /// The name of a layout.
     Named(NamedLayout),
-    /// A layout that is made from its settings.
+    /// A layout that a table describes.
     Table(LayoutTable),
 }
 
@@ -104,15 +107,16 @@ impl Default for LayoutConfig {
     }
 }
 
-/// A layout that has a name.
+/// The name of a layout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NamedLayout {
-    /// The 77 markers of the 2020 paper: one at the apex, rows of 1, 3, 3, 5, 7 in each of 4 gores, 11.9° apart.
+    /// The 77 markers of the 2020 paper: one marker at the apex, and in each of 4 gores rows of 1, 3, 3, 5 and 7
+    /// markers, 11.9° apart.
     Published,
 }
 
-/// A layout that is made.
+/// A layout that a table describes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum LayoutTable {
@@ -121,13 +125,13 @@ pub enum LayoutTable {
         /// Number of gores around the apex.
         #[schemars(extend("minimum" = 1))]
         gores: u32,
-        /// Markers of each row of a gore, from the apex outward.
+        /// Numbers of markers in the rows of a gore, from the apex outward.
         rows: Vec<u32>,
         /// Polar angle between neighbouring rows.
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
         row_spacing_deg: f64,
     },
-    /// An even density of markers over a cap around the apex.
+    /// Markers with uniform density over a cap around the apex.
     Lattice {
         /// Distance between neighbouring markers.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
@@ -136,20 +140,20 @@ pub enum LayoutTable {
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
         cap_deg: f64,
     },
-    /// Markers in equal steps on a great circle along x, the apex in their middle.
+    /// Markers at equal distances on a great circle along x, with the apex in their middle.
     Line(MarkerRow),
-    /// Markers in equal steps along x, the first at the apex.
+    /// Markers at equal distances along x, with the first marker at the apex.
     Radius(MarkerRow),
 }
 
-/// Markers in equal steps along the skin.
+/// Markers at equal distances along a line on the skin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MarkerRow {
     /// Number of markers.
     #[schemars(extend("minimum" = 2, "maximum" = 100_000))]
     pub markers: u32,
-    /// Distance from the first marker to the last along the skin.
+    /// Distance from the first marker to the last marker along the skin.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub length: f64,
 }
@@ -158,19 +162,21 @@ pub struct MarkerRow {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressSensorConfig {
-    /// Every marker's displacement is read, without a camera in between.
+    /// The displacement of every marker is read directly, without a camera.
     Direct {
-        /// Whether displacements along the skin are read too.
+        /// Whether displacements along the skin are read, besides normal displacements.
         #[serde(default = "yes")]
         tangential: bool,
-        /// Number of averaged readings; the noise of displacements is divided by its square root.
+        /// Number of readings that are averaged. The noise of displacements is divided by the square root of this
+        /// number.
         #[serde(default = "whole::<1>")]
         #[schemars(extend("minimum" = 1))]
         frames: u32,
     },
-    /// A camera in the sensor's centre; the image of each marker is computed without pixels.
+    /// A camera in the centre of the sensor. The image of each marker is computed without rendering pixels.
     Projected(CameraConfig),
-    /// A camera in the sensor's centre: frames are rendered, and the markers found and tracked in them.
+    /// A camera in the centre of the sensor. Frames are rendered, and the markers are found and tracked in these
+    /// frames.
     Rendered(CameraConfig),
 }
 
@@ -184,7 +190,7 @@ impl Default for PressSensorConfig {
 }
 
 impl PressSensorConfig {
-    /// The camera, and whether it renders frames; `None` if the markers are read directly.
+    /// The camera, and whether the sensor renders frames; `None` if the sensor reads the markers without a camera.
     pub const fn camera(&self) -> Option<(&CameraConfig, bool)> {
         match self {
             Self::Projected(camera) => Some((camera, false)),
@@ -193,7 +199,7 @@ impl PressSensorConfig {
         }
     }
 
-    /// Whether displacements along the skin are read, and the number of averaged readings.
+    /// Whether displacements along the skin are read, and the number of readings that are averaged.
     pub const fn displacements(&self) -> (bool, u32) {
         match self {
             Self::Direct { tangential, frames } => (*tangential, *frames),
@@ -202,58 +208,59 @@ impl PressSensorConfig {
     }
 }
 
-/// The camera, and how displacements follow from its images. The lens is a fisheye, equidistant unless it has odd terms.
+/// The camera, and how displacements are computed from its images. The lens is a fisheye, which is equidistant unless
+/// it has odd terms.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraConfig {
-    /// Pixels along each side of the square image.
+    /// Number of pixels along each side of the square image.
     #[serde(default = "whole::<640>")]
     #[schemars(extend("minimum" = 1, "maximum" = 8192))]
     pub size_px: u32,
-    /// Polar angle that the image's inscribed circle shows.
+    /// Polar angle at the rim of the largest circle in the image.
     #[serde(default = "number::<65>")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
     pub field_deg: f64,
-    /// Odd term of the third power of the fisheye: a polar angle θ, rad, is imaged at f (θ + k3 θ³ + k5 θ⁵) from the image's centre.
-    /// The rim shows `field_deg` for all terms, which determines f.
+    /// Third-order term of the fisheye lens: a polar angle θ, rad, is imaged at the distance f (θ + k3 θ³ + k5 θ⁵) from
+    /// the image's centre. The rim shows `field_deg` for any k3 and k5, which determines f.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(extend("minimum" = -100, "maximum" = 100, "x-unit" = "1"))]
     pub k3: f64,
-    /// Odd term of the fifth power.
+    /// Fifth-order term k5 of the fisheye lens; see `k3`.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(extend("minimum" = -100, "maximum" = 100, "x-unit" = "1"))]
     pub k5: f64,
-    /// Light at the rim of the field, as a share of the light in the middle; of a rendered sensor.
+    /// Light at the rim of the field, as a share of the light in the middle. Only for a rendered sensor.
     #[serde(default = "number::<1>")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub light_at_rim: f64,
-    /// Standard deviation of the blur, pixels; of a rendered sensor.
+    /// Standard deviation of the blur, pixels. Only for a rendered sensor.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub blur_px: f64,
-    /// Width of the seams between gores; of a rendered sensor whose layout has gores.
+    /// Width of the seams between gores. Only for a rendered sensor whose layout consists of gores.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub seam_width: f64,
-    /// Place of the camera from the sensor's centre: along the apex's x and y axes, and toward the apex. By default it is
-    /// in the very centre.
+    /// Position of the camera relative to the sensor's centre: along the apex's x and y axes, and towards the apex. By
+    /// default the camera is at the centre.
     #[serde(default, skip_serializing_if = "is_default")]
     #[schemars(extend("x-unit" = "length"))]
     pub place: [f64; 3],
-    /// Turn of the camera about the apex's x and y axes and about the axis towards the apex, as a rotation vector; by default the
-    /// camera points at the apex.
+    /// Rotation of the camera about the apex's x and y axes and about the axis towards the apex, as a rotation vector.
+    /// By default the camera points at the apex.
     #[serde(default, skip_serializing_if = "is_default")]
     pub turn_deg: [f64; 3],
     /// Feature of a marker's image from which its normal displacement is computed.
     #[serde(default)]
     pub normal_from: NormalFrom,
-    /// Presses on a plane that calibrate the sensor.
+    /// Presses on a plane with which the sensor is calibrated.
     #[serde(default)]
     pub calibration: CalibrationConfig,
-    /// Whether displacements along the skin are read too.
+    /// Whether displacements along the skin are read, besides normal displacements.
     #[serde(default = "yes")]
     pub tangential: bool,
-    /// Number of averaged frames of a press.
+    /// Number of frames of a press that are averaged.
     #[serde(default = "whole::<1>")]
     #[schemars(extend("minimum" = 1))]
     pub frames: u32,
@@ -273,28 +280,28 @@ fn yes() -> bool {
 pub enum NormalFrom {
     /// The hue of its summed light: the difference between the displacements of its two discs.
     Hue,
-    /// Its size: the displacement towards the camera.
+    /// The size of the marker. It measures the displacement towards the camera.
     Size,
-    /// Both, weighted as calibrated.
+    /// Hue and size, with weights from the calibration.
     #[default]
     Both,
 }
 
-/// Presses on a plane, apex down, that calibrate the sensor.
+/// Presses on a plane, with the apex down, by which the sensor is calibrated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CalibrationConfig {
-    /// Number of presses, in equal steps of indentation.
+    /// Number of calibrating presses. Their indentations increase in equal steps.
     #[schemars(extend("minimum" = 2, "maximum" = 1000))]
     pub presses: u32,
-    /// Indentation of the deepest; by default that of the scene.
+    /// Indentation of the deepest press; by default the indentation of the scene.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub indentation: Option<f64>,
-    /// Number of averaged frames at rest. They and the calibrating presses are drawn once, so their errors are the same in
-    /// all trials.
+    /// Number of frames at rest that are averaged. The noise of these frames and of the calibrating presses is drawn
+    /// once, so their errors are the same in all trials.
     #[schemars(extend("minimum" = 1, "maximum" = 1000))]
     pub rest_frames: u32,
-    /// Markers whose normal displacement is known.
+    /// Markers whose normal displacement is used in the calibration.
     pub markers: ShownMarkers,
 }
 
@@ -309,27 +316,28 @@ impl Default for CalibrationConfig {
     }
 }
 
-/// The markers that calibrate.
+/// Markers whose normal displacement is used in the calibration.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ShownMarkers {
-    /// All, from the model.
+    /// All markers, with displacements from the contact model.
     #[default]
     All,
-    /// The one under the contact, as in the 2020 paper.
+    /// The marker under the contact, as in the 2020 paper.
     UnderContact,
 }
 
-/// A sensor alone: the strain of folding its skin, and the image of a marker.
+/// A sensor without an object. Two things are computed: the strain when its skin is folded, and the image of one
+/// marker.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BareFingertipConfig {
-    /// The sensor: a sphere with markers under its skin, as of a press.
+    /// The sensor: a sphere with markers under its skin, as in a press.
     pub probe: PressProbeConfig,
-    /// The camera in its centre, which images the marker.
+    /// The camera in the centre of the sensor, which images the marker.
     #[serde(default)]
     pub sensor: LensConfig,
-    /// Place of the imaged marker.
+    /// Position of the imaged marker.
     #[serde(default)]
     pub view: ViewConfig,
 }
@@ -338,12 +346,12 @@ pub struct BareFingertipConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct LensConfig {
-    /// How angles become distances in the image.
+    /// Type of the lens, that is, the relation between polar angles and distances in the image.
     pub lens: LensName,
-    /// Pixels along each side of the square image.
+    /// Number of pixels along each side of the square image.
     #[schemars(extend("minimum" = 1, "maximum" = 8192))]
     pub size_px: u32,
-    /// Polar angle that the image's inscribed circle shows: of a pinhole less than 90.
+    /// Polar angle at the rim of the largest circle in the image. For a pinhole camera, it must be less than 90.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
     pub field_deg: f64,
 }
@@ -358,18 +366,18 @@ impl Default for LensConfig {
     }
 }
 
-/// How angles become distances in the image.
+/// Type of the lens, that is, the relation between polar angles and distances in the image.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LensName {
-    /// A lens with distances from the middle in proportion to the polar angle.
+    /// A lens whose distances from the image's centre are proportional to the polar angle.
     #[default]
     Fisheye,
-    /// A lens with distances from the middle in proportion to the angle's tangent.
+    /// A lens whose distances from the image's centre are proportional to the tangent of the polar angle.
     Pinhole,
 }
 
-/// Place of the imaged marker.
+/// Position of the imaged marker.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ViewConfig {

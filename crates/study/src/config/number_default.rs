@@ -1,4 +1,4 @@
-//! Default values of whole numbers, for `#[serde(default = "…")]`.
+//! Functions that return whole numbers as defaults, for `#[serde(default = "…")]`.
 
 pub(super) const fn whole<const N: u32>() -> u32 {
     N

@@ -9,15 +9,15 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ObjectConfig {
-    /// The outside of a sphere, touched on its upper half.
+    /// The outside of a sphere. The probe touches its upper half.
     Sphere {
-        /// Its radius.
+        /// Radius of the sphere.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         radius: f64,
     },
-    /// The inside of a sphere, touched on its lower half.
+    /// The inside of a sphere. The probe touches its lower half.
     Dish {
-        /// Its radius.
+        /// Radius of the sphere.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         radius: f64,
     },
@@ -25,22 +25,22 @@ pub enum ObjectConfig {
     Plane {},
     /// The outside of a circular cylinder.
     Cylinder {
-        /// Its radius.
+        /// Radius of the cylinder.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         radius: f64,
-        /// Angle of its axis from x.
+        /// Angle between the cylinder's axis and the x axis.
         #[serde(default)]
         direction_deg: f64,
     },
-    /// An ellipsoid, touched on its upper half.
+    /// An ellipsoid. The probe touches its upper half.
     Ellipsoid {
         /// Semi-axes along x, y and z.
         #[schemars(extend("items" = { "type": "number", "exclusiveMinimum": 0 }, "x-unit" = "length"))]
         semi_axes: [f64; 3],
     },
-    /// A ring torus around z.
+    /// A ring torus around the z axis.
     Torus {
-        /// Distance of the tube's centre from z.
+        /// Distance between the centre of the tube and the z axis.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         major_radius: f64,
         /// Radius of the tube, less than the major radius.
@@ -49,19 +49,19 @@ pub enum ObjectConfig {
     },
     /// The paraboloid of revolution z = −c (x² + y²).
     Paraboloid {
-        /// Half the curvature at the apex; positive is convex, negative is a bowl.
+        /// Half the curvature at the apex: positive for a convex hill, negative for a bowl.
         #[schemars(extend("x-unit" = "1/length"))]
         c: f64,
     },
     /// The saddle z = a (x² − y²).
     Saddle {
-        /// Half the curvature at the origin.
+        /// Half the curvature along x and y at the origin.
         #[schemars(extend("x-unit" = "1/length"))]
         a: f64,
     },
-    /// The graph z = f(x, y) of a formula.
+    /// The graph z = f(x, y), where a formula defines f.
     HeightField {
-        /// f, a formula in x, y and the parameters, e.g. `A*sin(k*x)*cos(k*y)`.
+        /// The formula of f in x, y and the parameters, e.g. `A*sin(k*x)*cos(k*y)`.
         formula: String,
         /// Values of the formula's parameters.
         #[serde(default)]

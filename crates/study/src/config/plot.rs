@@ -12,50 +12,51 @@ use std::collections::BTreeMap;
 
 pub(super) use check::{check, check_alone};
 
-/// A plot. Columns are named by the path of a swept field or by a statistic of the table of cells.
+/// A plot. A column is the path of a swept field, or the name of a statistic in `cells.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlotConfig {
-    /// Name of the plot's file, by default made from its columns.
+    /// Name of the plot's file. By default, it is made from the names of the columns.
     #[schemars(extend("pattern" = NAME, "maxLength" = 100))]
     pub name: Option<String>,
-    /// Title, by default that of the study.
+    /// Title of the plot; by default the title of the study.
     pub title: Option<String>,
-    /// Kind of the plot. Every kind has a name, a title and, but for contacts, `where`; a profile has a component,
-    /// panels, marks and points too, and lines have all but a component.
+    /// Kind of the plot. Plots of every kind have the keys `name` and `title`; all kinds except contacts have `where`.
+    /// A profile also has `component`, `panels`, `marks` and `points`. Lines have every key except `component`.
     #[serde(default, skip_serializing_if = "PlotKind::is_lines")]
     pub kind: PlotKind,
-    /// Column along x; lines need it.
+    /// Column whose values are plotted along x; required for lines.
     pub x: Option<String>,
-    /// Statistic along y; lines need it.
+    /// Statistic that is plotted along y; required for lines.
     pub y: Option<String>,
-    /// The quantity that is drawn, by default every one.
+    /// Quantity to plot; by default every quantity.
     pub quantity: Option<String>,
-    /// Column whose values make one line each.
+    /// Column that separates the lines: each of its values has its own line.
     pub series: Option<String>,
-    /// Displacement that a profile shows, by default the normal one.
+    /// Component of the displacement that a profile shows; by default the normal component.
     pub component: Option<Component>,
-    /// Column whose values make one panel each.
+    /// Column that separates the panels: each of its values has its own panel.
     pub panels: Option<String>,
-    /// Only rows (of a class map or profile: cells) in which a column (in quotes) has this value, or one of these.
+    /// Filter of the table's rows (for a class map or a profile, of cells). Only rows with this value, or one of these
+    /// values, in the column are plotted; the name of the column is in quotes.
     #[serde(default, rename = "where", skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub where_: BTreeMap<String, toml::Value>,
-    /// Which axes are logarithmic.
+    /// Axes with a logarithmic scale.
     #[serde(default)]
     pub scale: Scale,
-    /// A second statistic, drawn for comparison.
+    /// A second statistic, which is plotted for comparison.
     pub compare: Option<String>,
     /// Lines across the plot at given values.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub marks: Vec<Mark>,
-    /// Numbers from elsewhere, drawn as open markers.
+    /// Numbers from other sources, which are plotted as open markers.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub points: Vec<Points>,
 }
 
 impl PlotConfig {
-    /// Columns of `where`, each with the texts that a row may have there.
+    /// Columns of `where`, each with the texts that pass the filter.
     pub fn filters(&self) -> impl Iterator<Item = (&str, Vec<String>)> {
         let text = |value: &toml::Value| match value {
             toml::Value::String(text) => text.clone(),
@@ -72,31 +73,31 @@ impl PlotConfig {
     }
 }
 
-/// Kind of a plot: the result that it draws.
+/// Kind of a plot. It determines which result is plotted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlotKind {
-    /// Columns of the table of cells against each other.
+    /// Lines: columns of `cells.csv` against each other.
     #[default]
     Lines,
-    /// The shape classes of every cell's map, beside the true ones.
+    /// Maps of the estimated shape classes in every cell, beside maps of the true classes.
     ClassMap,
     /// The shape classes of every cell's map on its fitted surface, in space.
     ClassSurface,
-    /// The contacts of the traced pass, in space.
+    /// The contacts of the traced trial as points in space.
     Contacts,
-    /// The displacement under every cell's press along a radius, true and estimated.
+    /// The true and the estimated displacement in the press of every cell, along a radius from the contact.
     Profile,
 }
 
 impl PlotKind {
-    // `skip_serializing_if` takes a reference.
+    // The parameter is a reference because `skip_serializing_if` requires one.
     #[allow(clippy::trivially_copy_pass_by_ref)]
     fn is_lines(&self) -> bool {
         *self == Self::Lines
     }
 
-    /// The output whose table is drawn, and its name in configs.
+    /// The output that contains the table of the plot, and the name of this output in configs.
     fn output(self) -> (Output, &'static str) {
         match self {
             Self::Lines => (Output::Cells, "cells"),
@@ -105,7 +106,7 @@ impl PlotKind {
         }
     }
 
-    /// Kind of the scenes whose tables it is drawn from; `None`: all.
+    /// Kind of scene that has the plot's table; `None` if all kinds have it.
     pub fn scene(self) -> Option<&'static str> {
         match self {
             Self::Lines => None,
@@ -114,12 +115,12 @@ impl PlotKind {
         }
     }
 
-    /// Its name in configs.
+    /// Name of this kind of plot in configs.
     pub fn name(self) -> &'static str {
         self.keys().0
     }
 
-    /// Its name in configs, and the keys besides `kind` that a plot of this kind may have.
+    /// Name of this kind of plot in configs, and the list of keys besides `kind` that it may have.
     fn keys(self) -> (&'static str, &'static str) {
         match self {
             Self::Lines => (
@@ -147,23 +148,23 @@ pub enum Component {
     Radial,
 }
 
-/// Which axes of a plot are logarithmic.
+/// Axes with a logarithmic scale.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scale {
-    /// Neither.
+    /// No axis.
     #[default]
     Linear,
-    /// Only x.
+    /// Only the x axis.
     LogX,
-    /// Only y.
+    /// Only the y axis.
     LogY,
-    /// Both.
+    /// Both axes.
     LogLog,
 }
 
 impl Scale {
-    /// Whether x, and whether y is logarithmic.
+    /// Whether the x axis and the y axis are logarithmic.
     pub fn logs(self) -> [bool; 2] {
         [
             matches!(self, Self::LogX | Self::LogLog),
@@ -172,11 +173,11 @@ impl Scale {
     }
 }
 
-/// A line across a plot.
+/// A straight line across a plot at a given value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Mark {
-    /// The axis on which the value lies.
+    /// The axis to which the value belongs.
     pub axis: MarkAxis,
     /// The value, in the unit of the axis.
     pub value: f64,
@@ -188,25 +189,25 @@ pub struct Mark {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MarkAxis {
-    /// Across.
+    /// The horizontal axis.
     X,
-    /// Up.
+    /// The vertical axis.
     Y,
 }
 
-/// Numbers from elsewhere, published ones say, in a plot.
+/// Numbers from other sources, for example published numbers, that are added to a plot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Points {
-    /// Name in the legend; points of one label look alike.
+    /// Name in the legend. Points with the same label have the same style.
     pub label: String,
-    /// Places along x, in the unit of the axis.
+    /// x values of the points, in the unit of the x axis.
     #[schemars(extend("minItems" = 1))]
     pub x: Vec<f64>,
-    /// Places along y, in the unit of the axis; as many as `x`.
+    /// y values of the points, in the unit of the y axis; as many as in `x`.
     pub y: Vec<f64>,
-    /// The series (of a profile: the line) whose colour they take.
+    /// The series whose colour the points have; in a profile, the line.
     pub series: Option<String>,
-    /// The panel they are drawn in, by default every one.
+    /// The panel in which the points are drawn; by default every panel.
     pub panel: Option<String>,
 }

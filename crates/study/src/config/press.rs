@@ -10,13 +10,13 @@ use super::press_estimator::PressEstimatorConfig;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressConfig {
-    /// The sensor that presses.
+    /// The soft sensor that is pressed onto the object.
     pub probe: PressProbeConfig,
-    /// The object that is pressed on.
+    /// The object.
     pub object: PressObjectConfig,
-    /// Indentation, and place of the contact on the skin.
+    /// Indentation, and position of the contact on the skin.
     pub motion: PressMotionConfig,
-    /// The model of the markers' displacements in the press.
+    /// The model that computes the displacements of the markers in the press.
     #[serde(default)]
     pub model: PressModelConfig,
     /// The sensor that reads the markers' displacements.
@@ -69,20 +69,22 @@ impl PressConfig {
         if self.motion.shift != 0.0 && of_model.is_some() {
             return Err((
                 "scene.motion.shift",
-                "how a layer moves sideways is not modelled: must be 0, or the model a half-space",
+                "the sideways motion of a layer is not modelled: must be 0, or the model must be \
+                 a half-space",
             ));
         }
         let is_image = matches!(self.estimator, PressEstimatorConfig::Image { .. });
         if is_image && self.sensor.camera().is_none() {
             return Err((
                 "scene.estimator",
-                "a fit of pictures needs a camera: let `scene.sensor` be `projected` or `rendered`",
+                "an estimator of kind image needs a camera: set `scene.sensor` to `projected` or \
+                 `rendered`",
             ));
         }
         match self.estimator.layer(of_model) {
             None if matches!(self.estimator, PressEstimatorConfig::BondedLayer { .. }) => Err((
                 "scene.estimator",
-                "`thickness` is missing, and the model has no layer to take it from",
+                "`thickness` is missing, and the model has no layer whose thickness could be used",
             )),
             Some(thickness) if marker_depth > thickness => Err((
                 "scene.estimator.thickness",
@@ -92,7 +94,7 @@ impl PressConfig {
         }
     }
 
-    /// The discs may only strain if the strain of the skin is known.
+    /// Rejects discs that follow the skin's strain, if the strain of the skin cannot be computed.
     fn check_strain(&self) -> Result<(), (&'static str, &'static str)> {
         let PressProbeConfig::MarkerSphere { discs, .. } = &self.probe;
         if discs.as_ref().is_none_or(|discs| discs.strains().is_none()) {
@@ -114,7 +116,7 @@ impl PressConfig {
         Ok(())
     }
 
-    /// A sensor may only have the noise and the imperfections of its kind.
+    /// Rejects noise and imperfections that the scene's kind of sensor does not have.
     fn check_sensor(&self) -> Result<(), (&'static str, &'static str)> {
         let noise = &self.noise;
         let of_pictures = [
@@ -132,7 +134,7 @@ impl PressConfig {
         match self.sensor.camera() {
             None => refuse(
                 &[&of_pictures[..], &[of_frames, lost, of_sensor]].concat(),
-                "this sensor has no camera; `projected` and `rendered` have",
+                "this sensor has no camera; `projected` and `rendered` have a camera",
             ),
             Some((camera, false)) => refuse(
                 &[
@@ -141,12 +143,13 @@ impl PressConfig {
                     ("scene.sensor.blur_px", camera.blur_px != 0.0),
                     ("scene.sensor.seam_width", camera.seam_width != 0.0),
                 ],
-                "a projected sensor has no pixels; a `rendered` one has",
+                "a projected sensor has no pixels; a `rendered` sensor has pixels",
             ),
             Some((camera, true)) => {
                 refuse(
                     &of_pictures,
-                    "a rendered sensor errs by its pixels, `noise.pixel`; a `projected` one has this",
+                    "a rendered sensor has no such noise, only the noise of its pixels, \
+                     `noise.pixel`; a `projected` sensor has it",
                 )?;
                 let PressProbeConfig::MarkerSphere { layout, .. } = &self.probe;
                 let has_gores = matches!(
@@ -158,14 +161,14 @@ impl PressConfig {
                         "scene.sensor.seam_width",
                         camera.seam_width != 0.0 && !has_gores,
                     )],
-                    "seams run between gores, which this layout has not",
+                    "seams run between gores, but this layout has no gores",
                 )
             }
         }
     }
 }
 
-/// The object that is pressed on.
+/// The object that the sensor is pressed onto.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressObjectConfig {
@@ -175,9 +178,10 @@ pub enum PressObjectConfig {
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         radius: f64,
     },
-    /// The inside of a sphere. If it is not wider than the sensor, the contact is not one point and the trials fail.
+    /// The inside of a sphere. If its radius is not larger than the sensor's, there is no single contact point, and the
+    /// trials fail.
     Dish {
-        /// Its radius, without a sign.
+        /// Radius of the dish, as a positive number.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         radius: f64,
     },
@@ -213,33 +217,35 @@ impl PressObjectConfig {
     }
 }
 
-/// Indentation, and place of the contact on the skin.
+/// Indentation, and position of the contact on the skin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressMotionConfig {
-    /// The approach of the two bodies since first touch.
+    /// Distance by which the two bodies approach each other after their first touch.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub indentation: f64,
-    /// Place of the contact on the skin: polar angle from the apex, from 0 to 180, and azimuth from x.
+    /// Position of the contact on the skin: polar angle from the apex, from 0 to 180, and azimuth from x.
     #[serde(default)]
     pub contact_deg: [f64; 2],
-    /// Sideways movement of the object along x after the press, without slip. Only for a half-space.
+    /// Distance by which the object moves sideways along x after the press, without slip. Only for a half-space.
     #[serde(default)]
     #[schemars(extend("x-unit" = "length"))]
     pub shift: f64,
 }
 
-/// The model of the markers' displacements in the press.
+/// The model that computes the displacements of the markers in the press.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressModelConfig {
-    /// The cheapest other model that meets the tolerance: a layer if `thickness` is given, otherwise a half-space.
+    /// The cheapest model that meets the tolerance. If `thickness` is stated, the soft body is a layer, otherwise a
+    /// half-space.
     Auto {
-        /// Thickness of the layer on a rigid core, at most the radius of the sensor; without it there is no core.
+        /// Thickness of the layer on a rigid core, at most the radius of the sensor. Without this key, the sensor has
+        /// no core.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         thickness: Option<f64>,
-        /// Poisson's ratio of the soft body; of a layer 0.5.
+        /// Poisson's ratio of the soft body; it must be 0.5 for a layer.
         #[serde(default = "half")]
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: f64,
@@ -252,7 +258,8 @@ pub enum PressModelConfig {
         #[schemars(extend("exclusiveMinimum" = 0))]
         modulus_kpa: Option<f64>,
     },
-    /// Hertz contact with displacements at the skin's surface, also for markers below it.
+    /// Hertz contact. The displacements at the skin's surface are used for all markers, even for markers below the
+    /// surface.
     Hertz {
         /// Poisson's ratio of the soft body.
         #[serde(default = "half")]
@@ -263,7 +270,7 @@ pub enum PressModelConfig {
         #[schemars(extend("exclusiveMinimum" = 0))]
         modulus_kpa: Option<f64>,
     },
-    /// Hertz contact on an elastic half-space, in closed form at the markers' depth.
+    /// Hertz contact on an elastic half-space. The displacements at the markers' depth are computed in closed form.
     HalfSpace {
         /// Poisson's ratio of the soft body.
         #[serde(default = "half")]
@@ -304,7 +311,7 @@ impl Default for PressModelConfig {
 }
 
 impl PressModelConfig {
-    /// Thickness of the layer, if there is one.
+    /// Thickness of the layer; `None` if the model has no layer.
     pub fn thickness(&self) -> Option<f64> {
         match *self {
             Self::BondedLayer { thickness, .. } => Some(thickness),
@@ -333,8 +340,8 @@ impl PressModelConfig {
         }
     }
 
-    /// Model with which `auto` is compared: the layer if there is one, otherwise the half-space. Any other model is its own
-    /// reference.
+    /// The exact model with which the models of `auto` are compared: the bonded layer if the soft body is a layer,
+    /// otherwise the half-space. Any other model is its own reference.
     pub fn reference(&self) -> Self {
         match *self {
             Self::Auto {
@@ -358,13 +365,14 @@ impl PressModelConfig {
     }
 }
 
-/// Errors of the readings; a missing one is 0.
+/// Errors of the readings; an error that is not stated is 0.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressNoiseConfig {
-    /// Error of each marker's displacement along the normal; of a camera sensor, in addition to the errors of its images.
+    /// Error of each marker's normal displacement. For a camera sensor, it is added to the errors of the images.
     pub normal_displacement: Option<ReadingNoise<Length>>,
-    /// Error of each component of each marker's displacement along the skin; of a camera sensor, in addition to the errors of its images.
+    /// Error of each component of each marker's displacement along the skin. For a camera sensor, it is added to the
+    /// errors of the images.
     pub tangential_displacement: Option<ReadingNoise<Length>>,
     /// Error of the indentation that the estimator receives.
     pub indentation: Option<ReadingNoise<Length>>,
@@ -374,57 +382,63 @@ pub struct PressNoiseConfig {
     /// Constant error of the indentation that the estimator receives.
     #[schemars(extend("x-unit" = "length"))]
     pub indentation_bias: Option<f64>,
-    /// Error of the factor on all normal displacements of a press, which should be 1.
+    /// Error of the gain, that is, of the factor on all normal displacements of a press. The ideal gain is 1.
     pub gain: Option<ReadingNoise<Pure>>,
-    /// Markers with a larger error, drawn anew in every trial.
+    /// Markers with an additional large error. In every trial, they are chosen again at random.
     pub wrong_markers: Option<WrongMarkers>,
-    /// Error of each colour of each pixel of a rendered frame, in levels; full light has 255.
+    /// Error of each colour value of each pixel in a rendered frame, in grey levels; full light is 255.
     pub pixel: Option<ReadingNoise<Level>>,
     /// Error of each marker's hue, turns; of a projected sensor. The hue of the summed light and the mean hue share it.
     pub hue: Option<ReadingNoise<Pure>>,
-    /// Error of each coordinate of each marker's centroid, pixels; of a projected sensor.
+    /// Error of each coordinate of each marker's centroid, pixels. Only for a projected sensor.
     pub centroid: Option<ReadingNoise<Pure>>,
-    /// Relative error of each marker's size; of a projected sensor.
+    /// Relative error of each marker's size. Only for a projected sensor.
     pub size: Option<ReadingNoise<Pure>>,
-    /// Markers that are missing in the pressed frame, drawn anew in every trial.
+    /// Markers that are missing in the pressed frame. In every trial, they are chosen again at random.
     pub lost_markers: Option<LostMarkers>,
-    /// Departure of a camera sensor from its calibration. The sensor is redrawn in every trial, with its own frames at
-    /// rest and misalignments. These standard deviations are an input of the estimator `image`.
+    /// Deviations of a camera sensor from its calibration. In every trial, the parameters of the sensor are drawn
+    /// again, together with new frames at rest and new misalignments of the discs. The estimator `image` uses these
+    /// standard deviations as its prior.
     pub sensor: Option<SensorNoise>,
 }
 
-/// Standard deviations of the sensor parameters that calibration leaves; a missing one is 0.
+/// Standard deviations of the errors in the sensor's parameters after its calibration; a standard deviation that is not
+/// stated is 0.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorNoise {
-    /// Standard deviation of either coordinate of the image's centre, pixels: the phase of the pixel grid, and the camera's aim.
+    /// Standard deviation of each coordinate of the image's centre, pixels. It includes errors of the position of the
+    /// pixel grid and of the direction of the camera.
     #[schemars(extend("minimum" = 0))]
     pub centre_px: f64,
-    /// Standard deviation of the pixels per radian, as a share.
+    /// Relative standard deviation of the pixels per radian.
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub scale: f64,
-    /// Standard deviation of each coordinate of the camera's place.
+    /// Standard deviation of each coordinate of the camera's position.
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub place: f64,
-    /// Standard deviation of the camera's turn about each axis.
+    /// Standard deviation of the camera's rotation about each axis.
     #[schemars(extend("minimum" = 0))]
     pub turn_deg: f64,
-    /// Standard deviation of the depth of the discs of either colour.
+    /// Standard deviation of the depth of the discs. All magenta discs share one error, and all yellow discs share
+    /// another.
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub disc_depth: f64,
-    /// Standard deviation of the diameter of the discs of either colour, as a share.
+    /// Relative standard deviation of the diameter of the discs. All magenta discs share one error, and all yellow
+    /// discs share another.
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub disc_diameter: f64,
-    /// Standard deviation of the share of red, of green and of blue light that the discs of either colour transmit.
+    /// Standard deviation of the share of red, green and blue light that the discs transmit, for the discs of each
+    /// colour.
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub colour: f64,
 }
 
-/// Distribution of the error of a reading. `S` is the type of its standard deviation.
+/// Distribution of the error of a reading. `S` is the type of the standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ReadingNoise<S> {
-    /// Gaussian with mean 0.
+    /// Gaussian error with mean 0.
     Gaussian {
         /// Standard deviation.
         std: S,
@@ -443,7 +457,7 @@ pub struct Length(pub f64);
 #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
 pub struct Pure(pub f64);
 
-/// A level of light; full light has 255.
+/// A grey level; full light is 255.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 #[schemars(extend("minimum" = 0, "maximum" = 255, "x-unit" = "1"))]
@@ -453,17 +467,18 @@ pub struct Level(pub f64);
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LostMarkers {
-    /// Number of these markers, which are drawn anew in every trial.
+    /// Number of lost markers. In every trial, they are chosen again at random.
     pub count: u32,
 }
 
-/// Markers with a larger error, for example because they were confused with others.
+/// Markers with an additional large error, for example because they were confused with other markers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WrongMarkers {
-    /// Number of these markers, which are drawn anew in every trial.
+    /// Number of wrong markers. In every trial, they are chosen again at random.
     pub count: u32,
-    /// Standard deviation of their additional Gaussian error, of the normal displacement and of both tangential components.
+    /// Standard deviation of the additional Gaussian error of the normal displacement and of both tangential
+    /// components.
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub std: f64,
 }

@@ -3,13 +3,14 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The estimator of the curvature: a least-squares fit of one of these bodies to the readings.
+/// The estimator of the curvature: a least-squares fit of a model to the readings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressEstimatorConfig {
-    /// An elastic half-space at the markers' depth.
+    /// A fit of an elastic half-space, with displacements at the markers' depth.
     HalfSpace {
-        /// Poisson's ratio; by default the model's, or 0.5 where that has none.
+        /// Poisson's ratio of the half-space. The default is the ratio of the scene's model, or 0.5 if the model has
+        /// none.
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: Option<f64>,
         /// Prior of the indentation.
@@ -19,9 +20,9 @@ pub enum PressEstimatorConfig {
         #[serde(flatten)]
         displacements: DisplacementPriors,
     },
-    /// An incompressible layer bonded to a rigid core.
+    /// A fit of an incompressible layer that is bonded to a rigid core.
     BondedLayer {
-        /// Thickness of the layer; by default the model's.
+        /// Thickness of the layer. The default is the thickness of the scene's model.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         thickness: Option<f64>,
         /// Prior of the indentation.
@@ -31,10 +32,11 @@ pub enum PressEstimatorConfig {
         #[serde(flatten)]
         displacements: DisplacementPriors,
     },
-    /// An elastic half-space under an object with two principal curvatures, for example a cylinder: both are fitted, with their
-    /// axis. The reported curvature is their mean.
+    /// A fit of an elastic half-space under an object with two principal curvatures, for example a cylinder. Both
+    /// curvatures and the direction of the axis are fitted. The reported curvature is their mean.
     Elliptic {
-        /// Poisson's ratio; by default the model's, or 0.5 where that has none.
+        /// Poisson's ratio of the half-space. The default is the ratio of the scene's model, or 0.5 if the model has
+        /// none.
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: Option<f64>,
         /// Prior of the indentation.
@@ -44,41 +46,45 @@ pub enum PressEstimatorConfig {
         #[serde(default)]
         noise: NoiseKnown,
     },
-    /// The 2020 paper's Gaussian, R = c σ²/δ, fitted to normal displacements. If the indentation is
-    /// given, the amplitude is fitted too; otherwise the amplitude is the indentation.
+    /// The 2020 paper's Gaussian, fitted to normal displacements. From its width σ, the indentation δ and the constant
+    /// c follows the effective radius R = c σ²/δ. If δ is stated, the amplitude of the Gaussian is fitted too;
+    /// otherwise the fitted amplitude is used as δ.
     Gaussian {
-        /// The c; by default the value that gives the sensor's own radius on a plane at the same indentation without noise.
+        /// The constant c of the Gaussian. By default, c is calibrated by a press on a plane without noise, at the same
+        /// indentation: with this c, the estimated effective radius is the sensor's own radius.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1"))]
         c: Option<f64>,
-        /// Only markers within this distance of the contact are fitted; by default all.
+        /// Largest distance from the contact at which markers are used in the fit; by default all markers are used.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         window: Option<f64>,
         /// Prior of the indentation.
         #[serde(flatten)]
         prior: IndentationPrior,
-        /// Whether displacements are known to be 0 without a press.
+        /// Offset of the normal displacements, that is, their reading without a press: zero or fitted.
         #[serde(default)]
         baseline: Baseline,
         /// Whether the noise of displacements is stated or estimated.
         #[serde(default)]
         noise: NoiseKnown,
     },
-    /// The images of the markers on a layer bonded to a rigid core if there is a `thickness`, otherwise on a half-space: fitted to
-    /// centroid, hue and size of each marker, at rest and pressed. Its inputs include the errors that the tracker
-    /// states and the standard deviations of the sensor parameters (`noise.sensor`).
+    /// A fit to the images of the markers: to centroid, hue and size of each marker, at rest and pressed. The soft body
+    /// is a layer bonded to a rigid core if there is a `thickness`, otherwise a half-space. The inputs include the
+    /// errors that the tracker states and the standard deviations of the sensor's parameters (`noise.sensor`).
     Image {
-        /// Thickness of the layer; by default the model's, if that has one and `poisson` is left out.
+        /// Thickness of the layer. The default is the thickness of the scene's model, if the model has a layer and
+        /// `poisson` is not stated.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         thickness: Option<f64>,
-        /// Poisson's ratio of a half-space; by default the model's, or 0.5 where that has none. If it is given and
-        /// `thickness` is not, the body is a half-space, also if the model is a layer.
+        /// Poisson's ratio of a half-space. The default is the ratio of the scene's model, or 0.5 if the model has
+        /// none. If `poisson` is stated and `thickness` is not, the soft body is a half-space even if the model is a
+        /// layer.
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: Option<f64>,
         /// Prior of the indentation.
         #[serde(flatten)]
         prior: IndentationPrior,
-        /// Standard deviation that the estimator assumes for a sideways movement of the object, along either axis; of a
-        /// half-space.
+        /// Standard deviation that the estimator assumes for a sideways movement of the object, along each of two axes.
+        /// Only for a half-space.
         #[serde(default)]
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
         shift_std: f64,
@@ -95,48 +101,48 @@ impl Default for PressEstimatorConfig {
     }
 }
 
-/// Prior of the indentation, which all press estimators have.
+/// Prior of the indentation. It is a setting of all press estimators.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct IndentationPrior {
-    /// Whether the indentation is given.
+    /// Whether the indentation is stated or fitted.
     pub indentation: Indentation,
-    /// Standard deviation that the estimator assumes for a given indentation.
+    /// Standard deviation that the estimator assumes for a stated indentation.
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub indentation_std: f64,
 }
 
-/// Priors of displacements that estimators with an elastic body have.
+/// Priors of the displacements. They are settings of the estimators with an elastic body.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct DisplacementPriors {
-    /// Whether displacements are known to be 0 without a press.
+    /// Offset of the normal displacements, that is, their reading without a press: zero or fitted.
     pub baseline: Baseline,
-    /// Standard deviation that the estimator assumes for the factor on all normal displacements.
+    /// Standard deviation that the estimator assumes for the gain, that is, for the factor on all normal displacements.
     #[schemars(extend("minimum" = 0, "maximum" = 1e100))]
     pub gain_std: f64,
     /// Whether the noise of displacements is stated or estimated.
     pub noise: NoiseKnown,
 }
 
-/// The settings that all press estimators have.
+/// The settings that all press estimators share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressPriors {
-    /// Whether the indentation is given.
+    /// Whether the indentation is stated or fitted.
     pub indentation: Indentation,
-    /// Standard deviation that the estimator assumes for a given indentation, length.
+    /// Standard deviation that the estimator assumes for a stated indentation, length.
     pub indentation_std: f64,
-    /// Whether displacements are known to be 0 without a press.
+    /// Offset of the normal displacements, that is, their reading without a press: zero or fitted.
     pub baseline: Baseline,
-    /// Standard deviation of the factor on all normal displacements; `None` for a Gaussian, whose amplitude replaces the
-    /// factor.
+    /// Standard deviation of the gain, that is, of the factor on all normal displacements. `None` for a Gaussian,
+    /// because its fitted amplitude replaces the gain.
     pub gain_std: Option<f64>,
     /// Whether the noise of displacements is stated or estimated.
     pub noise: NoiseKnown,
 }
 
 impl PressEstimatorConfig {
-    /// The settings that all kinds have.
+    /// The settings that all kinds of press estimators share.
     pub fn priors(&self) -> PressPriors {
         let (prior, displacements) = match *self {
             Self::HalfSpace {
@@ -185,7 +191,8 @@ impl PressEstimatorConfig {
         }
     }
 
-    /// Thickness of the assumed layer: its own, otherwise the model's; `None` for other bodies.
+    /// Thickness of the layer that the estimator assumes: its own setting or, without this setting, the thickness of
+    /// the model (`of_model`). `None` for soft bodies that are not a layer.
     pub fn layer(&self, of_model: Option<f64>) -> Option<f64> {
         match *self {
             Self::BondedLayer { thickness, .. } => thickness.or(of_model),
@@ -196,7 +203,8 @@ impl PressEstimatorConfig {
         }
     }
 
-    /// Sets the settings that would default to the model's, to the thickness (if any) and Poisson's ratio of this model.
+    /// Sets the settings whose default is the model's value, from the model's thickness (if it has one) and Poisson's
+    /// ratio.
     pub(super) fn keep(&mut self, of_thickness: Option<f64>, of_poisson: f64) {
         match self {
             Self::HalfSpace { poisson, .. } | Self::Elliptic { poisson, .. } => {
@@ -215,7 +223,7 @@ impl PressEstimatorConfig {
         }
     }
 
-    /// Name of the kind, as configs have it.
+    /// Name of the kind, as configs state it.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::HalfSpace { .. } => "half-space",
@@ -227,25 +235,25 @@ impl PressEstimatorConfig {
     }
 }
 
-/// Whether the indentation is given.
+/// Whether the indentation is stated or fitted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Indentation {
-    /// A value from another source, for example the pose of a robot.
+    /// The indentation is stated; its value comes from another source, for example the pose of a robot.
     #[default]
     Known,
-    /// An unknown that is estimated from the displacements.
+    /// The indentation is unknown, and is fitted to the displacements.
     Fitted,
 }
 
-/// Reading of normal displacements without a press.
+/// Offset of the normal displacements, that is, their reading without a press.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Baseline {
-    /// Zero.
+    /// The offset is zero.
     #[default]
     Known,
-    /// An offset that is the same for all normal displacements, which is fitted.
+    /// The offset is the same for all normal displacements, and is fitted.
     Fitted,
 }
 
@@ -253,9 +261,9 @@ pub enum Baseline {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NoiseKnown {
-    /// The noise of the scene; estimated from the residuals if the scene has none.
+    /// The noise that the scene states. If the scene has no noise, it is estimated from the residuals.
     #[default]
     Stated,
-    /// The residuals.
+    /// The noise is estimated from the residuals.
     Found,
 }

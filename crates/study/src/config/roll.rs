@@ -10,19 +10,20 @@ use super::object::ObjectConfig;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RollConfig {
-    /// The fingertip.
+    /// The fingertip that glides.
     pub probe: ProbeConfig,
     /// The surface that is explored.
     pub object: ObjectConfig,
-    /// Place of the first contact: x and y of the object's frame. By default the origin or the top.
+    /// Position of the first contact: x and y in the object's frame. By default the origin of the frame, or the top of
+    /// the object.
     #[schemars(extend("x-unit" = "length"))]
     pub object_contact: Option<[f64; 2]>,
     /// The commanded rotation.
     pub motion: RollMotionConfig,
-    /// How the true roll is computed.
+    /// The model that computes the true roll.
     #[serde(default)]
     pub model: RollModelConfig,
-    /// The sensor that reads the contact's place on the probe.
+    /// The sensor that reads the contact's position on the probe.
     #[serde(default)]
     pub sensor: RollSensorConfig,
     /// Errors of the rotation.
@@ -46,11 +47,11 @@ impl RollConfig {
             let counted = [
                 (
                     motion.duration_s.is_some(),
-                    "missing key; `duration_s` needs it, `arc_length` and `angle_deg` do not",
+                    "missing key; `duration_s` needs it (`arc_length` and `angle_deg` do not)",
                 ),
                 (
                     motion.spin_rad_per_s != 0.0,
-                    "missing key; `spin_rad_per_s` is held against it",
+                    "missing key; `spin_rad_per_s` is compared with it",
                 ),
             ];
             let needed = counted.into_iter().find(|(is_needed, _)| *is_needed);
@@ -79,7 +80,8 @@ impl RollConfig {
         if motion.axis == RollAxis::Chart && self.model.chart() == Some(Chart::Free) {
             return Err((
                 "scene.motion.axis",
-                "\"chart\" needs a model in the probe's chart: `scene.model` with chart = \"montana\"",
+                "\"chart\" needs a model that uses the probe's chart: `scene.model` with chart = \
+                 \"montana\"",
             ));
         }
         Ok(())
@@ -92,28 +94,29 @@ impl RollConfig {
 pub enum ProbeConfig {
     /// A ball.
     Sphere {
-        /// Its radius.
+        /// Radius of the ball.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         radius: f64,
     },
 }
 
-/// The commanded rotation: one probe per direction, each from the same first contact.
+/// The commanded rotation: one roll per direction, each from the same first contact.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RollMotionConfig {
-    /// Rate of rotation. Needed with `duration_s` and with a spin. Otherwise only the times of a trace depend on it, and
-    /// the default is 1 rad/s.
+    /// Rate of rotation. It is required together with `duration_s` or with a spin. Otherwise only the times in a trace
+    /// depend on it, and its default is 1 rad/s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rate_rad_per_s: Option<f64>,
-    /// Duration of each roll. Give either this, `arc_length` or `angle_deg`.
+    /// Duration of each roll. State one of `duration_s`, `arc_length` and `angle_deg`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["arc_length", "angle_deg"]))]
     pub duration_s: Option<f64>,
-    /// Length of the contact's path on the probe in each roll, without noise. Give either this, `duration_s` or
-    /// `angle_deg`.
+    /// Length of the contact's path on the probe in each roll, without noise. State one of `duration_s`, `arc_length`
+    /// and `angle_deg`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-instead-of" = ["duration_s", "angle_deg"]))]
     pub arc_length: Option<f64>,
-    /// Angle by which each probe turns, without noise and spin. Give either this, `duration_s` or `arc_length`.
+    /// Angle by which the probe turns in each roll, without noise and spin. State one of `duration_s`, `arc_length` and
+    /// `angle_deg`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["duration_s", "arc_length"]))]
     pub angle_deg: Option<f64>,
     /// Rate of rotation about the contact normal.
@@ -123,7 +126,7 @@ pub struct RollMotionConfig {
     /// Give either this or `directions_deg`.
     #[schemars(extend("minimum" = 1, "maximum" = 10_000, "x-instead-of" = ["directions_deg"]))]
     pub rolls: Option<u32>,
-    /// Directions of the probes: angles from +x in the tangent plane of the first contact. Give either this or `rolls`.
+    /// Directions of the rolls: angles from +x in the tangent plane of the first contact. Give either this or `rolls`.
     #[serde(default = "four_directions_twice")]
     #[schemars(extend("minItems" = 1, "x-instead-of" = ["rolls"]))]
     pub directions_deg: Vec<f64>,
@@ -161,48 +164,48 @@ fn four_directions_twice() -> Vec<f64> {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RollAxis {
-    /// Parallel-transported along the path of the contact.
+    /// Frame that is parallel-transported along the path of the contact.
     #[default]
     Transported,
-    /// Fixed in the frame of the probe's chart; needs a model with chart = "montana".
+    /// Frame of the probe's chart. It needs a model with chart = "montana".
     Chart,
 }
 
-/// How the true roll is computed.
+/// The model that computes the true roll.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RollModelConfig {
     /// The cheapest model that meets the tolerance.
     Auto {
-        /// Largest error of the contact's place, relative to the probe's size.
+        /// Largest error of the contact's position, relative to the probe's radius.
         #[serde(default = "tolerance")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
-        /// Coordinates of the integration, if one is needed.
+        /// Coordinates of the numerical integration, if `auto` chooses a model that integrates.
         #[serde(default)]
         chart: Chart,
     },
-    /// The closed form, if the shapes have one.
+    /// The closed form of the contact's path, if one exists for the two shapes.
     ClosedForm {},
     /// The closed relation along the meridian of a surface of revolution, rolled through its apex; without noise of the
     /// motion also along the axes of ellipsoids and saddles.
     Meridian {},
     /// The classical Runge–Kutta method of order 4 with equal steps.
     Rk4 {
-        /// Steps per probe.
+        /// Number of steps per roll.
         #[schemars(extend("minimum" = 1, "maximum" = 1_000_000))]
         steps: u32,
-        /// Coordinates of the integration.
+        /// Coordinates of the numerical integration.
         #[serde(default)]
         chart: Chart,
     },
     /// The Runge–Kutta method of Dormand and Prince of order 8 with step control.
     Dop853 {
-        /// Tolerance of the step control.
+        /// Tolerance for the error of a step.
         #[serde(default = "tolerance")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
-        /// Coordinates of the integration.
+        /// Coordinates of the numerical integration.
         #[serde(default)]
         chart: Chart,
     },
@@ -222,7 +225,7 @@ impl Default for RollModelConfig {
 }
 
 impl RollModelConfig {
-    /// Coordinates of the integration; `None` for a model without one.
+    /// Coordinates of the numerical integration; `None` for a model that does not integrate.
     pub fn chart(&self) -> Option<Chart> {
         match *self {
             Self::Auto { chart, .. } | Self::Rk4 { chart, .. } | Self::Dop853 { chart, .. } => {
@@ -233,27 +236,28 @@ impl RollModelConfig {
     }
 }
 
-/// Coordinates in which contact kinematics are integrated.
+/// Coordinates in which the contact kinematics are integrated.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Chart {
-    /// Points and frames in space, which have no singularities.
+    /// Points and frames in space. They have no singularities.
     #[default]
     Free,
-    /// Montana's form in the charts of the two surfaces.
+    /// Parameters of the charts of the two surfaces, as in Montana's equations. The charts have singularities.
     Montana,
 }
 
-/// The sensor that reads the contact's place on the probe.
+/// The sensor that reads the contact's position on the probe.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RollSensorConfig {
     /// No error.
     #[default]
     Ideal,
-    /// A force sensor in the wrist, with an isotropic Gaussian error along the probe's surface.
+    /// A force sensor in the wrist. Its error of the contact's position is an isotropic Gaussian along the probe's
+    /// surface.
     Wrist {
-        /// Standard deviation in each of the two directions.
+        /// Standard deviation of the error along each of the two directions.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
         std: f64,
     },
@@ -262,24 +266,24 @@ pub enum RollSensorConfig {
         /// Distance between neighbouring pads.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         pitch: f64,
-        /// How the pads are laid out.
+        /// Arrangement of the pads on the probe.
         #[serde(default)]
         layout: PadLayout,
-        /// Place of the first contact on the array.
+        /// Position of the first contact on the array of pads.
         #[serde(default)]
         offset: PadOffset,
-        /// Polar angle of the last pad, from the middle of the array.
+        /// Polar angle of the outermost pad, from the middle of the array.
         #[serde(default = "number::<90>")]
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
         cap_deg: f64,
     },
 }
 
-/// Errors of the rotation; a missing one is 0.
+/// Errors of the rotation; an error that is not stated is 0.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RollNoiseConfig {
-    /// Error of the angular velocity.
+    /// Error of the angular velocity during a roll.
     pub angular_velocity: Option<AngularVelocityNoise>,
     /// Error of the measured rotation.
     pub rotation: Option<RotationNoise>,
@@ -287,7 +291,7 @@ pub struct RollNoiseConfig {
     pub encoder: Option<EncoderConfig>,
 }
 
-/// Error of the angular velocity, each component drawn alone.
+/// Error of each component of the angular velocity, drawn independently.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum AngularVelocityNoise {
@@ -301,7 +305,8 @@ pub enum AngularVelocityNoise {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AngularVelocityDraws {
-    /// The bound of uniform noise or the standard deviation of Gaussian noise, as a fraction of the angular speed.
+    /// Size of the error as a fraction of the angular speed: the bound of uniform noise, or the standard deviation of
+    /// Gaussian noise.
     #[schemars(extend("minimum" = 0))]
     pub fraction: f64,
     /// How often the error is drawn.
@@ -310,7 +315,7 @@ pub struct AngularVelocityDraws {
     /// Rotation that has the error: the true motion or its measurement.
     #[serde(default)]
     pub side: Side,
-    /// Draws per probe; only used per instant.
+    /// Number of random draws per roll. It is used only if `when` is "per-instant".
     #[serde(default = "whole::<100>")]
     #[schemars(extend("minimum" = 1, "maximum" = 1_000_000))]
     pub instants: u32,
@@ -323,7 +328,7 @@ pub enum When {
     /// Once per probe.
     #[default]
     PerProbe,
-    /// Anew at each of equally spaced instants.
+    /// Again at each of several equally spaced instants.
     PerInstant,
 }
 
@@ -331,10 +336,10 @@ pub enum When {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {
-    /// The true motion errs; the estimator receives the command.
+    /// The true motion has the error; the estimator receives the commanded rotation.
     #[default]
     Motion,
-    /// The motion is as commanded; the estimator receives a noisy measurement.
+    /// The true motion is the commanded motion; the estimator receives a measured rotation with the error.
     Measurement,
 }
 
@@ -348,7 +353,7 @@ pub struct RotationNoise {
     /// Its standard deviation, 0 by default. Give either this or `std_rad`.
     #[schemars(extend("minimum" = 0, "maximum" = 180, "x-instead-of" = ["std_rad"]))]
     pub std_deg: Option<f64>,
-    /// Its standard deviation. Give either this or `std_deg`.
+    /// Standard deviation. State either this or `std_deg`.
     #[schemars(extend("minimum" = 0, "maximum" = std::f64::consts::PI, "x-instead-of" = ["std_deg"]))]
     pub std_rad: Option<f64>,
     /// Constant error of each component.
@@ -360,7 +365,7 @@ pub struct RotationNoise {
 }
 
 impl RotationNoise {
-    /// The standard deviation, rad.
+    /// The standard deviation in rad, computed from the key that states it.
     pub fn std_rad(&self) -> f64 {
         radians(self.std_deg, self.std_rad)
     }
@@ -375,26 +380,26 @@ pub enum GaussianKind {
     Gaussian,
 }
 
-/// An encoder that reports rotations in steps. The start of each roll lies at a random place within a step.
+/// An encoder that rounds rotations to whole steps. Each roll starts at a random position within a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EncoderConfig {
-    /// Its step. Give either this or `step_rad`.
+    /// Size of a step. State either this or `step_rad`.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 360, "x-instead-of" = ["step_rad"]))]
     pub step_deg: Option<f64>,
-    /// Its step. Give either this or `step_deg`.
+    /// Size of a step. State either this or `step_deg`.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = std::f64::consts::TAU, "x-instead-of" = ["step_deg"]))]
     pub step_rad: Option<f64>,
 }
 
 impl EncoderConfig {
-    /// The step, rad.
+    /// Size of a step in rad.
     pub fn step_rad(&self) -> f64 {
         radians(self.step_deg, self.step_rad)
     }
 }
 
-/// An angle in rad, from a value in degrees or in rad.
+/// An angle in rad, from a value in degrees or in rad; 0 if neither is stated.
 fn radians(deg: Option<f64>, rad: Option<f64>) -> f64 {
     deg.map(f64::to_radians).or(rad).unwrap_or_default()
 }
@@ -403,16 +408,16 @@ fn radians(deg: Option<f64>, rad: Option<f64>) -> f64 {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RollEstimatorConfig {
-    /// Least squares over all probes.
+    /// Least squares over all rolls.
     #[default]
     LeastSquares,
 }
 
-/// How pads are laid out on the probe.
+/// Arrangement of the pads on the probe.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PadLayout {
-    /// A square grid in the arc lengths of the surface.
+    /// A square grid in arc lengths along the surface of the probe.
     #[default]
     Square,
     /// Hexagons in the arc lengths of the surface.
@@ -421,15 +426,16 @@ pub enum PadLayout {
     Uniform,
 }
 
-/// Place of the first contact on the array of pads.
+/// Position of the first contact on the array of pads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PadOffset {
-    /// The centre of a pad.
+    /// The first contact is at the centre of a pad.
     #[default]
     Centred,
-    /// Anywhere within a pad, drawn for each roll.
+    /// The first contact is at a random position within a pad, drawn for each roll.
     Random,
-    /// Anywhere within a pad, drawn once per trial: all rolls of the trial start at the same place.
+    /// The first contact is at a random position within a pad, drawn once per trial: all rolls of a trial start at the
+    /// same position.
     RandomPerTrial,
 }

@@ -1,20 +1,22 @@
-//! Sample of the cells of a large study.
+//! Chooses which cells of a large study are checked.
 
 use super::grid::Grid;
 use super::sweep::Axis;
 use std::collections::BTreeSet;
 
-/// Maximum number of cells of a study whose cells are all checked.
+/// Largest number of cells for which every cell of a study is checked.
 const MOST_WHOLE: usize = 10_000;
-/// Maximum number of rows of an axis whose rows are all in the sample.
+/// Largest number of rows for which every row of an axis is in the sample.
 const MOST_ROWS: usize = 1000;
-/// Cells of a sample that are spread evenly over all.
+/// Number of cells in a sample that are spread evenly over all cells of the study.
 const SPREAD: usize = 2000;
 
-/// Numbers of the cells that are checked, ascending; the same for the same axes. A small study is checked completely.
-/// The sample of a large study has: each row of an axis (of a long axis [`MOST_ROWS`], spread evenly, and its extremes)
-/// with the first rows of the others, and with other rows; the extremes of each two axes, with the first rows of the others;
-/// the last cell; and cells spread evenly.
+/// Numbers of the cells that are checked, in ascending order. They depend only on the axes. A small study is checked
+/// completely. The sample of a large study has
+/// - each row of an axis, once with the first rows of the other axes and once with other rows. Of a long axis, only
+///   [`MOST_ROWS`] rows are used: rows that are spread evenly, and its extremes.
+/// - for each pair of axes, the combinations of their extremes, with the first rows of the other axes.
+/// - the last cell, and cells that are spread evenly.
 pub(super) fn sample(grid: &Grid) -> Vec<usize> {
     let cells = grid.cells();
     if cells <= MOST_WHOLE {
@@ -54,7 +56,7 @@ pub(super) fn sample(grid: &Grid) -> Vec<usize> {
     sample.into_iter().collect()
 }
 
-/// Numbers of the cells that have one of these `rows` of an axis, and the first of the rows of the other axes.
+/// Numbers of the cells that combine each of the `rows` of one axis with the first of the `rows` of every other axis.
 pub(super) fn star(grid: &Grid, rows: &[Vec<usize>]) -> Vec<usize> {
     let first: Vec<usize> = rows.iter().map(|rows| rows[0]).collect();
     let mut cells = Vec::new();
@@ -71,8 +73,8 @@ pub(super) fn star(grid: &Grid, rows: &[Vec<usize>]) -> Vec<usize> {
     cells
 }
 
-/// Sample of the given rows of an axis, ascending. All rows if they are few; otherwise rows spread evenly, the first and the
-/// last, and those extremes of the axis that are among the given rows.
+/// Sample of the given rows of an axis, in ascending order. A few rows are all returned. Of many rows, the sample
+/// contains rows that are spread evenly, the first row, the last row, and the given rows that are extremes of the axis.
 pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec<usize> {
     let rows: Vec<usize> = rows.into_iter().collect();
     let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else {
@@ -90,8 +92,9 @@ pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec
     few.into_iter().collect()
 }
 
-/// Number below `count`: those of neighbouring `number`s are far apart, and many cover the range evenly (multiples of the
-/// golden ratio modulo 1, as fractions of 2⁶⁴).
+/// Returns a number below `count` for each `number`. Neighbouring values of `number` give distant results, and the
+/// results of many values cover the range evenly. The results are multiples of the golden ratio modulo 1, as fractions
+/// of 2⁶⁴.
 fn spread(number: usize, count: usize) -> usize {
     let fraction = (number as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     ((u128::from(fraction) * count as u128) >> 64) as usize

@@ -1,4 +1,5 @@
-//! The JSON Schema of a config. Editors complete keys from it, configs are validated against it, and it states the units.
+//! The JSON Schema of a config. It states the units of the keys. Configs are validated against it, and editors use it
+//! to complete keys.
 
 use super::study::LengthUnit;
 use super::study::StudyConfig;
@@ -10,9 +11,10 @@ use std::sync::LazyLock;
 
 /// The JSON Schema (draft 7) of a study's config, without references.
 ///
-/// `x-unit` states the unit of a number that has one: `length`, `1/length` or `1/length^2`, in the config's `length_unit`;
-/// `1` where others of its name have a unit and it has none. `x-instead-of` names the keys that exclude a key,
-/// because they state the same in another way. Numbers whose key ends in `_rad`, `_deg`, `_s`, `_rad_per_s` or `_px` carry their unit there.
+/// `x-unit` states the unit of a number: `length`, `1/length` or `1/length^2`, where the length is in the config's
+/// `length_unit`. `x-unit` is `1` for a pure number, if other fields with the same name have a unit. `x-instead-of`
+/// lists the alternatives of a key. An alternative states the same quantity in another way, so only one of these keys
+/// may be stated. If a key ends in `_rad`, `_deg`, `_s`, `_rad_per_s` or `_px`, this ending states the unit.
 ///
 /// ```
 /// use palpate_study::config::schema;
@@ -28,7 +30,7 @@ pub fn schema() -> Json {
     schema
 }
 
-/// The schema of [`schema()`], made once.
+/// The result of [`schema()`], computed once.
 pub(super) static SCHEMA: LazyLock<Json> = LazyLock::new(schema);
 
 /// The JSON Schema of a part of a config, without references.
@@ -42,14 +44,15 @@ pub(super) fn schema_of<T: JsonSchema>() -> Json {
     schema
 }
 
-/// The schemas of a value's kinds or words; the schema itself where there are none.
+/// The schemas of the kinds or words that a value may have. If the value has neither kinds nor words, this is its own
+/// schema.
 pub(super) fn variants(schema: &Json) -> &[Json] {
     schema["oneOf"]
         .as_array()
         .map_or(std::slice::from_ref(schema), Vec::as_slice)
 }
 
-/// Removes null, which TOML cannot represent, and states the range of 32 bits as a limit.
+/// Removes null from the allowed types, because TOML cannot represent it, and adds the limits of 32-bit numbers.
 fn tidy(schema: &mut Json) {
     match schema {
         Json::Object(object) => {
@@ -88,7 +91,7 @@ fn tidy(schema: &mut Json) {
     }
 }
 
-/// The variants of a name or a table, which exclude each other, on one level.
+/// Merges nested variants into one list. They exclude each other.
 fn flattened(variants: Vec<Json>) -> Vec<Json> {
     let alone = |variant: Json| match variant["oneOf"].as_array() {
         Some(inner) => inner.clone(),
@@ -97,14 +100,14 @@ fn flattened(variants: Vec<Json>) -> Vec<Json> {
     variants.into_iter().flat_map(alone).collect()
 }
 
-/// The schema of a table of this kind; of one without kinds, if none is asked for.
+/// The schema of a table with this kind. If `kind` is `None`, the schema of a table that has no kinds.
 pub(super) fn variant<'a>(schema: &'a Json, kind: Option<&str>) -> Option<&'a Json> {
     variants(schema)
         .iter()
         .find(|variant| kind_of(variant) == kind)
 }
 
-/// The header of a swept field's column: its path with its unit, e.g. `scene.object.c_per_cm`.
+/// Header of a swept field's column: its path with its unit, for example `scene.object.c_per_cm`.
 pub(super) fn column(schema: &Json, path: &str, unit: LengthUnit) -> String {
     let keys: Vec<&str> = path.split('.').collect();
     let unit = match unit_of(schema, &keys) {
@@ -116,7 +119,7 @@ pub(super) fn column(schema: &Json, path: &str, unit: LengthUnit) -> String {
     format!("{path}{unit}")
 }
 
-/// Schemas of the field at a path, one for each kind that has it.
+/// Schemas of the field at a path, one for each kind that has this field.
 pub(super) fn fields_at<'a>(schema: &'a Json, keys: &[&str]) -> Vec<&'a Json> {
     let Some((key, rest)) = keys.split_first() else {
         return vec![schema];
@@ -131,7 +134,8 @@ pub(super) fn fields_at<'a>(schema: &'a Json, keys: &[&str]) -> Vec<&'a Json> {
         .collect()
 }
 
-/// The unit of a field. Kinds that share a key share its unit, and the items of an array have the array's.
+/// The unit of a field. All kinds that have the key state the same unit. The items of an array have the unit of the
+/// array.
 pub(super) fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
     let unit = |field: &'a Json| field["x-unit"].as_str();
     let parents = (1..=keys.len()).rev();
@@ -139,7 +143,7 @@ pub(super) fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
     fields.find_map(unit)
 }
 
-/// Paths of the fields that exclude the field at a path, in all kinds.
+/// Paths of the alternatives of a field in all kinds. A config must not state a field together with an alternative.
 pub(super) fn alternatives(path: &str) -> Vec<String> {
     let keys: Vec<&str> = path.split('.').collect();
     let Some((parent, _)) = path.rsplit_once('.') else {
@@ -152,7 +156,7 @@ pub(super) fn alternatives(path: &str) -> Vec<String> {
     all.iter().map(|key| format!("{parent}.{key}")).collect()
 }
 
-/// Whether a field of a config holds whole numbers alone; kinds that share a key share that.
+/// Whether a field accepts only whole numbers. This is the same for all kinds that have the key.
 pub(super) fn is_whole(schema: &Json, keys: &[&str]) -> bool {
     let field = fields_at(schema, keys).into_iter().next();
     field.is_some_and(|field| field["type"] == "integer")

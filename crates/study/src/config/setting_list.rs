@@ -1,5 +1,5 @@
-//! Settings of a config's table one by one, as a command line or a form offers them, and a table with some of them
-//! replaced.
+//! The settings of a config table, one by one, for a command line or a form. Also functions that replace some settings
+//! of a table.
 
 use std::any::TypeId;
 use std::collections::HashMap;
@@ -15,7 +15,7 @@ use serde_json::{Map, Value as Json};
 use super::schema::{schema_of, variant, variants};
 use super::validate::{instead_of, kind_of};
 
-/// Setting of a table.
+/// A setting of a table.
 ///
 /// ```
 /// use palpate_study::config::{Accepts, PressEstimatorConfig, settings};
@@ -32,33 +32,34 @@ use super::validate::{instead_of, kind_of};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// The key in a config. Where a table has kinds, `kind` itself is a setting, the first.
+    /// Key of the setting in a config. If the table has kinds, the first setting is `kind` itself.
     pub key: String,
-    /// Kinds that have it; empty where a table has no kinds.
+    /// Kinds of the table that have this setting; empty if the table does not have kinds.
     pub kinds: Vec<String>,
-    /// Meaning in words.
+    /// Meaning of the setting in words.
     pub help: String,
-    /// Values that it may have.
+    /// Values that the setting accepts.
     pub accepts: Accepts,
-    /// Value that stands for none, where one is stated.
+    /// Default value as text, if the schema states one.
     pub default: Option<String>,
-    /// Whether it is a length in the config's unit.
+    /// Whether the value is a length in the config's unit.
     pub is_length: bool,
 }
 
-/// Values that a setting may have.
+/// Values that a setting accepts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Accepts {
-    /// A number of a range.
+    /// A number in a range.
     Number(Range),
     /// Words to choose from, each with its meaning.
     Word(Vec<(String, String)>),
-    /// Three components of a vector.
+    /// A vector of three numbers.
     Vector,
 }
 
 impl Accepts {
-    /// Checks a value's range, or that it is one of the words; its type shows when the table is read.
+    /// Checks that a number is in its range, or that a word is one of the choices. The type of the value is checked
+    /// later, when the table is read.
     fn check(&self, key: &str, value: &Json) -> Result<(), SettingError> {
         match (self, value) {
             (Self::Number(range), Json::Number(number)) => match number.as_f64() {
@@ -91,18 +92,18 @@ impl Accepts {
 /// Range of a finite number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
-    /// Bound that it exceeds.
+    /// Lower bound; the number must be greater.
     pub above: Option<f64>,
-    /// Least value.
+    /// Smallest allowed value.
     pub least: Option<f64>,
-    /// Greatest value.
+    /// Largest allowed value.
     pub most: Option<f64>,
-    /// Whether it is a whole number.
+    /// Whether the number must be a whole number.
     pub is_whole: bool,
 }
 
 impl Range {
-    /// Numbers greater than 0.
+    /// Range of the numbers greater than 0.
     pub const POSITIVE: Self = Self {
         above: Some(0.0),
         least: None,
@@ -110,17 +111,17 @@ impl Range {
         is_whole: false,
     };
 
-    /// Numbers from 0.
+    /// Range of the numbers that are 0 or greater.
     pub const NOT_NEGATIVE: Self = Self {
         above: None,
         least: Some(0.0),
         ..Self::POSITIVE
     };
 
-    /// Number that a text states, if it is in the range.
+    /// Parses a number and checks that it is in the range.
     ///
     /// # Errors
-    /// The expectation that it does not meet, in words that follow the name of the setting.
+    /// A message that states the required range; it is written after the name of the setting.
     pub fn parse(&self, text: &str) -> Result<f64, String> {
         let number: f64 = text.parse().map_err(|_| "is not a number".to_owned())?;
         match self.holds(number) {
@@ -129,12 +130,12 @@ impl Range {
         }
     }
 
-    /// Whether it holds a number.
+    /// Whether a number is in the range.
     pub(crate) fn holds(&self, number: f64) -> bool {
         self.violated(number).is_none()
     }
 
-    /// The limit that a number violates, in words.
+    /// Description of the limit that a number violates; `None` if it violates none.
     pub(super) fn violated(&self, number: f64) -> Option<String> {
         if !number.is_finite() {
             return Some("finite".to_owned());
@@ -150,7 +151,7 @@ impl Range {
         limits.find_map(|(sign, limit)| Some(format!("{sign} {}", Number(limit?))))
     }
 
-    /// Range that the schema of a number states.
+    /// Range that the schema states for a number.
     pub(super) fn of(schema: &Json) -> Self {
         let limit = |key: &str| schema[key].as_f64();
         Self {
@@ -177,13 +178,14 @@ impl fmt::Display for Range {
     }
 }
 
-/// Facts about a type of tables.
+/// Schema and settings of a type of config table.
 struct Known {
     schema: Json,
     settings: Vec<Setting>,
 }
 
-/// Facts about the tables that were asked for: to find them out takes longer than many an estimate.
+/// Cache of the schema and the settings of each type of config table. They are computed only once, because this takes
+/// longer than some estimates.
 static KNOWN: LazyLock<Mutex<HashMap<TypeId, Arc<Known>>>> = LazyLock::new(Mutex::default);
 
 fn known<T: JsonSchema + 'static>() -> Arc<Known> {
@@ -196,17 +198,17 @@ fn known<T: JsonSchema + 'static>() -> Arc<Known> {
     Arc::clone(known)
 }
 
-/// All settings of a table, in the order in which it or its kinds state them.
+/// All settings of a table, in the order of the schema.
 pub fn settings<T: JsonSchema + 'static>() -> Vec<Setting> {
     known::<T>().settings.clone()
 }
 
-/// The setting of a table with this key.
+/// The setting with this key in a table, if there is one.
 pub fn setting<T: JsonSchema + 'static>(key: &str) -> Option<Setting> {
     known::<T>().setting(key).cloned()
 }
 
-/// Splits settings into those of the table `T` and all others.
+/// Splits settings into the settings that the table `T` has, and all others.
 pub fn split_settings<T: JsonSchema + 'static>(
     given: &Map<String, Json>,
 ) -> [Map<String, Json>; 2] {
@@ -284,7 +286,7 @@ impl Setting {
     }
 }
 
-/// A default as a user writes it.
+/// A default value as a user would write it.
 fn default_text(json: &Json) -> Option<String> {
     match json {
         Json::Null => None,
@@ -305,7 +307,7 @@ fn text(json: &Json) -> String {
     json.as_str().unwrap_or_default().replace('\n', " ")
 }
 
-/// A setting that is missing, invalid or without effect beside the others.
+/// Error of a setting: the setting is missing or invalid, or has no effect together with the other settings.
 ///
 /// ```
 /// use palpate_study::config::SettingError;
@@ -321,14 +323,15 @@ fn text(json: &Json) -> String {
 pub struct SettingError {
     /// Key of the setting.
     pub key: String,
-    /// Its value, if it is a number.
+    /// Value of the setting, if it is a number.
     pub value: Option<f64>,
-    /// The problem, in words that follow the key. Other settings are named as in `` setting `key` ``.
+    /// Description of the problem, written so that it follows the key. It names other settings in the form `` setting
+    /// `key` ``.
     pub reason: String,
 }
 
 impl SettingError {
-    /// Error of the setting with this key.
+    /// Error in the setting with this key.
     pub fn new(key: &str, reason: impl Into<String>) -> Self {
         Self {
             key: key.to_owned(),
@@ -346,8 +349,8 @@ impl SettingError {
     }
 }
 
-/// Replaces the name of each setting in a message. Messages name a setting as in `` setting `gain_std` ``; `name` returns
-/// the flag or the argument of a key.
+/// Replaces the name of each setting in a message. Messages name a setting in the form `` setting `gain_std` ``; `name`
+/// returns the flag or the argument that replaces this form.
 ///
 /// ```
 /// use palpate_study::config::rename_settings;
@@ -368,8 +371,8 @@ pub fn rename_settings(message: &str, name: impl Fn(&str) -> String) -> String {
     renamed
 }
 
-/// Table with some settings replaced, and with them what states the same in another way. With another `kind` among them,
-/// settings that both kinds have keep their values.
+/// The table with some settings replaced; alternatives to these settings are removed. If `kind` is one of the replaced
+/// settings, the settings that both kinds have keep their values.
 ///
 /// ```
 /// use palpate_study::config::{GlideEstimatorConfig, with_settings};
@@ -382,8 +385,8 @@ pub fn rename_settings(message: &str, name: impl Fn(&str) -> String) -> String {
 /// ```
 ///
 /// # Errors
-/// [`SettingError`] names the setting that the kind does not have, or whose value is out of its range or none of its words;
-/// or two that state the same.
+/// [`SettingError`] that names a setting which the kind does not have, whose value is out of range, or whose word is
+/// not one of the choices. Also if two settings state the same quantity.
 pub fn with_settings<T>(base: &T, given: &Map<String, Json>) -> Result<T, SettingError>
 where
     T: Clone + Serialize + DeserializeOwned + JsonSchema + 'static,
@@ -422,7 +425,7 @@ where
         let property = properties.and_then(|properties| properties.get(key));
         for other in property.into_iter().flat_map(instead_of) {
             if given.contains_key(other) {
-                let reason = format!("cannot stand beside setting `{other}`; give one of them");
+                let reason = format!("cannot be combined with setting `{other}`; give one of them");
                 return Err(SettingError::new(key, reason));
             }
             table.remove(other);
@@ -433,7 +436,8 @@ where
         .map_err(|error| SettingError::new(&error.path().to_string(), unreadable(error.inner())))
 }
 
-/// Table with all its lengths multiplied by a factor, curvatures divided by it: the table in another unit of length.
+/// The table in another unit of length: its lengths are multiplied by `factor`, and its curvatures are divided by
+/// `factor`.
 ///
 /// ```
 /// use palpate_study::config::{PressModelConfig, in_unit};
@@ -469,7 +473,7 @@ fn scale(schema: &Json, json: &mut Json, factor: f64) {
             }
         }
         Json::Array(items) => {
-            // The items of an array have the array's unit.
+            // The items of an array have the unit of the array.
             let of_items = match by == 1.0 {
                 true => &schema["items"],
                 false => schema,

@@ -13,11 +13,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A study: one scene, the axes along which it is varied, and the plots drawn from its table.
+/// A study: one scene, the axes along which the scene is varied, and the plots that are drawn from the study's table.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StudyConfig {
-    /// Name of the study and of its folder of results: lower-case words joined by hyphens.
+    /// Name of the study and of its output directory: lower-case words joined by hyphens.
     #[schemars(extend("pattern" = NAME, "maxLength" = 100))]
     pub name: String,
     /// The question that the study answers.
@@ -32,69 +32,72 @@ pub struct StudyConfig {
     /// Seed of all random draws.
     #[serde(default)]
     pub seed: u64,
-    /// Trials per cell; a scene without noise runs one.
+    /// Number of trials per cell. A scene without noise runs only one trial.
     #[serde(default = "count::<10_000>")]
     #[schemars(extend("minimum" = 1))]
     pub trials: u64,
-    /// Rule that ends the trials of a cell, instead of a number of trials.
+    /// Rule that ends the trials of a cell. It replaces a fixed number of trials.
     pub stop: Option<StopConfig>,
-    /// Numbers of the published claims that are scored from this study's tables.
+    /// Numbers of the published claims that are tested with this study's tables.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub claims: Vec<u32>,
     /// Results that the study writes.
     #[serde(default = "cells_only")]
     pub outputs: Vec<Output>,
-    /// Version of the crate that wrote a resolved config; ignored when read.
+    /// Version of palpate that wrote the config. It is missing in a config that a person wrote.
     pub crate_version: Option<String>,
-    /// Names of the columns of recorded readings that `palpate estimate --like` takes with this study, by palpate's own
-    /// names: `x = "Finger X [m]"`.
+    /// Names of the columns in recorded readings that `palpate estimate --like` reads with this study. The key is
+    /// palpate's name of the column, the value is the name in the file: `x = "Finger X [m]"`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub columns: ColumnNames,
-    /// The scene: the bodies in contact, the model, the sensor and the estimator.
+    /// The scene: the bodies in contact, the motion, the model, the sensor, the noise and the estimator.
     pub scene: SceneConfig,
-    /// Axes along which fields are varied; axes multiply, the first varies slowest.
+    /// Sweep axes along which fields are varied. The cells are all combinations of their values; the first axis varies
+    /// slowest.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sweep: Vec<SweepConfig>,
-    /// Plots of the study's table. Without any there is one: the relative rms error of the object's curvature over the
-    /// first swept field, with a line per value of the second and a panel per value of the third.
+    /// Plots of the study's tables. If there is none, one default plot is drawn: the relative rms error of the object's
+    /// curvature over the first swept field. It has one line per value of the second swept field, and one panel per
+    /// value of the third.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plot: Vec<PlotConfig>,
 }
 
-/// Rule by which a cell has had enough trials: a statistic of a quantity is known to a relative standard error.
+/// Rule that ends the trials of a cell when a statistic of a quantity has reached a given relative standard error.
 ///
-/// It is looked at after 1, 2, 4, 8 … blocks of 1,024 trials, in the order of their numbers. The error is one over trials:
-/// several observations of one trial, as at all places of a patch, count as one.
+/// The rule is tested after 1, 2, 4, 8 … blocks of 1,024 trials, in the order of their numbers. The standard error is
+/// computed from the scatter between trials: several observations in one trial, for example at all points of a patch,
+/// count as one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StopConfig {
-    /// Relative standard error at which the statistic is known well enough.
+    /// Relative standard error of the statistic at which the trials end.
     #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
     pub relative_standard_error: f64,
-    /// Quantity that is watched, as the results name it; by default the first of the scene.
+    /// Quantity whose statistic is tested, by its name in `cells.csv`. The default is the first quantity of the scene.
     pub quantity: Option<String>,
-    /// Statistic that is watched.
+    /// Statistic that is tested.
     #[serde(default)]
     pub statistic: StopStatistic,
-    /// Fewest trials per cell.
+    /// Smallest number of trials per cell.
     #[serde(default = "count::<1024>")]
     #[schemars(extend("minimum" = 1))]
     pub min_trials: u64,
-    /// Most trials per cell.
+    /// Largest number of trials per cell.
     #[schemars(extend("minimum" = 1))]
     pub max_trials: u64,
 }
 
-/// Statistic by which a cell is watched.
+/// Statistic that the stopping rule tests.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum StopStatistic {
     /// Mean of the estimates.
     Mean,
-    /// Root of the mean squared error.
+    /// Root of the mean squared error of the estimates.
     #[default]
     RmsError,
-    /// Mean magnitude of the error.
+    /// Mean absolute error of the estimates.
     MeanAbsError,
 }
 
@@ -102,7 +105,7 @@ fn cells_only() -> Vec<Output> {
     vec![Output::Cells]
 }
 
-/// A scene, by the way in which its bodies touch.
+/// A scene. Its kind is the way in which the bodies touch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 #[expect(clippy::large_enum_variant, reason = "a study has one scene")]
@@ -113,13 +116,14 @@ pub enum SceneConfig {
     Glide(GlideConfig),
     /// A soft sphere with markers is pressed onto an object.
     Press(PressConfig),
-    /// A sensor with markers by itself, which touches nothing: how much its skin is strained by folding it from its flat
-    /// pattern (`greatest_fold_strain`, `rms_fold_strain`), and how large a marker looks (`marker_area`). Nothing is random.
+    /// A sensor with markers, without an object: the strain of its skin when it is folded from its flat pattern
+    /// (`greatest_fold_strain`, `rms_fold_strain`), and the size of a marker in the image (`marker_area`). The scene
+    /// has no random numbers.
     Fingertip(BareFingertipConfig),
 }
 
 impl SceneConfig {
-    /// Name of the kind, as configs have it.
+    /// Name of the kind, as configs state it.
     pub const fn kind(&self) -> &'static str {
         match self {
             Self::Roll(_) => "roll",
@@ -129,7 +133,8 @@ impl SceneConfig {
         }
     }
 
-    /// Checks the rules that concern several fields. The error is the field and the problem.
+    /// Checks the rules that involve several fields. The error contains the path of the field and a description of the
+    /// problem.
     pub(super) fn check(&self) -> Result<(), (&'static str, &'static str)> {
         match self {
             Self::Roll(roll) => roll.check(),
@@ -149,8 +154,8 @@ impl SceneConfig {
         }
     }
 
-    /// The scene with another model. Estimator settings that default to the present model stay. `None` if the model is of
-    /// another kind of scene.
+    /// The scene with another model. Settings of the estimator whose default is the present model's value keep this
+    /// value. `None` if the model belongs to another kind of scene.
     #[must_use]
     pub fn with_model(&self, model: &ModelConfig) -> Option<Self> {
         let mut scene = self.clone();
@@ -168,7 +173,7 @@ impl SceneConfig {
     }
 }
 
-/// How the truth of a scene is computed: the table `scene.model`.
+/// The model that computes the true values of a scene: the table `scene.model`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum ModelConfig {
@@ -180,19 +185,20 @@ pub enum ModelConfig {
     Press(PressModelConfig),
 }
 
-/// A kind of result.
+/// A kind of result that a study writes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Output {
-    /// The table of cells and quantities.
+    /// The tables with the statistics of all cells and quantities.
     Cells,
-    /// One noiseless pass of the first cell.
+    /// A trace of one trial of the first cell, without noise.
     Trace,
-    /// The estimated curvatures over a patch; of a press, the true and the estimated displacement along a radius.
+    /// For a glide, a map of the estimated curvatures over the patch. For a press, the true and the estimated
+    /// displacement along a radius from the contact.
     Map,
 }
 
-/// The unit of every length of a study. Curvatures are in its inverse.
+/// The unit of every length in a study. Curvatures have the inverse unit.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LengthUnit {
@@ -204,7 +210,7 @@ pub enum LengthUnit {
     Mm,
     /// Micrometre.
     Um,
-    /// Lengths are multiples of a length that the study does not state.
+    /// A unit of length that the study does not specify.
     #[default]
     Unit,
 }
@@ -213,7 +219,7 @@ impl LengthUnit {
     /// All units.
     pub(crate) const ALL: [Self; 5] = [Self::M, Self::Cm, Self::Mm, Self::Um, Self::Unit];
 
-    /// The unit as in configs and column names.
+    /// Name of the unit, as configs and column names state it.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::M => "m",
@@ -224,7 +230,8 @@ impl LengthUnit {
         }
     }
 
-    /// Factor from this unit to another: 1000 from metres to millimetres. `None` if only one of them is metric.
+    /// Factor from this unit to `other`, for example 1000 from metres to millimetres. `None` if one of the units is
+    /// metric and the other is not.
     pub fn to(self, other: Self) -> Option<f64> {
         let per_metre = |unit| match unit {
             Self::M => Some(1.0),

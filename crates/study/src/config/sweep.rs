@@ -1,4 +1,5 @@
-//! The `[[sweep]]` section: axes, each a list of rows of values for one or several fields.
+//! The `[[sweep]]` section of a config: axes. Each axis is a list of rows, and a row has one value for each field of
+//! the axis.
 
 use super::error::Fault;
 use super::tree::{self, as_number, describe, number_text};
@@ -8,32 +9,34 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, HashSet};
 use toml::Value;
 
-/// One axis: a field (`path`) or fields that move together (`paths`), and either a list of `values` or a range
-/// (`from`, `to`, `count`, `spacing`); or quasi-random points (`sample`, `count`) in `ranges` of fields.
+/// One axis of the sweep. It varies one field (`path`), or several fields together (`paths`). Its values are a list
+/// (`values`), a range (`from`, `to`, `count`, `spacing`), or quasi-random points (`sample`, `count`) in ranges of
+/// fields (`ranges`).
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepConfig {
-    /// The field: keys and array indices joined by dots, e.g. `scene.object.radius`.
+    /// Path of the swept field: keys and array indices joined by dots, for example `scene.object.radius`.
     pub path: Option<String>,
-    /// Fields that move together; each of `values` is then an array with one value per field.
+    /// Paths of fields that vary together. Each of `values` is then an array with one value per field.
     #[schemars(extend("minItems" = 1))]
     pub paths: Option<Vec<String>>,
-    /// The values. A table needs a `label`, which the results show in its place.
+    /// Values of the axis. A value that is a table needs a `label`, which represents it in the results.
     #[schemars(with = "Option<Vec<serde_json::Value>>", extend("minItems" = 1))]
     pub values: Option<Vec<toml::Value>>,
     /// First value of a range.
     pub from: Option<f64>,
     /// Last value of a range.
     pub to: Option<f64>,
-    /// Number of values of a range, both ends included.
+    /// Number of values of a range, including both ends.
     #[schemars(extend("minimum" = 1))]
     pub count: Option<u32>,
-    /// How a range is divided. Values between the ends are rounded to 12 digits.
+    /// Spacing of the values of a range. Values between the ends are rounded to 12 digits.
     pub spacing: Option<Spacing>,
-    /// How points are chosen in `ranges`, `count` of them: far fewer than a grid of as many fields needs.
+    /// Method that chooses `count` points in `ranges`. If many fields vary, far fewer points are needed than with a
+    /// grid.
     pub sample: Option<Sample>,
-    /// Ranges of the fields that are sampled, by their paths. The order of the paths in the alphabet is that of the
-    /// columns.
+    /// Ranges of the sampled fields, by the paths of the fields. The columns of the result tables are in the
+    /// alphabetical order of the paths.
     pub ranges: Option<BTreeMap<String, RangeConfig>>,
 }
 
@@ -41,11 +44,11 @@ pub struct SweepConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RangeConfig {
-    /// Least value.
+    /// Smallest value of the range.
     pub from: f64,
-    /// Largest value, which itself is not taken.
+    /// Upper end of the range, which is not included.
     pub to: f64,
-    /// Spacing in which values are as likely everywhere.
+    /// Spacing on which the points are spread evenly: `linear` or `log`.
     #[serde(default)]
     pub spacing: Spacing,
 }
@@ -54,13 +57,13 @@ pub struct RangeConfig {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sample {
-    /// Sobol's sequence with Owen's scrambling (Burley 2020), the same for every seed of the study: each half, quarter and so
-    /// on of every range has as many of the first 2ⁿ points.
+    /// Sobol's sequence with Owen's scrambling (Burley 2020). It is the same for every seed of the study. Each half,
+    /// quarter and so on of every range contains equally many of the first 2ⁿ points.
     Sobol,
 }
 
 impl SweepConfig {
-    /// The fields that the axis sets.
+    /// Paths of the fields that the axis sets.
     pub(crate) fn targets(&self) -> impl Iterator<Item = &str> {
         self.path
             .iter()
@@ -70,7 +73,7 @@ impl SweepConfig {
     }
 }
 
-/// How a range is divided.
+/// Spacing of the values of a range.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Spacing {
@@ -82,7 +85,8 @@ pub enum Spacing {
 }
 
 impl Spacing {
-    /// Number at a share of the way from one end to the other, rounded to 12 digits.
+    /// Number between two ends, rounded to 12 digits. `share` is the fraction of the way from the first end to the
+    /// second.
     fn between(self, from: f64, to: f64, share: f64) -> f64 {
         let mix = |a: f64, b: f64| a * (1.0 - share) + b * share;
         rounded(match self {
@@ -95,18 +99,18 @@ impl Spacing {
 /// Largest number of cells of a study.
 const MAX_CELLS: u64 = 1_000_000;
 
-/// One axis, ready to be put into the tree.
+/// One axis, converted so that its values can be inserted into the tree of a config.
 #[derive(Debug, Clone)]
 pub(super) struct Axis {
     pub(super) targets: Vec<Target>,
     rows: Rows,
     /// Path of the axis in the config.
     path: String,
-    /// Whether a row states a list of values, one per target.
+    /// Whether each row of the axis is written in the config as a list with one value per field.
     is_joint: bool,
 }
 
-/// Rows of an axis, with one value per target.
+/// Rows of an axis. Each row has one value per field.
 #[derive(Debug, Clone)]
 enum Rows {
     Listed(Vec<Vec<SweptValue>>),
@@ -130,12 +134,12 @@ impl Axis {
         self.rows.len()
     }
 
-    /// Whether its values are numbers from one end to another.
+    /// Whether the values of the axis are the numbers of a range.
     pub(super) fn is_range(&self) -> bool {
         matches!(self.rows, Rows::Spaced(_) | Rows::Sampled(_))
     }
 
-    /// Values of a row, one per target.
+    /// Values of the row with this index, one per field.
     pub(super) fn row(&self, index: usize) -> Cow<'_, [SweptValue]> {
         match &self.rows {
             Rows::Listed(rows) => Cow::Borrowed(&rows[index]),
@@ -156,7 +160,7 @@ impl Axis {
         }
     }
 
-    /// First and last row, and those with the least and the largest number.
+    /// Indices of the first and the last row, and of the rows with the smallest and the largest number.
     pub(super) fn extremes(&self) -> Vec<usize> {
         let last = self.len() - 1;
         let mut extremes = vec![0, last];
@@ -179,7 +183,7 @@ impl Axis {
         extremes
     }
 
-    /// Refuses a row that stands twice.
+    /// Rejects a row that occurs twice.
     fn check_rows(&self) -> Result<(), Fault> {
         let twice = match &self.rows {
             Rows::Listed(rows) => {
@@ -190,7 +194,7 @@ impl Axis {
                 })
             }
             Rows::Sampled(_) => None,
-            // Numbers of a range follow each other.
+            // Compare only neighbours, because the numbers of a range increase or decrease.
             Rows::Spaced(range) => {
                 (1..=range.steps).find(|&row| range.number(row) == range.number(row - 1))
             }
@@ -201,12 +205,13 @@ impl Axis {
         Err(Fault {
             path: self.path.clone(),
             location: self.location(row, 0),
-            ..Fault::new(format!("{} stands twice on this axis", texts.join(", ")))
+            ..Fault::new(format!("{} occurs twice on this axis", texts.join(", ")))
         })
     }
 }
 
-/// A field that an axis sets, and the path at which the config names it, as a value or as a key.
+/// A field that an axis sets. Also stores the path in the config at which the name of this field is written, as a value
+/// or as a key.
 #[derive(Debug, Clone)]
 pub(super) struct Target {
     pub(super) path: String,
@@ -215,7 +220,7 @@ pub(super) struct Target {
 }
 
 impl Target {
-    /// Fault of the target itself.
+    /// Fault that concerns the name of the field itself.
     pub(super) fn fault(&self, message: String) -> Fault {
         Fault {
             location: self.location.clone(),
@@ -229,12 +234,12 @@ impl Target {
 #[derive(Debug, Clone)]
 pub(super) struct SweptValue {
     pub(super) value: Value,
-    /// Label of a table.
+    /// Label, if the value is a table.
     label: Option<String>,
 }
 
 impl SweptValue {
-    /// Number that is made, not written. A whole one is an integer, so that it may also set a field that counts.
+    /// A computed number. A whole number becomes an integer, so that it can also set a field that requires an integer.
     fn of_number(number: f64) -> Self {
         let value = match number.fract() == 0.0 && number.abs() < 2_f64.powi(53) {
             true => Value::Integer(number as i64),
@@ -243,7 +248,7 @@ impl SweptValue {
         Self { value, label: None }
     }
 
-    /// A table gives up its label, which then stands for it.
+    /// A value of the config. If it is a table, its label is removed from the table and stored separately.
     fn new(value: &Value) -> Result<Self, Fault> {
         let mut value = value.clone();
         let Value::Table(table) = &mut value else {
@@ -265,7 +270,7 @@ impl SweptValue {
         }
     }
 
-    /// Text that stands for it in results.
+    /// Text that represents the value in results.
     pub(super) fn text(&self) -> Cow<'_, str> {
         match &self.label {
             Some(label) => label.into(),
@@ -274,7 +279,7 @@ impl SweptValue {
     }
 }
 
-/// Axes of a `sweep` section that has been validated against the schema.
+/// Axes of a `sweep` section that the schema has accepted.
 pub(super) fn axes(section: &[SweepConfig]) -> Result<Vec<Axis>, Fault> {
     let mut cells = 1_u64;
     let mut first_beyond = None;
@@ -317,7 +322,8 @@ pub(super) fn axes(section: &[SweepConfig]) -> Result<Vec<Axis>, Fault> {
 }
 
 impl SweepConfig {
-    /// First of these keys that is given, or that is not.
+    /// The first of these keys that the axis states, if `is_given` is true; otherwise the first of these keys that it
+    /// does not state.
     fn first(&self, keys: &[&'static str], is_given: bool) -> Option<&'static str> {
         let has = |key: &str| match key {
             "path" => self.path.is_some(),
@@ -333,7 +339,7 @@ impl SweepConfig {
         keys.iter().copied().find(|key| has(key) == is_given)
     }
 
-    /// The rows. Those of a range or of points are not made yet.
+    /// Rows of the axis. Rows of a range and of sampled points are computed when they are needed.
     fn rows(&self) -> Result<Rows, Fault> {
         let both = |form: &str, others: &[&'static str]| match self.first(others, true) {
             Some(key) => Err(Fault::new(format!(
@@ -386,7 +392,7 @@ impl SweepConfig {
         }
     }
 
-    /// Rows of listed values.
+    /// Rows that the config lists as `values`.
     fn listed(&self, values: &[Value]) -> Result<Vec<Vec<SweptValue>>, Fault> {
         let row = |value: &Value| match (&self.paths, value) {
             (None, value) => Ok(vec![SweptValue::new(value)?]),
@@ -412,7 +418,7 @@ impl SweepConfig {
             .collect()
     }
 
-    /// The fields that the axis sets, with the paths at which it names them.
+    /// The fields that the axis sets, each with the path in the config at which its name is written.
     fn located_targets(&self, axis: &str) -> Vec<Target> {
         let targets = self.targets().enumerate();
         targets
@@ -436,7 +442,7 @@ struct Points {
     ranges: Vec<RangeConfig>,
 }
 
-/// Most points and fields that Sobol's sequence is known for.
+/// Largest number of points, and largest number of fields, for which Sobol's sequence is implemented.
 const MOST_POINTS: u32 = 65_536;
 const MOST_FIELDS: usize = 256;
 
@@ -480,7 +486,7 @@ fn points(ranges: &BTreeMap<String, RangeConfig>, count: u32) -> Result<Points, 
     })
 }
 
-/// Refuses a target that cannot be swept, or that an earlier target sets. The error is in words.
+/// Rejects a field that cannot be swept, or that an earlier axis already sets. The error is a message.
 fn check_target<'a>(
     target: &Target,
     mut before: impl Iterator<Item = &'a Target>,
@@ -505,11 +511,11 @@ fn check_target<'a>(
     }
 }
 
-/// Numbers from one end to another, made as they are asked for.
+/// Numbers from one end to another, each computed when it is needed.
 #[derive(Debug, Clone)]
 struct Range {
     ends: [f64; 2],
-    /// Number of steps between the ends.
+    /// Number of steps from the first end to the second.
     steps: usize,
     spacing: Spacing,
 }
@@ -546,7 +552,8 @@ fn range(ends: [f64; 2], count: u32, spacing: Spacing) -> Result<Range, Fault> {
     })
 }
 
-/// Number rounded to 12 digits: 0.3 rather than 0.30000000000000004, and the same on machines whose logarithms differ.
+/// A number rounded to 12 digits: 0.3 instead of 0.30000000000000004. The result is the same on machines whose
+/// logarithms round differently.
 pub(super) fn rounded(number: f64) -> f64 {
     format!("{number:.11e}").parse().unwrap_or(number)
 }

@@ -1,4 +1,4 @@
-//! A config's text as a tree of values, and paths in it.
+//! Parses the text of a config to a tree of values, and accesses values by their path.
 
 use super::error::Fault;
 use palpate_statistics::Number;
@@ -25,7 +25,7 @@ fn value(value: &DeValue<'_>) -> Result<Value, Fault> {
                 |_| Fault::new(format!("the integer {integer} does not fit into 64 bits"));
             Value::Integer(parsed.map_err(too_large)?)
         }
-        // A literal like 1e999 becomes infinity here; it is refused where a number is expected.
+        // A literal like 1e999 becomes infinity here. The schema rejects infinity later.
         DeValue::Float(float) => {
             let no_number = |_| Fault::new(format!("{float} is not a number"));
             Value::Float(float.as_str().parse().map_err(no_number)?)
@@ -48,7 +48,7 @@ fn value(value: &DeValue<'_>) -> Result<Value, Fault> {
     })
 }
 
-/// Value of a table's key, or item of an array.
+/// The value at a key of a table, or the item at an index of an array.
 pub(super) fn child<'a>(value: &'a Value, key: &str) -> Option<&'a Value> {
     match value {
         Value::Array(items) => items.get(key.parse::<usize>().ok()?),
@@ -68,20 +68,20 @@ pub(super) fn at<'a>(tree: &'a Value, path: &str) -> Option<&'a Value> {
     path.split('.').try_fold(tree, child)
 }
 
-/// The value at a path, if there is one; the tree itself at an empty path.
+/// The value at a path, if there is one. If the path is empty, this is the whole tree.
 pub(super) fn at_mut<'a>(tree: &'a mut Value, path: &str) -> Option<&'a mut Value> {
     let mut keys = path.split('.').filter(|key| !key.is_empty());
     keys.try_fold(tree, child_mut)
 }
 
-/// Takes the value at a path out of its table, if there is one.
+/// Removes the value at a path from its table, and returns it, if there is one.
 pub(super) fn take(tree: &mut Value, path: &str) -> Option<Value> {
     let (parents, key) = path.rsplit_once('.').unwrap_or(("", path));
     at_mut(tree, parents)?.as_table_mut()?.remove(key)
 }
 
-/// Puts a value at a path of keys and array indices. Everything but the last key must exist. The error names the value
-/// that prevents it.
+/// Sets the value at a path of keys and array indices. All keys before the last one must exist. The error states the
+/// value that prevents this.
 pub(super) fn set(tree: &mut Value, path: &str, value: Value) -> Result<(), String> {
     let (parents, last) = path.rsplit_once('.').unwrap_or(("", path));
     let (mut node, mut walked) = (tree, String::new());
@@ -132,7 +132,7 @@ pub(super) fn as_number(value: &Value) -> Option<f64> {
     }
 }
 
-/// The kind of the value, with the value itself where it is short.
+/// Type of a value in words, with the value itself if it is short.
 pub(super) fn describe(value: &Value) -> String {
     match value {
         Value::String(text) if text.chars().count() > 60 => "a string".into(),
@@ -146,7 +146,7 @@ pub(super) fn describe(value: &Value) -> String {
     }
 }
 
-/// The value as a table of results shows it: strings as they are, numbers in the shortest form that reads back.
+/// A value as result tables show it: strings unchanged, numbers in the shortest form that parses to the same number.
 pub(super) fn text(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
@@ -162,7 +162,7 @@ pub(super) fn text(value: &Value) -> String {
     }
 }
 
-/// The shortest form that reads back as the same number; whole numbers without a point.
+/// The shortest text that parses to the same number; whole numbers have no decimal point.
 pub(super) fn number_text(number: f64) -> String {
     if number.is_nan() {
         return "nan".into();
@@ -170,7 +170,7 @@ pub(super) fn number_text(number: f64) -> String {
     Number(number).to_string()
 }
 
-/// The known word that looks most like the given one, if any comes near.
+/// The known word that is most similar to `word`; `None` if no known word is similar.
 pub(super) fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase();
     known
@@ -180,7 +180,8 @@ pub(super) fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> O
         .map(|(_, candidate)| candidate)
 }
 
-/// "did you mean `radius`? (known: kind, radius)", or only the known words if none is near.
+/// A hint such as "did you mean `radius`? (known: kind, radius)". If no known word is similar, the hint only lists the
+/// known words.
 pub(crate) fn suggest<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
     let all = known.clone().collect::<Vec<_>>().join(", ");
     match nearest(word, known) {

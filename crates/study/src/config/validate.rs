@@ -1,4 +1,4 @@
-//! Validation of a tree against a JSON Schema, with all messages about keys, types and limits.
+//! Validates a tree against a JSON Schema. All messages about keys, types and limits are in this file.
 
 use super::error::Fault;
 use super::setting_list::Range;
@@ -6,11 +6,12 @@ use super::tree::{as_number, child, describe, nearest, suggest, text};
 use serde_json::Value as Json;
 use toml::Value;
 
-/// The pattern of a name that may be a file name.
+/// Pattern of a name that can be used as a file name.
 pub(super) const NAME: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
 
-/// Checks a tree against a schema as [`super::schema()`] makes them: tagged tables (`oneOf` with a `kind` each),
-/// choices of words, choices of either, objects, arrays, numbers and strings; no references. The first fault in the order of the text is reported.
+/// Checks a tree against a schema in the form that [`super::schema()`] returns. Such a schema has tables with a `kind`
+/// (`oneOf`), choices of words, alternatives, objects, arrays, numbers and strings, but no references. Reports the
+/// first fault in the order of the text.
 pub(super) fn validate(schema: &Json, node: &Value) -> Result<(), Fault> {
     if let Some(variants) = schema["oneOf"].as_array() {
         let tables = variants.iter().any(|variant| kind_of(variant).is_some());
@@ -38,8 +39,8 @@ pub(super) fn validate(schema: &Json, node: &Value) -> Result<(), Fault> {
     }
 }
 
-/// The schema of the field at a path of keys and array indices, in the kinds that a tree has; `None` where it has no such
-/// field.
+/// The schema of the field at a path of keys and array indices. The tables on the path have the kinds that the tree
+/// states; `None` if these kinds have no such field.
 pub(super) fn at<'a>(schema: &'a Json, tree: &Value, path: &str) -> Option<&'a Json> {
     let (mut schema, mut node) = (schema, Some(tree));
     for key in path.split('.') {
@@ -60,18 +61,19 @@ pub(super) fn at<'a>(schema: &'a Json, tree: &Value, path: &str) -> Option<&'a J
     Some(schema)
 }
 
-/// The value of `kind` that a variant of a tagged table asks for.
+/// The value of `kind` in the schema `variant` of a table.
 pub(super) fn kind_of(variant: &Json) -> Option<&str> {
     variant["properties"]["kind"]["const"].as_str()
 }
 
-/// Fields of the same table that exclude this one, because they state the same in another way.
+/// Alternatives of a field in the same table. They state the same quantity in another way, so only one of them may be
+/// stated.
 pub(super) fn instead_of(field: &Json) -> impl Iterator<Item = &str> {
     let names = field["x-instead-of"].as_array();
     names.into_iter().flatten().filter_map(Json::as_str)
 }
 
-/// The words among the variants.
+/// The words among the variants of a value.
 fn words(variants: &[Json]) -> impl Iterator<Item = &str> {
     variants
         .iter()
@@ -136,7 +138,8 @@ fn not_among(what: &str, word: &str, known: &[&str]) -> Fault {
     ))
 }
 
-/// Checks a table, which might also be of the kinds of `others`.
+/// Checks a table against its schema. `others` are the schemas of the table's other kinds, which are used for hints in
+/// messages.
 fn object(schema: &Json, others: &[Json], node: &Value) -> Result<(), Fault> {
     let Value::Table(table) = node else {
         return Err(wrong_type("a table", node));
@@ -146,7 +149,7 @@ fn object(schema: &Json, others: &[Json], node: &Value) -> Result<(), Fault> {
         match properties.and_then(|properties| properties.get(key)) {
             Some(property) => match other_of(property, table, key) {
                 Some(other) => {
-                    let message = format!("cannot stand beside `{other}`; keep one of them");
+                    let message = format!("cannot be combined with `{other}`; keep one of them");
                     Err(Fault::new(message).under(key))
                 }
                 None => validate(property, value).map_err(|fault| fault.under(key)),
@@ -187,7 +190,7 @@ fn object(schema: &Json, others: &[Json], node: &Value) -> Result<(), Fault> {
     }
 }
 
-/// Kinds that have a key.
+/// Names of the kinds that have a key.
 pub(super) fn kinds_with<'a>(variants: &'a [Json], key: &str) -> Vec<&'a str> {
     let mut found: Vec<&str> = Vec::new();
     for variant in variants {
@@ -198,7 +201,7 @@ pub(super) fn kinds_with<'a>(variants: &'a [Json], key: &str) -> Vec<&'a str> {
     found
 }
 
-/// Earlier key of a table that states the same as a key in another way.
+/// An alternative of a key, if the table states it before this key.
 fn other_of<'a>(property: &'a Json, table: &toml::Table, key: &str) -> Option<&'a str> {
     let before: Vec<&String> = table.keys().take_while(|other| *other != key).collect();
     instead_of(property).find(|other| before.iter().any(|earlier| earlier == other))
@@ -241,7 +244,7 @@ fn string(schema: &Json, node: &Value) -> Result<(), Fault> {
     let Some(text) = node.as_str() else {
         return Err(wrong_type("a string", node));
     };
-    // The only pattern in the schema is that of a name.
+    // The schema has only one pattern, the pattern of a name, so it is checked without a regular expression.
     if schema.get("pattern").is_some() && !is_kebab_case(text) {
         let message = format!(
             "{text:?} is not a name: lower-case letters and digits, joined by single hyphens, at most 100"

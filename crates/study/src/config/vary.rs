@@ -1,4 +1,4 @@
-//! Fields whose values replace those of the config: `--vary` and `--set`.
+//! Fields whose values are given on the command line and replace the values in the config: `--vary` and `--set`.
 
 use super::config_output::to_toml;
 use super::error::{ConfigError, Source};
@@ -10,7 +10,7 @@ use super::sweep::SweepConfig;
 use super::validate;
 use std::str::FromStr;
 
-/// A field, by its path as in a sweep, and its values: `scene.sensor.pitch=0.05..2` or
+/// A field, given by the path that a sweep would use, and its values: `scene.sensor.pitch=0.05..2` or
 /// `scene.sensor.normal_from=hue,both`.
 ///
 /// ```
@@ -27,53 +27,56 @@ use std::str::FromStr;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Vary {
-    /// Keys and array indices joined by dots.
+    /// Path of the field: keys and array indices joined by dots.
     pub path: String,
-    /// Its values.
+    /// Values of the field.
     pub values: Varied,
 }
 
-/// Values of a field that is varied. A range whose ends have units is a single text until [`Study::resolve`] converts it.
+/// Values of a varied field. If the ends of a range have units, the range stays a text until [`Study::resolve`]
+/// converts it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Varied {
-    /// All numbers from one finite number to another that is no smaller.
+    /// All numbers between two finite numbers. The second number is not smaller than the first.
     Range {
-        /// Least number.
+        /// Smallest number.
         from: f64,
         /// Largest number.
         to: f64,
     },
-    /// These, at least one.
+    /// A list of at least one value.
     Listed(Vec<toml::Value>),
 }
 
-/// Text that is no field with values.
+/// Reason why a text does not state a field with values.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum VaryError {
-    /// There is no field, or no value.
-    #[error("{0:?} is no PATH=LO..HI and no PATH=A,B,C, such as scene.sensor.pitch=0.05..2")]
+    /// The field or the values are missing.
+    #[error(
+        "{0:?} is not of the form PATH=LO..HI or PATH=A,B,C, such as scene.sensor.pitch=0.05..2"
+    )]
     NoValues(String),
-    /// An end of a range is no finite number.
+    /// An end of a range is not a finite number.
     #[error("the range {range} needs a finite number on each side of `..`, and {end:?} is none")]
     NoNumber {
-        /// The range.
+        /// Text of the range.
         range: String,
-        /// The end.
+        /// Text of the end that is not a number.
         end: String,
     },
-    /// The ends of a range are swapped.
+    /// The first end of a range is larger than the second.
     #[error("the range {0}..{1} runs downwards; write {1}..{0}")]
     Downwards(String, String),
 }
 
-/// Kinds of values that a field takes.
+/// Type of the values that a field of the config accepts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Takes {
     /// Any number.
     Number,
     /// Whole numbers.
     Whole,
-    /// Words, truth values, lists or tables.
+    /// Other values: words, truth values, lists or tables.
     Other,
 }
 
@@ -122,7 +125,7 @@ fn range(range: &str, from: &str, to: &str) -> Result<Varied, VaryError> {
     }
 }
 
-/// Values as in a TOML list without brackets. If that is no TOML, words without quotation marks.
+/// Parses values as a TOML list without brackets. If this fails, parses them as words without quotation marks.
 fn listed(values: &str) -> Option<Vec<toml::Value>> {
     let parsed = |text: &str| -> Option<Vec<toml::Value>> {
         let list: toml::Value = format!("[{text}]").parse().ok()?;
@@ -140,10 +143,11 @@ fn listed(values: &str) -> Option<Vec<toml::Value>> {
 }
 
 impl Study {
-    /// The study with these fields as its fastest axes, each with its values. They replace the same fields of the config and its
-    /// sweeps, and their alternatives. The study has no plots and claims, and its only output is the table of cells.
+    /// The study with these fields as additional axes, which vary fastest. These axes replace the same fields in the
+    /// config and in its sweeps, and also alternatives of these fields. The new study has no plots and no claims, and
+    /// its only output is the table of cells.
     ///
-    /// Errors name the config's file and the field, but no line, because the values are not in the file.
+    /// Errors state the file of the config and the field, but no line, because the values are not in the file.
     ///
     /// ```
     /// use palpate_study::config::parse;
@@ -173,7 +177,7 @@ impl Study {
     /// ```
     ///
     /// # Errors
-    /// [`ConfigError`] as [`parse`](super::parse) has it, without a line.
+    /// The same errors as [`parse`](super::parse), but without a line.
     pub fn varied(&self, fields: &[(String, Vec<toml::Value>)]) -> Result<Study, ConfigError> {
         let is_varied = |path: &str| {
             let mut fields = fields.iter().map(|(field, _)| field);
@@ -204,7 +208,7 @@ impl Study {
         read(Source::made(self.file(), &to_toml(&config)))
     }
 
-    /// Kinds of values that a field of the first cell takes; `None` if there is no such field.
+    /// Type of the values that a field of the first cell accepts; `None` if the cell has no such field.
     pub fn takes(&self, path: &str) -> Option<Takes> {
         let keys: Vec<&str> = path.split('.').collect();
         let in_any_kind = || fields_at(&SCHEMA, &keys).into_iter().next();
@@ -218,7 +222,7 @@ impl Study {
 }
 
 impl SweepConfig {
-    /// Leaves fields out, with their values.
+    /// Removes the fields for which `is_out` returns true.
     fn forget(&mut self, is_out: impl Fn(&str) -> bool) {
         if self.path.as_deref().is_some_and(&is_out) {
             self.path = None;
@@ -271,11 +275,11 @@ mod tests {
     #[test]
     fn what_is_no_field_with_values() {
         for (text, said) in [
-            ("scene.sensor.pitch", "is no PATH=LO..HI"),
-            ("=1..2", "is no PATH"),
-            ("scene.sensor.pitch=", "is no PATH"),
-            ("a b=1", "is no PATH"),
-            ("a=,", "is no PATH"),
+            ("scene.sensor.pitch", "is not of the form PATH=LO..HI"),
+            ("=1..2", "is not of the form PATH"),
+            ("scene.sensor.pitch=", "is not of the form PATH"),
+            ("a b=1", "is not of the form PATH"),
+            ("a=,", "is not of the form PATH"),
             ("a=1..", "\"\" is none"),
             ("a=1..nan", "\"nan\" is none"),
             ("a=2..1", "write 1..2"),

@@ -1,4 +1,4 @@
-//! Study configs, from text to cells.
+//! Configs of studies, from the text to the cells.
 
 mod alternatives;
 mod arguments;
@@ -14,7 +14,7 @@ mod text;
 
 use palpate_study::config::{ConfigError, Study, parse};
 
-/// A valid study without a sweep, eight lines long.
+/// A valid study without a sweep. Its text has eight lines.
 const BASE: &str = r#"name = "a-study"
 length_unit = "cm"
 
@@ -25,12 +25,12 @@ object = { kind = "sphere", radius = 5.0 }
 motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
 "#;
 
-/// The valid study with more sections.
+/// The valid study [`BASE`] with additional sections.
 fn study(sections: &str) -> Study {
     parse("study.toml", &format!("{BASE}{sections}")).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The valid study with one piece of its text replaced.
+/// The valid study [`BASE`] in which a part of its text is replaced.
 fn edited(from: &str, to: &str) -> String {
     replaced(BASE, from, to)
 }
@@ -40,7 +40,7 @@ fn replaced(base: &str, from: &str, to: &str) -> String {
     base.replacen(from, to, 1)
 }
 
-/// Error of a bad config.
+/// Error of an invalid config.
 fn error(text: &str) -> ConfigError {
     match parse("study.toml", text) {
         Ok(_) => panic!("accepted:\n{text}"),
@@ -48,8 +48,9 @@ fn error(text: &str) -> ConfigError {
     }
 }
 
-/// Checks that edits of a base config are rejected. A row is `edit | line:column path | words of the reason`.
-/// An edit is `text => replacement` or lines to append; `\n` ends a line. Without `line:column`, no place is checked.
+/// Checks that edits of a base config are rejected. Each row is `edit | line:column path | words of the reason`. An
+/// edit is `text => replacement`, or lines to append; `\n` ends a line. Without `line:column`, the position is not
+/// checked.
 fn refuses(base: &str, table: &str) {
     let mut wrong = Vec::new();
     for row in table.trim().lines() {

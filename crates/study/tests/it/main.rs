@@ -1,4 +1,4 @@
-//! Integration tests.
+//! Integration tests of studies.
 #![allow(clippy::unwrap_used)]
 
 mod config;

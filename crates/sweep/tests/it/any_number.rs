@@ -37,7 +37,7 @@ proptest! {
         }
     }
 
-    /// Blocks in another order are the same sample: counts and quantiles are equal, and sums are equal except for
+    /// Blocks in a different order are the same sample: counts and quantiles are equal, and sums are equal except for
     /// rounding.
     #[test]
     fn blocks_in_any_order(errors in prop::collection::vec(-1e3..1e3_f64, 1..30), shift in 0..3_u64, power in -900..900) {

@@ -1,4 +1,4 @@
-//! Results do not depend on the threads or the division into blocks and jobs.
+//! Results depend neither on the number of threads nor on the division into blocks and jobs.
 
 use std::convert::Infallible;
 use std::ops::Range;
@@ -10,7 +10,7 @@ use crate::{
     Function, Tasks, normal, observation, observing, run_cell, run_with, runner, streamed,
 };
 
-/// All digits of all numbers.
+/// All digits of all numbers, as text.
 fn digits(cells: &[palpate_sweep::CellStatistics]) -> String {
     format!("{cells:?}")
 }
@@ -41,7 +41,7 @@ fn one_two_and_seven_threads_return_the_same_bits() {
     assert_eq!(digits(&run_with(7, &cells)), digits(&one));
 }
 
-/// Fails every seventh trial, and runs up to five trials between failures together.
+/// A trial that fails in every seventh case. Up to five trials between two failures are run together.
 struct Together;
 
 impl Trial for Together {
@@ -126,7 +126,8 @@ fn a_cancelled_run_starts_no_more_trials_and_returns_no_results() {
         let error = streamed(threads, &sweep, &cancelled).unwrap_err();
         assert!(matches!(error, SweepError::Cancelled), "{error}");
         let begun = begun.load(Ordering::Relaxed);
-        // A single thread stops after a trial, not after a block. The second thread stops when it reads the flag.
+        // A single thread stops after the current trial, not after the block. A second thread stops when it reads the
+        // flag.
         assert!((100..1000 * BLOCK).contains(&begun), "{begun}");
         assert!(threads > 1 || begun == 100, "{begun}");
     }
@@ -135,7 +136,7 @@ fn a_cancelled_run_starts_no_more_trials_and_returns_no_results() {
     assert_eq!(streamed(2, &sweep, &cancelled).unwrap().len(), 2);
 }
 
-/// Experiment that counts its instances, and their largest number at one time.
+/// An experiment that counts its instances, and the largest number of instances that exist at the same time.
 struct Alive<'a>(&'a [AtomicU64; 2]);
 
 impl<'a> Alive<'a> {
@@ -180,7 +181,8 @@ fn cells_are_set_up_once_each_and_few_are_alive() {
         assert!(trials_of.eq(trials.iter().copied()));
         let [alive, most] = counts.map(AtomicU64::into_inner);
         assert_eq!((set_ups.into_inner(), alive), (CELLS as u64, 0));
-        // One experiment per thread, and those whose trials are divided between two jobs.
+        // At one time, there is one experiment per thread, and in addition those whose trials are divided between two
+        // jobs.
         assert!((1..60).contains(&most), "{most}");
     }
 }

@@ -9,11 +9,12 @@ fn summary(trials: u64, of: impl Fn(u64) -> Observation + Sync) -> Summary {
     run_cell(trials, &observing(of)).quantities[0]
 }
 
-/// 1, 2, … n has mean (n + 1)/2, mean square (n + 1)(2n + 1)/6 and variance n(n + 1)/12, in the unit.
+/// The numbers 1, 2, … n have the mean (n + 1)/2, the mean square (n + 1)(2n + 1)/6 and the variance n(n + 1)/12,
+/// multiplied by the unit.
 #[test]
 fn sequences_in_any_unit_have_their_closed_forms() {
     for unit in [1e-320, 1e-300, 1e-150, 1e300] {
-        // Subnormal numbers are whole multiples of the smallest one.
+        // Subnormal numbers are integer multiples of the smallest positive double.
         let bound = f64::max(1e-13, 2.0 * f64::from_bits(1) / unit);
         let close = |found: Option<f64>, due: f64| {
             let found = found.unwrap() / unit;
@@ -32,7 +33,8 @@ fn sequences_in_any_unit_have_their_closed_forms() {
             close(found.std, (n * (n + 1.0) / 12.0).sqrt());
             close(found.mean_reported_std, 1.0);
         }
-        // If a share p of the errors is 1, the mean square is p, and its variance is p (1 − p)/(n − 1).
+        // If a share p of the errors is 1 and all others are 0, the mean square is p, and the variance of the mean
+        // square is p (1 − p)/(n − 1).
         let quarter = summary(4096, |trial| {
             observation(if trial % 4 == 3 { unit } else { 0.0 }, 0.0, None)
         });
@@ -43,7 +45,7 @@ fn sequences_in_any_unit_have_their_closed_forms() {
         let found = summary(2001, |trial| {
             observation((trial as f64 - 1000.0) * unit, 0.0, None)
         });
-        // Quantiles count numbers below 2.3e-308 as 0.
+        // In quantiles, numbers below 2.3e-308 count as 0.
         let side = if unit < 1e-310 { 0.0 } else { 900.0 };
         for (found, due) in [(found.q05, -side), (found.q50, 0.0), (found.q95, side)] {
             assert_abs_diff_eq!(found.unwrap() / unit, due, epsilon = 3.6);
@@ -73,7 +75,7 @@ fn estimates_that_alternate_have_their_mean_and_spread() {
     assert_eq!((alike.std, alike.coverage95), (Some(0.0), Some(1.0)));
 }
 
-/// Every second trial fails with this kind and adds no observation.
+/// Every second trial fails with this kind of failure and adds no observation.
 #[test]
 fn invalid_observations_fail_their_trial() {
     for ([estimate, truth, std], quantity, kind) in [

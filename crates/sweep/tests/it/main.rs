@@ -1,4 +1,4 @@
-//! Tests of the runner through its public interface.
+//! Tests of the sweep's runner through its public interface.
 #![allow(clippy::unwrap_used)]
 
 mod any_number;
@@ -17,7 +17,7 @@ use palpate_sweep::{
     SweepOutput, Task, Trial,
 };
 
-/// A trial defined by a function.
+/// A trial that is defined by a function.
 struct Function<F> {
     quantities: usize,
     function: F,
@@ -75,7 +75,7 @@ fn run_cell(trials: u64, trial: &dyn Trial) -> CellStatistics {
     cells.remove(0)
 }
 
-/// Tasks whose experiments are set up by a function of the cell.
+/// Tasks whose experiments are made by a function of the cell.
 struct Tasks<F> {
     tasks: Vec<Task>,
     set_up: F,
@@ -124,7 +124,7 @@ impl<T: Trial + Send, E: Send, F: Fn(usize) -> Result<T, E> + Sync> Sweep for Ta
     }
 }
 
-/// Results of all tasks. Asserts that they come in order.
+/// Results of all tasks. Checks that they arrive in the order of the cells.
 fn streamed<S: Sweep<Result = CellStatistics>>(
     threads: usize,
     sweep: &S,
@@ -142,7 +142,7 @@ fn streamed<S: Sweep<Result = CellStatistics>>(
     Ok(all)
 }
 
-/// Independent numbers in (0, 1), a function of their index (SplitMix64).
+/// Independent uniform numbers in (0, 1). Each is a function of its index (SplitMix64).
 fn uniform(index: u64) -> f64 {
     let mut bits = index.wrapping_mul(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -151,7 +151,7 @@ fn uniform(index: u64) -> f64 {
     ((bits >> 11) as f64 + 0.5) / (1u64 << 53) as f64
 }
 
-/// Independent standard normal numbers (Box and Muller).
+/// Independent standard normal numbers (Box–Muller method). Each is a function of its index.
 fn normal(index: u64) -> f64 {
     let (radius, angle) = (uniform(2 * index + 1), uniform(2 * index + 2));
     (-2.0 * libm::log(radius)).sqrt() * libm::cos(std::f64::consts::TAU * angle)

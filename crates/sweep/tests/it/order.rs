@@ -1,11 +1,12 @@
-//! Compares probabilities of the right order with closed forms, and tests the coverage of their intervals.
+//! Compares probabilities that two estimates have the right order with closed forms, and tests the coverage of their
+//! intervals.
 
 use palpate_statistics::normal_tail;
 use palpate_sweep::{Order, Repeats, TrialMeans, in_order, repeats};
 
 use crate::{normal, observation, observing, runner, uniform};
 
-/// Trials whose estimates are normal, with this mean and standard deviation 1.
+/// Trials whose estimates are normally distributed with this mean and standard deviation 1.
 fn normals(seed: u64, count: u64, mean: f64) -> Vec<TrialMeans> {
     (0..count)
         .map(|trial| Ok((mean + normal((seed << 32) + trial), mean)))
@@ -23,7 +24,7 @@ fn coverage(probability: f64, found: impl Fn(u64) -> Order) -> f64 {
 
 #[test]
 fn intervals_hold_the_probability_in_95_of_100() {
-    // For normal numbers whose means are d apart: P = Φ(d/√2).
+    // For normal numbers with variance 1 whose means differ by d, the probability is P = Φ(d/√2).
     for (distance, trials) in [
         (0.0, 100),
         (0.5, 100),
@@ -46,7 +47,7 @@ fn intervals_hold_the_probability_in_95_of_100() {
 
 #[test]
 fn unequal_samples_and_failures() {
-    // Each trial succeeds with the probability 0.9.
+    // Each trial succeeds with a probability of 0.9.
     let some = |seed: u64, count: u64, mean: f64| -> Vec<TrialMeans> {
         let all = normals(seed, count, mean).into_iter().enumerate();
         all.map(
@@ -81,7 +82,7 @@ fn both_must_be_above_the_limit() {
     assert!(covered > 0.925, "{covered}");
 }
 
-/// Repeats of two normal experiments with these means.
+/// Numbers of repeats of two normally distributed experiments with these means.
 fn repeats_of(seed: u64, count: u64, means: [f64; 2], limit: Option<f64>) -> Repeats {
     let [one, other] = [0, 1].map(|place| normals(seed + place, count, means[place as usize]));
     repeats(&one, &other, limit, 0.95)
@@ -89,7 +90,7 @@ fn repeats_of(seed: u64, count: u64, means: [f64; 2], limit: Option<f64>) -> Rep
 
 #[test]
 fn repeats_are_those_of_normal_means() {
-    // Φ(√(n/2) d) ≥ 0.95: n = 2 (1.645/d)².
+    // From Φ(√(n/2) d) ≥ 0.95 follows n = 2 (1.645/d)².
     for (distance, expected) in [(4.0, 1), (1.0, 6), (0.5, 22)] {
         let Repeats::Found(found) = repeats_of(1, 40_000, [0.0, distance], None) else {
             panic!("{distance}")
@@ -103,7 +104,7 @@ fn repeats_are_those_of_normal_means() {
     assert!(found.abs_diff(541) < 200, "{found}");
     assert_eq!(repeats_of(5, 1000, [1.0, 0.0], None), Repeats::Never);
     assert_eq!(repeats_of(7, 100, [0.0; 2], None), Repeats::Unknown);
-    // Both means are above the limit if Φ(√n d)² ≥ 0.95.
+    // The means of both experiments are above the limit with the required probability if Φ(√n d)² ≥ 0.95.
     let found = repeats_of(9, 40_000, [0.5; 2], Some(0.0));
     assert!(matches!(found, Repeats::Found(14..=17)), "{found:?}");
 }

@@ -1,4 +1,4 @@
-//! Compares statistics with closed forms and brute force, also at the limits of doubles.
+//! Compares statistics with closed forms and with direct computation, also at the limits of doubles.
 
 use approx::assert_relative_eq;
 use palpate_sweep::{BLOCK, Failure, Observation, Record};
@@ -8,7 +8,7 @@ use crate::{Function, normal, observation, observing, run_cell};
 #[test]
 fn an_arithmetic_sequence_has_its_closed_forms() {
     for trials in [2, 1023, 1024, 1025, 10_000] {
-        // Errors 1, 2, … n about a truth of −4.
+        // The errors are 1, 2, … n, and the true value is −4.
         let cell = run_cell(
             trials,
             &observing(|trial| observation(trial as f64 - 3.0, -4.0, None)),
@@ -39,8 +39,7 @@ fn an_arithmetic_sequence_has_its_closed_forms() {
 
 #[test]
 fn rms_errors_scatter_as_stated() {
-    // Trials with one observation, with three equal observations and a bias, and with one to three observations and a
-    // bias.
+    // The trials have one observation, three equal observations with a bias, or one to three observations with a bias.
     let observe = |kind: u64, trial: u64, record: &mut Record| {
         let (count, bias) = [(1, 0.0), (3, 0.5), (1 + trial % 3, 2.0)][kind as usize];
         let shared = normal(2 * trial);
@@ -77,7 +76,8 @@ fn rms_errors_scatter_as_stated() {
             .map(|(rms, _)| (rms - mean).powi(2))
             .sum::<f64>();
         let stated = found.iter().map(|(_, std)| std * std).sum::<f64>() / sets;
-        // The standard deviation of 400 numbers has a relative standard error of 3.5 %.
+        // The standard deviation of 400 numbers has a relative standard error of 3.5 %; the tolerance is four times as
+        // large.
         let scattered = (square / (sets - 1.0)).sqrt();
         assert_relative_eq!(scattered, stated.sqrt(), max_relative = 0.14);
     }
@@ -90,7 +90,7 @@ fn a_normal_sample_has_the_normal_quantiles_and_coverage() {
     let trial = observing(|trial| observation(truth + std * normal(trial), truth, Some(std)));
     let summary = run_cell(trials, &trial).quantities[0];
 
-    // Four standard errors of the mean and of the spread.
+    // The tolerances are four standard errors of the mean and of the standard deviation.
     let four_sigma = 4.0 / (trials as f64).sqrt();
     assert!(summary.bias.unwrap().abs() < four_sigma * std);
     assert_relative_eq!(summary.std.unwrap(), std, max_relative = four_sigma);
@@ -106,7 +106,7 @@ fn a_normal_sample_has_the_normal_quantiles_and_coverage() {
             "{share}"
         );
     }
-    // σ/√(2n), with the accuracy of the fourth moment.
+    // The expected value is σ/√(2n); its accuracy is that of the fourth moment.
     let of_rms = std / (2.0 * trials as f64).sqrt();
     assert_relative_eq!(
         summary.rms_error_std.unwrap(),
@@ -154,7 +154,7 @@ fn a_truth_of_zero_has_no_relative_errors() {
 
 #[test]
 fn a_varying_truth_leaves_the_errors_and_the_estimates() {
-    // The truth varies between blocks, and in the second cell within blocks. The errors are ±0.5.
+    // The true value varies between blocks and, in the second case, within blocks. The errors are ±0.5.
     for run_length in [BLOCK, 1] {
         let truth = |trial: u64| (trial / run_length % 2) as f64 * 4.0;
         let trial = observing(|trial| {
@@ -207,7 +207,8 @@ fn many_observations_in_a_trial_all_count() {
 
 #[test]
 fn a_trial_may_report_the_coverage_of_its_interval() {
-    // All errors are 1. A standard deviation of 1 covers them; 0.1 or none does not.
+    // All errors are 1. An interval from a standard deviation of 1 contains the true value; an interval from 0.1 does
+    // not, and a trial without a standard deviation has no interval.
     let coverages = |stds: [Option<f64>; 4], holds: [Option<[bool; 3]>; 4]| {
         let trial = observing(move |trial| {
             let kind = (trial % 4) as usize;
@@ -222,9 +223,9 @@ fn a_trial_may_report_the_coverage_of_its_interval() {
     let third = |thirds: f64| Some(thirds / 3.0);
     let (none, all) = (Some([false; 3]), Some([true; 3]));
     let stds = [Some(1.0), Some(1.0), Some(0.1), None];
-    // The 50 % interval is narrower than one standard deviation.
+    // The 50 % interval is narrower than one standard deviation to each side.
     assert_eq!(coverages(stds, [None; 4]), [0.0, 2.0, 2.0].map(third));
-    // Two of four trials report the opposite of the standard deviation.
+    // The coverage that two of the four trials report is the opposite of what follows from their standard deviations.
     assert_eq!(
         coverages(stds, [None, none, all, None]),
         [1.0, 2.0, 2.0].map(third)
@@ -233,7 +234,7 @@ fn a_trial_may_report_the_coverage_of_its_interval() {
         coverages(stds, [None, none, None, None]),
         [0.0, 1.0, 1.0].map(third)
     );
-    // A trial without a standard deviation may report coverage.
+    // A trial without a standard deviation may also report coverage.
     let wide = Some([false, true, true]);
     assert_eq!(
         coverages(stds, [None, None, None, wide]),

@@ -1,4 +1,4 @@
-//! Tasks: slices of blocks, and cells that a stopping rule ends.
+//! Tasks of the runner: slices of blocks, and cells that are ended by a stopping rule.
 
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -12,7 +12,7 @@ use palpate_sweep::{
 
 use crate::{Tasks, normal, observation, runner, streamed};
 
-/// Several quantities, varying truths, reported coverage and failures. Each trial lasts `wait`.
+/// An experiment with several quantities, varying true values, reported coverage and failures. Each trial lasts `wait`.
 struct Rich {
     wait: Duration,
     places: u64,
@@ -78,7 +78,7 @@ fn rich(
 #[test]
 fn slices_of_blocks_do_not_change_results() {
     for places in [1, 9] {
-        // Most blocks of fast trials are whole. Blocks of slow trials are divided into slices of about 40 trials.
+        // Most blocks of fast trials are not divided. Blocks of slow trials are divided into slices of about 40 trials.
         let whole = statistics(1, &rich(0, places, 2500));
         for threads in [1, 3] {
             let sliced = statistics(threads, &rich(100, places, 2500));
@@ -91,7 +91,7 @@ fn slices_of_blocks_do_not_change_results() {
     }
 }
 
-/// Experiment that is not random.
+/// An experiment that is not random.
 struct Still;
 
 impl Trial for Still {
@@ -120,7 +120,7 @@ fn an_experiment_that_is_not_random_has_one_trial() {
     }
 }
 
-/// Gaussian errors at several places, equal or independent.
+/// An experiment with Gaussian errors at several places; they are either equal or independent.
 struct Places {
     places: u64,
     are_same: bool,
@@ -146,7 +146,7 @@ impl Trial for Places {
     }
 }
 
-/// Number of trials until a rule ends a cell of [`Places`].
+/// Number of trials after which a stopping rule ends a cell of [`Places`].
 fn trials(
     statistic: StoppingStatistic,
     places: u64,
@@ -175,8 +175,8 @@ fn trials(
 
 #[test]
 fn a_cell_ends_when_its_statistic_is_accurate() {
-    // Relative standard errors of N Gaussian errors: 1/√(2N) of their rms, √(π/2 − 1)/√N of their mean magnitude, and
-    // 0.1/√N of a mean that is ten standard deviations from 0.
+    // Relative standard errors for N Gaussian errors: 1/√(2N) for their rms, √(π/2 − 1)/√N for their mean magnitude,
+    // and 0.1/√N for a mean that is ten standard deviations from 0.
     for scale in [1.0, 1e-200, 1e200] {
         assert_eq!(
             trials(StoppingStatistic::RmsError, 1, true, scale, 0),
@@ -198,7 +198,7 @@ fn a_cell_ends_when_its_statistic_is_accurate() {
     );
 }
 
-/// Cells of at most `trials` trials, each with this stopping rule.
+/// Cells of at most `trials` trials that this rule may end earlier.
 fn ruled_by<F>(rule: StoppingRule, cells: usize, trials: u64, set_up: F) -> Tasks<F> {
     let mut sweep = Tasks::new(&vec![trials; cells], set_up);
     sweep.tasks.iter_mut().for_each(|task| task.may_stop = true);
@@ -206,7 +206,7 @@ fn ruled_by<F>(rule: StoppingRule, cells: usize, trials: u64, set_up: F) -> Task
     sweep
 }
 
-/// Cells that end at this relative standard error of the rms error.
+/// Cells that end when the rms error has this relative standard error.
 fn ruled<F>(cells: usize, trials: u64, error: f64, set_up: F) -> Tasks<F> {
     let rule = StoppingRule {
         quantity: 0,
@@ -222,15 +222,15 @@ fn threads_that_share_a_cell_do_not_change_results() {
     for (places, max, error) in [
         (1, 1_000_000, 0.02),
         (1, 1_000_000, 0.5),
-        // Nine observations per trial. They are summed up after each trial, not stored until the block ends.
+        // Each trial has nine observations. They are added up after each trial and not stored until the block ends.
         (9, 1_000_000, 0.02),
-        // The rule ends no cell. The last trial is at the end of a block, within a later block, or within the first
-        // block.
+        // The rule does not end a cell. The last trial is at the end of a block, within a later block, or within the
+        // first block.
         (1, 2048, 0.0),
         (1, 2500, 0.0),
         (1, 700, 0.0),
     ] {
-        // Each cell except the last is run by one thread.
+        // The runner shares only the last cell between several threads. Every other cell is run by one thread.
         let rich = |wait_us| {
             let wait = Duration::from_micros(wait_us);
             move |_| Ok(Rich { wait, places })
@@ -254,7 +254,7 @@ fn equal_observations_of_a_trial_count_as_one() {
         trials(StoppingStatistic::RmsError, 16, true, 1.0, 0),
         8 * BLOCK
     );
-    // Independent errors need fewer trials: 1/√(2 · 16 N).
+    // If the errors are independent, fewer trials are needed: the relative standard error is 1/√(2 · 16 N).
     assert_eq!(
         trials(StoppingStatistic::RmsError, 16, false, 1.0, 0),
         BLOCK

@@ -4,18 +4,18 @@ use palpate_statistics::Number;
 use strum::IntoStaticStr;
 use thiserror::Error;
 
-/// Reason why there is no calibration, or why it does not apply.
+/// Reason why a calibration cannot be computed, or does not apply to a sensor.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum CalibrationError {
-    /// Fewer points than a line needs.
+    /// There are fewer points than a fit of a line needs.
     #[error("{count} {what}; a calibration needs at least {needed}")]
     TooFewPoints {
-        /// Name of the things counted: points or parts.
+        /// Name of the counted things: points or parts of the calibration.
         what: &'static str,
-        /// Their number.
+        /// Number of the counted things.
         count: usize,
-        /// The smallest number.
+        /// Smallest number of these things that a calibration needs.
         needed: usize,
     },
     /// All points have the same displacement.
@@ -26,9 +26,9 @@ pub enum CalibrationError {
     OneDisplacement {
         /// Kind of displacement: normal or tangential.
         what: &'static str,
-        /// The displacement, length.
+        /// Common displacement of all points, length.
         displacement: f64,
-        /// Number of points.
+        /// Number of points of the fit.
         count: usize,
     },
     /// A number is not finite.
@@ -40,27 +40,28 @@ pub enum CalibrationError {
     /// The signal does not change with the displacement.
     #[error("{what} does not change with the displacement: there is no slope to calibrate")]
     NoSlope {
-        /// Name of the signal.
+        /// Name of the signal, such as hue or size.
         what: &'static str,
     },
     /// A number of a calibration or of a camera is out of its range.
     #[error("{what} is {value}; it must be {needed}", value = Number(*value))]
     OutOfRange {
-        /// Name of the number.
+        /// Name of the number that is out of range.
         what: &'static str,
-        /// Its value.
+        /// Value of the number.
         value: f64,
-        /// Allowed values, in words.
+        /// Allowed values, as text.
         needed: &'static str,
     },
-    /// The calibration belongs to a sensor with another number of markers.
+    /// The calibration was made with a sensor that has another number of markers.
     #[error(
-        "the calibration is of a sensor with {calibrated} markers; the frame at rest shows {found}"
+        "the calibration is for a sensor with {calibrated} markers, but the frame at rest shows \
+         {found}"
     )]
     AnotherLayout {
-        /// Markers of the sensor that was calibrated.
+        /// Number of markers of the calibrated sensor.
         calibrated: usize,
-        /// Markers found.
+        /// Number of markers found in the frame.
         found: usize,
     },
 }

@@ -1,4 +1,4 @@
-//! Calibration of tangential displacements by the shift of the centroid.
+//! Calibration of tangential displacements by the shift of a marker's centroid in the image.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,18 +6,19 @@ use super::CalibrationError;
 use super::line::{Line, Words, finite, fit};
 use super::normal::range;
 
-/// A marker with a known tangential displacement.
+/// A marker with a known tangential displacement, and the shift of its image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LateralPoint {
-    /// Displacement along the skin, length, along the axes at the marker's place.
+    /// Displacement along the skin, length. The components are along the axes at the marker's place.
     pub tangential: [f64; 2],
-    /// Shift along the same axes, px: f times the angle.
+    /// Shift of the image along the same axes, px: the focal length f times the angle of the shift.
     pub shift_px: [f64; 2],
     /// Inward displacement, length, if it was measured.
     pub normal: Option<f64>,
 }
 
-/// Shift of the centroid per length of tangential displacement, as a function of the normal displacement u: p₀ + p₁ u.
+/// Ratio of the centroid's shift to the tangential displacement. It is the function p₀ + p₁ u of the normal
+/// displacement u.
 ///
 /// ```
 /// use palpate_tracking::{LateralCalibration, LateralPoint};
@@ -35,26 +36,27 @@ pub struct LateralPoint {
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LateralCalibration {
-    /// p₀, px per length.
+    /// Coefficient p₀, px per length.
     pub px_per_length: f64,
-    /// Standard error of p₀.
+    /// Standard error of the coefficient p₀.
     pub px_per_length_std: Option<f64>,
-    /// p₁, px per length squared; `None` with fewer than two different normal displacements.
+    /// Coefficient p₁, px per length squared; `None` with fewer than two different normal displacements.
     pub per_indentation: Option<f64>,
-    /// Standard error of p₁.
+    /// Standard error of the coefficient p₁.
     pub per_indentation_std: Option<f64>,
-    /// Root mean square of the residuals over p₀ + p₁ u, length.
+    /// Root mean square of the residuals of the fit, divided by the slope, length.
     pub residual_rms: f64,
-    /// Standard deviation of the residuals over p₀ + p₁ u, length, from the degrees of freedom; `None` without degrees of
-    /// freedom.
+    /// Standard deviation of the residuals of the fit, divided by the slope, length. It is corrected for the degrees of
+    /// freedom; `None` without degrees of freedom.
     pub residual_std: Option<f64>,
-    /// The line through rest, p₁ = 0.
+    /// The fitted line without intercept, for a slope that does not depend on the normal displacement.
     pub line: Line,
-    /// The line with an intercept, for comparison; `None` if it is unknown.
+    /// The fitted line with an intercept, for comparison; `None` if it cannot be determined.
     pub with_intercept: Option<Line>,
-    /// Smallest and largest tangential displacement of the fit, length.
+    /// Smallest and largest tangential displacement of the points that were fitted, length.
     pub range: [f64; 2],
-    /// Smallest and largest normal displacement of the fit, length. Outside of this range the nearer end is used.
+    /// Smallest and largest normal displacement of the points that were fitted, length. For a normal displacement
+    /// outside of this range, the nearer limit is used.
     pub normal_range: [f64; 2],
 }
 
@@ -64,11 +66,12 @@ const WORDS: Words = Words {
 };
 
 impl LateralCalibration {
-    /// Fits the component of the shift along the given displacement, as a function of the displacement's length.
+    /// Fits the shift of the centroid in the direction of the known displacement, as a function of the length of this
+    /// displacement.
     ///
     /// # Errors
-    /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, or for a
-    /// centroid that does not shift or shifts backward within the range of normal displacements.
+    /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, or for
+    /// a centroid that does not shift or shifts backward within the range of normal displacements.
     pub fn fit(points: &[LateralPoint]) -> Result<Self, CalibrationError> {
         let numbers: Vec<[f64; 5]> = points
             .iter()
@@ -112,7 +115,7 @@ impl LateralCalibration {
         calibration.checked()
     }
 
-    /// Slope, px per length, for a marker with the inward displacement `normal`.
+    /// Slope of the shift, px per length, for a marker with the inward displacement `normal`.
     fn slope(&self, normal: f64) -> f64 {
         let [low, high] = self.normal_range;
         let normal = normal.max(low).min(high);
@@ -162,7 +165,7 @@ impl LateralCalibration {
     }
 }
 
-/// Length of the given displacement, and the component of the shift in its direction, px.
+/// Length of the known displacement, and component of the shift in the direction of this displacement, px.
 fn along(point: &LateralPoint) -> [f64; 2] {
     let [x, y] = point.tangential;
     let length = libm::hypot(x, y);
@@ -175,7 +178,7 @@ fn along(point: &LateralPoint) -> [f64; 2] {
     [length, along_x * shift_x + along_y * shift_y]
 }
 
-/// A fit of p₀ and p₁.
+/// A fit of both coefficients, p₀ and p₁.
 struct WithIndentation {
     coefficients: [f64; 2],
     stds: Option<[f64; 2]>,
@@ -184,7 +187,7 @@ struct WithIndentation {
 }
 
 impl WithIndentation {
-    /// Returns `None` if the normal displacements do not determine both coefficients.
+    /// Fits both coefficients; `None` if the normal displacements do not determine them.
     fn fit(along: &[[f64; 2]], normal: &[f64]) -> Option<Self> {
         let largest = |numbers: &mut dyn Iterator<Item = f64>| {
             numbers.fold(0.0, |largest: f64, one| largest.max(one.abs()))
@@ -194,7 +197,7 @@ impl WithIndentation {
         if depth == 0.0 {
             return None;
         }
-        // The fit is scaled by the largest displacements: y = x (c_0 + c_1 u).
+        // The numbers are scaled by the largest displacements. The fitted equation is then y = x (c_0 + c_1 u).
         let rows = || {
             let points = along.iter().zip(normal);
             points.map(|([x, y], u)| (x / length, x / length * (u / depth), *y))
@@ -261,7 +264,7 @@ mod tests {
         let read = fitted.read([7.4, -3.7], 0.2).expect("finite");
         assert_relative_eq!(read[0], 1.0, max_relative = 1e-9);
         assert_relative_eq!(read[1], -0.5, max_relative = 1e-9);
-        // Beyond the fitted range, the slope is the one at the nearer end.
+        // Beyond the fitted range, the slope is the slope at the nearer limit.
         assert_relative_eq!(fitted.slope(10.0), 7.6, max_relative = 1e-9);
         assert!(fitted.slope(f64::NAN).is_finite());
     }

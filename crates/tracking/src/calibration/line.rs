@@ -1,35 +1,36 @@
-//! A straight line through points with known displacements.
+//! A straight line that is fitted to points with known displacements.
 
 use serde::{Deserialize, Serialize};
 
 use super::CalibrationError;
 
-/// Largest number that can be squared and summed without overflow.
+/// Largest number whose squares can be summed without overflow.
 const LARGEST: f64 = 1e100;
 
-/// A least-squares line: a signal (hue in turns, shift in px, …) as a function of the given displacement.
+/// A least-squares line: a signal, such as the hue in turns or the shift in px, as a function of a known displacement.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Line {
-    /// Signal per length.
+    /// Change of the signal per length.
     pub slope: f64,
-    /// Standard error of the slope; `None` without degrees of freedom.
+    /// Standard error of the slope; `None` if there are no degrees of freedom.
     pub slope_std: Option<f64>,
-    /// The signal without displacement; `None` for a line through rest, where it is 0.
+    /// The signal at zero displacement; `None` for a line through the origin.
     pub intercept: Option<f64>,
-    /// Share of the signal's variance that the line explains; below 0 if a line through rest is worse than the mean.
+    /// Share of the signal's variance that the line explains. It is negative if a line through the origin fits worse
+    /// than the mean of the signal.
     pub r_squared: f64,
-    /// Root mean square of the signal's residuals over the slope, length.
+    /// Root mean square of the signal's residuals, divided by the slope, length.
     pub residual_rms: f64,
-    /// Standard deviation of the signal's residuals over the slope, length, from the degrees of freedom; `None` without
-    /// degrees of freedom.
+    /// Standard deviation of the signal's residuals, divided by the slope, length. It is corrected for the degrees of
+    /// freedom; `None` without degrees of freedom.
     pub residual_std: Option<f64>,
     /// Number of points.
     #[serde(rename = "points")]
     pub count: usize,
 }
 
-/// Names of the displacement and the signal of a fit, for messages.
+/// Names of a fit's displacement and signal, for messages.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Words {
     /// Kind of the displacement: normal or tangential.
@@ -38,8 +39,8 @@ pub(super) struct Words {
     pub(super) signal: &'static str,
 }
 
-/// Fits a line to points (displacement, signal), with an intercept as in Fig. 6b and c of the 2020 paper, or through rest:
-/// without a change of the signal there is no displacement.
+/// Fits a line to points (displacement, signal). A line with an intercept is of the kind in Fig. 6b and c of the 2020
+/// paper. A line without an intercept goes through the origin, because both numbers are zero at rest.
 pub(super) fn fit(
     points: &[[f64; 2]],
     has_intercept: bool,
@@ -62,7 +63,7 @@ pub(super) fn fit(
     let freedom = points.len() - 1 - usize::from(has_intercept);
     let mean_square = (freedom > 0).then(|| residuals / freedom as f64);
     let unit = signal / length;
-    // A line with such a small relative slope explains no more than the mean.
+    // If the relative slope is smaller than this, the line explains no more than the mean.
     if slope.abs() < 1e-12 {
         return Err(CalibrationError::NoSlope { what: words.signal });
     }
@@ -79,7 +80,7 @@ pub(super) fn fit(
 }
 
 impl Line {
-    /// Checks that all numbers of the line are finite and that it has a slope.
+    /// Checks that all numbers of the line are finite, and that its slope is not zero.
     pub(super) fn checked(self) -> Result<Self, CalibrationError> {
         let optional = [self.slope_std, self.intercept, self.residual_std];
         if !self.slope.is_normal() {
@@ -98,7 +99,7 @@ impl Line {
     }
 }
 
-/// The largest displacement and the largest signal of points that determine a slope.
+/// The largest displacement and the largest signal of the points. Fails if the points do not determine a slope.
 fn spans(points: &[[f64; 2]], words: Words) -> Result<[f64; 2], CalibrationError> {
     finite(points.iter().map(|point| &point[..]))?;
     if points.len() < 2 {
@@ -126,7 +127,7 @@ fn spans(points: &[[f64; 2]], words: Words) -> Result<[f64; 2], CalibrationError
     }))
 }
 
-/// Checks that all numbers can be used in sums of squares.
+/// Checks that all numbers are finite and small enough for sums of squares.
 pub(super) fn finite<'a>(
     mut points: impl Iterator<Item = &'a [f64]>,
 ) -> Result<(), CalibrationError> {

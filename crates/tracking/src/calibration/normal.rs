@@ -1,4 +1,4 @@
-//! Calibration of normal displacements by hue and size.
+//! Calibration of normal displacements by the hue and size of a marker's image.
 
 use std::collections::BTreeMap;
 
@@ -15,11 +15,12 @@ use crate::Change;
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum NormalFrom {
-    /// Mean hue. It depends on the overlap of the two discs, and so on the difference of the displacements at their depths.
+    /// Mean hue. It depends on the overlap of the marker's two discs, and therefore on the difference between the
+    /// displacements at the depths of the discs.
     #[default]
     Hue,
-    /// Size. For a camera in the sensor's centre, the image of a disc that moves inward by u from the distance ρ grows by
-    /// ρ/(ρ - u). So the nearness 1 - 1/e^growth is u/ρ, in proportion to the displacement.
+    /// Size. If a disc at the distance ρ from the camera moves inward by u, its image becomes larger by the factor ρ/(ρ
+    /// - u). Therefore the nearness 1 - 1/e^growth equals u/ρ, which is proportional to the displacement.
     Size,
     /// Hue and nearness, with the weights that fit the known displacements best. The two features depend on different
     /// displacements, so the result depends on the shape of the contact.
@@ -27,10 +28,10 @@ pub enum NormalFrom {
 }
 
 impl NormalFrom {
-    /// All features, the default first.
+    /// All features, starting with the default.
     pub const ALL: [Self; 3] = [Self::Hue, Self::Size, Self::Both];
 
-    /// The stable name.
+    /// The stable name of the feature in files.
     pub fn name(self) -> &'static str {
         self.into()
     }
@@ -47,33 +48,33 @@ impl NormalFrom {
     }
 }
 
-/// A marker with a known normal displacement.
+/// A marker with a known normal displacement, and the change of its image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalPoint {
-    /// Index of the marker in the sensor, if available.
+    /// Index of the marker in the sensor, if it is known.
     pub marker: Option<usize>,
     /// Inward displacement, length.
     pub normal: f64,
-    /// Change of its hue, turns.
+    /// Change of the marker's hue, turns.
     pub hue_turns: f64,
     /// Change of the logarithm of the marker's diameter.
     pub growth: f64,
 }
 
-/// Calibration of the normal displacement: signal / slope x gain. The signal is the weighted sum of the change of hue and the
-/// nearness.
+/// Calibration of the normal displacement. The displacement is the signal divided by the slope, multiplied by the
+/// marker's gain. The signal is the weighted sum of the change of hue and the nearness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NormalCalibration {
-    /// Feature from which displacements are computed.
+    /// Feature from which normal displacements are computed.
     pub from: NormalFrom,
-    /// Weights of hue (per turn) and of nearness in the signal. For hue alone they are 1 and 0, and the signal is in turns. For
-    /// both features, the signal is a length.
+    /// Weights of the hue (per turn) and of the nearness in the signal. If only the hue is used, the weights are 1 and
+    /// 0 and the signal is in turns. If both features are used, the signal is a length.
     pub weights: [f64; 2],
-    /// The line through rest from which displacements are computed.
+    /// The fitted line through the origin. Displacements are computed from this line.
     pub line: Line,
-    /// The line with an intercept, for comparison; `None` if it is unknown.
+    /// The fitted line with an intercept, for comparison; `None` if it cannot be determined.
     pub with_intercept: Option<Line>,
-    /// Smallest and largest displacement of the fit, length.
+    /// Smallest and largest displacement of the points that were fitted, length.
     pub range: [f64; 2],
     /// Markers with a slope of their own, sorted by index.
     pub gains: Vec<MarkerGain>,
@@ -87,19 +88,20 @@ pub struct NormalCalibration {
 pub struct MarkerGain {
     /// Index of the marker in the sensor.
     pub marker: usize,
-    /// Slope of all markers divided by that of this marker.
+    /// Common slope of all markers, divided by the slope of this marker.
     pub gain: f64,
-    /// Its own line through rest.
+    /// Line through the origin for this marker alone.
     pub line: Line,
 }
 
 impl NormalCalibration {
-    /// Fits the slope of all points. Also fits the slope of each marker that has at least three different displacements and a
-    /// slope of at least twice its standard error. These are only used after [`NormalCalibration::per_marker`].
+    /// Fits one slope to all points. Also fits a slope for each marker with at least three different displacements, and
+    /// stores it if it is at least twice its standard error. These slopes of single markers are only used after a call
+    /// of [`NormalCalibration::per_marker`].
     ///
     /// # Errors
-    /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, or for a
-    /// signal that never changes.
+    /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, or for
+    /// a signal that never changes.
     pub fn fit(points: &[NormalPoint], from: NormalFrom) -> Result<Self, CalibrationError> {
         let numbers: Vec<[f64; 3]> = points
             .iter()
@@ -128,7 +130,7 @@ impl NormalCalibration {
         calibration.checked()
     }
 
-    /// Returns the calibration with the markers' own slopes in use, for the markers that have one.
+    /// The calibration with a separate slope for each marker for which a slope was fitted.
     pub fn per_marker(self) -> Self {
         Self {
             uses_gains: true,
@@ -136,7 +138,7 @@ impl NormalCalibration {
         }
     }
 
-    /// The signal of a change.
+    /// The signal for a change of a marker's image.
     fn signal(&self, change: &Change) -> f64 {
         signal(self.weights, change.hue_turns, nearness(change.growth))
     }
@@ -167,14 +169,14 @@ impl NormalCalibration {
     }
 }
 
-/// Relative decrease of a marker's distance from the camera: 1 - 1/e^growth.
+/// Nearness: 1 - 1/e^growth, the relative decrease of a marker's distance from the camera.
 fn nearness(growth: f64) -> f64 {
     -libm::expm1(-growth)
 }
 
 fn signal(weights: [f64; 2], hue_turns: f64, nearness: f64) -> f64 {
     let [per_turn, per_nearness] = weights;
-    // A feature with zero weight may be NaN.
+    // A feature whose weight is zero is skipped, because its value may be NaN.
     let part = |weight: f64, number: f64| if weight == 0.0 { 0.0 } else { weight * number };
     part(per_turn, hue_turns) + part(per_nearness, nearness)
 }
@@ -185,8 +187,9 @@ pub(super) fn range(displacements: impl Iterator<Item = f64>) -> [f64; 2] {
     })
 }
 
-/// The weights of hue and nearness whose weighted sum fits the known displacement best. If both always change together, these
-/// are the weights of least norm. They are zero if neither changes.
+/// The weights for which the weighted sum of hue and nearness fits the known displacements best. If hue and nearness
+/// always change in proportion, these are the weights with the smallest norm. If neither changes, both weights are
+/// zero.
 fn best_weights(numbers: &[[f64; 3]]) -> [f64; 2] {
     let largest = |part: usize| {
         numbers
@@ -223,7 +226,7 @@ fn best_weights(numbers: &[[f64; 3]]) -> [f64; 2] {
     ]
 }
 
-/// Number of different displacements that a marker needs for a slope of its own.
+/// Smallest number of different displacements of a marker for which a slope is fitted to this marker alone.
 const DIFFERENT_DISPLACEMENTS: usize = 3;
 
 fn gains(
@@ -271,7 +274,7 @@ mod tests {
         }
     }
 
-    /// Two markers at a distance of 18 from the camera. The second has twice the hue change per length of the first.
+    /// Two markers at the distance 18 from the camera. The hue of the second marker changes twice as much per length.
     fn two_markers() -> Vec<NormalPoint> {
         (0..4)
             .flat_map(|step| {
@@ -326,7 +329,7 @@ mod tests {
 
     #[test]
     fn both_features_have_their_weights() {
-        // u = 10 hue + 5 nearness, with displacements that determine both weights.
+        // The points satisfy u = 10 hue + 5 nearness, so they determine both weights.
         let points: Vec<NormalPoint> = [(0.01, 0.02), (0.02, 0.01), (0.03, 0.05), (-0.01, 0.04)]
             .map(|(hue, nearness): (f64, f64)| {
                 let normal = 10.0 * hue + 5.0 * nearness;

@@ -1,5 +1,5 @@
 //! Property tests: valid frames, fields and points are processed. For any numbers and pixels, the result is finite or
-//! the correct error.
+//! the expected error.
 
 use image::RgbImage;
 use palpate_tracking::{
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 use crate::frames::{self, Bright};
 
-/// Any double; the ranges of ordinary size have most of the weight.
+/// Any double; numbers of ordinary size are the most frequent.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => any::<u64>().prop_map(f64::from_bits),
@@ -109,7 +109,8 @@ proptest! {
         }
     }
 
-    /// Markers with any displacements, each in its own square of a grid, have a field over their convex hull.
+    /// For markers with any displacements, each in a separate square of a grid, there is a displacement field in their
+    /// convex hull.
     #[test]
     fn markers_apart_have_a_field(
         numbers in prop::collection::vec((pair_within(0.1), pair_within(2.0), -2.0..2.0), 4..16),
@@ -231,7 +232,8 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Of nineteen discs on white, with any such size, blur and noise, each is found, and no other marker.
+    /// Nineteen discs on a white background, of any size, blur and noise in these ranges, are all found, and no other
+    /// marker is found.
     #[test]
     fn discs_on_white_are_found(
         (disc_px, spacing) in (11.0..15.0, 26.0..32.0),

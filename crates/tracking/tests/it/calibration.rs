@@ -1,4 +1,4 @@
-//! Calibration of the published tables, and points without a calibration.
+//! Calibration from the published tables, and points from which no calibration is possible.
 
 use approx::assert_abs_diff_eq;
 use palpate_tracking::{
@@ -6,7 +6,7 @@ use palpate_tracking::{
     NormalCalibration, NormalFrom, NormalPoint,
 };
 
-/// Fig. 6b of the 2020 paper: object, normal displacement in mm, hue in turns.
+/// Data of Fig. 6b of the 2020 paper: object, normal displacement in mm, hue in turns.
 const HUE: [(u8, f64, f64); 39] = [
     (0, 0.0929, 0.00342),
     (0, 0.1905, 0.00504),
@@ -49,7 +49,7 @@ const HUE: [(u8, f64, f64); 39] = [
     (2, 1.2640, 0.02859),
 ];
 
-/// Fig. 6c: tangential displacement in mm, shift of the centroid in px.
+/// Data of Fig. 6c: tangential displacement in mm, shift of the centroid in px.
 const SHIFT: [[f64; 2]; 21] = [
     [0.0001, 0.0001],
     [0.1001, 1.6218],
@@ -106,15 +106,15 @@ fn assert_line(line: &Line, expected: [f64; 3], units: [f64; 3]) {
     }
 }
 
-/// An independent reading of the figure gives 0.0258 turns/mm, R² 0.85 and a residual of 0.15 mm. These belong to the
-/// line with an intercept; the residual is the rms residual over the slope.
+/// An independent reading of the figure gave 0.0258 turns/mm, R² 0.85 and a residual of 0.15 mm. These are the values
+/// of the line with an intercept; the residual is the rms residual divided by the slope.
 #[test]
 fn the_published_hue() {
     let fitted = NormalCalibration::fit(&hue_points(|_| true), NormalFrom::Hue).unwrap();
     let line = fitted.with_intercept.unwrap();
     assert_line(&line, [0.0258, 0.85, 0.154], [1e-4, 0.01, 0.001]);
     assert_eq!((line.count, fitted.range), (39, [0.0929, 1.264]));
-    // Computed with another program.
+    // These numbers were computed with another program.
     assert_abs_diff_eq!(line.slope_std.unwrap(), 0.00179, epsilon = 1e-5);
     assert_abs_diff_eq!(line.intercept.unwrap(), -0.00127, epsilon = 1e-5);
     assert_abs_diff_eq!(line.residual_std.unwrap(), 0.1579, epsilon = 1e-4);
@@ -139,7 +139,7 @@ fn the_published_hue_of_each_object() {
     }
 }
 
-/// An independent reading of the figure gives 7.0 px/mm; the paper's R² is 0.99.
+/// An independent reading of the figure gave 7.0 px/mm; the paper states an R² of 0.99.
 #[test]
 fn the_published_shift() {
     let fitted = LateralCalibration::fit(&shift_points()).unwrap();
@@ -278,7 +278,7 @@ fn lines_of_any_size_have_their_slope() {
     }
 }
 
-/// The displacement is 10 times the hue in turns, and 5 times the nearness 1 − exp(−growth), which is at most 1.
+/// The displacement is 10 times the hue in turns, or 5 times 1 − exp(−growth), which is at most 1.
 #[test]
 fn changes_of_any_size_give_a_displacement_or_none() {
     let points: Vec<NormalPoint> = (0..9)

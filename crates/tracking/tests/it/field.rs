@@ -1,10 +1,10 @@
-//! Interpolation over arrangements of markers that are difficult for a triangulation.
+//! Interpolation between markers whose arrangement is difficult to triangulate.
 
 use std::f64::consts::TAU;
 
 use palpate_tracking::{Displaced, Field, FieldError};
 
-/// Markers with displacements from -1 to 1.
+/// A field of markers at `places`, with displacements from −1 to 1.
 fn field(places: impl IntoIterator<Item = [f64; 2]>) -> Field {
     let markers = places.into_iter().enumerate().map(|(index, place)| {
         let phase = index as f64;
@@ -17,7 +17,7 @@ fn field(places: impl IntoIterator<Item = [f64; 2]>) -> Field {
     Field::new(&markers.collect::<Vec<_>>()).unwrap()
 }
 
-/// Places around (x, y), at distances that vanish in rounding and at larger ones.
+/// Positions around (x, y), at distances from below the rounding error to clearly larger ones.
 fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     let steps = [0.0, 1e-17, 1e-13, 1e-9, 1e-4];
     steps.into_iter().flat_map(move |step| {
@@ -28,8 +28,8 @@ fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-/// Checks that the interpolation, a mean of the markers' displacements, does not exceed them: at, between and near the
-/// markers.
+/// Checks that interpolated displacements, which are means of the markers' displacements, do not exceed these. The
+/// points are at, between and near the markers.
 fn assert_means(field: &Field) {
     let markers = field.markers();
     for one in markers {
@@ -60,7 +60,7 @@ fn rings_and_nets() {
             [radius * cosine, radius * sine]
         })
     };
-    // Markers of a ring lie on one circle, so that rounding decides which triangles they form.
+    // The markers of a ring lie on one circle, so that rounding decides which of them form triangles.
     assert_means(&field(ring(12, 0.3).chain([[0.0, 0.0]])));
     assert_means(&field(ring(7, 0.2).chain(ring(14, 0.4))));
     let net = |step: f64| (0..16).map(move |k| [f64::from(k % 4) * step, f64::from(k / 4) * step]);

@@ -1,4 +1,4 @@
-//! Search for markers in frames whose true markers are given.
+//! Search for markers in frames whose true markers are known.
 
 use image::{Rgb, RgbImage};
 use palpate_tracking::{Finder, Ground, Marker, Mask, TrackingError};
@@ -16,8 +16,8 @@ fn away(marker: &Marker, place: [f64; 2]) -> f64 {
     )
 }
 
-/// Root mean square errors: centroid, px; hue, turns; size, relative. Each true marker must be found exactly once, and
-/// no other marker.
+/// Root mean square errors: of the centroid, px; of the hue, turns; of the size, relative. Each true marker must be
+/// found exactly once, and no other marker may be found.
 fn errors(found: &[Marker], truth: &[Truth], reach: f64) -> [f64; 3] {
     assert_eq!(found.len(), truth.len());
     let mut squares = [0.0; 3];
@@ -71,7 +71,7 @@ fn misaligned_discs_on_a_bright_ground() {
         apart: 0.0,
         blur_px: 0.0,
         falloff: 0.0,
-        // Without noise, all pixels of one colour have the same rounding error, up to half a level.
+        // Without noise, all pixels of one colour would have the same rounding error, of up to half a level.
         noise: 0.5,
     };
     let worst = Bright {
@@ -128,9 +128,9 @@ fn misaligned_discs_on_a_bright_ground() {
 
 #[test]
 fn a_photograph() {
-    // The list was made by eye from enlargements with a grid, quadrant by quadrant. `clear` markers lie away from the
-    // rim, `touching` ones reach it or nearly reach it, and a part of a `cut` marker is beyond it. A place is the
-    // middle of both discs together, accurate to about 2 px.
+    // The list was made by eye, from enlargements with a grid, one quadrant after the other. `clear` markers are away
+    // from the rim, `touching` markers reach or nearly reach the rim, and `cut` markers are partly beyond it. The
+    // position is the centre of both discs together, accurate to about 2 px.
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/camera-frame-265px");
     let frame = image::open(format!("{data}.png")).unwrap().to_rgb8();
     let list = std::fs::read_to_string(format!("{data}-markers.csv")).unwrap();
@@ -215,7 +215,7 @@ fn grey_dust_and_blue_stains_are_no_markers() {
     errors(&find(&frame).markers, &truth, 8.0);
 }
 
-/// Name of the error, after a check of the markers if there are any.
+/// Name of the error; `found` if there is none and the numbers of all markers are valid.
 fn name(frame: &RgbImage, mut finder: Finder) -> &'static str {
     match finder.find(frame) {
         Ok(found) => {
@@ -245,7 +245,8 @@ fn frames_without_markers_have_names() {
         assert_eq!(name(&flat(width, height, 7), auto()), "too-small");
     }
     assert_eq!(name(&flat(40_000, 16, 7), auto()), "too-large");
-    // A grid of discs that touch, and one disc that fills the frame except its corners.
+    // One frame has a grid of discs that touch each other, another has one disc that fills the frame except for the
+    // corners.
     let discs = |pitch: f64, share: f64| {
         let is_in = move |x: u32, y: u32| {
             let off = [x, y].map(|at| {

@@ -1,4 +1,4 @@
-//! Matching of markers between two frames. The pixel count of each true marker is its number.
+//! Matching of markers between two frames. The number of each true marker is stored as its pixel count.
 
 use palpate_tracking::{Marker, Status, Track, match_markers};
 
@@ -16,7 +16,7 @@ fn marker(place: [f64; 2], number: u32) -> Marker {
     }
 }
 
-/// A jittered triangular lattice of 90 markers.
+/// A triangular lattice of 90 markers with random deviations.
 fn lattice(random: &mut Random) -> Vec<Marker> {
     (0..90)
         .map(|number| {
@@ -31,13 +31,13 @@ fn lattice(random: &mut Random) -> Vec<Marker> {
         .collect()
 }
 
-/// Moves the markers outward from a point by at most `most`, like skin under a press.
+/// Moves the markers away from a point by at most `most`, as a press moves the skin.
 fn pressed(rest: &[Marker], most: f64) -> Vec<Marker> {
     let width = 2.5 * SPACING;
     rest.iter()
         .map(|marker| {
             let [x, y] = [marker.centroid_px[0] - 190.0, marker.centroid_px[1] - 130.0];
-            // The displacement is largest at one width from the middle.
+            // The displacement is largest at the distance `width` from the point.
             let scale = most / width * libm::exp(0.5 - 0.5 * (x * x + y * y) / (width * width));
             Marker {
                 centroid_px: [

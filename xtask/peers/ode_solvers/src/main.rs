@@ -18,7 +18,7 @@ const DIRECTION: f64 = 0.7;
 const TOLERANCE: f64 = 1e-12;
 const BATCHES: usize = 9;
 const BATCH_S: f64 = 0.02;
-/// Latitude at which the roll over the sphere begins.
+/// Latitude on the probe at the start of the roll over the sphere, rad.
 const LATITUDE: f64 = 0.3;
 
 #[derive(Clone, Copy)]
@@ -71,7 +71,7 @@ impl System<f64, State> for OverParaboloid {
 fn roll<S: System<f64, State>>(system: S, latitude: f64) -> State {
     let first = State::from([0.0, 0.0, latitude, 0.0, DIRECTION]);
     let end = ANGLE / RATE;
-    // Not dense output, which extrapolates the last point.
+    // Dense output would extrapolate the last point, so it is not used.
     let mut solver = Dop853::from_param(
         system,
         0.0,
@@ -94,7 +94,7 @@ fn roll<S: System<f64, State>>(system: S, latitude: f64) -> State {
     *solver.y_out().last().expect("the end of the roll")
 }
 
-/// Largest difference in any coordinate.
+/// Largest difference between two contacts in any coordinate.
 fn largest<const N: usize>(pairs: [([f64; 3], [f64; 3]); N]) -> f64 {
     let differences = pairs
         .iter()
@@ -124,14 +124,15 @@ fn error_over_sphere(state: &State) -> f64 {
     largest([(found, expected), (on_probe(state), after(length))])
 }
 
-/// Length of the meridian z = −r² up to r.
+/// Arc length of the meridian z = −r² from the apex to the distance r from the axis.
 fn meridian(r: f64) -> f64 {
     let slope = 2.0 * r;
     r / 2.0 * slope.hypot(1.0) + slope.asinh() / 4.0
 }
 
 fn error_over_paraboloid(state: &State) -> f64 {
-    // The probe turns by the angle of the slope plus the length of the meridian. Their sum is ANGLE.
+    // The angle by which the probe turns is the angle of the slope plus the length of the meridian (divided by the
+    // probe's radius 1). It must be ANGLE.
     let mut r = ANGLE / 3.0;
     for _ in 0..60 {
         let slope = 2.0 * r;

@@ -7,21 +7,21 @@ use super::super::{Camera, Optics, OpticsError};
 use super::row::Row;
 use crate::pattern::MOST_GORES;
 
-/// Imperfections of the image; none by default. An imperfection of 0 costs no time.
+/// Imperfections of the image; by default there are none. An imperfection that is 0 takes no computing time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blemishes {
-    /// Light at the rim of the image circle, relative to the light at the apex; it falls with the square of the polar
-    /// angle. 1 means even light.
+    /// Light at the rim of the image circle, relative to the light at the apex. The light decreases with the square of
+    /// the polar angle. 1 means even light.
     pub light_at_rim: f64,
     /// Standard deviation of a Gaussian blur of the whole frame, px; 0 means no blur.
     pub blur_px: f64,
     /// Seams between gores.
     pub seams: Option<Seams>,
-    /// Standard deviation of the Gaussian error of each channel of each pixel in the image circle, levels of 255.
+    /// Standard deviation of the Gaussian error of each channel of each pixel in the image circle, in levels of 255.
     pub pixel_std: f64,
 }
 
-/// Seams between gores: meridians from the apex, the first along +x.
+/// Seams between gores. They are meridians that start at the apex. The first seam is along +x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seams {
     /// Number of gores per turn.
@@ -66,13 +66,14 @@ impl Blemishes {
     }
 }
 
-/// A Gaussian blur. It stores the last rows, each already blurred along itself, and the weights of the neighbours.
+/// A Gaussian blur. It stores the last rows that it has read, each already blurred along the row. It also stores the
+/// weights of the neighbouring pixels.
 pub(super) struct Blur {
-    /// Weights of the pixel itself and of its neighbours, up to 3.5 standard deviations. The weights of all pixels on both
-    /// sides sum to 1.
+    /// Weights of the pixel itself and of its neighbours on one side, up to 3.5 standard deviations. The weights of the
+    /// pixel and of the neighbours on both sides sum to 1.
     weights: Vec<f32>,
     rows: Vec<Row>,
-    /// Number of rows that were read.
+    /// Number of rows that were read so far.
     rows_read: usize,
     size: usize,
     source: Row,
@@ -98,8 +99,8 @@ impl Blur {
         })
     }
 
-    /// Computes a row of the blurred frame. The caller requests the rows from the first to the last; `paint` provides the
-    /// unblurred rows. The frame is continued beyond its edges with the values at the edge.
+    /// Computes a row of the blurred frame. The caller requests the rows in order, starting with the first; `paint`
+    /// provides the unblurred rows. Beyond the edges of the frame, the values at the edge are used.
     pub(super) fn blur(
         &mut self,
         number: usize,
@@ -124,15 +125,15 @@ impl Blur {
     }
 }
 
-/// Seams as lines from the centre of the image outward.
+/// Seams as straight lines from the centre of the image outward.
 pub(super) struct SeamLines {
-    /// Unit vectors along them, y up.
+    /// Unit vectors along the seams, with y up.
     lines: Vec<[f64; 2]>,
-    /// Sine of the angle that half the width of a seam spans at the sensor's centre.
+    /// Sine of the angle that half the width of a seam covers at the sensor's centre.
     half_width: f64,
-    /// Upper bound of half the width in the image, px.
+    /// Upper bound of half the width of a seam in the image, px.
     widest: f64,
-    /// Share of red, green and blue light that a seam absorbs.
+    /// Shares of red, green and blue light that a seam absorbs.
     absorbed: [f64; 3],
     /// Share of each pixel of the row that a seam covers.
     covers: Vec<f64>,
@@ -158,8 +159,8 @@ impl SeamLines {
         })
     }
 
-    /// Calls `filter` for each pixel of a row that a seam touches, with the share of light that passes. `y` counts up from
-    /// the centre of the image.
+    /// Calls `filter` for each pixel of a row that a seam covers at least partly, with the share of light that the seam
+    /// transmits. The row is `y` px above the centre of the image.
     pub(super) fn paint(
         &mut self,
         camera: &Camera,
@@ -178,9 +179,10 @@ impl SeamLines {
                 } else {
                     libm::hypot(x, y)
                 };
-                // The width of a seam is an angle around the axis, as is the lateral angle of a pixel.
+                // Half the width of the seam in pixels. The width is an angle at the sensor's centre. `lateral_rad` is
+                // the angle that one pixel covers in the direction across the seam.
                 let half = self.half_width / camera.ray(x, y).lateral_rad.max(f64::MIN_POSITIVE);
-                // A seam narrower than a pixel covers only a share of it.
+                // A seam that is narrower than a pixel covers only a share of the pixel.
                 let share = (0.5 + half - aside).clamp(0.0, (2.0 * half).min(1.0));
                 let cover = &mut self.covers[column];
                 *cover = cover.max(share);
@@ -198,8 +200,8 @@ impl SeamLines {
     }
 }
 
-/// Range of columns of a row, limited to `within`, that holds all pixels within a distance of a line through the centre of
-/// the image.
+/// Range of columns of a row that contains all pixels within `distance` of a line through the centre of the image. It
+/// is limited to `within`.
 fn crossed(
     line: &[f64; 2],
     y: f64,
@@ -207,7 +209,7 @@ fn crossed(
     middle: f64,
     within: &Range<usize>,
 ) -> Range<usize> {
-    // |x sin φ − y cos φ| ≤ distance.
+    // The range follows from |x sin φ − y cos φ| ≤ distance, where φ is the angle of the line.
     let [cosine, sine] = *line;
     let ends = [y * cosine - distance, y * cosine + distance].map(|end| end / sine);
     let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];

@@ -1,4 +1,4 @@
-//! Pixels that a marker covers, and the covered share of each.
+//! The pixels that a marker covers, and the covered share of each pixel.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use super::super::Camera;
 use super::super::array::{MarkerSight, Sight};
 use super::super::camera::Ray;
 
-/// Half the diagonal of a pixel, px: the largest distance of an edge from the centre of a pixel that it crosses.
+/// Half the diagonal of a pixel, px. An edge that crosses a pixel is at most this far from the pixel's centre.
 const HALF_DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Number of neighbouring pixels of a row that are computed together.
@@ -25,23 +25,25 @@ struct DiscRaster {
     direction: [f64; 3],
     cosine: f64,
     per_sine: f64,
-    /// Largest |v·n − cos α| in a pixel that the edge crosses.
+    /// Largest |v·n − cos α| of pixels that are crossed by the edge.
     band: f64,
-    /// Share of the light that the disc affects: a disc smaller than a pixel is drawn fainter.
+    /// Factor by which the effect of the disc is multiplied. It is below 1 for a disc that is smaller than a pixel, so
+    /// that the disc is drawn fainter.
     opacity: f64,
-    /// Whether the edge is too curved within a pixel to be approximated by a straight line.
+    /// Whether the disc is so small that its edge cannot be approximated by a straight line within a pixel.
     is_small: bool,
 }
 
-/// Shares of a pixel that the discs cover.
+/// Shares of a pixel that are covered by the discs of a marker.
 pub(super) struct Cover {
     pub(super) magenta: f64,
     pub(super) yellow: f64,
     pub(super) both: f64,
 }
 
-/// Share of a pixel that a disc covers. If the edge crosses the pixel, also the direction toward the disc: a vector of any
-/// length in pixels, away from the centre of the image and around it.
+/// Share of a pixel that a disc covers. If the edge of the disc crosses the pixel, it also contains the direction
+/// towards the disc. This is a vector of any length in the image, with the components away from the centre of the image
+/// and around it.
 struct DiscCover {
     share: f64,
     toward: Option<[f64; 2]>,
@@ -57,8 +59,9 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
         return None;
     }
     let size = f64::from(camera.size_px());
-    // The middle, or the nearest point of the rim, and an upper bound of the distance from there to the edge of the disc.
-    // If the disc crosses the rim, the direct path on the sphere may leave the field; the path inside it is longer.
+    // The rectangle is around the middle of the disc or, if this is outside of the field, around the nearest point of
+    // the rim. `reach` is an upper bound of the distance from this point to the edge of the disc. If the disc crosses
+    // the rim, the shortest path on the sphere may leave the field, and a path inside the field is longer.
     let crosses = polar + radius > rim;
     let reach = if crosses { 4.0 * radius } else { radius };
     let farthest = (polar + radius).min(rim);
@@ -85,7 +88,7 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
 
 impl DiscRaster {
     fn new(camera: &Camera, disc: &Sight) -> Self {
-        // Radius of the circle with the same area in the image, px.
+        // `radius` is the radius, in px, of a circle with the same area as the disc's image.
         let radius = camera.local(&disc.direction).area.sqrt() * disc.sine;
         Self {
             direction: disc.direction.into(),
@@ -101,7 +104,7 @@ impl DiscRaster {
         }
     }
 
-    /// Distance of a ray inside the edge: v·n − cos α.
+    /// Distance of a direction v from the edge of the disc, positive inside the disc: v·n − cos α.
     #[inline]
     fn inside(&self, ray: &Ray, [x, y]: [f64; 2]) -> f64 {
         let [n_x, n_y, n_z] = self.direction;
@@ -109,7 +112,8 @@ impl DiscRaster {
     }
 
     /// Share of the pixel at (x, y) from the centre of the image that the disc covers. The share minus 1/2 is an odd
-    /// function of v·n − cos α. Because v·n is linear in the solid angle, the shares sum to the area of the disc.
+    /// function of v·n − cos α. The cosine v·n is linear in the solid angle, so the shares of all pixels add up to the
+    /// area of the disc.
     #[inline]
     fn cover(&self, camera: &Camera, ray: &Ray, inside: f64, [x, y]: [f64; 2]) -> DiscCover {
         if inside.abs() >= self.band {
@@ -151,7 +155,7 @@ impl DiscRaster {
 }
 
 impl MarkerRaster {
-    /// The marker; `None` if it lies outside the image circle.
+    /// The raster of the marker; `None` if the marker is outside of the image circle.
     pub(super) fn new(camera: &Camera, sight: &MarkerSight) -> Option<Self> {
         let boxes = [&sight.magenta, &sight.yellow].map(|disc| pixels(camera, disc));
         let union = |axis: usize| {
@@ -167,8 +171,9 @@ impl MarkerRaster {
         })
     }
 
-    /// Calls `paint` with the column and the cover of each pixel of a row that the discs touch, within some columns. The row
-    /// lies y above the centre of the image, whose column is `middle`.
+    /// Calls `paint` for each pixel of a row that the discs cover at least partly, with the column and the covered
+    /// shares. Only columns in the given range are used. The row is `y` px above the centre of the image, which is in
+    /// the column `middle`.
     pub(super) fn cover(
         &self,
         camera: &Camera,
@@ -213,8 +218,8 @@ impl MarkerRaster {
     }
 }
 
-/// Converts a vector at (x, y) from components away from the centre of the image and around it to components along columns
-/// and rows. Its length changes.
+/// Converts the components of a vector at the image point (x, y). The given components are away from the centre of the
+/// image and around it; the result is along columns and rows. The length of the vector may change.
 #[inline]
 fn in_columns_and_rows([outward, around]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
     if x == 0.0 && y == 0.0 {
@@ -223,9 +228,10 @@ fn in_columns_and_rows([outward, around]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2
     [outward * x - around * y, outward * y + around * x]
 }
 
-/// Share of a pixel on one side of a straight edge. The centre of the pixel lies `inside` px from the edge on that side;
-/// (x, y) is the edge's normal along columns and rows, of any length. A pixel collects the light of its whole square, so
-/// that sums of light, and of light times place, have the least aliasing.
+/// Share of a pixel on one side of a straight edge. `inside` is the distance of the pixel's centre from the edge, px;
+/// it is positive on this side. (x, y) is the normal of the edge along columns and rows, and may have any length. A
+/// pixel collects the light of its whole area, because this minimises the aliasing of sums of light and of first
+/// moments.
 #[inline]
 fn covered(inside: f64, [x, y]: [f64; 2]) -> f64 {
     let (x, y) = (x.abs(), y.abs());
@@ -234,7 +240,8 @@ fn covered(inside: f64, [x, y]: [f64; 2]) -> f64 {
         return (0.5 + inside).clamp(0.0, 1.0);
     }
     let (long, short) = (x.max(y) * per_length, x.min(y) * per_length);
-    // Chords parallel to the edge have the length 1 / `long` between the inner corners, and shrink to 0 at the outer ones.
+    // Between the two inner corners, chords of the pixel parallel to the edge have the constant length 1 / `long`. From
+    // the inner to the outer corners, their length decreases to 0.
     let depth = inside.abs();
     let beyond = 0.5 * (long + short) - depth;
     let more = if beyond <= 0.0 {
@@ -253,9 +260,9 @@ fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// Share of a pixel that both discs cover. If both edges cross the pixel, it depends on the angle between the edges:
-/// for discs in the same direction it is the smaller share, for opposite ones the excess of the sum over 1, and at
-/// right angles the product.
+/// Share of a pixel that both discs cover. If both edges cross the pixel, the share depends on the angle between the
+/// edges. If the discs lie in the same direction, it is the smaller of the two shares. If they lie in opposite
+/// directions, it is the amount by which the sum of the shares exceeds 1. At right angles, it is their product.
 #[inline]
 fn shared(one: &DiscCover, other: &DiscCover) -> f64 {
     let product = one.share * other.share;
@@ -280,7 +287,7 @@ fn shared(one: &DiscCover, other: &DiscCover) -> f64 {
 mod tests {
     use super::*;
 
-    /// The share, by counting the points of a grid.
+    /// The covered share, estimated by counting the points of a grid that are covered.
     fn counted(inside: f64, turn: f64) -> f64 {
         const SIDE: u32 = 400;
         let (sine, cosine) = libm::sincos(turn);
@@ -308,7 +315,7 @@ mod tests {
 
     #[test]
     fn directions_turn_with_the_place() {
-        // To the left of the centre, outward is toward smaller columns, and growing azimuth is downward.
+        // To the left of the centre, outward is towards smaller columns, and increasing azimuth is downward.
         assert_eq!(in_columns_and_rows([1.0, 0.0], [-2.0, 0.0]), [-2.0, 0.0]);
         assert_eq!(in_columns_and_rows([0.0, 1.0], [-2.0, 0.0]), [0.0, -2.0]);
         assert_eq!(in_columns_and_rows([0.5, 0.2], [0.0, 0.0]), [0.5, 0.2]);

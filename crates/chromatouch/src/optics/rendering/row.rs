@@ -8,7 +8,7 @@ use super::super::{Camera, Optics};
 use super::blemishes::SeamLines;
 use super::marker_raster::{Cover, MarkerRaster};
 
-/// Levels of red, green and blue of each pixel, from 0 to 255, not yet rounded.
+/// Levels of red, green and blue of each pixel, from 0 to 255, before rounding.
 #[derive(Clone)]
 pub(super) struct Row {
     levels: Vec<f32>,
@@ -39,21 +39,22 @@ impl Row {
         }
     }
 
-    /// Sets the row to another row times a weight.
+    /// Sets the row to another row multiplied by a weight.
     pub(super) fn set(&mut self, other: &Self, weight: f32) {
         for (level, other) in self.levels.iter_mut().zip(&other.levels) {
             *level = weight * other;
         }
     }
 
-    /// Adds another row times a weight.
+    /// Adds another row multiplied by a weight.
     pub(super) fn add(&mut self, other: &Self, weight: f32) {
         for (level, other) in self.levels.iter_mut().zip(&other.levels) {
             *level += weight * other;
         }
     }
 
-    /// Writes this row, blurred along itself, into another row. The weights are in the order from the middle outward.
+    /// Blurs the row along its direction, and writes the result to another row. The first weight is for the pixel
+    /// itself, the next are for its neighbours.
     pub(super) fn blur_into(&self, weights: &[f32], blurred: &mut Self) {
         blurred.set(self, weights[0]);
         let last = self.levels.len() / 3 - 1;
@@ -65,7 +66,7 @@ impl Row {
             for (level, other) in blurred.levels.iter_mut().skip(3 * step).zip(behind) {
                 *level += weight * other;
             }
-            // Beyond its ends the row has the values at its ends.
+            // Beyond its ends, the row is continued with the values at its ends.
             for column in 0..step.min(last + 1) {
                 for channel in 0..3 {
                     blurred.levels[3 * column + channel] += weight * self.levels[channel];
@@ -76,7 +77,7 @@ impl Row {
         }
     }
 
-    /// Adds a Gaussian error of this standard deviation to the pixels of some columns.
+    /// Adds a Gaussian error with this standard deviation to the pixels in a range of columns.
     pub(super) fn add_noise(&mut self, columns: Range<usize>, std: f32, stream: &mut Stream) {
         let levels = &mut self.levels[3 * columns.start..3 * columns.end];
         let (whole, rest) = levels.as_chunks_mut::<{ Stream::NORMALS }>();
@@ -92,27 +93,28 @@ impl Row {
         }
     }
 
-    /// Rounds to whole levels.
+    /// Rounds the levels to whole numbers and writes them as bytes.
     pub(super) fn write(&self, bytes: &mut [u8]) {
         for (byte, level) in bytes.iter_mut().zip(&self.levels) {
-            // Adding 2²³ rounds a level to a whole number, which is then in the last bits of the sum.
+            // Adding 2²³ rounds a level to a whole number, which is then in the lowest bits of the sum.
             *byte = (level.clamp(0.0, 255.0) + 8_388_608.0).to_bits() as u8;
         }
     }
 }
 
-/// Paints the rows of a frame, from the first to the last.
+/// Renders the rows of a frame in order, starting with the first.
 pub(super) struct Rows<'a> {
     camera: &'a Camera,
-    /// Markers in the order of their first rows.
+    /// Markers, sorted by the first row that they cover.
     markers: &'a [MarkerRaster],
     /// Indices of the markers that cover this row.
     active: Vec<usize>,
-    /// Number of markers that started at or above this row.
+    /// Number of markers whose first row is this row or an earlier row.
     started: usize,
     ground: [f32; 3],
     outside: [f32; 3],
-    /// Shares of light that a cover of 1 absorbs: by magenta, by yellow, and the correction where both overlap.
+    /// Shares of red, green and blue light that a completely covered pixel absorbs. The three entries are for the
+    /// magenta disc, for the yellow disc, and the correction where both overlap.
     absorbed: [[f64; 3]; 3],
     light_at_rim: f64,
     seams: Option<SeamLines>,
@@ -139,8 +141,8 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Half the chord of a circle around the centre of the image along a row, px; negative if the circle does not reach the
-    /// row.
+    /// Half the length of the chord that a circle around the centre of the image has along a row, px. It is negative if
+    /// the circle does not reach the row.
     fn half_chord(&self, radius: f64, number: usize) -> f64 {
         let y = self.camera.centre_px()[1] - number as f64;
         let square = radius * radius - y * y;
@@ -150,7 +152,7 @@ impl<'a> Rows<'a> {
         square.sqrt()
     }
 
-    /// Columns at most `half` from the middle of a row.
+    /// Columns at a distance of at most `half` from the middle of a row.
     fn columns(&self, half: f64) -> Range<usize> {
         if half < 0.0 {
             return 0..0;
@@ -205,7 +207,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Shares of light that a partly covered pixel transmits.
+    /// Shares of red, green and blue light that a partly covered pixel transmits.
     #[inline]
     fn through(&self, cover: &Cover) -> [f32; 3] {
         let [magenta, yellow, both] = &self.absorbed;
@@ -228,7 +230,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Paints the surroundings of the image circle.
+    /// Paints the pixels outside of the image circle.
     fn cut(&self, number: usize, touched: &Range<usize>, row: &mut Row) {
         let rim = self.camera.rim_px();
         let [middle, middle_row] = self.camera.centre_px();

@@ -152,7 +152,8 @@ fn are_not_finite_exactly_where_they_do_not_exist() {
     }
 }
 
-/// Gradient by central differences of the value, second derivatives by central differences of the gradient.
+/// The jet of a formula by finite differences: the gradient from central differences of the value, the second
+/// derivatives from central differences of the gradient.
 fn by_differences(formula: &Formula, x: f64, y: f64) -> Jet {
     let h = 1e-5;
     let (e, w) = (formula.jet(x + h, y), formula.jet(x - h, y));
@@ -181,7 +182,8 @@ fn by_differences(formula: &Formula, x: f64, y: f64) -> Jet {
 proptest! {
     #[test]
     fn agree_with_differences(x in -0.9..0.9_f64, y in -0.9..0.9_f64) {
-        // Inner functions with all first and second derivatives, away from singular places.
+        // This inner function has all first and second derivatives, and its values stay away from the singular places
+        // of the outer functions.
         let inner = "(0.4*x+0.3*y+0.2*x*y-0.1*x^2)";
         let positive = format!("(1.5+{inner})");
         let table = [

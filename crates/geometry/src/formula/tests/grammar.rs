@@ -58,7 +58,7 @@ impl Tree {
         }
     }
 
-    /// Binding strength of the operator that binds loosest.
+    /// Precedence of the operator in the expression that is applied last.
     fn level(&self) -> u8 {
         match self {
             Self::Operator('+' | '-', ..) => 1,
@@ -120,7 +120,7 @@ proptest! {
     }
 }
 
-/// Checks that a text either parses and evaluates, or returns an error whose marker lies under the text.
+/// Checks that a text is either parsed and evaluated, or rejected with an error whose marker lies within the text.
 fn survives(text: &str) {
     match Formula::parse(text, &parameters(&[("k", 2.0)])) {
         Ok(formula) => {

@@ -18,7 +18,7 @@ use crate::progress;
 use crate::results::drawings;
 use crate::run::overridden;
 
-/// Time after which the progress is shown.
+/// Time after which a progress bar is shown. Shorter work shows none.
 const QUIET_TIME: Duration = Duration::from_secs(1);
 
 pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
@@ -61,7 +61,7 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     print(&args.answer, lines, || found.to_json(&study))
 }
 
-/// Question of the arguments about a study.
+/// The question in the arguments of `palpate design`, for a study.
 fn question(args: &DesignArgs, study: &Study) -> Result<Question, AnswerError> {
     let sought = match (&args.maximise, &args.minimise) {
         (Some(name), _) => Some((name, Extreme::Largest)),
@@ -165,7 +165,7 @@ pub(crate) fn sensitivity(args: &SensitivityArgs) -> Result<(), Failure> {
     print(&args.answer, found.lines(), || found.to_json(&study))
 }
 
-/// Failure for a question without an answer: bad usage.
+/// Converts the error of a question that cannot be answered to a failure. It counts as bad usage (exit status 2).
 fn failure(error: AnswerError) -> Failure {
     match error {
         AnswerError::Config(error) => Failure::usage(error),
@@ -181,7 +181,8 @@ fn open_dir(args: &AnswerArgs) -> Result<Option<LockedDir>, Failure> {
     out.map(|dir| LockedDir::open(dir, guard)).transpose()
 }
 
-/// Prints a note for each field that the config sets although it sweeps it, except for `paths`, which arguments set.
+/// Prints a note for each field that the config both sets and sweeps. The fields `paths` are excluded, because
+/// arguments set them.
 pub(crate) fn note_ignored_fields<'a>(study: &Study, paths: impl Iterator<Item = &'a str>) {
     let set: Vec<&str> = paths.collect();
     for (path, note) in study.swept_over() {
@@ -191,7 +192,7 @@ pub(crate) fn note_ignored_fields<'a>(study: &Study, paths: impl Iterator<Item =
     }
 }
 
-/// Replaces the files of an earlier answer by these texts and a figure.
+/// Writes the texts and the figure of an answer into the directory. Replaces the files of an earlier answer.
 fn write(
     folder: &mut LockedDir,
     study: &Study,
@@ -210,7 +211,7 @@ fn write(
     Ok(())
 }
 
-/// Prints an answer as lines, with the directory of its files, or as JSON.
+/// Prints an answer as JSON, or as lines of text that end with the directory of its files.
 fn print(
     args: &AnswerArgs,
     mut lines: Vec<String>,

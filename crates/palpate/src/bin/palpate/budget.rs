@@ -1,4 +1,4 @@
-//! `--budget` and `--target-error`: the choice that they make, in words.
+//! `--budget` and `--target-error`: chooses the number of trials and the model, and describes the choice.
 
 use std::num::NonZeroUsize;
 use std::time::Instant;
@@ -14,15 +14,15 @@ use crate::cli::RunArgs;
 use crate::duration::{exact, roughly, two_digits};
 use crate::failure::Failure;
 
-/// Study whose trials and model have been chosen, with the lines to print about the choice, and warnings.
+/// A study with the chosen number of trials and model, the lines to print about this choice, and its warnings.
 pub(crate) struct Allowed {
     pub(crate) study: Study,
     pub(crate) lines: Vec<String>,
     pub(crate) warnings: Warnings,
 }
 
-/// Chooses trials and model for `args`; `None` where they ask for no choice. The study's cells `numbers` are run.
-/// `start` is when planning began.
+/// Chooses the number of trials and the model; returns `None` if `args` contain neither a budget nor a target error.
+/// `numbers` are the numbers of the cells that run. `start` is the time at which planning began.
 pub(crate) fn choose(
     study: &Study,
     numbers: &[usize],
@@ -46,7 +46,7 @@ pub(crate) fn choose(
     }))
 }
 
-/// Threads that really run at the same time: those asked for, but no more than there are processors.
+/// Runner with the requested number of threads, but with at most one thread per processor.
 pub(crate) fn runner(asked: Option<NonZeroUsize>) -> Result<Runner, Failure> {
     let processors = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let threads = asked.map_or(processors, |asked| asked.min(processors));
@@ -57,7 +57,7 @@ pub(crate) fn runner(asked: Option<NonZeroUsize>) -> Result<Runner, Failure> {
     .map_err(Failure::work)
 }
 
-/// The error in the words of the command line, at the field that is concerned.
+/// Converts an error of the planning to a failure that names the argument or the field of the config.
 fn refused(
     study: &Study,
     numbers: &[usize],
@@ -89,15 +89,15 @@ fn refused(
 fn lines(study: &Study, plan: &Plan, target: Option<f64>) -> Vec<String> {
     let trials = match plan.trials() {
         Some(trials) => Some(format!(
-            "trials  {trials} per random cell: {}",
+            "trials  {trials} per cell with random numbers: {}",
             reason(plan, target)
         )),
         None if plan.is_random => None,
-        None => Some("trials  1: no cell is random".to_owned()),
+        None => Some("trials  1, because no cell has random numbers".to_owned()),
     };
     let shift = target.map_or_else(String::new, |target| {
         let share = percent(MODEL_ERROR_SHARE * target);
-        format!(": shifts no estimate by more than {share} of its rms error")
+        format!(": its error shifts every estimate by at most {share} of the rms error")
     });
     let model = shown(&study.config.scene).filter(|_| plan.chooses_model);
     let model = model.map(|model| format!("model   {model}{shift}"));
@@ -109,44 +109,49 @@ fn warnings(plan: &Plan, numbers: &[usize]) -> Warnings {
     for failing in &plan.failing {
         let (trials, kind) = (failing.trials, failing.kind);
         let text = format!(
-            "all {trials} trials of a pilot fail ({kind}): the number of trials is chosen without such cells"
+            "all {trials} pilot trials of a cell fail ({kind}); such cells do not influence the \
+             number of trials"
         );
         let warning = Warning::new("failed-pilot", text, [("trials", trials as f64)]);
         warnings.add(numbers[failing.cell], &[warning]);
     }
     if let Some((cell, quantity)) = plan.heavy_tails {
         let text = format!(
-            "the errors of {quantity} have heavy tails: a few trials determine their root mean square, so its stated error is rough"
+            "the errors of {quantity} have heavy tails: a few trials determine their root mean \
+             square, so its stated uncertainty is rough"
         );
         warnings.add(numbers[cell], &[Warning::new("heavy-tails", text, [])]);
     }
     warnings
 }
 
-/// Reason for the number of trials: which of target and budget decides it, and the error to be expected of the
-/// figures.
+/// Reason for the number of trials: whether the target error or the budget decides it, and the expected error of the
+/// results.
 fn reason(plan: &Plan, target: Option<f64>) -> String {
     let expected = match plan.expected_error {
-        Some(error) => format!("rms errors to {} are expected", percent(error)),
-        None => "how well that tells the rms errors is not known".to_owned(),
+        Some(error) => format!(
+            "expected standard error of the rms errors: {}",
+            percent(error)
+        ),
+        None => "the standard error of the rms errors cannot be predicted".to_owned(),
     };
     let rule = match (plan.by_target, plan.by_budget) {
         (Some(error), Some(time)) if time < error => {
-            format!("the budget rules, the target error needs {error}")
+            format!("the budget decides; the target error needs {error}")
         }
         (Some(_), Some(time)) => {
-            format!("the target error rules, the budget has time for {time}")
+            format!("the target error decides; the budget has time for {time}")
         }
         (Some(_), None) => "the target error".to_owned(),
         (None, Some(_)) if target.is_some() => {
-            "the budget rules, and leaves no time for a pilot".to_owned()
+            "the budget decides, because it has no time for a pilot".to_owned()
         }
         (None, _) => "the budget".to_owned(),
     };
     format!("{rule}; {expected}")
 }
 
-/// Model of a scene as one line of TOML, `kind` first.
+/// The model of a scene as one line of TOML; `kind` comes first.
 fn shown(scene: &SceneConfig) -> Option<String> {
     let model = serde_json::to_value(scene.model()?).ok()?;
     let (kind, settings): (Vec<_>, Vec<_>) = model
@@ -161,7 +166,7 @@ fn shown(scene: &SceneConfig) -> Option<String> {
     Some(format!("{{ {} }}", keys.join(", ")))
 }
 
-/// A share to two digits.
+/// A share in percent, rounded to two digits.
 fn percent(share: f64) -> String {
     format!("{} %", two_digits(100.0 * share))
 }

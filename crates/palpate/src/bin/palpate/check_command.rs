@@ -13,9 +13,9 @@ use crate::duration::{roughly, short, two_digits};
 use crate::failure::Failure;
 use crate::{output, progress};
 
-/// Time after which the progress is shown.
+/// Time after which a progress bar is shown.
 const QUIET_TIME: Duration = Duration::from_secs(2);
-/// Largest number of groups that are shown one by one.
+/// Largest number of groups of cells that are printed one by one.
 const MAX_GROUPS: usize = 50;
 
 pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
@@ -35,12 +35,12 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
     output::print(&text(&study.config.name, &check))
 }
 
-/// Text of a check. For a sample it states how the cells were chosen.
+/// The text that `palpate check` prints. If only a sample of the cells was checked, it states how they were chosen.
 fn text(name: &str, check: &Check) -> String {
     let mut text = String::new();
     let (mut not_set_up, mut at_most) = (String::new(), "");
     if check.set_up < check.cells {
-        not_set_up = format!("; {} were set up, to be quick", check.set_up);
+        not_set_up = format!("; {} were set up, to save time", check.set_up);
         at_most = "at most ";
     }
     let _ = writeln!(text, "study   {name}");
@@ -88,11 +88,7 @@ fn text(name: &str, check: &Check) -> String {
     if check.intervals.len() > MAX_GROUPS {
         let more = &check.intervals[MAX_GROUPS..];
         let cells: usize = more.iter().map(|(cells, _)| cells).sum();
-        let _ = writeln!(
-            text,
-            "  {cells} others, of which {} more things are told",
-            more.len()
-        );
+        let _ = writeln!(text, "  {cells} others in {} more groups", more.len());
     }
     let _ = write!(
         text,
@@ -103,14 +99,15 @@ fn text(name: &str, check: &Check) -> String {
     text
 }
 
-/// Measured coverage in words.
+/// Text about the measured coverage of the intervals, and text about the random scenes in which it was measured.
 fn intervals(coverage: &Coverage) -> [Option<String>; 2] {
     let measured = |family: &Family| {
         let [share, lowest] = [family.coverage95, family.lowest].map(|share| 100.0 * share);
         let is_short = family.coverage95 < Family::HOLDS[0];
         let only = if is_short { "only " } else { "" };
         format!(
-            "of {} random scenes they held the truth in {only}{share:.1} % of trials, in the worst scene in {lowest:.0} % ({})",
+            "in {} random scenes they contained the true value in {only}{share:.1} % of trials, \
+             in the worst scene in {lowest:.0} % ({})",
             family.scenes, family.name
         )
     };
@@ -118,7 +115,7 @@ fn intervals(coverage: &Coverage) -> [Option<String>; 2] {
         Coverage::Measured(family) => [Some(format!("tested: {}", measured(family))), None],
         Coverage::Outside(family, outside) => [
             Some(format!("not tested: random scenes have no {outside}")),
-            Some(format!("nearest to them: {}", measured(family))),
+            Some(format!("most similar: {}", measured(family))),
         ],
         Coverage::NotMeasured(why) => [Some(format!("not tested: {why}")), None],
     }
@@ -127,15 +124,15 @@ fn intervals(coverage: &Coverage) -> [Option<String>; 2] {
 fn rungs(rungs: &Rungs) -> Vec<String> {
     match rungs {
         Rungs::None => Vec::new(),
-        Rungs::NotMeasured => vec!["rungs of the model: not measured, to be quick".to_owned()],
-        Rungs::AsIn(cell) => vec![format!("rungs of the model: as in cell {cell}")],
+        Rungs::NotMeasured => vec!["models, cheapest first: not measured, to save time".to_owned()],
+        Rungs::AsIn(cell) => vec![format!("models, cheapest first: as in cell {cell}")],
         Rungs::Measured {
             cell,
             ladder,
             times,
         } => {
             let errors = errors_of(ladder);
-            let first = format!("rungs of the model, in cell {cell}; errors: {errors}");
+            let first = format!("models, cheapest first, in cell {cell}; errors: {errors}");
             let chosen = match ladder.tolerance {
                 Some(tolerance) => format!("chosen for a tolerance of {tolerance:e}: "),
                 None => String::new(),
@@ -147,18 +144,18 @@ fn rungs(rungs: &Rungs) -> Vec<String> {
     }
 }
 
-/// Words for the quantity whose errors are shown and the scale that they are relative to.
+/// Description of the errors in the list of models: the quantity, and the length that its error is divided by.
 fn errors_of(ladder: &Ladder) -> &'static str {
     match ladder.taken().model {
         ModelConfig::Roll(_) => {
-            "places of the contacts at the end, relative to the first contact's length scale"
+            "positions of the contacts at the end, relative to the first contact's length scale"
         }
-        ModelConfig::Glide(_) => "places of contacts, relative to the tip's radius",
-        ModelConfig::Press(_) => "displacements of markers, relative to the largest",
+        ModelConfig::Glide(_) => "positions of the contacts, relative to the tip's radius",
+        ModelConfig::Press(_) => "displacements of the markers, relative to the largest",
     }
 }
 
-/// Line of each rung with its error and its computing time, and the ratio of this time to that of the chosen rung.
+/// One line per model, with its error, its computing time, and the ratio of this time to the time of the chosen model.
 fn rung_lines(
     ladder: &Ladder,
     times: &[(usize, Option<EvaluationTime>)],
@@ -177,7 +174,7 @@ fn rung_lines(
         let text = match &ladder.rungs[place].accuracy {
             Accuracy::Impossible(why) => format!("cannot: {why}"),
             Accuracy::Error(_) if ladder.reference == Some(place) => {
-                format!("what errors are held against{time}")
+                format!("reference for the errors{time}")
             }
             Accuracy::Error(error) => format!("error {error:.1e}{time}"),
         };
@@ -185,7 +182,7 @@ fn rung_lines(
     })
 }
 
-/// Computing time in words, with its ratio to another one.
+/// Computing time in words, with its ratio to the computing time `other`.
 fn time_in_words(time: EvaluationTime, other: Option<EvaluationTime>) -> String {
     let seconds = short(time.seconds());
     let ratio = other.map_or_else(String::new, |other| {

@@ -25,8 +25,8 @@ pub(crate) use estimate_args::{
 pub(crate) use form::FormArgs;
 pub(crate) use sensor_args::{CalibrateArgs, PatternArgs, SensorCommand, TrackArgs};
 
-/// Simulate a fingertip exploring a surface, model what its sensors really deliver, and estimate
-/// the surface's curvature from that.
+/// Simulate a fingertip that explores a surface, model the readings of its sensors, and estimate the surface's
+/// curvature from these readings.
 #[derive(Debug, Parser)]
 #[command(name = "palpate", version, about, max_term_width = 100)]
 #[command(after_help = "Example:
@@ -34,8 +34,8 @@ pub(crate) use sensor_args::{CalibrateArgs, PatternArgs, SensorCommand, TrackArg
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
-    /// How an error is told on standard error: json is one line with kind (usage, work, stopped), status,
-    /// message and, where they are known, file, line and field.
+    /// Format of errors on standard error. With json, an error is one line with its kind (usage, work or stopped), its
+    /// exit status and its message; file, line and field are added if the error has them.
     #[arg(
         long,
         global = true,
@@ -46,18 +46,18 @@ pub(crate) struct Cli {
     pub(crate) error_format: ErrorFormat,
 }
 
-/// Form of an error.
+/// Format of error messages.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum ErrorFormat {
-    /// A line for people.
+    /// One line for people.
     Text,
-    /// A line of JSON for programs.
+    /// One line of JSON for programs.
     Json,
 }
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Run a study: all cells of a config, all trials; writes cells.csv, failures.csv and run.toml.
+    /// Run a study: all trials of all cells of a config. Writes cells.csv, failures.csv and run.toml.
     #[command(after_help = "Examples:
   palpate run sim-configs/ep1-angular-velocity-error.toml
   palpate run my.toml --trials 200 --out out/quick-look
@@ -66,34 +66,35 @@ pub(crate) enum Command {
   palpate run my.toml --target-error 0.001 --budget 1.5h
   palpate run my.toml --shard 3/16 --out out/shards/3
 
-A budget or a target error becomes a number of trials and, where all cells take the same, a rung of the
-model. They are written to run.toml before the first trial: `palpate run` of that file needs neither a
-clock nor a pilot, and gives the same bytes.
+--budget and --target-error choose a number of trials and, if all cells use the same model, this model. The
+choice is written to run.toml before the first trial. A later `palpate run` of this run.toml repeats the
+run without planning, and gives the same bytes.
 
-A run that is interrupted, however it was, goes on with the same command: journal.palpate has what is done
-of it, and the tables are those of an undisturbed run. Another config is refused there, with the
-difference; --restart drops the journal. A shard leaves its journal, which `palpate merge` reads. Where the directory has tables of another
-config, they and their run.toml stay until the run is done; meanwhile its config is next-run.toml.
-What palpate wrote there of another study is removed; what it did not write, or what was changed since,
-is not replaced without --force. Warnings are in warnings.txt and warnings.json. A run in which every trial
-fails has status 1.")]
+If a run is interrupted, the same command resumes it: journal.palpate stores the finished cells, and the
+tables have the same bytes as those of an undisturbed run. If the journal belongs to another config, the run
+is refused, and the message shows the difference; --restart deletes the journal. A shard writes only a
+journal, which `palpate merge` reads. If the directory has tables of another config, these tables and their
+run.toml stay until the run is finished; until then, the config of the run is next-run.toml. Then the files
+that palpate wrote for another study are removed. Files that palpate did not write, or that were edited since,
+are not overwritten without --force. Warnings are written to warnings.txt and warnings.json. A run in which
+every trial fails ends with status 1.")]
     Run(RunArgs),
-    /// Put the shards of a run together: writes what one run of all would have written, to the byte.
+    /// Merge the shards of a run: writes exactly the files that one run of the whole study would have written.
     #[command(after_help = "Examples:
   palpate run my.toml --shard 1/2 --out out/a && palpate run my.toml --shard 2/2 --out out/b
   palpate merge out/a out/b --out out/my-study
 
-A shard that is missing, has not ended, is damaged, or is of another config, seed or version of palpate
-is named, and nothing is written. The shards stay; merging again gives the same.")]
+If a shard is missing, unfinished or damaged, or belongs to another config, seed or version of palpate, the
+message lists it, and nothing is written. The shards stay, so the merge can be repeated.")]
     Merge(MergeArgs),
-    /// Tell how far a run or its shards have come: done, running, failed, missing, rate and time left.
+    /// Print the progress of a run or of its shards: done, running, failed and missing, the rate, and the time left.
     #[command(after_help = "Example:
   palpate status out/my-study")]
     Status(StatusArgs),
-    /// Give the shards of a run to a cluster.
+    /// Run the shards of a study on a cluster.
     #[command(subcommand)]
     Submit(Scheduler),
-    /// Follow one pass of a scene: writes trace.csv (truth) and readings.csv (what `estimate` accepts).
+    /// Trace one trial of a scene: writes trace.csv (true values) and readings.csv (readings that `estimate` accepts).
     #[command(after_help = "Examples:
   palpate trace my.toml --out out/trace
   palpate trace my.toml --out out/trace --cell 3 --trial 17")]
@@ -113,7 +114,8 @@ is named, and nothing is written. The shards stay; merging again gives the same.
     --out calibration.toml
   palpate sensor track rest.png pressed.png --out out/track")]
     Sensor(SensorCommand),
-    /// Find the values of a field that meet a target: which pads, which roll, which camera will do.
+    /// Find the values of a field that meet a target, for example which pad pitch, roll length or camera gives a
+    /// required accuracy.
     #[command(after_help = "Examples:
   palpate design examples/pads-for-a-ball.toml --set scene.motion.arc_length=4 \\
     --target 'relative_rms_error(mean_curvature) <= 5 %' --vary scene.sensor.pitch=0.05..2
@@ -123,20 +125,24 @@ is named, and nothing is written. The shards stay; merging again gives the same.
     --target 'relative_rms_error(mean_curvature) <= 5 %' --vary scene.sensor.pitch=0.05..2 \\
     --vary scene.motion.arc_length=0.5..8 --maximise scene.sensor.pitch
 
-The target is to hold in every cell of the config at once; a field that is swept can be --set to one value.
-At least 16 values are scanned, and every crossing is bracketed ever more closely; fresh trials verify the
-answer, all of which is right with 95 %. Between values that were looked at, nothing is known.
+The target must be met in every cell of the config; --set fixes a swept field at one value. The search tries
+at least 16 values. Between two values of which one meets the target and one misses it, more values are tried
+until the gap is small. New trials verify the answer. The answer as a whole is right with a probability of
+95 %. Between the tried values, nothing is tested.
 
-Of several fields, the last that has a range, or what is sought, is searched so at each of some values of the
-others; about the largest or smallest value that is sought, these values stand closer.")]
+If several fields are varied, one field is searched in this way for each of several values of the other fields:
+the field of --maximise or --minimise, otherwise the last field with a range. Near the best value, the values
+of the other fields are closer together.")]
     Design(DesignArgs),
-    /// Tell how surely one trial tells the swept objects apart, and how many trials do.
+    /// Compute how often a single trial puts the swept objects in the right order, and how many trials must be averaged
+    /// for a reliable order.
     #[command(after_help = "Examples:
   palpate distinguish examples/press-a-ball.toml --vary scene.object.radius=20,25,30
   palpate distinguish my.toml --quantity class --confidence 0.99 --out out/which-shapes
 
-Two objects are told apart where a trial of each puts their estimates in the right order; by the quantity class
-of a glide, where most places of both are classified right. A trial that fails does not tell.")]
+The answer states how often one trial of each of two objects puts their estimates in the right order. For the
+quantity `class` of a glide, two trials are right if most points of both are classified correctly. A trial that
+fails counts as wrong.")]
     Distinguish(DistinguishArgs),
     /// Find which numeric field of a scene changes the error of an estimate most.
     #[command(after_help = "Examples:
@@ -147,7 +153,7 @@ Each field is changed alone, by --step in both directions, with the same random 
 1 % means that the error is proportional to the field. If the config sweeps fields, its first cell is used.
 Fields that are 0, and lists of more than three numbers, are skipped.")]
     Sensitivity(SensitivityArgs),
-    /// Validate a config; prints cells, trials, the models that it needs and an estimate of the time.
+    /// Check a config; prints the cells, the trials, the chosen models and the expected run time.
     #[command(after_help = "Example:
   palpate check sim-configs/ep1-roll-length.toml")]
     Check(CheckArgs),
@@ -155,7 +161,7 @@ Fields that are 0, and lists of more than three numbers, are skipped.")]
     #[command(after_help = "Example:
   palpate plot out/my-study")]
     Plot(PlotArgs),
-    /// Score the papers' claims on the results of studies and write a self-contained page.
+    /// Test the papers' claims with the results of studies, and write a self-contained HTML page.
     #[command(
         after_help = "The scores of each study are written to claims.csv in its directory.
 
@@ -163,12 +169,12 @@ Example:
   palpate report results/ep1-roll-length results/ep1-pad-resolution --out report.html"
     )]
     Report(ReportArgs),
-    /// Print the JSON Schema of configs, for editors; or the quantities that a plot may name.
+    /// Print the JSON Schema of configs for editors, or the quantities and statistics that a plot may use.
     #[command(after_help = "Examples:
   palpate schema > palpate.schema.json
   palpate schema --quantities")]
     Schema(SchemaArgs),
-    /// Explain a word: a failure, a status, an estimator, a quantity, a key of configs, a term of the field.
+    /// Explain a word: a failure, a status, an estimator, a quantity, a key of configs, or a term of contact mechanics.
     #[command(after_help = "Examples:
   palpate explain not-rolling
   palpate explain relative curvature
@@ -190,80 +196,84 @@ pub(crate) struct RunArgs {
     /// Run this many trials per cell instead of the config's.
     #[arg(long, value_name = "N")]
     pub(crate) trials: Option<NonZeroU64>,
-    /// Choose the number of trials per cell so that planning and run together take about this long on
-    /// the given threads: 30s, 5m, 1.5h, or a plain number of seconds.
+    /// Choose the number of trials per cell so that planning and run together need about this time on the given number
+    /// of threads: 30s, 5m, 1.5h, or a plain number of seconds.
     #[arg(long, value_name = "DURATION", value_parser = duration::parse, allow_hyphen_values = true, conflicts_with = "trials")]
     pub(crate) budget: Option<Duration>,
-    /// Choose the number of trials per cell so that every rms error has a relative standard error of at
-    /// most E, and the tolerance of an `auto` model so that it shifts no estimate by more than E/10 of
-    /// its rms error. With --budget, take no more trials than fit into it.
+    /// Choose the number of trials per cell so that every rms error has a relative standard error of at most E. Also
+    /// choose the tolerance of an `auto` model so that the model's error shifts every estimate by at most E/10 of its
+    /// rms error. With --budget, run at most as many trials as fit into the budget.
     #[arg(long, value_name = "E", value_parser = share, allow_negative_numbers = true, conflicts_with = "trials")]
     pub(crate) target_error: Option<f64>,
-    /// Use this many threads instead of all cores; results do not depend on it.
+    /// Use this many threads instead of all cores; the results do not depend on the number of threads.
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<NonZeroUsize>,
-    /// Run only every N-th cell, from the first; the rows keep their cell numbers.
+    /// Run only every N-th cell, beginning with the first; the rows of the tables keep the cell numbers of the study.
     #[arg(long, value_name = "N", default_value = "1")]
     pub(crate) every_nth_cell: NonZeroUsize,
     /// Run only shard K of N: every N-th cell, beginning with the K-th.
     #[arg(long, value_name = "K/N", value_parser = shard)]
     pub(crate) shard: Option<Shard>,
-    /// Format of the tables; with --shard, `palpate merge` has it.
+    /// Format of the tables; with --shard, choose the format in `palpate merge`.
     #[arg(long, value_enum, value_name = "FORMAT", default_value = "csv")]
     pub(crate) format: Format,
-    /// Also write a table with a row per observation of every trial, or the kind of its failure; - is standard
-    /// output. A name that ends with .csv or .parquet tells its format, else --format does. With --shard the rows
-    /// are in the journal, and `palpate merge` writes the table.
+    /// Also write a table with one row per trial and quantity; a failed trial has one row with its kind of failure. -
+    /// is standard output. The extension .csv or .parquet of the name determines the format, otherwise --format does.
+    /// With --shard the journal stores the rows, and `palpate merge` writes the table.
     #[arg(long, value_name = "FILE")]
     pub(crate) trials_out: Option<PathBuf>,
-    /// Do not print the warnings of cells. They are in warnings.txt or, with --shard, in the journal.
+    /// Do not print the warnings of cells. The warnings are still written to warnings.txt or, with --shard, to the
+    /// journal.
     #[arg(long)]
     pub(crate) quiet: bool,
-    /// Begin anew where a run that has not ended left its journal.
+    /// Delete the journal of an unfinished run, and start from the first cell.
     #[arg(long)]
     pub(crate) restart: bool,
-    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    /// Also overwrite files that palpate did not write, files that were edited after palpate wrote them, and input
+    /// files of this command.
     #[arg(long)]
     pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct MergeArgs {
-    /// Directories of the shards, or directories in which those are.
+    /// Directories of the shards, or directories that contain the directories of the shards.
     #[arg(required = true, value_name = "DIR")]
     pub(crate) dirs: Vec<PathBuf>,
-    /// Where to write the results [default: the only directory, if the shards are in it; else out/ and the
-    /// name of the study].
+    /// Where to write the results [default: the single directory in DIRS if it contains the shards, otherwise out/ and
+    /// the name of the study].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Format of the tables.
     #[arg(long, value_enum, value_name = "FORMAT", default_value = "csv")]
     pub(crate) format: Format,
-    /// Also write the table of trials, of shards that were run with --trials-out. A name that ends with .csv or
-    /// .parquet tells its format, else --format does.
+    /// Also write the table of trials, if the shards were run with --trials-out. The extension .csv or .parquet of the
+    /// name determines the format, otherwise --format does.
     #[arg(long, value_name = "FILE")]
     pub(crate) trials_out: Option<PathBuf>,
-    /// Replace also files that palpate did not write, or that were changed since.
+    /// Also overwrite files that palpate did not write, and files that were edited after palpate wrote them.
     #[arg(long)]
     pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct StatusArgs {
-    /// A directory that `palpate run` writes, or one in which its shards are.
+    /// A directory that `palpate run` writes, or a directory that contains its shards.
     pub(crate) dir: PathBuf,
 }
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Scheduler {
-    /// Submit an array of shards to Slurm, and a job that merges them; run again, only shards that are not done.
+    /// Submit an array of shards to Slurm, and a job that merges them. If the same study is submitted again, only
+    /// unfinished shards run.
     #[command(after_help = "Examples:
   palpate submit slurm my.toml --shards 16 --dry-run
   palpate submit slurm my.toml --shards 200 --cpus-per-task 8 --time 2:00:00 --partition short
 
-The scripts, the config with all defaults and the shards are in the output directory. An element whose node
-fails, that a signal kills, or whose time is up, is queued again and goes on behind its last finished cell; one that fails
-otherwise is not. The merge runs when all elements have ended, and fails where a shard is missing.")]
+The scripts, the config with all defaults and the shards are written into the output directory. If the node of
+a shard fails, if a signal kills the shard or if its time is up, the shard is queued again and resumes after its
+last finished cell. A shard that fails for another reason is not queued again. The merge runs when all shards
+have ended, and fails if a shard is missing.")]
     Slurm(SlurmArgs),
 }
 
@@ -277,23 +287,23 @@ pub(crate) struct SlurmArgs {
     /// Where to write the scripts, the shards and the results [default: out/ and the name of the study].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Longest time of a shard, as Slurm has it: minutes, or 2:00:00, or 1-12:00. A shard that needs longer
-    /// goes on in another job.
+    /// Time limit of a shard in Slurm's format: minutes, or 2:00:00, or 1-12:00. A shard that needs more time continues
+    /// in another job.
     #[arg(long, value_name = "TIME", value_parser = slurm_time)]
     pub(crate) time: Option<SlurmTime>,
     /// Partition of the cluster.
     #[arg(long, value_name = "NAME", value_parser = slurm_word)]
     pub(crate) partition: Option<String>,
-    /// Account that the time is charged to.
+    /// Account that the computing time is charged to.
     #[arg(long, value_name = "NAME", value_parser = slurm_word)]
     pub(crate) account: Option<String>,
-    /// Memory of a shard, as Slurm has it: 500M, 2G.
+    /// Memory of a shard in Slurm's format: 500M, 2G.
     #[arg(long, value_name = "SIZE", value_parser = slurm_size)]
     pub(crate) mem: Option<String>,
-    /// Processors, and so threads, of a shard.
+    /// Number of processors of a shard, which is also its number of threads.
     #[arg(long, value_name = "N", default_value = "1", value_parser = processors)]
     pub(crate) cpus_per_task: NonZeroU64,
-    /// Most times that a shard is queued again.
+    /// Largest number of times that a failed shard is queued again.
     #[arg(long, value_name = "N", default_value_t = 5)]
     pub(crate) max_restarts: u32,
     /// Use this seed instead of the config's.
@@ -305,10 +315,11 @@ pub(crate) struct SlurmArgs {
     /// Format of the tables that the merge writes.
     #[arg(long, value_enum, value_name = "FORMAT", default_value = "csv")]
     pub(crate) format: Format,
-    /// Print the scripts, and neither write nor submit anything.
+    /// Print the scripts, but do not write or submit anything.
     #[arg(long)]
     pub(crate) dry_run: bool,
-    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    /// Also overwrite files that palpate did not write, files that were edited after palpate wrote them, and input
+    /// files of this command.
     #[arg(long)]
     pub(crate) force: bool,
 }
@@ -320,13 +331,14 @@ pub(crate) struct TraceArgs {
     /// Where to write the tables.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Number of the cell to follow, counted from 0.
+    /// Number of the cell to trace, counted from 0.
     #[arg(long, value_name = "I", default_value_t = 0)]
     pub(crate) cell: usize,
-    /// Replay this trial with its noise [default: a pass without noise].
+    /// Replay this trial with its noise [default: a trial without noise].
     #[arg(long, value_name = "J")]
     pub(crate) trial: Option<u64>,
-    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    /// Also overwrite files that palpate did not write, files that were edited after palpate wrote them, and input
+    /// files of this command.
     #[arg(long)]
     pub(crate) force: bool,
 }
@@ -339,15 +351,15 @@ pub(crate) struct CheckArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct SchemaArgs {
-    /// Print quantities and statistics with their units and meanings instead: what `quantity`, `x` and `y` of a plot
-    /// may be, besides the swept fields.
+    /// Print the quantities and statistics with their units and meanings instead of the schema. The keys `quantity`,
+    /// `x` and `y` of a plot may name them; `x` and `y` may also name swept fields.
     #[arg(long)]
     pub(crate) quantities: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct ExplainArgs {
-    /// The word or words; none to list all.
+    /// The word or words to explain; without a word, all words are listed.
     pub(crate) term: Vec<String>,
     /// Print all words with their meanings as Markdown: the glossary of the book.
     #[arg(long, conflicts_with = "term")]
@@ -358,7 +370,8 @@ pub(crate) struct ExplainArgs {
 pub(crate) struct PlotArgs {
     /// A directory that `palpate run` wrote.
     pub(crate) dir: PathBuf,
-    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    /// Also overwrite files that palpate did not write, files that were edited after palpate wrote them, and input
+    /// files of this command.
     #[arg(long)]
     pub(crate) force: bool,
 }
@@ -371,12 +384,14 @@ pub(crate) struct ReportArgs {
     /// The page to write; - is standard output.
     #[arg(long, value_name = "FILE", default_value = "report.html")]
     pub(crate) out: PathBuf,
-    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    /// Also overwrite files that palpate did not write, files that were edited after palpate wrote them, and input
+    /// files of this command.
     #[arg(long)]
     pub(crate) force: bool,
 }
 
-/// Smallest target error that is accepted; a smaller one would need more trials than can be counted.
+/// Smallest target error that `--target-error` accepts. A smaller target error would need more trials than a 64-bit
+/// number can count.
 const SMALLEST_SHARE: f64 = 1e-9;
 
 fn share(text: &str) -> Result<f64, String> {
@@ -387,7 +402,7 @@ fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Most shards of a run.
+/// Largest number of shards of a run.
 const MOST_SHARDS: u64 = 1_000_000;
 
 fn shard(text: &str) -> Result<Shard, String> {
@@ -404,11 +419,11 @@ fn shard(text: &str) -> Result<Shard, String> {
             Err(format!("at most {MOST_SHARDS} shards are possible"))
         }
         Some((number, of)) => Err(format!("there is no shard {number} of {of}")),
-        None => Err("is no shard; the first of 4 is written 1/4".to_owned()),
+        None => Err("is not a shard; the first of 4 shards is written 1/4".to_owned()),
     }
 }
 
-/// A word that stands in a line for Slurm as it is.
+/// Accepts a word if a line of a Slurm script may contain it without quotation marks; rejects other words.
 fn slurm_word(text: &str) -> Result<String, String> {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-+:,/@".contains(c);
     match !text.is_empty() && text.chars().all(is_plain) {
@@ -421,7 +436,7 @@ fn shards(text: &str) -> Result<NonZeroU64, String> {
     within(text, MOST_SHARDS)
 }
 
-/// Most processors of a shard.
+/// Largest number of processors of a shard.
 const MOST_PROCESSORS: u64 = 255;
 
 fn processors(text: &str) -> Result<NonZeroU64, String> {
@@ -434,16 +449,17 @@ fn within(text: &str, most: u64) -> Result<NonZeroU64, String> {
     number.ok_or_else(|| format!("must be a whole number from 1 to {most}"))
 }
 
-/// Time as Slurm has it.
+/// Time limit in Slurm's format.
 #[derive(Clone, Debug)]
 pub(crate) struct SlurmTime {
     pub(crate) text: String,
     pub(crate) minutes: u64,
 }
 
-/// Minutes, minutes:seconds, hours:minutes:seconds, or days-hours with :minutes and :seconds.
+/// Parses a time in Slurm's format: minutes, minutes:seconds, hours:minutes:seconds, or days-hours with :minutes and
+/// :seconds.
 fn slurm_time(text: &str) -> Result<SlurmTime, String> {
-    let wrong = || "is no time that Slurm knows; write minutes, 2:00:00 or 1-12:00".to_owned();
+    let wrong = || "is not a time in Slurm's format; write minutes, 2:00:00 or 1-12:00".to_owned();
     let (days, rest) = match text.split_once('-') {
         Some((days, rest)) => (days.parse::<u64>().map_err(|_| wrong())?, rest),
         None => (0, text),
@@ -471,13 +487,13 @@ fn slurm_time(text: &str) -> Result<SlurmTime, String> {
     }
 }
 
-/// Size of memory as Slurm has it.
+/// Checks a size of memory in Slurm's format.
 fn slurm_size(text: &str) -> Result<String, String> {
     let digits = text.trim_end_matches(['K', 'M', 'G', 'T']);
     let is_size =
         digits.parse::<u64>().is_ok_and(|size| size > 0) && text.len() <= digits.len() + 1;
     match is_size {
         true => Ok(text.to_owned()),
-        false => Err("is no size that Slurm knows; write 500M or 2G".to_owned()),
+        false => Err("is not a size in Slurm's format; write 500M or 2G".to_owned()),
     }
 }

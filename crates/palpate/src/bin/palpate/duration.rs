@@ -1,17 +1,17 @@
-//! Durations as people write them.
+//! Durations as people write them, for example 1.5h.
 
 use std::time::Duration;
 
-/// Seconds in the unit that each suffix stands for.
+/// Number of seconds in each unit, by its suffix.
 const UNITS: [(&str, f64); 4] = [("s", 1.0), ("m", 60.0), ("h", 3600.0), ("", 1.0)];
-/// Longest duration that is accepted, s; far within the range of [`Duration`].
+/// Longest accepted duration, s. It is far below the limit of [`Duration`].
 const LONGEST_S: f64 = 1e10;
-/// Shortest duration that is accepted, s.
+/// Shortest accepted duration, s.
 const SHORTEST_S: f64 = 1e-9;
-/// Range of numbers that are written without an exponent.
+/// Range of numbers that are printed without an exponent.
 const PLAIN: std::ops::Range<f64> = 1e-4..1e6;
 
-/// Reads `30s`, `5m`, `1.5h`, or plain seconds.
+/// Parses `30s`, `5m`, `1.5h`, or plain seconds.
 pub(crate) fn parse(text: &str) -> Result<Duration, String> {
     let (number, unit) = UNITS
         .iter()
@@ -20,7 +20,7 @@ pub(crate) fn parse(text: &str) -> Result<Duration, String> {
     let number: f64 = number
         .trim_end()
         .parse()
-        .map_err(|_| "is no duration; write 30s, 5m or 1.5h".to_owned())?;
+        .map_err(|_| "is not a duration; write 30s, 5m or 1.5h".to_owned())?;
     let seconds = number * unit;
     if (SHORTEST_S..=LONGEST_S).contains(&seconds) {
         Ok(Duration::from_secs_f64(seconds))
@@ -31,7 +31,7 @@ pub(crate) fn parse(text: &str) -> Result<Duration, String> {
     }
 }
 
-/// Words for a time that is known roughly.
+/// A time in words, for an estimate that is only approximate.
 pub(crate) fn roughly(seconds: f64) -> String {
     match seconds {
         s if s < 1.0 => "a second".to_owned(),
@@ -41,7 +41,7 @@ pub(crate) fn roughly(seconds: f64) -> String {
     }
 }
 
-/// A measured time, to two digits.
+/// A measured time in words, rounded to two digits.
 pub(crate) fn short(seconds: f64) -> String {
     let (number, unit) = match seconds {
         s if s < 1e-6 => (1e9 * s, "ns"),
@@ -52,12 +52,12 @@ pub(crate) fn short(seconds: f64) -> String {
     format!("{} {unit}", two_digits(number))
 }
 
-/// A number to two digits.
+/// A number rounded to two digits.
 pub(crate) fn two_digits(number: f64) -> String {
     exact(format!("{number:.1e}").parse().unwrap_or(number))
 }
 
-/// A number to its last digit; a very small or large one with an exponent.
+/// A number with all its digits. It has an exponent if the number is very small or very large.
 pub(crate) fn exact(number: f64) -> String {
     if number == 0.0 || PLAIN.contains(&number.abs()) {
         number.to_string()

@@ -1,4 +1,4 @@
-//! `palpate explain` and `palpate schema --quantities`: what words mean.
+//! `palpate explain` and `palpate schema --quantities`: prints the meanings of words.
 
 use std::fmt::Write as _;
 
@@ -12,7 +12,7 @@ use serde_json::Value;
 use crate::failure::Failure;
 use crate::output;
 
-/// Columns of a line of text.
+/// Width of a printed line, in characters.
 const WIDTH: usize = 100;
 
 /// Parts of a scene that have kinds.
@@ -20,7 +20,7 @@ const PARTS: [&str; 6] = ["probe", "object", "model", "sensor", "noise", "estima
 /// Word for the table of the kinds of scenes.
 const SCENES: &str = "scenes";
 
-/// Prints what a word means; without one, all words.
+/// Prints the meaning of a word; without a word, lists all words.
 pub(crate) fn explain(word: &str) -> Result<(), Failure> {
     if spelt(word) == SCENES {
         let scene = |(kind, parts): (String, Vec<(&str, String)>)| {
@@ -60,7 +60,7 @@ pub(crate) fn explain(word: &str) -> Result<(), Failure> {
             similar => format!("did you mean {}?", similar.join(", ")),
         };
         return Err(Failure::usage(anyhow!(
-            "`{}` is no word of palpate; {similar}",
+            "`{}` is not a word of palpate; {similar}",
             word.trim()
         )));
     }
@@ -135,7 +135,7 @@ fn scenes() -> Vec<(String, Vec<(&'static str, String)>)> {
     scenes.into_iter().flatten().filter_map(scene).collect()
 }
 
-/// A section of the glossary with a table.
+/// A section of the glossary, as a heading with a Markdown table.
 fn section(
     title: &str,
     [first, second]: [&str; 2],
@@ -148,8 +148,8 @@ fn section(
     format!("\n## {title}\n\n| {first} | {second} |\n|---|---|\n{rows}")
 }
 
-/// Paths of all config keys, each with its meaning, unit and default. A key with the same description in several kinds of
-/// scenes is listed once.
+/// Paths of all config keys, each with its meaning, unit and default. If several kinds of scenes have a key with the
+/// same description, it is listed once.
 fn config_keys() -> Vec<(String, String)> {
     let mut keys = Vec::new();
     collect_keys(&schema(), "", &mut keys);
@@ -214,8 +214,8 @@ pub(crate) fn quantities() -> Result<(), Failure> {
         };
         text += &entry(statistic.name(), unit, statistic.meaning());
     }
-    text +=
-        "\nBesides, `x`, `y`, `series`, `panel` and `where` may name any swept field by its path.";
+    text += "\nIn addition, `x`, `y`, `series`, `panel` and `where` may name any swept field by its \
+         path.";
     output::print(&text)
 }
 
@@ -238,7 +238,7 @@ fn in_words(unit: Unit) -> &'static str {
     }
 }
 
-/// Text in lines of at most [`WIDTH`], each after an indent.
+/// Wraps a text into lines of at most [`WIDTH`] characters, each after an indent.
 fn wrapped(text: &str, indent: &str) -> String {
     let mut lines = String::new();
     let mut width = 0;

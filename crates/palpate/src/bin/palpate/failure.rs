@@ -7,14 +7,14 @@ use anyhow::{Error, anyhow};
 use palpate::config::rename_settings;
 use palpate::{ConfigError, Study, SweepError};
 
-/// Reason why a command failed, and so its status.
+/// Reason why a command failed; it determines the exit status.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// Bad arguments or config: status 2.
     Usage(Error),
     /// The work failed or the readings are bad: status 1.
     Work(Error),
-    /// A signal stopped the work; with the exit status.
+    /// A signal stopped the work; the number is the exit status.
     Stopped(Error, u8),
 }
 
@@ -27,13 +27,13 @@ impl Failure {
         Self::Work(error.into())
     }
 
-    /// Failure of `--cell` with a number that no cell of the study has.
+    /// Failure for a number in `--cell` that is not the number of a cell of the study.
     pub(crate) fn no_cell(cell: usize, study: &Study) -> Self {
         let last = study.cell_count() - 1;
         Self::Usage(anyhow!("--cell is {cell}; the study has cells 0 to {last}"))
     }
 
-    /// Failure of trials: bad usage where a config makes no scene.
+    /// Converts an error of running trials. It counts as bad usage if the config does not describe a possible scene.
     pub(crate) fn of_sweep(error: SweepError<ConfigError>) -> Self {
         match error {
             SweepError::SetUp(error) => Self::usage(error),
@@ -41,7 +41,7 @@ impl Failure {
         }
     }
 
-    /// The failure as one line of JSON, for programs that call this one.
+    /// The failure as one line of JSON, for programs that call palpate.
     pub(crate) fn json(&self) -> String {
         let (kind, status, error) = match self {
             Self::Usage(error) => ("usage", 2, error),
@@ -69,7 +69,7 @@ impl fmt::Display for Failure {
         let (Self::Usage(error) | Self::Work(error) | Self::Stopped(error, _)) = self;
         let mut text = error.to_string();
         for cause in error.chain().skip(1).map(ToString::to_string) {
-            // Some messages contain their cause already.
+            // Some errors already repeat the text of their cause, so do not add it again.
             if !text.contains(&cause) {
                 text = format!("{text}: {cause}");
             }
@@ -78,12 +78,12 @@ impl fmt::Display for Failure {
     }
 }
 
-/// A message of the library, with its settings named as flags.
+/// Replaces the names of settings in a message of the library by the names of their flags.
 pub(crate) fn with_flags(message: &str) -> String {
     rename_settings(message, |key| format!("--{}", flag(key)))
 }
 
-/// Name of the flag of a key.
+/// Name of the flag for a key of the config.
 pub(crate) fn flag(key: &str) -> String {
     match key {
         "kind" => "method".to_owned(),
@@ -116,7 +116,7 @@ pub(crate) fn error_json(kind: &str, status: u8, message: &str, field: Option<&s
     serde_json::json!({ "error": error }).to_string()
 }
 
-/// Text with its control characters escaped, so that a terminal does not execute quoted ones.
+/// Escapes the control characters of a text. Otherwise, a terminal would execute control characters in quoted input.
 fn visible(text: &str) -> String {
     let mut visible = String::with_capacity(text.len());
     for character in text.chars() {

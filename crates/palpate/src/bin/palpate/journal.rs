@@ -1,8 +1,9 @@
-//! Journal of a run: the results of finished cells. A killed run resumes after them, and shards are merged from their
-//! journals.
+//! Journal of a run: the results of its finished cells. A killed run resumes with the next cell, and the journals of
+//! shards are merged.
 //!
-//! A journal is [`MAGIC`] and frames: the length of a record, its CRC-32, and the record (postcard). It ends before the first
-//! frame that is incomplete or has a wrong checksum.
+//! A journal consists of [`MAGIC`] and a sequence of frames. A frame contains the length of a record, its CRC-32, and
+//! the record (in postcard format). Everything from the first frame that is incomplete or has a wrong checksum is
+//! ignored.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
@@ -18,112 +19,113 @@ use serde::{Deserialize, Serialize};
 use crate::failure::Failure;
 use crate::output::names::JOURNAL;
 
-/// First bytes of a journal; the last is the version of its format.
+/// First bytes of a journal; the last byte is the version of the format.
 const MAGIC: &[u8; 8] = b"palpate\x05";
-/// Size of the rows from which they are written, bytes.
+/// Bytes of pending rows above which the rows are written to the file.
 const MAX_PENDING: usize = 1 << 18;
-/// Time after which rows are written, and the file is synchronised with the disk.
+/// Time between two writes of pending rows to the file, and between two synchronisations of the file with the disk.
 const INTERVAL: Duration = Duration::from_secs(1);
-/// Largest record that is read, bytes.
+/// Largest record that is accepted, bytes.
 const MAX_RECORD: u32 = 1 << 30;
 
-/// Header of a journal: its run.
+/// Header of a journal: it identifies the run.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub(crate) struct Header {
     /// Version of palpate.
     pub(crate) version: String,
-    /// Config of the run, as `run.toml` has it.
+    /// Config of the run, with the text of `run.toml`.
     pub(crate) config: String,
     pub(crate) request: RunRequest,
-    /// Warnings of the plan and of the checked cells.
+    /// Warnings of the planning and of the cells that were checked before the run.
     pub(crate) warnings: Warnings,
-    /// Number of tasks of this run.
+    /// Number of tasks of this run, that is, of this shard.
     pub(crate) tasks: u64,
     /// Number of tasks of all shards together.
     pub(crate) all_tasks: u64,
 }
 
-/// Arguments of a run. A run resumes only with the same ones.
+/// Arguments of a run. An interrupted run resumes only with the same arguments.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub(crate) struct RunRequest {
-    /// Config with all defaults and overrides, before trials and model are chosen.
+    /// Config with all defaults and overrides, before the number of trials and the model are chosen.
     pub(crate) config: String,
     /// Budget and target error.
     pub(crate) goal: String,
     pub(crate) every_nth_cell: u64,
-    /// Number of the shard, and of shards; `None` for a run of the whole study.
+    /// Number of the shard, and number of all shards; `None` for a run of the whole study.
     pub(crate) shard: Option<(u64, u64)>,
-    /// Whether the journal has rows of trials.
+    /// Whether the journal contains the rows of the table of trials.
     pub(crate) trials_out: bool,
 }
 
-/// Record of a journal.
+/// A record of a journal.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 enum Record {
     Header(Box<Header>),
-    /// Finished cells, and the time since the last such record, ms.
+    /// Several finished cells, and the time since the previous record of this kind, ms.
     Cells(Vec<CellRecord>, u64),
-    /// Trial rows of the next cell.
+    /// Rows of the table of trials for the next cell, which is not finished yet.
     Trials(TrialRows),
     End,
 }
 
-/// Finished cell with its rows.
+/// A finished cell with its rows in the tables.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(crate) struct CellRecord {
     pub(crate) cell: u64,
-    /// Rows of `cells.csv`, `failures.csv`, `map.csv`, and the trial rows that no earlier record has.
+    /// Rows of `cells.csv`, `failures.csv` and `map.csv`, and those rows of the table of trials that no earlier record
+    /// contains.
     pub(crate) rows: [String; 4],
     pub(crate) trials: u64,
-    /// Failed trials by kind.
+    /// Each kind of failure with its number of trials.
     pub(crate) kinds: Vec<(String, u64)>,
-    /// Warnings that are not in the header.
+    /// Warnings of the cell that the header does not contain.
     pub(crate) warnings: Vec<Warning>,
 }
 
-/// Rows of trials of a cell.
+/// Rows of the table of trials for one cell.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(crate) struct TrialRows {
     pub(crate) cell: u64,
     pub(crate) rows: String,
 }
 
-/// Entry of a journal.
+/// The next entry of a journal: a finished cell, or rows of the table of trials.
 pub(crate) enum JournalItem {
     Trials(TrialRows),
     Cell(CellRecord),
 }
 
-/// Numbers of cells, trials and failures so far.
+/// Numbers of cells, trials and failures of the finished cells.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Totals {
     pub(crate) cells: u64,
     pub(crate) trials: u64,
-    /// Failed trials by kind.
+    /// Number of failed trials for each kind of failure.
     pub(crate) kinds: BTreeMap<String, u64>,
-    /// Whether some trial succeeded.
+    /// Whether at least one trial succeeded.
     pub(crate) has_success: bool,
 }
 
 /// Contents of a journal, without its rows.
 pub(crate) struct JournalState {
     pub(crate) header: Header,
-    /// Number of finished tasks.
+    /// Number of finished tasks (cells).
     pub(crate) tasks: u64,
     pub(crate) is_ended: bool,
     pub(crate) totals: Totals,
     /// Warnings of the finished cells and of the header.
     pub(crate) warnings: Warnings,
-    /// Computing time so far.
+    /// Computing time of the finished cells.
     pub(crate) time: Duration,
-    /// Number of valid bytes.
+    /// Number of bytes at the beginning of the file that are valid.
     valid_bytes: u64,
-    /// Whether invalid bytes follow.
+    /// Whether invalid bytes follow the valid bytes, for example because the process was killed while writing.
     pub(crate) is_torn: bool,
 }
 
 impl JournalState {
-    /// Whether a task is finished, or was before the journal was damaged.
+    /// Whether at least one task is finished, or was finished before the journal was damaged.
     pub(crate) fn has_work(&self) -> bool {
         self.tasks > 0 || self.is_torn
     }
@@ -159,7 +161,7 @@ impl Totals {
         self.has_success |= failed < record.trials || record.trials == 0;
     }
 
-    /// Kinds of failures with their numbers, as text.
+    /// Text with each kind of failure and its number of trials.
     pub(crate) fn failures(&self) -> String {
         let kinds = self.kinds.iter();
         let kinds: Vec<String> = kinds
@@ -190,13 +192,13 @@ pub(crate) struct Journal {
     path: PathBuf,
     pending: Vec<CellRecord>,
     pending_bytes: usize,
-    /// Memory of the last frame, reused for the next.
+    /// Buffer for the next frame. It is reused, so that no memory is allocated for each frame.
     frame: Vec<u8>,
     /// Time of the last record.
     written: Instant,
     /// Start of the last synchronisation with the disk.
     synced: Instant,
-    /// Thread that synchronises the file with the disk, so that no trial waits.
+    /// Thread that synchronises the file with the disk, so that trials do not wait for the disk.
     syncing: Option<JoinHandle<io::Result<()>>>,
 }
 
@@ -207,7 +209,8 @@ impl Journal {
         let mut journal = Self::with_file(File::create(&path)?, path);
         let header = framed(&Record::Header(Box::new(header.clone())), MAGIC.to_vec())?;
         let written = journal.file.write_all(&header);
-        // An incomplete header, as after a full disk, would be reported as damage.
+        // Remove an incomplete journal, for example after a full disk. Otherwise, the next run would report its header
+        // as damaged.
         if let Err(error) = written.and_then(|()| journal.file.sync_data()) {
             let _ = fs::remove_file(&journal.path);
             return Err(error);
@@ -215,7 +218,7 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Resumes a journal after its valid part.
+    /// Opens a journal to append to its valid part.
     pub(crate) fn resumed(dir: &Path, found: &JournalState) -> io::Result<Self> {
         let path = dir.join(JOURNAL);
         let mut file = OpenOptions::new().write(true).open(&path)?;
@@ -242,7 +245,7 @@ impl Journal {
         &self.path
     }
 
-    /// Adds a cell. Several cells are written together.
+    /// Adds a finished cell. Cells are collected, and several of them are written together.
     pub(crate) fn cell(&mut self, record: CellRecord) -> io::Result<()> {
         self.pending_bytes += record.rows.iter().map(String::len).sum::<usize>();
         self.pending.push(record);
@@ -279,7 +282,8 @@ impl Journal {
         self.file.sync_data()
     }
 
-    /// Starts to synchronise the file with the disk if the interval has passed. Returns the result of the last time.
+    /// Starts to synchronise the file with the disk if [`INTERVAL`] has passed. Returns the result of the previous
+    /// synchronisation.
     fn sync(&mut self) -> io::Result<()> {
         if self.synced.elapsed() < INTERVAL {
             return Ok(());
@@ -304,7 +308,7 @@ impl Journal {
     }
 }
 
-/// Waits for a synchronisation with the disk.
+/// Waits until a synchronisation with the disk ends.
 fn wait_for_sync(syncing: Option<JoinHandle<io::Result<()>>>) -> io::Result<()> {
     let ended = syncing.map(JoinHandle::join);
     let lost = |_| {
@@ -315,7 +319,7 @@ fn wait_for_sync(syncing: Option<JoinHandle<io::Result<()>>>) -> io::Result<()> 
     ended.map_or(Ok(()), |ended| ended.unwrap_or_else(lost))
 }
 
-/// Appends the frame of a record to bytes.
+/// Appends a record to `bytes`, as a frame with length and checksum.
 fn framed(record: &Record, mut bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     let start = bytes.len();
     bytes.extend([0; 8]);
@@ -330,14 +334,14 @@ fn framed(record: &Record, mut bytes: Vec<u8>) -> io::Result<Vec<u8>> {
 /// Reader of a journal, record by record.
 pub(crate) struct Reader {
     file: BufReader<File>,
-    /// Number of valid bytes so far.
+    /// Number of valid bytes that were read so far.
     valid_bytes: u64,
     length: u64,
     waiting: std::vec::IntoIter<CellRecord>,
 }
 
 impl Reader {
-    /// Opens the journal of a directory; `None` if there is none.
+    /// Opens the journal of a directory; `None` if the directory has no journal.
     pub(crate) fn open(dir: &Path) -> Result<Option<(Self, Header)>, Failure> {
         let path = dir.join(JOURNAL);
         let cannot = || format!("cannot read {}", path.display());
@@ -347,7 +351,7 @@ impl Reader {
             {
                 return Ok(None);
             }
-            // Reading a pipe would wait for its writer.
+            // Do not open a pipe, because reading it would wait for its writer.
             Ok(found) if !found.is_file() => return Err(no_journal(&path)),
             found => found.with_context(cannot).map_err(Failure::work)?,
         };
@@ -363,7 +367,8 @@ impl Reader {
         };
         let mut magic = [0; MAGIC.len()];
         if reader.file.read_exact(&mut magic).is_err() {
-            // The run may have been killed at its start.
+            // A file that contains only a part of [`MAGIC`] comes from a run that was killed at its start. It counts as
+            // no journal.
             return match MAGIC.starts_with(&fs::read(&path).unwrap_or_default()) {
                 true => Ok(None),
                 false => Err(no_journal(&path)),
@@ -373,7 +378,7 @@ impl Reader {
             (true, _) => {}
             (false, true) => {
                 return Err(Failure::usage(anyhow!(
-                    "{} is of version {} of its format; this palpate knows version {}",
+                    "{} has version {} of its format; this palpate reads version {}",
                     path.display(),
                     magic[7],
                     MAGIC[7]
@@ -385,13 +390,14 @@ impl Reader {
         match reader.record() {
             Some(Record::Header(header)) => Ok(Some((reader, *header))),
             _ => Err(Failure::work(anyhow!(
-                "{} is damaged at its beginning, so that nothing is known of its run: --restart begins that anew",
+                "{} is damaged at its beginning, so its run cannot be identified: --restart \
+                 begins the run again",
                 path.display()
             ))),
         }
     }
 
-    /// The next valid record.
+    /// Reads the next valid record; `None` at the end of the valid part.
     fn record(&mut self) -> Option<Record> {
         let mut number = [0; 4];
         let mut next = || -> io::Result<u32> {
@@ -412,7 +418,7 @@ impl Reader {
         Some(record)
     }
 
-    /// Reads the next cell, or the next trial rows of a cell.
+    /// Reads the next finished cell, or the next rows of the table of trials.
     pub(crate) fn item(&mut self) -> Option<JournalItem> {
         loop {
             if let Some(cell) = self.waiting.next() {
@@ -427,7 +433,7 @@ impl Reader {
     }
 }
 
-/// Rejects a directory in which another file has the name of the journal.
+/// Rejects a directory in which something other than a journal has the name of the journal.
 pub(crate) fn refuse_other(dir: &Path) -> Result<(), Failure> {
     let path = dir.join(JOURNAL);
     let Ok(found) = fs::symlink_metadata(&path) else {
@@ -444,12 +450,12 @@ pub(crate) fn refuse_other(dir: &Path) -> Result<(), Failure> {
 
 fn no_journal(path: &Path) -> Failure {
     Failure::usage(anyhow!(
-        "{} is no journal of palpate: move it away, or give another directory",
+        "{} is not a journal of palpate: move it away, or give another directory",
         path.display()
     ))
 }
 
-/// Reads the journal of a directory to its end; `None` if there is none.
+/// Reads the journal of a directory to its end; `None` if the directory has no journal.
 pub(crate) fn read(dir: &Path) -> Result<Option<JournalState>, Failure> {
     let Some((mut reader, header)) = Reader::open(dir)? else {
         return Ok(None);
@@ -475,7 +481,7 @@ pub(crate) fn read(dir: &Path) -> Result<Option<JournalState>, Failure> {
                 }
                 found.time += Duration::from_millis(ms);
             }
-            // These rows belong to a cell that may not have ended. They are counted with that cell.
+            // These rows belong to a cell that may be unfinished. They are counted when the cell is finished.
             Record::Trials(_) => continue,
             Record::End => found.is_ended = true,
         }

@@ -78,7 +78,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The command and its subcommands, each with the examples of its help in front.
+/// Moves the examples to the beginning of the help text of the command and of each subcommand.
 fn examples_first(command: clap::Command) -> clap::Command {
     let command = command.mut_subcommands(examples_first);
     let help = command.get_after_help().map(ToString::to_string);
@@ -93,7 +93,7 @@ fn examples_first(command: clap::Command) -> clap::Command {
     command.before_help(examples.to_owned()).after_help(rest)
 }
 
-/// Whether arguments that cannot be read ask for errors as JSON.
+/// Whether the arguments request errors as JSON. This function also works if the arguments cannot be parsed.
 fn asks_for_json() -> bool {
     let arguments: Vec<_> = std::env::args_os().collect();
     let mut pairs = arguments.windows(2);

@@ -17,7 +17,7 @@ use crate::run::{
     write_results,
 };
 
-/// Largest number of shards in a message.
+/// Largest number of shards that a message lists.
 const MAX_LISTED: usize = 20;
 
 pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
@@ -30,7 +30,8 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
             .map(|dir| dir.display().to_string())
             .collect();
         return Err(Failure::work(anyhow!(
-            "no shards in {}: `palpate run CONFIG --shard K/N` makes them, each in its own directory",
+            "no shards in {}: run each shard with `palpate run CONFIG --shard K/N` into its own \
+             directory",
             dirs.join(", ")
         )));
     };
@@ -115,17 +116,17 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     }
 }
 
-/// Shards in directories, or one or two levels below them.
+/// Shards that were found in the given directories, or one or two levels below them.
 #[derive(Default)]
 pub(crate) struct Shards {
-    /// Shards by their numbers, with their directories.
+    /// Directory and journal of each shard, by the number of the shard.
     pub(crate) by_number: BTreeMap<u64, (PathBuf, JournalState)>,
-    /// Errors of other journals.
+    /// Failures for the journals that cannot be used.
     pub(crate) faults: Vec<Failure>,
 }
 
 impl Shards {
-    /// The shards by their numbers, or the first error.
+    /// Returns the shards by their numbers, or the first failure if a journal cannot be used.
     pub(crate) fn sound(self) -> Result<BTreeMap<u64, (PathBuf, JournalState)>, Failure> {
         match self.faults.into_iter().next() {
             Some(fault) => Err(fault),
@@ -137,7 +138,8 @@ impl Shards {
         let Some(found) = journal::read(&place)? else {
             return Ok(());
         };
-        // An unfinished run of the whole study may be beside the shards.
+        // A journal without a shard number belongs to an unfinished run of the whole study in the same directory, so
+        // skip it.
         let Some((number, of)) = found.header.request.shard else {
             return Ok(());
         };
@@ -156,7 +158,7 @@ impl Shards {
     }
 }
 
-/// Shards in directories, or one or two levels below them.
+/// Finds the shards in directories, or one or two levels below them.
 pub(crate) fn shards_of(dirs: &[PathBuf]) -> Result<Shards, Failure> {
     let mut shards = Shards::default();
     for dir in dirs {
@@ -169,7 +171,7 @@ pub(crate) fn shards_of(dirs: &[PathBuf]) -> Result<Shards, Failure> {
         if places.is_empty() && dirs.len() > 1 {
             let dir = dir.display();
             return Err(Failure::work(anyhow!(
-                "{dir} has no shard: `palpate run --shard` leaves {JOURNAL} there"
+                "{dir} has no shard: `palpate run --shard` writes {JOURNAL} there"
             )));
         }
         for place in places {
@@ -180,7 +182,7 @@ pub(crate) fn shards_of(dirs: &[PathBuf]) -> Result<Shards, Failure> {
     Ok(shards)
 }
 
-/// Directories with a journal: this one, or some below it.
+/// Directories that contain a journal: the given directory itself, or directories up to two levels below it.
 fn journals_in(dir: &Path, depth: usize) -> Vec<PathBuf> {
     if dir.join(JOURNAL).exists() {
         return vec![dir.to_owned()];
@@ -196,21 +198,24 @@ fn journals_in(dir: &Path, depth: usize) -> Vec<PathBuf> {
     below.collect()
 }
 
-/// Reason why two shards are not of the same run; `None` if they are.
+/// Reason why two shards belong to different runs; `None` if they belong to the same run.
 pub(crate) fn mismatch(found: &JournalState, first: &Path, of: &JournalState) -> Option<String> {
     let (one, other) = (&found.header, &of.header);
     let own = env!("CARGO_PKG_VERSION");
     let number = |header: &Header| header.request.shard.map_or(1, |(_, of)| of);
     Some(if one.version != own {
-        format!("is of palpate {}, and this is {own}", one.version)
+        format!("was written by palpate {}, but this is {own}", one.version)
     } else if number(one) != number(other) {
         let (one, other) = (number(one), number(other));
-        format!("is one of {one} shards, and {} of {other}", first.display())
+        format!(
+            "is one of {one} shards, but {} is one of {other}",
+            first.display()
+        )
     } else if one.config != other.config {
         let lines = difference(&other.config, &one.config);
-        format!("is of another config than {}:{lines}", first.display())
+        format!("belongs to another config than {}:{lines}", first.display())
     } else if one.request.trials_out != other.request.trials_out {
-        format!("and {} are not both with --trials-out", first.display())
+        format!("and {} differ in --trials-out", first.display())
     } else if one.request.every_nth_cell != other.request.every_nth_cell {
         format!("has another --every-nth-cell than {}", first.display())
     } else {
@@ -227,15 +232,15 @@ fn refuse_damaged(dir: &Path, found: &JournalState) -> Result<(), Failure> {
     match (found.is_ended, found.is_torn) {
         (true, false) if found.tasks == all => Ok(()),
         (false, false) => Err(Failure::work(anyhow!(
-            "{shard} has not ended ({done}): the command that began it goes on with it"
+            "{shard} is not finished ({done}): run its command again to resume it"
         ))),
         _ => Err(Failure::work(anyhow!(
-            "{shard} is damaged after {done}: the command that began it does the rest again"
+            "{shard} is damaged after {done}: run its command again to repeat the rest"
         ))),
     }
 }
 
-/// List of numbers, shortened if there are many.
+/// A list of numbers as text. If there are many numbers, only the first ones are listed.
 pub(crate) fn listed(numbers: &[u64]) -> String {
     let few = numbers.iter().take(MAX_LISTED).map(u64::to_string);
     let few: Vec<String> = few.collect();

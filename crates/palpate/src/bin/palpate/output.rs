@@ -24,12 +24,12 @@ pub(crate) use output_dir::{Guard, OutputDir};
 pub(crate) use output_file::{OutputFile, OutputWriter};
 pub(crate) use stage::{Contents, Draft, folder_of};
 
-/// Prints a text and a newline. A closed pipe is no error.
+/// Prints a text and a newline. It is not an error if the reader has closed the pipe.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     write_stdout(format!("{text}\n").as_bytes())
 }
 
-/// Writes to standard output. A closed pipe is no error.
+/// Writes to standard output. It is not an error if the reader has closed the pipe.
 fn write_stdout(bytes: &[u8]) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
@@ -40,7 +40,7 @@ fn write_stdout(bytes: &[u8]) -> Result<(), Failure> {
     }
 }
 
-/// A value as JSON, one number per line; zero has no sign.
+/// A value as JSON, with one number per line. A negative zero is written without its sign.
 pub(crate) fn json(estimate: &impl Serialize) -> Result<String, Failure> {
     let text = serde_json::to_string_pretty(estimate).map_err(Failure::work)?;
     let lines = text.lines().map(|line| {
@@ -48,7 +48,7 @@ pub(crate) fn json(estimate: &impl Serialize) -> Result<String, Failure> {
             Some(value) => (value, ","),
             None => (line, ""),
         };
-        // A string would end in a quotation mark.
+        // A line that ends in -0.0 contains a number, because a JSON string would end in a quotation mark.
         match value.strip_suffix("-0.0") {
             Some(key) => format!("{key}0.0{comma}"),
             None => line.to_owned(),
@@ -57,7 +57,7 @@ pub(crate) fn json(estimate: &impl Serialize) -> Result<String, Failure> {
     Ok(lines.collect::<Vec<_>>().join("\n"))
 }
 
-/// A picture as a PNG file.
+/// Encodes a picture as a PNG file.
 pub(crate) fn png(picture: &image::RgbImage) -> Result<Vec<u8>, Failure> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     picture

@@ -1,4 +1,4 @@
-//! Progress of long work on standard error: a bar on a terminal, else a line per minute.
+//! Progress of long work on standard error: a bar on a terminal, otherwise one line per minute.
 
 use std::io::IsTerminal;
 use std::sync::Mutex;
@@ -10,27 +10,27 @@ use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::duration::roughly;
 use crate::journal::Totals;
 
-/// Time between two lines.
+/// Time between two printed lines of progress.
 const LINE_INTERVAL: Duration = Duration::from_secs(60);
 
 /// Progress of a run.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    /// Number of trials of all tasks.
+    /// Number of trials of all tasks together.
     all: u64,
-    /// Number of trials that were done before this run.
+    /// Number of trials that were done before the run was interrupted.
     before: u64,
     done: AtomicU64,
     start: Instant,
-    /// Number of lines so far.
+    /// Number of lines printed so far.
     lines: AtomicU64,
-    /// Words for the failures so far.
+    /// Text about the failures so far.
     failing: Mutex<String>,
     is_terminal: bool,
 }
 
 impl Progress {
-    /// Progress over `all` trials, of which `before` are done.
+    /// Progress of `all` trials, of which `before` are already done.
     pub(crate) fn new(all: u64, before: u64) -> Self {
         let bar = bar_of("trials");
         bar.set_length(all);
@@ -48,7 +48,7 @@ impl Progress {
         }
     }
 
-    /// Adds trials, from any thread.
+    /// Adds finished trials. Any thread may call it.
     pub(crate) fn add(&self, trials: u64) {
         let done = trials + self.done.fetch_add(trials, Ordering::Relaxed);
         if self.is_terminal {
@@ -61,7 +61,7 @@ impl Progress {
         }
     }
 
-    /// Shows the failures so far.
+    /// Shows the failures so far in the progress bar.
     pub(crate) fn show_failures(&self, totals: &Totals) {
         if totals.kinds.is_empty() {
             return;
@@ -94,8 +94,8 @@ impl Progress {
     }
 }
 
-/// Bar on standard error, if that is a terminal, with rate and remaining time. The number of `things` is set later; the bar
-/// appears with the first progress.
+/// Progress bar with rate and remaining time, if standard error is a terminal. The number of `things` is set later; the
+/// bar appears with the first progress.
 pub(crate) fn bar_of(things: &str) -> ProgressBar {
     let style = ProgressStyle::with_template(&format!(
         "{{wide_bar}} {{human_pos}}/{{human_len}} {things}, {{per_sec}}, {{eta}} left{{msg}}"

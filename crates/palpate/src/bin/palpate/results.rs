@@ -15,7 +15,7 @@ use crate::output::{self, Guard, LockedDir, OutputFile, StudyId, refuse_no_direc
 
 pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
     refuse_no_directory(&args.dir)?;
-    // From here on, no other process can write there.
+    // From here on, this process holds the lock of the directory.
     let mut folder = LockedDir::open(&args.dir, Guard::new([], args.force))?;
     let study = load_results(&args.dir)?;
     let mut drawn = figures(&study).map_err(Failure::work)?;
@@ -26,7 +26,7 @@ pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
     if drawn.is_empty() {
         let name = study.name();
         return output::print(&format!(
-            "{name} has no [[plot]], and sweeps nothing that one could be of; nothing drawn"
+            "{name} has no [[plot]] and no sweep, so there is nothing to plot"
         ));
     }
     let files = drawings(&drawn)?;
@@ -39,13 +39,13 @@ pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
     names.try_for_each(|path| output::print(&path.display().to_string()))
 }
 
-/// Results in a directory.
+/// Loads the results in a directory.
 fn load_results(dir: &Path) -> Result<Study, Failure> {
     refuse_no_directory(dir)?;
     if Format::found_in(dir) == Some(Format::Parquet) {
         return Err(Failure::work(anyhow!(
-            "{} has its tables as Parquet, and figures and scores are made from CSV: `palpate run {}` in another \
-             directory writes the same tables so",
+            "{} has its tables as Parquet, but figures and scores need CSV: `palpate run {}` in \
+             another directory writes the same tables as CSV",
             dir.display(),
             dir.join(CONFIG).display()
         )));
@@ -53,7 +53,7 @@ fn load_results(dir: &Path) -> Result<Study, Failure> {
     Study::load(dir).map_err(Failure::work)
 }
 
-/// Identity of a study in manifests, with its table.
+/// Identity of a study and its `cells.csv`, for manifests.
 fn id_of(study: &Study) -> Result<StudyId, Failure> {
     let path = study.dir().join(CONFIG);
     let config = text_of(&path)
@@ -62,7 +62,7 @@ fn id_of(study: &Study) -> Result<StudyId, Failure> {
     Ok(StudyId::new(study.name(), &config).with_cells_in(study.dir()))
 }
 
-/// Names and contents of the files of figures, each an SVG and a PNG.
+/// File names and contents of figures; each figure is an SVG file and a PNG file.
 pub(crate) fn drawings(figures: &[Figure]) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let mut files = Vec::new();
     for figure in figures {
@@ -95,7 +95,7 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Failure> {
     out.print(&format!("page -> {}", args.out.display()))
 }
 
-/// Files of a study that the report reads.
+/// Files of a study that `palpate report` reads, so that it does not overwrite them.
 fn input_files(dir: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
     let is_page = |path: &PathBuf| path.extension().is_some_and(|kind| kind == "html");
@@ -137,7 +137,7 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     ))
 }
 
-/// Names and contents of the files of a traced pass.
+/// File names and contents of a trace.
 pub(crate) fn trace_files(trace: &Trace) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
     let mut files = vec![
         (TRACE, trace.contacts.to_csv().into_bytes()),
@@ -152,7 +152,8 @@ pub(crate) fn trace_files(trace: &Trace) -> Result<Vec<(&'static str, Vec<u8>)>,
     Ok(files)
 }
 
-/// Failure of a trace: bad usage for a config without such a pass, but not for a pass that ends early.
+/// Converts the error of a trace to a failure. It counts as bad usage if the config allows no trace, but not if the
+/// traced trial ends early.
 pub(crate) fn trace_failure(error: TraceError) -> Failure {
     match error {
         TraceError::Config(error) => Failure::usage(error),

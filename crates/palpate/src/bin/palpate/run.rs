@@ -25,7 +25,7 @@ use journal_run::{JournalRun, journal_to_resume};
 pub(crate) use journal_run::difference;
 pub(crate) use run_tables::{Drafts, TrialsOut, output_names, requested_trace, write_results};
 
-/// Largest number of threads; more only take time to start.
+/// Largest number of threads. Starting more threads would only take time.
 const MAX_THREADS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(255);
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
@@ -33,7 +33,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     args.format.supported()?;
     if let (Format::Parquet, Some(shard)) = (args.format, args.shard) {
         return Err(Failure::usage(anyhow!(
-            "--format parquet: shard {} of {} leaves a journal, and no tables; give --format to `palpate merge`",
+            "--format parquet: shard {} of {} writes a journal and no tables; give --format to \
+             `palpate merge`",
             shard.number,
             shard.of
         )));
@@ -60,7 +61,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     } else {
         Vec::new()
     };
-    // Checked before the planning, and again after the directory is locked.
+    // The output files are checked before the planning, and again after the directory is locked.
     let check_files = |dir: &OutputDir, config: &str| {
         dir.refuse(CONFIG, Some(&Contents::Bytes(config.as_bytes())))?;
         tables.iter().try_for_each(|name| dir.refuse(name, None))
@@ -106,7 +107,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let first = numbers[0];
     let simulation = Simulation::of_shard(&study, numbers, shard, &runner);
     let simulation = match found {
-        // All cells were checked before the journal was started.
+        // A run that resumes does not check the cells again, because all cells were checked before its journal was
+        // started.
         Some(_) => simulation,
         None => simulation.and_then(Simulation::checked),
     }
@@ -122,7 +124,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let mut folder = LockedDir::open(&out, guard)?;
     let config = resolved(&study);
     check_files(folder.output(), &config)?;
-    // A trace that is impossible fails before the work.
+    // Make the trace first, so that an impossible trace fails before the long work.
     let trace = match is_whole {
         true => requested_trace(&study, first)?,
         false => Vec::new(),
@@ -134,7 +136,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         None => {
             let mut known = planned.clone();
             known.merge(simulation.check_warnings().clone());
-            // Cells that report their warnings when they run are not counted twice.
+            // In a sampled study, each cell reports its warnings when it runs, so do not count them twice.
             let is_sampled = simulation.is_sampled();
             (known.clone(), if is_sampled { planned } else { known })
         }
@@ -180,22 +182,23 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     print(&summary)
 }
 
-/// Study of the config with the changes of the arguments.
+/// The study of the config, after the changes that the arguments make.
 fn study_of(args: &RunArgs) -> Result<Study, Failure> {
     let by_target = args.target_error.map(|_| "--target-error");
     let chosen_by = args.budget.map(|_| "--budget").or(by_target);
     let study = overridden(&args.config, args.seed, args.trials, chosen_by)?;
     if args.budget.is_some() && args.shard.is_some() {
         return Err(Failure::usage(anyhow!(
-            "--budget hangs on the machine, and shards must have the same trials: run --budget once for a run.toml, \
-             and its shards from that"
+            "--budget depends on the machine, but all shards must have the same trials: run \
+             --budget once to write a run.toml, and run the shards from this file"
         )));
     }
     check_outputs(&study).map_err(Failure::usage)?;
     Ok(study)
 }
 
-/// Study of a config with another seed and number of trials. `chosen_by` is another argument that chooses trials.
+/// The study of a config with another seed and number of trials. `chosen_by` names an argument that also chooses the
+/// number of trials, if there is one.
 pub(crate) fn overridden(
     config: &Path,
     seed: Option<u64>,
@@ -206,7 +209,8 @@ pub(crate) fn overridden(
     let option = trials.map(|_| "--trials").or(chosen_by);
     if let (Some(option), Some(_)) = (option, &study.config.stop) {
         return Err(Failure::usage(anyhow!(
-            "{option} sets the number of trials, and `stop` in {} decides it: leave one of them out",
+            "{option} sets the number of trials, but `stop` in {} also decides it: remove one of \
+             them",
             config.display()
         )));
     }
@@ -221,7 +225,7 @@ pub(crate) fn overridden(
     Ok(study)
 }
 
-/// Text of the arguments that choose trials and model, for comparison.
+/// Text of the arguments that choose trials and model. It is compared with the text of an earlier run.
 fn goal_of(args: &RunArgs) -> String {
     let budget = args.budget.map(|budget| format!("--budget {budget:?}"));
     let target = args
@@ -231,7 +235,7 @@ fn goal_of(args: &RunArgs) -> String {
     both.join(" ")
 }
 
-/// Numbers of the cells that all shards together run.
+/// Numbers of the cells that run, of all shards together.
 pub(crate) fn numbers_of(study: &Study, every_nth_cell: usize) -> Vec<usize> {
     (0..study.cell_count()).step_by(every_nth_cell).collect()
 }

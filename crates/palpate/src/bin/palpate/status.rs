@@ -84,7 +84,7 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
         if !states[2].1.is_empty() {
             let _ = writeln!(
                 text,
-                "again    the command of a failed shard goes on where it ended"
+                "again    run the command of a failed shard again to resume it"
             );
         }
     } else if let Some(found) = &own {
@@ -92,7 +92,7 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
         let state = match (found.is_ended, is_held) {
             (true, _) => "done",
             (false, true) => "running",
-            (false, false) => "stopped: the same command goes on with it",
+            (false, false) => "stopped: the same command resumes it",
         };
         let shard = found.header.request.shard;
         let shard = shard.map_or_else(String::new, |(number, of)| {
@@ -117,14 +117,14 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
         return Err(fault);
     } else {
         return Err(Failure::work(anyhow!(
-            "{} has no run, and no shards: `palpate run` writes there",
+            "{} has no run and no shards: `palpate run` has not written there",
             dir.display()
         )));
     }
     output::print(text.trim_end())
 }
 
-/// Lines on cells, trials and time.
+/// Lines about the numbers of cells and trials, and about the elapsed and remaining time.
 fn counts(founds: &[&JournalState], all: u64, threads: f64, is_running: bool) -> String {
     let tasks: u64 = founds.iter().map(|found| found.tasks).sum();
     let totals = totals_of(founds.iter().copied());
@@ -146,7 +146,7 @@ fn counts(founds: &[&JournalState], all: u64, threads: f64, is_running: bool) ->
     text
 }
 
-/// Line on trials.
+/// Line about the numbers of trials and failures.
 fn trials(totals: &Totals) -> String {
     let (all, failed) = (totals.trials, totals.kinds.values().sum());
     let kinds = match totals.failures() {
@@ -157,7 +157,7 @@ fn trials(totals: &Totals) -> String {
     format!("trials   {all}, {failed} failed{kinds}\n")
 }
 
-/// Numbers of cells, trials and failures in the tables of a run.
+/// Numbers of cells, trials and failures, counted in the tables of a run.
 fn totals_in_tables(dir: &Path, format: Format) -> Result<Totals, Failure> {
     let mut totals = Totals::default();
     let [cells, failures, _] = format.tables();
@@ -184,10 +184,10 @@ fn totals_in_tables(dir: &Path, format: Format) -> Result<Totals, Failure> {
 
 fn count(field: &str) -> Result<u64, anyhow::Error> {
     let number = field.parse();
-    number.with_context(|| format!("`{field}` is no number of trials"))
+    number.with_context(|| format!("`{field}` is not a number of trials"))
 }
 
-/// Name of the study in a config.
+/// Name of the study in the text of its config.
 fn study_name(config: &str) -> String {
     let study = parse("run.toml", config);
     study.map_or_else(|_| "?".to_owned(), |study| study.config.name)

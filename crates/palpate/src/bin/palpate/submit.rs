@@ -15,14 +15,15 @@ use crate::output::names::{CONFIG, text_of};
 use crate::output::{self, Contents, Format, Guard, LockedDir, StudyId};
 use crate::run::{difference, overridden};
 
-/// Names of the scripts, of the file with the numbers of their jobs, and of the folders of shards and of what they print.
+/// File names of the scripts and of the list of their job numbers, and names of the folders for shards and logs.
 const SHARDS_SCRIPT: &str = "shards.sbatch";
 const MERGE_SCRIPT: &str = "merge.sbatch";
 const JOBS: &str = "jobs.txt";
 const SHARDS: &str = "shards";
 const LOGS: &str = "logs";
 
-/// Longest time of which a minute at the end is too much to lose, min.
+/// Longest job, in minutes, that gets no signal one minute before its end, because one minute would be a large part of
+/// its time.
 const SHORT_MIN: u64 = 3;
 
 pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
@@ -41,7 +42,7 @@ pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
         .find(|c| c.is_control() || *c == '%')
     {
         return Err(Failure::usage(anyhow!(
-            "--out {}: Slurm reads {bad:?} in a path as something else; give another directory",
+            "--out {}: Slurm interprets {bad:?} in a path; choose another directory",
             out.display()
         )));
     }
@@ -79,7 +80,7 @@ pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
     folder.write(&files, Some(&of_study))?;
     fs::create_dir_all(out.join(LOGS)).map_err(Failure::work)?;
     let array = sbatch(&[&format!("{}", out.join(SHARDS_SCRIPT).display())])?;
-    // Also where some shard fails: the merge says which.
+    // The merge also runs if a shard fails, because it then reports the missing shards.
     let after = format!("--dependency=afterany:{array}");
     let merging = sbatch(&[&after, &format!("{}", out.join(MERGE_SCRIPT).display())])?;
     let jobs = format!(
@@ -94,7 +95,7 @@ pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
     ))
 }
 
-/// Numbers of the shards that are not done; refuses to go on with those of another run.
+/// Numbers of the shards that are not finished. Rejects a directory with shards of another run.
 fn left(out: &Path, of: u64, config: &str) -> Result<Vec<u64>, Failure> {
     let place = out.join(SHARDS);
     let known = match place.is_dir() {
@@ -108,14 +109,14 @@ fn left(out: &Path, of: u64, config: &str) -> Result<Vec<u64>, Failure> {
             format!("is one of {known} shards, not {of}")
         } else if header.request.config != config {
             format!(
-                "is of another config:{}",
+                "belongs to another config:{}",
                 difference(&header.request.config, config)
             )
         } else {
             continue;
         };
         return Err(Failure::usage(anyhow!(
-            "{} {why}\ngive another --out, or move it away",
+            "{} {why}\nchoose another --out, or move it away",
             dir.display()
         )));
     }
@@ -127,7 +128,7 @@ fn left(out: &Path, of: u64, config: &str) -> Result<Vec<u64>, Failure> {
     Ok((1..=of).filter(|number| !is_done(number)).collect())
 }
 
-/// Numbers as Slurm has them: runs as ranges.
+/// Numbers in Slurm's format for job arrays, in which consecutive numbers are written as a range.
 fn ranges(numbers: &[u64]) -> String {
     let runs = numbers.chunk_by(|one, next| one + 1 == *next);
     let runs: Vec<String> = runs
@@ -139,7 +140,7 @@ fn ranges(numbers: &[u64]) -> String {
     runs.join(",")
 }
 
-/// Lines of a script by which Slurm knows what it asks for.
+/// `#SBATCH` lines that request resources from Slurm.
 fn directives(args: &SlurmArgs) -> String {
     let mut lines = String::new();
     let given = [("partition", &args.partition), ("account", &args.account)];
@@ -154,7 +155,7 @@ fn directives(args: &SlurmArgs) -> String {
 fn shards_script(args: &SlurmArgs, name: &str, out: &Path, program: &Path, left: &[u64]) -> String {
     let quoted = |path: &Path| quoted(&path.display().to_string());
     let time = args.time.as_ref().map_or(String::new(), |time| {
-        // The shard is told a minute before the time is up, and goes on in a new job.
+        // Slurm sends a signal one minute before the time limit. The shard then stops, and is queued again.
         let signal = match time.minutes > SHORT_MIN {
             true => "#SBATCH --signal=B:USR1@60\n",
             false => "",
@@ -174,7 +175,7 @@ fn shards_script(args: &SlurmArgs, name: &str, out: &Path, program: &Path, left:
          #SBATCH --open-mode=append\n\
          #SBATCH --output={}/%a.txt\n\
          {}{time}{memory}\n\
-         # One shard of {} per element. A shard that is run again goes on where its journal ends.\n\
+         # One shard of {} per element. A shard that is run again resumes after the last cell in its journal.\n\
          shard=$SLURM_ARRAY_TASK_ID\n\
          threads=${{SLURM_CPUS_PER_TASK:-${{SLURM_CPUS_ON_NODE:-1}}}}\n\
          {} run {} --shard \"$shard/{}\" --out {}/\"$shard\" --threads \"$threads\" &\n\
@@ -214,7 +215,7 @@ fn merge_script(args: &SlurmArgs, name: &str, out: &Path, program: &Path) -> Str
          #SBATCH --job-name={name}-merge\n\
          #SBATCH --output={}/merge.txt\n\
          {}\n\
-         # Says which shards are missing, and fails, where not all are there.\n\
+         # Lists the missing shards, and fails if any is missing.\n\
          exec {} merge {} --out {}{}\n",
         out.join(LOGS).display(),
         directives(args),
@@ -228,7 +229,7 @@ fn merge_script(args: &SlurmArgs, name: &str, out: &Path, program: &Path) -> Str
     )
 }
 
-/// A word for the shell.
+/// A word for a shell script, with quotation marks if necessary.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:@".contains(c);
     match word.chars().all(is_plain) {
@@ -237,7 +238,7 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// Refuses more elements than the cluster takes in an array, where it tells.
+/// Rejects more shards than the cluster allows in a job array, if the cluster states a limit.
 fn refuse_long_array(shards: u64) -> Result<(), Failure> {
     let config = Command::new("scontrol").args(["show", "config"]).output();
     let text = config.map(|output| String::from_utf8_lossy(&output.stdout).into_owned());
@@ -250,21 +251,22 @@ fn refuse_long_array(shards: u64) -> Result<(), Failure> {
     });
     match most {
         Some(most) if shards >= most => Err(Failure::usage(anyhow!(
-            "--shards {shards}: this cluster takes numbers up to {} in an array (MaxArraySize is {most})",
+            "--shards {shards}: this cluster accepts array indices up to {} (MaxArraySize is \
+             {most})",
             most - 1
         ))),
         _ => Ok(()),
     }
 }
 
-/// Refuses to submit again what waits or runs, as far as the scheduler knows of it.
+/// Rejects a new submission if a job of the last submission still waits or runs.
 fn refuse_queued(out: &Path) -> Result<(), Failure> {
     let jobs = text_of(&out.join(JOBS)).unwrap_or_default();
     let is_number =
         |line: &&str| !line.is_empty() && line.bytes().all(|byte| byte.is_ascii_digit());
     for job in jobs.lines().filter(is_number) {
         let queue = Command::new("squeue").args(["-h", "-j", job]).output();
-        // Of a job that ended long ago it knows nothing, and says so.
+        // `squeue` fails for a job that ended long ago, because Slurm no longer lists it.
         if queue.is_ok_and(|queue| queue.status.success() && !queue.stdout.is_empty()) {
             return Err(Failure::work(anyhow!(
                 "job {job} of the last submission has not ended: wait for it, or `scancel {job}`"
@@ -274,7 +276,7 @@ fn refuse_queued(out: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Submits a script, and gives the number of its job.
+/// Submits a script, and returns the number of its job.
 fn sbatch(arguments: &[&str]) -> Result<String, Failure> {
     let output = Command::new("sbatch")
         .arg("--parsable")
@@ -296,7 +298,7 @@ fn sbatch(arguments: &[&str]) -> Result<String, Failure> {
     let job = String::from_utf8(output.stdout)
         .context("sbatch")
         .map_err(Failure::work)?;
-    // With several clusters, the name of one follows.
+    // If Slurm manages several clusters, it prints the number of the job followed by the name of the cluster.
     Ok(job.trim().split(';').next().unwrap_or_default().to_owned())
 }
 

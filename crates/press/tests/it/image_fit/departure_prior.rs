@@ -1,14 +1,14 @@
-//! Fits with a camera that was calibrated from another frame.
+//! Fits with a camera that was calibrated from a frame at rest.
 
 use nalgebra::DMatrix;
 use palpate_press::DeparturePrior;
 
 use super::*;
 
-/// Numbers of the camera: image's centre, pixels per radian.
+/// Indices of the camera parameters: both coordinates of the image centre, and pixels per radian.
 const CAMERA: [usize; 3] = [2, 3, 4];
 
-/// A camera whose departures are relative to other departures.
+/// A camera whose deviations are measured from other deviations instead of the nominal parameters.
 #[derive(Clone, Debug)]
 struct About {
     ideal: Ideal,
@@ -37,7 +37,7 @@ impl View for About {
     }
 }
 
-/// A fit that starts from the camera calibrated from a frame at rest, with the covariance of that calibration.
+/// A fit that uses the camera calibrated from a frame at rest, with the covariance of this calibration.
 fn fit_with_camera_of(seen: &[Option<Seen>]) -> ImageFit<About> {
     let mut known = fit(None, ROUGHLY);
     let rest = known.at_rest(seen).unwrap();
@@ -58,7 +58,8 @@ fn fit_with_camera_of(seen: &[Option<Seen>]) -> ImageFit<About> {
     through(known, |ideal| About { ideal, common })
 }
 
-/// A frame is not counted twice: a fit with the camera that was calibrated from it has the same result.
+/// The information in a frame is used only once: if the camera was calibrated from the same frame at rest, the result
+/// does not change.
 #[test]
 fn using_the_camera_calibrated_from_the_same_frame_changes_nothing() {
     let truth = Truth::drawn(11, ROUGHLY);
@@ -86,7 +87,8 @@ fn using_the_camera_calibrated_from_the_same_frame_changes_nothing() {
     close(calibrated.indentation.std, alone.indentation.std);
 }
 
-/// A camera calibrated from one frame at rest is used with another frame at rest. Both have the same misalignments.
+/// A camera is calibrated from one frame at rest and used with another frame at rest. The misalignments are the same in
+/// both.
 #[test]
 fn intervals_contain_the_truth_with_the_camera_of_another_frame() {
     let trials = 150;
@@ -103,7 +105,8 @@ fn intervals_contain_the_truth_with_the_camera_of_another_frame() {
         stated += curvature.std.powi(2);
     }
     let count = trials as f64;
-    // Counted in 150 trials, a coverage of 0.95 has a standard deviation of 0.018. The limit is three of them lower.
+    // A coverage of 0.95, counted in 150 trials, has a standard error of 0.018. The limit is three standard errors
+    // lower.
     assert!(held / count > 0.89, "{}", held / count);
     let ratio = (stated / squared).sqrt();
     assert!((0.83..1.2).contains(&ratio), "{ratio}");

@@ -1,4 +1,4 @@
-//! Goodness of fits of images, and their misfits.
+//! Goodness of fit to images, and misfits.
 
 use palpate_press::{Body, Contact, Measured, PressError, PressEstimate, Rest};
 use palpate_sensing::{Channel, Stream};
@@ -13,7 +13,7 @@ const STATED: Measured = Measured {
     std: 0.02,
 };
 
-/// A press of another sensor in every trial, with changed displacements, and its fit.
+/// A press with another sensor in every trial, with changed displacements, and the fit to it.
 struct Press {
     fit: ImageFit<Ideal>,
     rest: Rest,
@@ -39,7 +39,7 @@ impl Press {
         self.fit.estimate(&self.rest, &self.seen, given)
     }
 
-    /// Codes of the misfits.
+    /// Codes of the misfits of the press.
     fn codes(&self, given: Option<Measured>) -> Result<Vec<&'static str>, PressError> {
         let Self { fit, rest, seen } = self;
         let estimate = self.estimate(given)?;
@@ -50,7 +50,8 @@ impl Press {
     }
 }
 
-/// For 120 draws, Kolmogorov's distance from the uniform distribution exceeds 0.149 in one of a hundred cases.
+/// With a probability of 1 %, the Kolmogorov distance of 120 uniform numbers from the uniform distribution exceeds
+/// 0.149.
 #[test]
 fn p_values_are_uniform_if_the_model_is_right() {
     for given in [None, Some(STATED)] {
@@ -62,7 +63,8 @@ fn p_values_are_uniform_if_the_model_is_right() {
             });
             let press = Press::of(number, fit(None, ROUGHLY), |_| {});
             let goodness = press.estimate(given).unwrap().goodness.unwrap();
-            // Four numbers of each marker, minus curvature, place and a free indentation.
+            // There are four numbers for each marker. The fitted parameters are the curvature, the two coordinates of
+            // the contact and, if it is not given, the indentation.
             let unknowns = 4 - usize::from(given.is_some());
             assert_eq!(goodness.freedom, 4 * 81 - unknowns);
             goodness.p_value
@@ -72,7 +74,7 @@ fn p_values_are_uniform_if_the_model_is_right() {
     }
 }
 
-/// Codes of the misfits of trials that gave an estimate.
+/// Codes of the misfits in trials that have an estimate.
 fn codes(
     trials: u64,
     fit: impl Fn() -> ImageFit<Ideal>,
@@ -87,11 +89,11 @@ fn codes(
 fn sound_images_seldom_have_a_misfit() {
     let codes = codes(PRESSES, || fit(None, ROUGHLY), Some(STATED), |_| {});
     assert_eq!(codes.len() as u64, PRESSES);
-    // Of 120 presses 6 are expected at 5 %; more than 11 have a chance of 2 %.
+    // At 5 %, 6 of 120 presses are expected to have a misfit; the probability of more than 11 is 2 %.
     assert!(misfit_share(&codes, None) <= 11.0 / 120.0, "{codes:?}");
 }
 
-/// Displacements by contacts of a half-space at both depths.
+/// Contacts of a half-space, for displacements at both depths.
 fn contacts(bodies: &[Body; 2]) -> [Contact<'_>; 2] {
     let skin = Skin::new(RADIUS).unwrap();
     [0, 1].map(|disc| skin.contact(&bodies[disc], CURVATURE, 1.0).unwrap())
@@ -106,7 +108,7 @@ fn another_body_is_found() {
     }
 }
 
-/// Markers that move outward, or in alternating directions, as under no contact.
+/// The markers move outward or in alternating directions, as no contact moves them.
 #[test]
 fn motions_that_no_press_causes_are_another_body() {
     let refused = |change: fn(&mut [[MarkerDisplacement; 2]])| {
@@ -130,7 +132,7 @@ fn motions_that_no_press_causes_are_another_body() {
     assert_eq!([outward, apart], [["other-body"; 2]; 2]);
 }
 
-/// Two more contacts at either side, shallow.
+/// Two more shallow contacts are added, one on each side.
 #[test]
 fn an_elongated_press_is_not_round() {
     let bodies = bodies(None, 0.0);
@@ -170,7 +172,7 @@ fn another_indentation_than_stated_is_found() {
     }
 }
 
-/// A marker whose error is too small for exclusion.
+/// The error of one marker is too small for the marker to be left out.
 #[test]
 fn one_marker_is_named() {
     let change = |moved: &mut [[MarkerDisplacement; 2]]| {

@@ -1,4 +1,4 @@
-//! Sensors of any size, presses at the resolution limit of pictures, and the names of errors.
+//! Sensors of any size, presses that images can hardly resolve, and the names of errors.
 
 use palpate_press::Rest;
 
@@ -6,23 +6,24 @@ use super::*;
 
 const MARKERS: usize = 81;
 const EXACT: [f64; 5] = [0.0; 5];
-/// True errors of the camera model: of the image's centre (px) and of the pixels per radian (relative).
+/// True deviations of the sensor parameters: of both coordinates of the image centre, px, and of the pixels per radian,
+/// relative.
 const DEPARTED: [f64; 5] = [0.0, 0.0, 0.3, -0.2, 0.005];
 
 /// A press on a sensor.
 #[derive(Clone, Copy)]
 struct Press {
-    /// Unit of length; the skin's radius is 20 units.
+    /// Unit of length. The radius of the skin is 20 units.
     unit: f64,
-    /// Standard deviations of the uncertain parameters of the sensor, as in [`Ideal::fit`].
+    /// Standard deviations of the uncertain sensor parameters, as in [`Ideal::fit`].
     known: [f64; 5],
     /// Stated noise, relative to [`STDS`].
     stated: f64,
-    /// Curvature of the object, relative to the sensor's.
+    /// Curvature of the object, relative to the curvature of the sensor.
     object: f64,
-    /// Place of the contact along x, in units of length.
+    /// Position of the contact along x, in units of length.
     x: f64,
-    /// Indentation, in radii of the sensor.
+    /// Indentation, as a share of the sensor's radius.
     depth: f64,
 }
 
@@ -43,7 +44,7 @@ impl Press {
         }
     }
 
-    /// Pictures without noise, for these errors of the camera model and these displacements of the discs.
+    /// Images without noise, for these deviations of the sensor parameters and these displacements of the discs.
     fn seen(&self, common: &[f64; 5], moved: &[[MarkerDisplacement; 2]]) -> Vec<Option<Seen>> {
         let misalignments = &[[0.0; 2]; MARKERS];
         let sensor = SensorState {
@@ -96,7 +97,7 @@ impl Press {
         (1.0 + self.object) / (RADIUS * self.unit)
     }
 
-    /// Cramér–Rao bound of the curvature, relative to the sensor's.
+    /// Cramér–Rao bound of the curvature, relative to the curvature of the sensor.
     fn bound(&self) -> f64 {
         let at = [self.x * self.unit, 0.0];
         let press = (
@@ -111,7 +112,7 @@ impl Press {
     }
 }
 
-/// Pictures with only the first `count` markers.
+/// Images of which only the first `count` markers are visible.
 fn few(count: usize) -> Vec<Option<Seen>> {
     let seen = PRESS.pressed().into_iter().enumerate();
     seen.map(|(marker, seen)| seen.filter(|_| marker < count))
@@ -140,7 +141,7 @@ fn noiseless_presses_are_estimated_within_a_thousandth_of_a_standard_deviation()
         }));
     }
     presses.extend([1e-20, 100.0].map(|stated| Press { stated, ..PRESS }));
-    // The markers reach x = 8, so the contact at x = 15 is outside the grid.
+    // The markers extend to x = 8, so that a contact at x = 15 is outside of the grid.
     presses.extend([0.0, 1e-300, 15.0].map(|x| Press { x, ..PRESS }));
     presses.push(Press {
         object: -0.99,
@@ -247,7 +248,8 @@ fn settings_out_of_range_have_named_errors() {
     );
 }
 
-/// With 81 markers, the prior reduces the estimated camera errors by a share of only about 1e-5.
+/// With 81 markers, the prior pulls the estimated camera parameters towards their nominal values by only about 1e-5 of
+/// their deviation.
 #[test]
 fn camera_errors_are_estimated_on_sensors_of_any_size() {
     for unit in [1e-30, 1.0, 1e30] {

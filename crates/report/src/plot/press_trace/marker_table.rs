@@ -1,11 +1,11 @@
-//! `trace.csv` and `readings.csv` of a press: true and read displacements of the markers.
+//! Reads `trace.csv` and `readings.csv` of a press: the true displacements of the markers, and the readings.
 
 use crate::records::Records;
 use crate::{Files, ReportError, phrases};
 use palpate_study::label::spoken_unit;
 use palpate_study::number;
 
-/// Columns of `trace.csv`, in the order read.
+/// Names of the columns that are read from `trace.csv`, in the order in which they are used.
 const TRACE: [&str; 6] = [
     "x",
     "y",
@@ -14,7 +14,7 @@ const TRACE: [&str; 6] = [
     "tangential_x",
     "tangential_y",
 ];
-/// Columns of `readings.csv`; the last two may be missing.
+/// Columns of `readings.csv` that are read. The last two may be missing.
 const READINGS: [&str; 5] = [
     "x",
     "y",
@@ -22,38 +22,38 @@ const READINGS: [&str; 5] = [
     "tangential_x",
     "tangential_y",
 ];
-/// Largest difference between equal places, relative to the largest coordinate.
+/// Largest difference between two places that count as equal, relative to the largest coordinate of all markers.
 const RELATIVE_TOLERANCE: f64 = 1e-6;
 
-/// Displacement of a marker.
+/// Displacement of a marker, length.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Displacement {
-    /// Inward.
+    /// Component inwards along the normal.
     pub(super) normal: f64,
-    /// Along the skin, in the axes of the marker's place; `None` if it was not read.
+    /// Components along the skin, in the axes at the marker's place; `None` if they were not measured.
     pub(super) tangential: Option<[f64; 2]>,
 }
 
-/// Marker on the skin.
+/// A marker on the skin.
 #[derive(Debug, Clone)]
 pub(super) struct Marker {
     /// Place of the marker on the skin at rest.
     pub(super) place: [f64; 2],
-    /// Distance from the contact.
+    /// Distance from the contact along the skin.
     pub(super) radial: f64,
     pub(super) truth: Displacement,
-    /// `None` if the marker was not tracked.
+    /// Measured displacement; `None` if the marker was not tracked.
     pub(super) reading: Option<Displacement>,
 }
 
-/// A press.
+/// The markers of one press.
 #[derive(Debug)]
 pub(super) struct Trace {
     /// Unit of all lengths, as in the tables; may be empty.
     pub(super) unit: String,
-    /// At least one, in the order of `trace.csv`.
+    /// At least one marker, in the order of `trace.csv`.
     pub(super) markers: Vec<Marker>,
-    /// Whether displacements along the skin were read.
+    /// Whether displacements along the skin were measured.
     pub(super) reads_tangential: bool,
 }
 
@@ -88,7 +88,7 @@ pub(super) fn read(files: &Files) -> Result<Trace, ReportError> {
     })
 }
 
-/// Checks that all of the first `columns` are in this unit.
+/// Checks that the first `columns` columns all have this unit.
 fn one_unit(table: &Records, unit: &str, columns: usize) -> Result<(), ReportError> {
     match (0..columns).find(|column| table.unit(*column) != unit) {
         None => Ok(()),
@@ -100,7 +100,7 @@ fn pair(table: &Records, row: usize, first: usize) -> Result<[f64; 2], ReportErr
     Ok([table.number(row, first)?, table.number(row, first + 1)?])
 }
 
-/// Adds each reading to the marker at its place. A marker has at most one reading.
+/// Assigns each reading to the marker at its place. A marker has at most one reading.
 fn add_readings(
     table: &Records,
     with_tangential: bool,
@@ -137,8 +137,8 @@ impl Trace {
         self.markers.iter().filter(lost).count()
     }
 
-    /// Root mean square error of the readings: of the normal displacement, and of the distance between the read and the
-    /// true place along the skin.
+    /// Root-mean-square errors of the readings. The first is for the normal displacement, the second for the
+    /// displacement along the skin (as a distance).
     pub(super) fn off(&self) -> (Option<f64>, Option<f64>) {
         let read = || {
             let markers = self.markers.iter();

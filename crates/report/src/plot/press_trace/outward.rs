@@ -1,19 +1,22 @@
-//! Direction away from the contact. The place of the contact is fitted to the markers' distances from it.
+//! Computes the direction away from the contact at each marker. The place of the contact is found by a fit to the
+//! distances between the markers and the contact.
 
-/// Steps of the search for the curvature of the skin, and bisections of the step found.
+/// Number of steps of the search for the curvature of the skin.
 const STEPS: u32 = 60;
+/// Number of bisections of the step that contains the best value.
 const REFINEMENTS: u32 = 60;
-/// Largest curvature of the skin times the largest distance. At π, the distance would be half a great circle.
+/// Largest product of the skin's curvature and the largest distance from the contact. At π, this distance would be half
+/// a great circle.
 const ROUNDEST: f64 = 3.1;
-/// Regularisation of the least squares, added to the diagonal of the matrix, relative to its trace. It makes the
-/// solution unique even if the places do not determine all unknowns.
+/// Regularisation of the least squares. It is added to the diagonal of the matrix, relative to the matrix's trace, and
+/// makes the solution unique even if the places do not determine all unknowns.
 const RIDGE: f64 = 1e-13;
-/// Largest distance of a marker at the contact, relative to the largest distance of all.
+/// Distance below which a marker counts as being at the contact, relative to the largest distance of all markers.
 const AT_CONTACT: f64 = 1e-6;
 
-/// Unit vector away from the contact at each place, along the apex's axes transported along the meridian to the place;
-/// `None` at the contact. `places` are logarithm maps from the apex of a spherical skin of any radius; `distances` are
-/// their great-circle distances from the contact.
+/// Unit vector away from the contact at each place; `None` at the contact. The components are along the axes of the
+/// apex, parallel-transported along the meridian to the place. `places` are logarithm maps from the apex of a spherical
+/// skin of unknown radius, and `distances` are the great-circle distances of the places from the contact.
 pub(super) fn outward(places: &[[f64; 2]], distances: &[f64]) -> Vec<Option<[f64; 2]>> {
     let lengths = places.iter().map(|[x, y]| libm::hypot(*x, *y));
     let size = lengths.chain(distances.iter().copied()).fold(0.0, f64::max);
@@ -48,17 +51,18 @@ pub(super) fn outward(places: &[[f64; 2]], distances: &[f64]) -> Vec<Option<[f64
     places.iter().map(|place| best.away_at(*place)).collect()
 }
 
-/// Contact on a sphere of this curvature, with the apex at the origin and the centre below it.
+/// A contact on a sphere of this curvature. The origin is at the apex, and the centre of the sphere is below it.
 struct Contact {
     curvature: f64,
     place: [f64; 3],
-    /// Sum of squared differences of squared chords.
+    /// Sum of the squared differences between fitted and given squared chords.
     misfit: f64,
 }
 
 impl Contact {
-    /// Fits the contact C, so that its chords to the places p agree best with the distances. With the apex as origin and
-    /// the radius R, |p − C|² = |p|² − 2 p·C − 2 R C_z, which is linear in C_x, C_y and R C_z.
+    /// Fits the position C of the contact, so that its chords to the places p agree best with the distances. If the
+    /// origin is at the apex and R is the radius, |p − C|² = |p|² − 2 p·C − 2 R C_z. This is linear in C_x, C_y and R
+    /// C_z.
     fn fitted(curvature: f64, places: &[[f64; 2]], distances: &[f64]) -> Self {
         let chord = |length: f64| length * over(0.5 * length * curvature);
         let rows: Vec<([f64; 3], f64)> = places
@@ -83,7 +87,7 @@ impl Contact {
         }
     }
 
-    /// The unit vector away from the contact, in the axes of `place`.
+    /// The unit vector away from the contact, in the transported axes at `place`.
     fn away_at(&self, place: [f64; 2]) -> Option<[f64; 2]> {
         let length = libm::hypot(place[0], place[1]);
         let [x, y, z] = on_sphere(place, self.curvature);
@@ -105,7 +109,7 @@ impl Contact {
     }
 }
 
-/// Position in space of a place on the skin.
+/// Position in 3D of a place on the skin.
 fn on_sphere(place: [f64; 2], curvature: f64) -> [f64; 3] {
     let length = libm::hypot(place[0], place[1]);
     let stretch = over(length * curvature);
@@ -117,7 +121,7 @@ fn on_sphere(place: [f64; 2], curvature: f64) -> [f64; 3] {
     ]
 }
 
-/// sin(x)/x.
+/// The function sin(x)/x, which is 1 at x = 0.
 fn over(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { libm::sin(x) / x }
 }
@@ -126,7 +130,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Least squares solution of the rows; the shortest if there are several.
+/// Least-squares solution of the rows; the shortest solution if there are several.
 fn least_squares(rows: &[([f64; 3], f64)]) -> [f64; 3] {
     let sum =
         |term: &dyn Fn(&[f64; 3], f64) -> f64| rows.iter().map(|(r, v)| term(r, *v)).sum::<f64>();
@@ -136,7 +140,7 @@ fn least_squares(rows: &[([f64; 3], f64)]) -> [f64; 3] {
     for (i, row) in matrix.iter_mut().enumerate() {
         row[i] += ridge;
     }
-    // Cramer's rule.
+    // The solution is computed by Cramer's rule.
     let column = |j: usize| [matrix[0][j], matrix[1][j], matrix[2][j]];
     let volume = |a: [f64; 3], b: [f64; 3], c: [f64; 3]| dot(a, cross(b, c));
     let whole = volume(column(0), column(1), column(2));
@@ -164,8 +168,8 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// `vector` after transport from the apex to the place: rotated by the place's polar angle about the horizontal
-    /// axis (Rodrigues).
+    /// `vector` after parallel transport from the apex to the place. The transport rotates it about a horizontal axis
+    /// by the polar angle of the place (Rodrigues' formula).
     fn carried(vector: [f64; 3], place: [f64; 2], radius: f64) -> [f64; 3] {
         let length = libm::hypot(place[0], place[1]);
         let axis = if length > 0.0 {
@@ -210,7 +214,7 @@ mod tests {
                     assert_eq!(found, None);
                     continue;
                 }
-                // The gradient of the angle between the place and the contact.
+                // The expected direction is the gradient of the angle between the place and the contact.
                 let sine = libm::sin(distance / radius);
                 let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
                 let true_one = axes.map(|axis| -dot(carried(axis, *place, radius), centre) / sine);

@@ -1,4 +1,4 @@
-//! Figure of the markers from above, with arrows for their displacements along the skin.
+//! Figure of the markers from above. Arrows show their displacements along the skin.
 
 use super::marker_table::{Marker, Trace};
 use crate::ReportError;
@@ -15,31 +15,35 @@ use plotters::element::{Circle, Polygon, Rectangle};
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-/// Width of the key, and gap between the key and the box.
+/// Width of the key, in drawing units (1/3 px).
 const KEY: i32 = 720;
+/// Gap between the key and the box, in drawing units.
 const GAP: i32 = 90;
-/// Smallest displacement that counts as a displacement.
+/// Displacement below which a marker counts as not displaced.
 const MIN_DISPLACEMENT: f64 = 1e-290;
-/// Widths of the arrows. The arrow of the reading is drawn over the true one.
+/// Width of the arrow of a true displacement, in drawing units.
 const TRUE: f64 = 15.0;
+/// Width of the arrow of a reading, which is drawn over the true displacement.
 const READ: f64 = 6.0;
 /// Length of a sample in the key.
 const SAMPLE: i32 = 120;
-/// The strip of shades in the key.
+/// Width and height of the strip of shades in the key, in drawing units.
 const STRIP: Point = (78, 570);
+/// Number of shades in the strip.
 const SHADES: i32 = 95;
-/// Shades of the smallest and the largest displacement. Arrows are visible on both.
+/// Colour of the smallest normal displacement. Arrows are visible on it.
 const LIGHT: Colour = Colour(252, 252, 252);
+/// Colour of the largest normal displacement. Arrows are visible on it.
 const DARK: Colour = Colour(130, 130, 130);
 
-/// The markers and the key.
+/// Draws the markers and the key.
 pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
     let title = "Displacement of the markers along the skin";
     let words = Words::new("quiver", title, &trace.subtitle(), &[]);
     let [x, y] = scales(trace);
     let left = EDGE + y.widest() + TICK_GAP + 6;
     let side = WIDTH - left - GAP - KEY - EDGE;
-    // Markers get a size at which neighbours in an even pattern do not touch.
+    // Choose the size of a marker so that neighbouring markers in an even pattern do not touch.
     let apart = f64::from(side) / (trace.markers.len() as f64).sqrt();
     let moves = trace.markers.iter().flat_map(|marker| {
         let read = marker.reading.and_then(|reading| reading.tangential);
@@ -80,7 +84,7 @@ pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
     })
 }
 
-/// Scales of the same length around all markers.
+/// Scales of equal length for x and y that cover all markers.
 fn scales(trace: &Trace) -> [Scale; 2] {
     let ends = [0, 1].map(|axis| {
         let along = trace.markers.iter().map(|marker| marker.place[axis]);
@@ -96,26 +100,27 @@ fn scales(trace: &Trace) -> [Scale; 2] {
     })
 }
 
-/// A trace, with the scale and the sizes for drawing its parts.
+/// A press, with the scales and sizes that its drawing needs.
 struct Quiver<'a> {
     trace: &'a Trace,
-    /// Scale of the shade that shows the true normal displacement.
+    /// Scale of the shades, which show the true normal displacement.
     shade: Scale,
     /// Radius of a marker.
     radius: f64,
-    /// Length of the longest displacement along the skin.
+    /// Length of the longest displacement along the skin, in the unit of the tables.
     longest: f64,
-    /// Arrow length per unit of displacement; `None` if no marker moves along the skin.
+    /// Length of an arrow per unit of displacement; `None` if no marker moves along the skin.
     stretch: Option<f64>,
 }
 
 impl Quiver<'_> {
-    /// A label with the unit of the tables.
+    /// The label, followed by the unit of the tables.
     fn in_unit(&self, label: &str) -> String {
         with_unit(label, &spoken_unit(&self.trace.unit))
     }
 
-    /// The marker at rest, shaded by its normal displacement; crossed if it has no reading.
+    /// Draws the marker at its place at rest, with a shade for its normal displacement. A marker without a reading is
+    /// crossed out.
     fn marker(&self, marker: &Marker, panel: &Panel<'_>) -> Drawn {
         let area = panel.plotting_area();
         let shade = mixed(LIGHT, DARK, self.shade.place(marker.truth.normal));
@@ -181,7 +186,7 @@ impl Quiver<'_> {
         Ok(())
     }
 
-    /// Draws the strip of shades and its scale of values.
+    /// Draws the strip of shades, with a scale of values.
     fn strip(&self, left: i32, sheet: &Sheet) -> Drawn {
         let (right, bottom) = (left + STRIP.0, sheet.top + STRIP.1);
         for at in 0..SHADES {
@@ -211,7 +216,7 @@ fn read_colour() -> Colour {
     Style::of(1).colour
 }
 
-/// The mark of a marker without a reading.
+/// The symbol for a marker without a reading.
 fn lost(size: f64) -> Symbol {
     let style = Style {
         colour: read_colour(),

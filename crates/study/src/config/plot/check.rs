@@ -1,4 +1,4 @@
-//! Rules of plots that no schema states: which keys, tables and columns go together.
+//! Rules of plots that the schema cannot state: which keys, tables and columns are possible together.
 
 use super::{PlotConfig, PlotKind, Points, Scale};
 use crate::Statistic;
@@ -8,8 +8,8 @@ use crate::config::study::Output;
 use crate::config::tree::{suggest, text};
 use toml::Value;
 
-/// Checks that the plots of a `plot` section, which has been validated against the schema, stand for themselves, are
-/// drawn from tables that are written, and name columns that exist.
+/// Checks the plots of a `plot` section that the schema has accepted. Each plot must combine only keys that are
+/// possible together, the study must write the plot's table, and the named columns must exist.
 pub(in crate::config) fn check(
     section: &Value,
     plots: &[PlotConfig],
@@ -24,8 +24,9 @@ pub(in crate::config) fn check(
     })
 }
 
-/// Checks as much of the plots of a `plot` section, which has been validated against the schema, as they say alone: that
-/// they have the keys of their kind and names of their own, and that their points are pairs.
+/// Checks the plots of a `plot` section that the schema has accepted, as far as this is possible without the study. The
+/// plots must have different names and only the keys of their kind, and their points must have as many x values as y
+/// values.
 pub(in crate::config) fn check_alone(section: &Value, plots: &[PlotConfig]) -> Result<(), Fault> {
     each(section, plots, |keys, plot| {
         check_keys(keys, plot)?;
@@ -33,7 +34,7 @@ pub(in crate::config) fn check_alone(section: &Value, plots: &[PlotConfig]) -> R
     })
 }
 
-/// Applies `rules` to the given keys of every plot, and compares its name with those before it.
+/// Applies `rules` to the keys of every plot, and rejects a plot with the same name as an earlier plot.
 fn each(
     section: &Value,
     plots: &[PlotConfig],
@@ -85,10 +86,10 @@ fn check_output(
     }
     let message = match (plot.kind.scene(), scene_kind(grid)) {
         _ if !outputs.contains(&output) => {
-            format!("is drawn from the output \"{name}\", which `outputs` does not ask for")
+            format!("needs the output \"{name}\", which `outputs` does not list")
         }
         (Some(wanted), Some(found)) if wanted != found => {
-            format!("is drawn from a {wanted}, and this scene is a {found}")
+            format!("needs a scene of kind {wanted}, but this scene is of kind {found}")
         }
         _ => return Ok(()),
     };
@@ -99,7 +100,7 @@ fn scene_kind(grid: &Grid) -> Option<&str> {
     grid.base.get("scene")?.get("kind")?.as_str()
 }
 
-/// The statistics that a table of this scene's cells has.
+/// Names of the statistics that the table of cells has for this kind of scene.
 fn statistics(grid: &Grid) -> impl Iterator<Item = &str> + Clone {
     let bound = scene_kind(grid) == Some("press");
     let all = Statistic::ALL.into_iter();
@@ -139,7 +140,7 @@ fn check_columns(plot: &PlotConfig, grid: &Grid) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Checks that a value is among those that a column of the sweep takes.
+/// Checks that a swept column contains the value `wanted`.
 fn check_value(wanted: &str, grid: &Grid, path: &str) -> Result<(), Fault> {
     const MOST_SHOWN: usize = 100;
     let Some((axis, place)) = grid.axis(path) else {
@@ -160,7 +161,7 @@ fn check_value(wanted: &str, grid: &Grid, path: &str) -> Result<(), Fault> {
     )))
 }
 
-/// Checks that points have as many y as x, and follow more `rules`.
+/// Checks that each entry of `points` has as many x values as y values, and applies `rules` to it.
 fn check_points(
     plot: &PlotConfig,
     rules: impl Fn(&Points) -> Result<(), Fault>,
@@ -176,8 +177,8 @@ fn check_points(
     Ok(())
 }
 
-/// Checks that points belong to a series and a panel that the plot has. The labels of a profile's lines are only in
-/// its table.
+/// Checks that the plot has the series and the panel that its points name. The names of the lines of a profile are not
+/// checked, because they appear only in its table.
 fn check_place(points: &Points, plot: &PlotConfig, grid: &Grid) -> Result<(), Fault> {
     for (key, value, column, path) in [
         ("series", &points.series, "series", &plot.series),

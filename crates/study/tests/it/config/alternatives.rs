@@ -1,11 +1,11 @@
-//! Alternative fields that state the same length of a roll.
+//! Alternative fields for the length of a roll.
 
 use palpate_study::config::{SceneConfig, parse, to_toml, with_fields};
 use serde_json::json;
 
 use super::{BASE, edited, error, study};
 
-/// Length of the roll in a cell: `duration_s`, `arc_length` and `angle_deg`.
+/// The three fields for the length of the roll in a cell: `duration_s`, `arc_length` and `angle_deg`.
 fn lengths(text: &str, cell: usize) -> [Option<f64>; 3] {
     let study = parse("study.toml", text).unwrap_or_else(|error| panic!("{error}"));
     let SceneConfig::Roll(roll) = study.cell(cell).unwrap().config.scene else {
@@ -24,7 +24,7 @@ fn a_sweep_replaces_an_alternative_field() {
     assert_eq!(notes.len(), 1, "{notes:?}");
     assert_eq!(
         notes[0].1,
-        "line 8: scene.motion.duration_s = 1 is swept over by line 10, which sets scene.motion.angle_deg to 5, 10"
+        "line 8: scene.motion.duration_s = 1 is replaced by line 10, which sets scene.motion.angle_deg to 5, 10"
     );
 }
 
@@ -62,7 +62,7 @@ fn a_number_of_rolls_stands_for_their_directions() {
     let directions = |motion: &str| {
         let text = edited("duration_s = 1.0", &format!("duration_s = 1.0, {motion}"));
         let study = parse("study.toml", &text).unwrap();
-        // The saved config does not state both.
+        // The saved config does not contain both fields.
         let saved = parse("run.toml", &to_toml(&study.config)).unwrap();
         assert_eq!(saved.config, study.config);
         let SceneConfig::Roll(roll) = study.config.scene else {

@@ -1,10 +1,10 @@
-//! Fields and values of `--set` and `--vary`: short names, units, tables that the config leaves out, and labels.
+//! Fields and values of `--set` and `--vary`: short names, units, tables that are missing in the config, and labels.
 
 use palpate_study::config::{SceneConfig, Study, Varied, Vary, parse};
 
 use super::{edited, study};
 
-/// The values of an argument in a study, or the error.
+/// Path and values of an argument in a study, or the error.
 fn resolved(study: &Study, argument: &str) -> String {
     let vary: Vary = argument.parse().unwrap();
     match study.resolve(&vary) {
@@ -19,7 +19,7 @@ fn resolved(study: &Study, argument: &str) -> String {
     }
 }
 
-/// Checks a table with a row `argument | path and values, or error` each.
+/// Checks a table with rows `argument | path and values, or error`.
 fn resolves(study: &Study, table: &str) {
     for row in table.trim().lines() {
         let (argument, expected) = row.split_once(" | ").unwrap();
@@ -44,7 +44,7 @@ scene.noise.x=5 | study.toml: scene.noise.x: `scene.noise` has no `x`; known: an
 scene.object.radius.x=5 | study.toml: scene.object.radius.x: `scene.object.radius` is no table
 "#;
 
-/// Rows whose message is longer are compared as far as they go.
+/// If a message is longer than the text in its row, only its beginning is compared.
 #[test]
 fn the_last_keys_of_a_path_name_a_field() {
     let study = study("");
@@ -90,7 +90,7 @@ object.radius=2cm..1mm | study.toml: scene.object.radius: the range 2cm..1mm run
     assert!(error.ends_with(expected), "{error}");
 }
 
-/// Study with these fields, which are resolved first.
+/// The study with these fields; their names and values are resolved first.
 fn with(study: &Study, arguments: &[&str]) -> Result<Study, String> {
     let resolve = |argument: &&str| {
         let vary: Vary = argument.parse().unwrap();
@@ -124,7 +124,7 @@ fn tables_that_the_config_leaves_out_are_made() {
             r#"{ rotation = { kind = "gaussian", std_rad = 0.1 }, encoder = { step_deg = 0.1 } }"#,
         ),
         (
-            // The kind may follow the fields that it has.
+            // The kind may come after the fields that it has.
             &[
                 "angular_velocity.fraction=0.1",
                 "angular_velocity.kind=uniform",

@@ -1,4 +1,4 @@
-//! The cells that sweeps make, and errors that point into them.
+//! The cells of sweeps, and errors whose position is in a sweep.
 
 use super::{edited, study};
 use palpate_study::config::{ObjectConfig, SceneConfig, Study, parse};
@@ -144,7 +144,7 @@ fn headers_carry_the_unit_of_the_study() {
     }
 }
 
-/// Values of a swept field, as the tables show them.
+/// Values of a swept field, in the form that the tables show.
 fn shown(path: &str, range: &str) -> Vec<String> {
     coordinates(&study(&format!("[[sweep]]\npath = \"{path}\"\n{range}"))).concat()
 }

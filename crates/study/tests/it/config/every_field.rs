@@ -1,10 +1,10 @@
-//! Every number of a scene can be swept and varied, or a message states why not.
+//! Every number of a scene can be swept and varied; otherwise, a message states the reason.
 
 use palpate_study::config::{Takes, parse, schema, to_toml};
 use serde_json::{Value as Json, json};
 use std::collections::BTreeMap;
 
-/// Valid scenes of each kind, with few optional tables.
+/// A valid scene of each kind, with few optional tables.
 const SCENES: [&str; 6] = [
     r#"{ "kind": "roll", "probe": { "kind": "sphere", "radius": 2 }, "object": { "kind": "sphere", "radius": 5 },
         "motion": { "rate_rad_per_s": 0.1, "angle_deg": 10 } }"#,
@@ -26,14 +26,14 @@ const SCENES: [&str; 6] = [
     r#"{ "kind": "fingertip", "probe": { "kind": "marker-sphere", "radius": 20, "marker_depth": 0.5 } }"#,
 ];
 
-/// Fields that the schema lists for these kinds, but parsing rejects: a projected sensor has no pixels.
+/// Fields that are in the schema of these kinds, but that parsing rejects, because a projected sensor has no pixels.
 const REFUSED: [&str; 3] = [
     "press: sensor.blur_px sensor=projected",
     "press: sensor.light_at_rim sensor=projected",
     "press: sensor.seam_width sensor=projected",
 ];
 
-/// A number in the schema: its path, and the kinds that the tables on its path must have.
+/// A number in the schema: its path, and the kinds of the tables on its path.
 #[derive(Clone, Debug, Default)]
 struct Field {
     path: Vec<String>,
@@ -75,7 +75,7 @@ fn numbers(schema: &Json, at: &Field, visit: &mut impl FnMut(Field)) {
     }
 }
 
-/// Smallest instance of a schema: only the required keys, and of this kind if the schema has kinds.
+/// Smallest valid instance of a schema: it has only the required keys, and the given kind if the schema has kinds.
 fn instance(schema: &Json, kind: Option<&str>) -> Json {
     if let Some(variants) = schema["oneOf"].as_array() {
         let of_kind = |variant: &&Json| kind.is_none() || kind_of(variant) == kind;
@@ -107,7 +107,7 @@ fn instance(schema: &Json, kind: Option<&str>) -> Json {
     }
 }
 
-/// Two values within the limits of a number, whole ones as integers.
+/// Two values within the limits of a number; whole numbers are integers.
 fn values(schema: &Json) -> Vec<Json> {
     let is_whole = schema["type"] == "integer";
     let limit = |key: &str| schema[key].as_f64();
@@ -133,7 +133,7 @@ fn values(schema: &Json) -> Vec<Json> {
     found[..2].iter().map(written).collect()
 }
 
-/// A scene in which `field` is valid. It writes the tables on the path that have no suitable default, unless `is_bare`.
+/// A scene in which `field` is valid. The tables on its path that have no suitable default are added, unless `is_bare`.
 fn scene(base: &Json, root: &Json, field: &Field, is_bare: bool) -> Json {
     let kind = |depth: usize| {
         let path = field.path[..depth].join(".");
@@ -141,7 +141,8 @@ fn scene(base: &Json, root: &Json, field: &Field, is_bare: bool) -> Json {
         let found = kinds.find(|(at, _)| *at == path);
         found.map(|(_, kind)| kind.as_str())
     };
-    // `scene` gets all tables on the path. `needed` gets a default table only if a later table must be written.
+    // `scene` contains all tables on the path. `needed` contains a table with a default only if a later table must be
+    // stated.
     let (mut needed, mut scene) = (base.clone(), base.clone());
     let mut schema = root;
     for depth in 1..field.path.len() {
@@ -184,7 +185,7 @@ fn text(config: &Json) -> String {
     palpate_study::config::of_json("study.toml", config).unwrap()
 }
 
-/// Schema of scenes of the same kind as `base`.
+/// Schema of the scenes that have the same kind as `base`.
 fn root(base: &Json) -> Json {
     let schema = schema();
     let variants = schema["properties"]["scene"]["oneOf"].as_array().unwrap();
@@ -192,7 +193,7 @@ fn root(base: &Json) -> Json {
     variants.iter().find(of_kind).unwrap().clone()
 }
 
-/// Every number of every kind of scene.
+/// Every number of every kind of scene, each with a scene of this kind.
 fn fields() -> Vec<(Json, Field)> {
     let mut all = Vec::new();
     for base in SCENES {
@@ -204,7 +205,7 @@ fn fields() -> Vec<(Json, Field)> {
     all
 }
 
-/// Name of a field with the kinds on its path.
+/// Name of a field, with the kinds on its path.
 fn name(base: &Json, field: &Field) -> String {
     let kinds = field.kinds.iter().map(|(at, kind)| format!(" {at}={kind}"));
     let scene = base["kind"].as_str().unwrap();
@@ -239,7 +240,7 @@ fn every_number_of_a_scene_can_be_swept_and_varied() {
         };
         let cell = |number| study.cell(number).unwrap().config;
         assert_ne!(cell(0), cell(1), "{name}");
-        // `design` looks up a varied field in the study with its defaults, and sets it to at least two values.
+        // `design` looks up a varied field in the study with all defaults, and sets it to at least two values.
         let plain = to_toml(&cell(0));
         let plain = parse("study.toml", &plain).unwrap_or_else(|error| panic!("{name}: {error}"));
         let filled = plain.varied(&[]).unwrap();
@@ -267,7 +268,7 @@ fn every_number_of_a_scene_can_be_swept_and_varied() {
     assert!(outcomes.len() > 130, "{}", outcomes.len());
 }
 
-/// If a table has no default, or a default of another kind, the message states what to write.
+/// If a missing table has no default, or a default of another kind, the message states what the config must contain.
 #[test]
 fn the_message_about_a_field_of_a_missing_table_states_what_to_write() {
     let mut messages = 0;
@@ -285,7 +286,7 @@ fn the_message_about_a_field_of_a_missing_table_states_what_to_write() {
             Ok(_) => continue,
             Err(error) => error.to_string(),
         };
-        // Where the table can be made, a rule of the scene may still reject the field.
+        // Even if the table can be added, a rule of the scene may reject the field.
         if !said.contains("names nothing") {
             continue;
         }

@@ -1,10 +1,10 @@
-//! Bad configs: place, field and reason that the error reports.
+//! Invalid configs: position, field and reason in the error.
 
 use palpate_study::config::parse;
 
 use super::{BASE, error, refuses};
 
-/// One complete message of each kind.
+/// A complete message of each kind of error.
 const MESSAGES: &str = r#"
 radius = 5.0 } => radius = 5.0 ] | 7:42 | invalid inline table element, expected `,`
 5.0 => 99999999999999999999 | 7:38 scene.object.radius | the integer 99999999999999999999 does not fit into 64 bits
@@ -25,16 +25,16 @@ object = { kind = "sphere", => object = { | 7:10 scene.object.kind | missing key
 kind = "sphere", radius = 5.0 => kind = "ellipsoid", semi_axes = [1, 2] | 7:44 scene.object.semi_axes | expected 3 items, found 2
 duration_s = 1.0 => duration_s = 1.0, directions_deg = [] | 8:69 scene.motion.directions_deg | expected at least 1 item, found 0
 a-study => A study | 1:8 name | "A study" is not a name: lower-case letters and digits, joined by single hyphens, at most 100
-duration_s = 1.0 => duration_s = 1.0, arc_length = 2 | 8:65 scene.motion.arc_length | cannot stand beside `duration_s`; keep one of them
+duration_s = 1.0 => duration_s = 1.0, arc_length = 2 | 8:65 scene.motion.arc_length | cannot be combined with `duration_s`; keep one of them
 , duration_s = 1.0 => | 8:10 scene.motion | needs `duration_s`, `arc_length` or `angle_deg`
 rate_rad_per_s = 0.1, => | 8:10 scene.motion.rate_rad_per_s | missing key; `duration_s` needs it
-duration_s = 1.0 => duration_s = 1.0, axis = "chart" | 8:59 scene.motion.axis | "chart" needs a model in the probe's chart: `scene.model` with chart = "montana"
+duration_s = 1.0 => duration_s = 1.0, axis = "chart" | 8:59 scene.motion.axis | "chart" needs a model that uses the probe's chart: `scene.model` with chart = "montana"
 [[sweep]]\npath = "name"\nvalues = ["b"] | 10:8 sweep.0 | cannot sweep `name`; a sweep sets fields of `scene`, `seed` or `trials`
-[[sweep]]\npath = "scene.objct.radius"\nvalues = [1] | 10:8 scene.objct.radius | the sweep path names nothing: `scene` has no `objct`; did you mean `object`?
+[[sweep]]\npath = "scene.objct.radius"\nvalues = [1] | 10:8 scene.objct.radius | the sweep path does not exist: `scene` has no `objct`; did you mean `object`?
 [[sweep]]\npath = "scene.object"\nvalues = [{ kind = "plane" }] | 11:11 sweep.0.values.0 | a table among swept values needs a `label`, which the results show
 [[sweep]]\npath = "scene.noise.rotatoin.std_deg"\nvalues = [1] | 10:8 scene.noise.rotatoin.std_deg | `scene.noise` has no `rotatoin`; did you mean `rotation`? (known: angular_velocity, encoder, rotation)
 [[plot]]\nx = "truth"\ny = "relative_rms" | 11:5 plot.0.y | no column `relative_rms`; did you mean `relative_rms_error`?
-[[plot]]\nkind = "class-map" | 10:8 plot.0.kind | is drawn from the output "map", which `outputs` does not ask for
+[[plot]]\nkind = "class-map" | 10:8 plot.0.kind | needs the output "map", which `outputs` does not list
 "#;
 
 const FIELDS: &str = r#"
@@ -45,7 +45,7 @@ kind = "sphere", radius = 5.0 => kind = "cube" | 7:19 scene.object.kind | unknow
 length_unit => trials = 10.5\nlength_unit | 2:10 trials | expected an integer
 length_unit => claims = 3\nlength_unit | 2:10 claims | expected an array
 length_unit => crate_version = "99.0.0"\nlength_unit | 2:17 crate_version | of version 99.0.0
-length_unit => crate_version = "old"\nlength_unit | 2:17 crate_version | is no version
+length_unit => crate_version = "old"\nlength_unit | 2:17 crate_version | is not a version
 length_unit => crate_version = 3\nlength_unit | 2:17 crate_version | expected a string
 length_unit => columns = { shift = "U" }\nlength_unit | 2:21 columns.shift | no column of these readings
 sensor = { kind = 1 } | 9:19 scene.sensor.kind | expected a string
@@ -70,7 +70,7 @@ const SWEEPS: &str = r#"
 [[sweep]]\nvalues = [1] | 9:1 sweep.0 | needs `path` or `paths`
 [[sweep]]\npath = "seed"\npaths = ["seed"]\nvalues = [1] | 9:1 sweep.0 | both `path` and `paths`
 [[sweep]]\npath = "scene.object.radius"\nvalues = [1]\nfrom = 2 | 9:1 sweep.0 | both `values` and `from`
-[[sweep]]\npath = "scene.object.radius"\nvalues = [1, 2, 1.0] | 11:17 sweep.0 | 1 stands twice
+[[sweep]]\npath = "scene.object.radius"\nvalues = [1, 2, 1.0] | 11:17 sweep.0 | 1 occurs twice
 [[sweep]]\npath = "scene.object.radus"\nvalues = [1] | 10:8 scene.object.radus | did you mean `radius`?
 [[sweep]]\npath = "scene.object.radius.x"\nvalues = [1] | 10:8 scene.object.radius.x | names nothing: `scene.object.radius` is the number 5
 [[sweep]]\npath = "scene.motion.directions_deg.8"\nvalues = [1] | 10:8 scene.motion.directions_deg.8 | has no item `8`
@@ -78,7 +78,7 @@ const SWEEPS: &str = r#"
 [[sweep]]\npath = "plot.0.x"\nvalues = ["b"] | 10:8 sweep.0 | cannot sweep
 [[sweep]]\npath = "seed"\nvalues = [1]\n[[sweep]]\npath = "seed"\nvalues = [3] | 13:8 sweep.1 | is swept twice
 [[sweep]]\npath = "scene.object.radius"\nvalues = [1]\n[[sweep]]\npath = "scene.object"\nvalues = [1] | 13:8 sweep.1 | would overwrite
-[[sweep]]\npath = "scene.motion.angle_deg"\nvalues = [5]\n[[sweep]]\npath = "scene.motion.arc_length"\nvalues = [1] | 14:11 scene.motion.arc_length | cannot stand beside
+[[sweep]]\npath = "scene.motion.angle_deg"\nvalues = [5]\n[[sweep]]\npath = "scene.motion.arc_length"\nvalues = [1] | 14:11 scene.motion.arc_length | cannot be combined with
 [[sweep]]\npaths = ["scene.object.radius", "seed"]\nvalues = [[1, 2], [3]] | 11:19 sweep.0.values.1 | expected 2 values
 [[sweep]]\npaths = ["scene.object.radius", "seed"]\nvalues = [1, 2] | 11:11 sweep.0.values.0 | expected an array
 [[sweep]]\npaths = ["seed"]\nfrom = 1\nto = 2\ncount = 2 | 9:1 sweep.0 | `paths` needs `values`
@@ -94,14 +94,14 @@ const SWEEPS: &str = r#"
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 2\ncount = 1 | 13:9 sweep.0.count | cannot reach
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\ncount = 2 | 9:1 sweep.0.to | missing key
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 2\ncount = 0 | 13:9 sweep.0.count | must be >= 1
-[[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 1\ncount = 2 | 12:6 sweep.0 | 1 stands twice
+[[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 1\ncount = 2 | 12:6 sweep.0 | 1 occurs twice
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = inf\ncount = 2 | 12:6 sweep.0.to | must be finite
 object => objct | 7:1 scene.objct | did you mean `object`?
 [[sweep]]\npath = "seed"\nfrom = 1\nto = 1001\ncount = 1001\n[[sweep]]\npath = "trials"\nfrom = 1\nto = 1000\ncount = 1000 | 14:1 sweep.1 | 1001000 cells
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 2\ncount = 4294967295 | 9:1 sweep.0 | at most 1000000
 "#;
 
-/// A sweep of one field, which plots may name.
+/// A sweep of one field, which a plot may use.
 const SWEPT: &str = "[[sweep]]\npath = \"scene.object.radius\"\nvalues = [1, 2]\n";
 
 const PLOTS: &str = r#"
@@ -127,7 +127,7 @@ const PLOTS: &str = r#"
 [[plot]]\nx = "truth"\ny = "std_bound" | 14:5 plot.0.y | no column `std_bound`
 "#;
 
-/// A press and a glide: each allows kinds of plot that the other rejects.
+/// A press and a glide. Each allows kinds of plots that the other does not allow.
 const PRESS: &str = r#"name = "a-press"
 outputs = ["cells", "map", "trace"]
 [scene]
@@ -146,7 +146,7 @@ motion = { finger_positions = [-15.0, 0.0, 15.0], inter_finger_distance = 10.0, 
 evaluate = { half_width = 10.0, gaussian_threshold = 0.00005, mean_threshold = 0.003 }
 "#;
 
-/// Quasi-random points of two fields.
+/// Quasi-random points for two fields.
 const POINTS: &str = r#"[[sweep]]
 sample = "sobol"
 count = 256
@@ -167,7 +167,7 @@ from = 2, => from = -2, | 11:9 scene.object.radius | must be > 0
 [[sweep]]\npath = "scene.object.radius"\nvalues = [3] | 15:8 sweep.1 | is swept twice
 "#;
 
-/// A rule that decides the number of trials.
+/// A rule that determines the number of trials.
 const RULE: &str = "stop = { relative_standard_error = 0.01, max_trials = 50000 }\n";
 const RULES: &str = r#"
 name => trials = 7\nname | 2:10 trials | is not `stop.max_trials`
@@ -230,7 +230,7 @@ marker_depth = 2 => marker_depth = 2, layout = { kind = "lattice", pitch = 1, ca
     }
 }
 
-/// The message shows the line, a caret under the place, and the swept values that make the cell.
+/// The message shows the line, a caret under the position, and the swept values of the cell.
 #[test]
 fn messages_show_the_line_and_the_cell() {
     let sweep = "[[sweep]]\npath = \"seed\"\nvalues = [1, 2]\n[[sweep]]\npath = \"scene.object.radius\"\nvalues = [1, -3]\n";

@@ -1,4 +1,4 @@
-//! A resolved config, written as TOML, makes the same study again.
+//! A config with all defaults, written as TOML, describes the same study.
 
 use super::{BASE, edited, study};
 use palpate_study::config::{Study, parse, to_toml};

@@ -1,4 +1,4 @@
-//! Quasi-random points, and rules that end the trials of a cell.
+//! Samples of quasi-random points, and rules that end the trials of a cell.
 
 use palpate_study::config::parse;
 
@@ -12,7 +12,7 @@ count = 256
 "scene.motion.rate_rad_per_s" = { from = 0.01, to = 1.0, spacing = "log" }
 "#;
 
-/// Numbers of a column of the first cells.
+/// Numbers in a column of the first cells.
 fn column(sections: &str, place: usize, count: usize) -> Vec<f64> {
     let study = study(sections);
     let cell = |number| {
@@ -45,7 +45,7 @@ fn points_fill_every_part_of_every_range_and_of_every_pair() {
         of_rates[part(rate, -2.0, 0.0, 64.0)] += 1;
         pairs[part(rate, -2.0, 0.0, 8.0) * 8 + part(radius, 2.0, 10.0, 8.0)] += 1;
     }
-    // A (0, m, 2) net has the same number of points in every such part.
+    // A (0, m, 2) net has the same number of points in each of these parts.
     assert_eq!((of_radii, of_rates, pairs), ([4; 64], [4; 64], [4; 64]));
     // A larger sample begins with the same points.
     let more = POINTS.replace("count = 256", "count = 1000");

@@ -1,10 +1,10 @@
-//! The schema states the unit of every number once.
+//! The schema states the unit of every number exactly once.
 
 use palpate_study::config::schema;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Numbers without a unit, or in the unit of the field to which they refer.
+/// Numbers without a unit, or with the unit of the field that they refer to.
 const DIMENSIONLESS: [&str; 40] = [
     "claims",              // their numbers
     "seed",                //
@@ -115,7 +115,8 @@ fn every_field_and_kind_is_described() {
     });
 }
 
-/// Headers and `to_toml` rely on this. Defaults that are tables are not compared, because they have kinds themselves.
+/// Column headers and `to_toml` rely on this rule. Defaults that are tables are not compared, because they have kinds
+/// themselves.
 #[test]
 fn kinds_that_share_a_key_share_its_unit_and_default() {
     properties(&schema(), &mut |key, property| {

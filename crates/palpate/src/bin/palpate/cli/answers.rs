@@ -1,4 +1,4 @@
-//! Arguments of the commands that answer questions.
+//! Arguments of `palpate design` and `palpate distinguish`.
 
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
@@ -10,13 +10,13 @@ use palpate::config::{Varied, Vary};
 
 use crate::duration;
 
-/// Arguments of every command that answers a question.
+/// Arguments that `palpate design` and `palpate distinguish` share.
 #[derive(Debug, Args)]
 pub(crate) struct AnswerArgs {
     /// The study's config, a TOML file.
     pub(crate) config: PathBuf,
-    /// Field that gets one value, in place of what the config and its sweeps say of it: scene.object.radius=42,
-    /// or radius=4.2cm if only one field has this name.
+    /// Set a field to one value, which replaces its value or its sweep in the config: scene.object.radius=42, or
+    /// radius=4.2cm if only one field has this name.
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = set)]
     pub(crate) set: Vec<(String, toml::Value)>,
     /// Use this seed instead of the config's.
@@ -25,13 +25,14 @@ pub(crate) struct AnswerArgs {
     /// Use this many threads instead of all cores.
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<NonZeroUsize>,
-    /// Also write the tables behind the answer, a figure and the answer into this directory.
+    /// Also write the tables, a figure and the text of the answer into this directory.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Print the answer as JSON.
     #[arg(long)]
     pub(crate) json: bool,
-    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    /// Also overwrite files that palpate did not write, files that were edited after palpate wrote them, and input
+    /// files of this command.
     #[arg(long)]
     pub(crate) force: bool,
 }
@@ -40,22 +41,24 @@ pub(crate) struct AnswerArgs {
 pub(crate) struct DesignArgs {
     #[command(flatten)]
     pub(crate) answer: AnswerArgs,
-    /// Target to meet: STATISTIC(QUANTITY) <= LIMIT, or >= LIMIT, with the names of cells.csv; the limit may
-    /// be in percent. Without a quantity the first of the scene is meant.
+    /// Target to meet: STATISTIC(QUANTITY) <= LIMIT, or >= LIMIT, with the names in cells.csv; the limit may be in
+    /// percent. Without a quantity, the first quantity of the scene is used.
     #[arg(long, value_name = "TARGET")]
     pub(crate) target: Target,
-    /// The field that is varied, and its values: scene.sensor.pitch=0.05..2 or scene.sensor.normal_from=hue,both.
-    /// Ranges are spaced by ratios where both ends are positive and far apart, else by differences.
-    /// Several fields give the region in which they meet the target together.
+    /// Field to vary, with its values: scene.sensor.pitch=0.05..2 or scene.sensor.normal_from=hue,both. A range is
+    /// divided by equal ratios if both ends are positive and far apart, otherwise by equal differences. If several
+    /// fields vary, the answer is the region of their values in which the target is met.
     #[arg(long, value_name = "PATH=VALUES", required = true)]
     pub(crate) vary: Vec<Vary>,
-    /// Varied field whose largest value that meets the target is asked for, whatever the others.
+    /// Find the largest value of this varied field at which the target is met for some values of the other varied
+    /// fields.
     #[arg(long, value_name = "PATH", conflicts_with = "minimise")]
     pub(crate) maximise: Option<String>,
-    /// Varied field whose smallest value that meets the target is asked for, whatever the others.
+    /// Find the smallest value of this varied field at which the target is met for some values of the other varied
+    /// fields.
     #[arg(long, value_name = "PATH")]
     pub(crate) minimise: Option<String>,
-    /// Largest share of the trials that may fail; 1: however many.
+    /// Largest share of the trials that may fail; with 1, any share may fail.
     #[arg(
         long,
         value_name = "SHARE",
@@ -63,8 +66,8 @@ pub(crate) struct DesignArgs {
         allow_negative_numbers = true
     )]
     pub(crate) max_failures: f64,
-    /// Largest gap that is to stay between what meets the target and what misses it: a share of the value where
-    /// ratios count, else of half the range.
+    /// Largest gap between a value that meets the target and the next value that misses it. The gap is a share of the
+    /// value if the range is divided by ratios, otherwise a share of half the range.
     #[arg(
         long,
         value_name = "SHARE",
@@ -72,11 +75,11 @@ pub(crate) struct DesignArgs {
         allow_negative_numbers = true
     )]
     pub(crate) gap: f64,
-    /// Most trials of a cell at one value.
+    /// Largest number of trials that one cell runs for one value of the varied fields.
     #[arg(long, value_name = "N", default_value = "4194304")]
     pub(crate) most_trials: NonZeroU64,
-    /// Time after which nothing more is explored: 30s, 5m, 1.5h, or a plain number of seconds. The scan and the
-    /// verification are always done.
+    /// Time after which the search tries no further values: 30s, 5m, 1.5h, or a plain number of seconds. The first scan
+    /// and the verification run in any case.
     #[arg(long, value_name = "DURATION", value_parser = duration::parse, allow_hyphen_values = true, default_value = "60s")]
     pub(crate) budget: Duration,
 }
@@ -85,10 +88,11 @@ pub(crate) struct DesignArgs {
 pub(crate) struct DistinguishArgs {
     #[command(flatten)]
     pub(crate) answer: AnswerArgs,
-    /// Quantity by which objects are told apart [default: object_curvature of a press, else mean_curvature].
+    /// Quantity whose estimates put the objects in order [default: object_curvature of a press, otherwise
+    /// mean_curvature].
     #[arg(long, value_name = "NAME")]
     pub(crate) quantity: Option<String>,
-    /// Probability that the mean of several trials is to reach.
+    /// Probability with which the mean of several trials must give the right order.
     #[arg(
         long,
         value_name = "SHARE",
@@ -96,7 +100,8 @@ pub(crate) struct DistinguishArgs {
         allow_negative_numbers = true
     )]
     pub(crate) confidence: f64,
-    /// Field of the object with its values, in place of what the config says of it: scene.object.radius=20,25,30.
+    /// Field of the object with the values to compare: scene.object.radius=20,25,30. It replaces the field's value in
+    /// the config.
     #[arg(long, value_name = "PATH=VALUES", value_parser = list)]
     pub(crate) vary: Vec<(String, Vec<toml::Value>)>,
     /// Run this many trials of each object instead of the config's.
@@ -124,7 +129,7 @@ pub(crate) struct SensitivityArgs {
     pub(crate) trials: NonZeroU64,
 }
 
-/// Reads a field with listed values.
+/// Parses a field with a list of values.
 fn list(text: &str) -> Result<(String, Vec<toml::Value>), String> {
     match text
         .parse()
@@ -135,16 +140,16 @@ fn list(text: &str) -> Result<(String, Vec<toml::Value>), String> {
             values: Varied::Listed(values),
         } => Ok((path, values)),
         Vary { path, .. } => Err(format!(
-            "objects are told apart one by one: list the values of {path}"
+            "`distinguish` compares single objects: list the values of {path}"
         )),
     }
 }
 
-/// Reads a field with one value.
+/// Parses a field with one value.
 fn set(text: &str) -> Result<(String, toml::Value), String> {
     let Vary { path, values } = text
         .parse()
-        .map_err(|_| format!("{text:?} is no PATH=VALUE"))?;
+        .map_err(|_| format!("{text:?} is not of the form PATH=VALUE"))?;
     match values {
         Varied::Listed(values) => match <[toml::Value; 1]>::try_from(values) {
             Ok([value]) => Ok((path, value)),

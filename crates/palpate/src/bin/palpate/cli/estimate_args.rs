@@ -10,7 +10,7 @@ use super::form::FormArgs;
 use super::number::{not_negative, positive};
 use super::settings::Settings;
 
-/// Paragraph on tables that every help of them has.
+/// Paragraph on the format of tables, which every help text of `palpate estimate` contains.
 macro_rules! tables {
     () => {
         "The table may be CSV with commas, semicolons, tabs or spaces, with decimal points or commas, in UTF-8,
@@ -180,13 +180,13 @@ Examples:
   palpate estimate press examples/press-readings.csv \\
     --like examples/press-a-ball.toml --indentation 1.5");
 
-/// Study whose settings replace those that are not given.
+/// A study that supplies the settings that no flag states.
 #[derive(Debug, Args)]
 pub(crate) struct LikeArgs {
-    /// Take the settings below from this study; a flag overrides them.
+    /// Read the settings below from this study; a flag overrides the setting of the study.
     #[arg(long, value_name = "STUDY.toml")]
     pub(crate) like: Option<PathBuf>,
-    /// Number of the study's cell whose settings are used, counted from 0.
+    /// Number of the cell of this study whose settings are used, counted from 0.
     #[arg(long, value_name = "I", default_value_t = 0, requires = "like")]
     pub(crate) cell: usize,
 }
@@ -225,16 +225,18 @@ pub(crate) struct EstimateGlideArgs {
     pub(crate) like: LikeArgs,
     #[command(flatten)]
     pub(crate) estimator: Settings<GlideEstimatorConfig>,
-    /// Write the curvature all over the patch to this CSV file; - is standard output, and the JSON then goes to
+    /// Write the map of the curvature over the patch to this CSV file; - is standard output, and the JSON then goes to
     /// standard error.
     #[arg(long, value_name = "FILE")]
     pub(crate) map: Option<PathBuf>,
-    /// Write the map with one row per reading, in their order, instead of a grid; it then has no regions.
+    /// Write the map with one row per reading, in the order of the readings, instead of a grid; the map then has no
+    /// regions.
     #[arg(long, requires = "map")]
     pub(crate) at_contacts: bool,
     #[command(flatten)]
     pub(crate) glides: Settings<GlideOptions>,
-    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    /// Also overwrite files that palpate did not write, files that were edited after palpate wrote them, and input
+    /// files of this command.
     #[arg(long)]
     pub(crate) force: bool,
 }
@@ -287,14 +289,15 @@ pub(crate) struct EstimateForceArgs {
     pub(crate) force_std_n: Option<f64>,
 }
 
-/// A soft sensor with markers, and the estimator of what is pressed on it.
+/// Arguments about a soft sensor with markers, and about the estimator of the pressed objects.
 #[derive(Debug, Args)]
 pub(crate) struct SensorArgs {
     #[command(flatten)]
     pub(crate) like: LikeArgs,
     #[command(flatten)]
     pub(crate) presses: Settings<PressOptions>,
-    /// For a Gaussian, thickness and Poisson's ratio are those of the body that calibrates it.
+    /// With the estimator `gaussian`, thickness and Poisson's ratio describe the soft body that is simulated to
+    /// calibrate it.
     #[command(flatten)]
     pub(crate) estimator: Settings<PressEstimatorConfig>,
 }

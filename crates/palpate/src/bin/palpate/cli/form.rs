@@ -1,4 +1,4 @@
-//! Form of a table of readings, as arguments.
+//! Arguments about the format of a table of readings.
 
 use clap::Args;
 use palpate_recorded::{Decimal, Delimiter, Form, column_names};
@@ -7,11 +7,12 @@ use palpate_study::readings::ColumnNames;
 
 use super::number::length_unit;
 
-/// Settings of a table that the table itself does not show.
+/// Properties of a table's format that palpate cannot read from the table itself.
 #[derive(Debug, Args)]
 pub(crate) struct FormArgs {
-    /// Names of columns in the file that differ from palpate's, such as x=Finger X [m],y=Finger Y [m]. Put a pair that
-    /// contains a comma in quotation marks. A unit in palpate's name (x_mm) applies if the header states none.
+    /// Names of columns in the file that differ from palpate's names, such as x=Finger X [m],y=Finger Y [m]. Put a pair
+    /// that contains a comma in quotation marks. If the header of the file states no unit, the unit in palpate's name
+    /// (x_mm) applies.
     #[arg(long, value_name = "NAME=COLUMN,...", value_parser = column_names)]
     pub(crate) columns: Option<ColumnNames>,
     /// Character between fields: comma, semicolon, tab or space [default: detected from header and rows].
@@ -20,14 +21,14 @@ pub(crate) struct FormArgs {
     /// Decimal sign: point or comma [default: detected from the numbers].
     #[arg(long, value_name = "NAME")]
     pub(crate) decimal: Option<Decimal>,
-    /// Unit of lengths in options and output, and in a file whose header states none (x_mm does). Lengths in other units are
+    /// Unit of lengths in options and output, and of a file whose header states no unit. Lengths in other units are
     /// converted to it [default: the header's unit].
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
     pub(crate) length_unit: Option<LengthUnit>,
 }
 
 impl FormArgs {
-    /// Flag that has an effect only on tables, if one was given.
+    /// Name of the first given flag that has an effect only on tables; `None` if no such flag was given.
     pub(crate) fn given(&self) -> Option<&'static str> {
         match self {
             Self {
@@ -43,7 +44,7 @@ impl FormArgs {
         }
     }
 
-    /// Form of a table.
+    /// Description of the table's format from the flags.
     pub(crate) fn form(&self) -> Form {
         Form {
             columns: self.columns.clone().unwrap_or_default(),

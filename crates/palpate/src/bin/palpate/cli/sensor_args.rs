@@ -12,13 +12,12 @@ use super::number::{not_negative, positive};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SensorCommand {
-    /// Draw the flat pattern that a sensor's skin is cut from: writes pattern.svg, pattern.dxf and the strain of
-    /// folding.
+    /// Draw the flat pattern for cutting a sensor's skin: writes pattern.svg, pattern.dxf and the strain of folding.
     #[command(
-        after_help = "The config is that of a press or of a fingertip whose layout has gores and whose probe has discs.
+        after_help = "The config must describe a press or a fingertip whose layout has gores and whose probe has discs.
 pattern.svg and pattern.dxf are in millimetres, with the outlines of the gores (CUT), fold and seam marks
-(FOLD) and the discs of both layers (MAGENTA, YELLOW). strain.csv is the strain of folding over half a
-gore, strain-by-gores.csv its greatest value and its rms for 3 to 12 gores.
+(FOLD) and the discs of both layers (MAGENTA, YELLOW). strain.csv has the strain of folding at points of half
+a gore. strain-by-gores.csv has the largest strain and the rms strain for 3 to 12 gores.
 
 Example:
   palpate sensor pattern examples/press-with-a-camera.toml --out out/pattern"
@@ -27,7 +26,8 @@ Example:
     /// Calibrate hue, size and centroid of markers against known displacements.
     #[command(after_help = CALIBRATE_HELP)]
     Calibrate(CalibrateArgs),
-    /// Match the markers of a pressed frame with those of a frame at rest, and estimate what pressed them.
+    /// Match the markers of a pressed frame with those of a frame at rest, and estimate the curvature of the pressed
+    /// object.
     #[command(after_help = TRACK_HELP)]
     Track(TrackArgs),
 }
@@ -95,47 +95,50 @@ Examples:
 
 #[derive(Debug, Args)]
 pub(crate) struct PatternArgs {
-    /// The study's config, a TOML file; if it has a sweep, its first cell is drawn.
+    /// The study's config, a TOML file; if the study has a sweep, its first cell is drawn.
     pub(crate) config: PathBuf,
     /// Where to write the files.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    /// Also overwrite files that palpate did not write, files that were edited after palpate wrote them, and input
+    /// files of this command.
     #[arg(long)]
     pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct CalibrateArgs {
-    /// Tables of known displacements, of which one may be - for standard input, or frames of which the first is at rest.
+    /// Tables of known displacements (one of them may be -, standard input), or camera frames, the first of which shows
+    /// the sensor at rest.
     #[arg(required_unless_present = "rest", value_name = "TABLE.csv|FRAME.png")]
     pub(crate) inputs: Vec<PathBuf>,
-    /// Instead of displacements, find the camera from this frame at rest: its place, its turn and its scale.
+    /// Estimate the camera's position, rotation and scale from this frame at rest. Without this option, the command
+    /// calibrates displacements.
     #[arg(long, value_name = "REST.png", requires = "layout", conflicts_with_all = ["inputs", "normal", "tangential", "per_marker", "px_per_rad"])]
     pub(crate) rest: Option<PathBuf>,
-    /// A study of a press by a camera, which states the layout, the discs and where the camera is meant to be.
+    /// A study of a press with a camera, which states the layout, the discs and the nominal position of the camera.
     #[arg(long, value_name = "STUDY.toml", requires = "rest")]
     pub(crate) layout: Option<PathBuf>,
-    /// Number of the study's cell that does, counted from 0.
+    /// Number of the cell of the study --layout, counted from 0.
     #[arg(long, value_name = "I", default_value_t = 0, requires = "layout")]
     pub(crate) cell: usize,
     /// The calibration to write, a TOML file; - is standard output.
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
-    /// Inward displacements of the marker under the contact, one per pressed frame.
+    /// Inward displacements of the marker under the contact, one number per pressed frame.
     #[arg(long, value_name = "D,D,...", value_delimiter = ',', value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) normal: Option<Vec<f64>>,
-    /// Displacements of the same marker along the skin, one per pressed frame.
+    /// Displacements of the same marker along the skin, one number per pressed frame.
     #[arg(long, value_name = "D,D,...", value_delimiter = ',', value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) tangential: Option<Vec<f64>>,
     /// Property of a marker from which its normal displacement is computed.
     #[arg(long, default_value = NormalFrom::default().name(), value_parser = normal_from())]
     pub(crate) from: NormalFrom,
-    /// Use a slope of its own for each marker that has 3 or more displacements.
+    /// Use a separate slope for each marker that has 3 or more displacements.
     #[arg(long)]
     pub(crate) per_marker: bool,
-    /// Focal length of the fisheye that took the frames, px per rad [default: the scale in the middle of
-    /// the frames is taken to hold everywhere].
+    /// Focal length of the fisheye lens that took the frames, px per rad [default: the scale in the middle of the
+    /// frames is assumed for the whole frame].
     #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) px_per_rad: Option<f64>,
     #[command(flatten)]
@@ -143,7 +146,8 @@ pub(crate) struct CalibrateArgs {
     /// The pixels are encoded by sRGB, as those of most cameras [default: they are linear in the light].
     #[arg(long)]
     pub(crate) srgb: bool,
-    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    /// Also overwrite files that palpate did not write, files that were edited after palpate wrote them, and input
+    /// files of this command.
     #[arg(long)]
     pub(crate) force: bool,
 }
@@ -157,24 +161,27 @@ pub(crate) struct TrackArgs {
     /// Where to write the files.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// A calibration that `palpate sensor calibrate` wrote, for --method image by --rest; lengths below are in its unit.
+    /// A calibration that `palpate sensor calibrate` wrote; for --method image, a calibration that was made with
+    /// --rest. The lengths below are in the unit of this calibration.
     #[arg(long, value_name = "FILE")]
     pub(crate) calibration: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) sensor: SensorArgs,
-    /// Focal length of the fisheye, px per rad [default: the calibration's px per length, times R - Z].
+    /// Focal length of the fisheye lens, px per rad [default: px per length of the calibration, multiplied by the
+    /// distance of the markers from the centre of the sphere].
     #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) px_per_rad: Option<f64>,
-    /// Points along each side of the field's grid [default: 30].
+    /// Number of points along each side of the grid of the interpolated displacement field [default: 30].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) grid: Option<u32>,
-    /// Smooth the field with a Gaussian of this standard deviation, a length along the skin [default: 0].
+    /// Smooth the displacement field with a Gaussian of this standard deviation, a length along the skin [default: 0].
     #[arg(long, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) filter: Option<f64>,
     /// The pixels are encoded by sRGB, as those of most cameras [default: they are linear in the light].
     #[arg(long)]
     pub(crate) srgb: bool,
-    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    /// Also overwrite files that palpate did not write, files that were edited after palpate wrote them, and input
+    /// files of this command.
     #[arg(long)]
     pub(crate) force: bool,
 }
@@ -182,13 +189,17 @@ pub(crate) struct TrackArgs {
 fn normal_from() -> impl TypedValueParser<Value = NormalFrom> {
     let described = NormalFrom::ALL.map(|from| {
         PossibleValue::new(from.name()).help(match from {
-            NormalFrom::Hue => "Its hue: the overlap of its discs, which stand at two depths",
-            NormalFrom::Size => "Its size: it looks larger nearer to the camera",
-            NormalFrom::Both => "Both, with the weights that fit best",
+            NormalFrom::Hue => {
+                "Its hue, which changes with the overlap of its two discs at \
+                 different depths"
+            }
+            NormalFrom::Size => "Its size, which increases as it comes nearer to the camera",
+            NormalFrom::Both => "Both, combined with weights that are fitted",
         })
     });
     PossibleValuesParser::new(described).try_map(|name| {
         let mut all = NormalFrom::ALL.into_iter();
-        all.find(|from| from.name() == name).ok_or("is no property")
+        all.find(|from| from.name() == name)
+            .ok_or("is not a property")
     })
 }

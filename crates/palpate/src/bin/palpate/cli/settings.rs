@@ -1,4 +1,4 @@
-//! Settings of an estimator and of readings as flags: one for each key.
+//! Flags for the settings of an estimator and of readings: one flag for each key of the config.
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -20,13 +20,13 @@ use serde_json::{Map, Value as Json};
 use super::number::vector;
 use crate::failure::{flag, with_flags};
 
-/// Table whose settings are flags; its `kind` is `--method`.
+/// A table of a config whose keys are available as flags. The flag `--method` states its key `kind`.
 pub(crate) trait Flagged:
     Default + Serialize + DeserializeOwned + JsonSchema + 'static
 {
     /// Name of the group of flags.
     const GROUP: &'static str;
-    /// Keys that are no flags, because other flags state them.
+    /// Keys that have no flag of their own, because another flag states their value.
     const NO_FLAGS: &'static [&'static str] = &[];
 }
 
@@ -40,7 +40,7 @@ impl Flagged for GlideEstimatorConfig {
 
 impl Flagged for PressEstimatorConfig {
     const GROUP: &'static str = "press estimator";
-    // A flag states the indentation itself.
+    // The flag `--indentation` states the value itself.
     const NO_FLAGS: &'static [&'static str] = &["indentation"];
 }
 
@@ -54,11 +54,11 @@ impl Flagged for GlideOptions {
 
 impl Flagged for PressOptions {
     const GROUP: &'static str = "presses";
-    // Only tables of readings have it.
+    // Only a table of readings has this setting, so it is not a flag of `sensor track`.
     const NO_FLAGS: &'static [&'static str] = &["radial_scale"];
 }
 
-/// Settings that were given as flags, by their keys.
+/// Settings that the user gave as flags, each by its key.
 #[derive(Clone, Debug)]
 pub(crate) struct Settings<T> {
     pub(crate) given: Map<String, Json>,
@@ -66,13 +66,13 @@ pub(crate) struct Settings<T> {
 }
 
 impl<T> Settings<T> {
-    /// Flag that was given, if any was.
+    /// Name of one of the given flags; `None` if none was given.
     pub(crate) fn flag(&self) -> Option<String> {
         let key = self.given.keys().next()?;
         Some(format!("--{}", flag(key)))
     }
 
-    /// These settings and others.
+    /// Returns these settings together with `others`.
     pub(crate) fn and<U>(&self, others: &Settings<U>) -> Map<String, Json> {
         let mut all = self.given.clone();
         all.extend(others.given.clone());
@@ -85,7 +85,7 @@ fn flagged<T: Flagged>() -> impl Iterator<Item = Setting> {
     all.filter(|setting| !T::NO_FLAGS.contains(&setting.key.as_str()))
 }
 
-/// Kind of the estimator that is taken if none is asked for.
+/// Kind of the estimator that is used if no flag states one.
 fn default_kind<T: Flagged>() -> Option<String> {
     let default = serde_json::to_value(T::default()).ok()?;
     default["kind"].as_str().map(str::to_owned)

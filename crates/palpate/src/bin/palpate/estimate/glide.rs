@@ -46,7 +46,7 @@ fn options(
     })
 }
 
-/// File of the map, whose directory must exist.
+/// Output file of the map, if `--map` names one. Rejects a file in a directory that does not exist.
 fn map_file(args: &EstimateGlideArgs) -> Result<Option<OutputFile>, Failure> {
     let Some(path) = &args.map else {
         return Ok(None);

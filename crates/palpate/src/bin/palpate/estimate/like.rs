@@ -1,4 +1,4 @@
-//! Settings of a study for recorded readings.
+//! Settings of recorded readings that `--like` reads from a study.
 
 use palpate_recorded::StudyMismatch;
 use palpate_study::config::{self, LengthUnit, Study, StudyConfig};
@@ -6,16 +6,16 @@ use palpate_study::config::{self, LengthUnit, Study, StudyConfig};
 use crate::cli::LikeArgs;
 use crate::failure::Failure;
 
-/// Study whose settings replace those that are not given.
+/// A study that supplies the settings that no flag states.
 pub(crate) struct Like {
     study: Study,
     cell: usize,
-    /// Config of the cell.
+    /// Config of the study's cell that `--cell` names.
     pub(crate) config: StudyConfig,
 }
 
 impl Like {
-    /// The study that the arguments name, if they name one.
+    /// The study that `--like` names; `None` without this argument.
     pub(crate) fn of(args: &LikeArgs) -> Result<Option<Self>, Failure> {
         let Some(file) = &args.like else {
             return Ok(None);
@@ -31,7 +31,8 @@ impl Like {
         }))
     }
 
-    /// Options of the study, with lengths in the readings' unit, or in the study's if that is not stated.
+    /// Options of an estimate from the study. Lengths are converted to the unit of the readings; if this unit is not
+    /// stated, they keep the unit of the study.
     pub(crate) fn options<T>(
         &self,
         unit: Option<LengthUnit>,

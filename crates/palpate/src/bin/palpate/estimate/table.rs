@@ -1,4 +1,4 @@
-//! Input and output of all estimates: tables from files or standard input, and warnings.
+//! Input and output that all `estimate` commands share: tables from files or standard input, and warnings.
 
 use std::io::IsTerminal;
 use std::path::Path;
@@ -14,7 +14,7 @@ use crate::cli::FormArgs;
 use crate::failure::{Failure, with_flags};
 use crate::output;
 
-/// Table in a form; `-` is standard input.
+/// Reads a table with a stated format; `-` is standard input.
 pub(crate) fn table(path: &Path, form: Form) -> Result<RecordedFile, Failure> {
     let file = match path == Path::new("-") {
         true => RecordedFile::read_stream("standard input", std::io::stdin().lock()),
@@ -23,7 +23,7 @@ pub(crate) fn table(path: &Path, form: Form) -> Result<RecordedFile, Failure> {
     file.map(|file| file.written(form)).map_err(Failure::work)
 }
 
-/// Form by the arguments; the study of `--like` names the columns that the arguments do not name.
+/// Format of a table from the arguments. Column names that the arguments do not state come from the study of `--like`.
 pub(crate) fn form(args: &FormArgs, like: Option<&Like>) -> Form {
     let mut form = args.form();
     let Some(like) = like else {

@@ -1,4 +1,4 @@
-//! Directory that a command writes into, locked against other processes.
+//! A directory that a command writes into, locked against other processes.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Write};
@@ -14,13 +14,13 @@ use super::output_dir::{Guard, OutputDir};
 use super::stage::{Contents, Draft, StagedFile, is_named, is_stream, remove_abandoned};
 use crate::failure::Failure;
 
-/// Name of the file with the number of the process.
+/// Name of the lock file, which contains the process number of its owner.
 const LOCK_NAME: &str = ".palpate-lock";
-/// Time to wait for another process, which may only write a few files.
+/// Longest time to wait for the lock of another process, which may be about to finish.
 const LOCK_TIMEOUT: Duration = Duration::from_secs(1);
 const LOCK_PAUSE: Duration = Duration::from_millis(20);
 
-/// Directory that this process alone writes into, with the manifest of what palpate wrote there.
+/// Directory that only this process writes into, with the manifest of the files that palpate wrote there.
 pub(crate) struct LockedDir {
     output: OutputDir,
     _lock: Lock,
@@ -34,11 +34,12 @@ pub(crate) fn refuse_no_directory(dir: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Creates `dir` if it is missing, and checks before the work that files can be written there.
+/// Creates `dir` if it is missing, and checks that files can be written there, before the work starts.
 pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
     if dir == Path::new("-") {
         return Err(Failure::usage(anyhow!(
-            "`-` is standard output, and this command writes a directory: `./-` is one of that name"
+            "`-` is standard output, but this command writes a directory: use `./-` for a \
+             directory with this name"
         )));
     }
     let is_file = |place: &&Path| fs::metadata(place).is_ok_and(|found| !found.is_dir());
@@ -54,7 +55,8 @@ pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
         let target = fs::read_link(link).unwrap_or_default();
         let (dir, link, target) = (dir.display(), link.display(), target.display());
         return Err(Failure::work(anyhow!(
-            "cannot make the directory {dir}: {link} is a symbolic link to {target}, and nothing is there"
+            "cannot make the directory {dir}: {link} is a symbolic link to {target}, which does \
+             not exist"
         )));
     }
     fs::create_dir_all(dir)
@@ -69,7 +71,7 @@ pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
 }
 
 impl LockedDir {
-    /// Locks a directory, which is created if missing, and removes temporary files of dead processes.
+    /// Locks a directory, and removes temporary files of dead processes. Creates the directory if it is missing.
     pub(crate) fn open(dir: &Path, guard: Guard) -> Result<Self, Failure> {
         make_directory(dir)?;
         let lock = Lock::new(dir)?;
@@ -81,18 +83,18 @@ impl LockedDir {
         })
     }
 
-    /// The directory with its manifest.
+    /// The directory with the manifest of its files.
     pub(crate) fn output(&self) -> &OutputDir {
         &self.output
     }
 
-    /// Draft of a file in the directory.
+    /// Starts a temporary file that later becomes the file `name` of the directory.
     pub(crate) fn draft(&self, name: &str) -> Result<Draft, Failure> {
         Draft::new(&self.output.dir.join(name)).map_err(Failure::work)
     }
 
-    /// Writes the config of a starting run. If the directory has tables or the config of another run, they stay until this
-    /// run is done, and its config is [`NEXT_CONFIG`] until then.
+    /// Writes the config of a run that starts. If the directory has tables or the config of another run, these files
+    /// stay until this run is finished. Until then, the config of this run has the file name [`NEXT_CONFIG`].
     pub(crate) fn begin(&mut self, config: &str, study: &StudyId) -> Result<(), Failure> {
         let dir = &self.output.dir;
         let has_others = Format::found_in(dir).is_some() || dir.join(CONFIG).exists();
@@ -121,8 +123,9 @@ impl LockedDir {
         self.write::<&[u8]>(&[], None)
     }
 
-    /// Writes files (name and contents) of a study, as [`Self::write`] does, and removes files of other studies and tables
-    /// of other formats that palpate wrote. Returns a line for each file that stays because it is not palpate's.
+    /// Writes files (name and contents) of a study, as [`Self::write`] does. Removes files of other studies, and tables
+    /// in other formats, if palpate wrote them. Returns a line for each file that stays because palpate did not write
+    /// it.
     pub(crate) fn replace(
         &mut self,
         files: Vec<(&str, Contents<'_>)>,
@@ -187,10 +190,10 @@ impl LockedDir {
         Ok(lines)
     }
 
-    /// Writes files (name and contents) of a study.
+    /// Writes files of a study, each given by name and contents.
     ///
-    /// All are written under temporary names first and renamed when every byte is on disk, so that a full disk leaves the
-    /// old files.
+    /// All files are written under temporary names first. They are renamed when every byte is on disk, so that a full
+    /// disk does not destroy the old files.
     pub(crate) fn write<C: AsRef<[u8]>>(
         &mut self,
         files: &[(&str, C)],
@@ -224,7 +227,8 @@ impl LockedDir {
         }
         let manifest = self.output.manifest.clone();
         let mut manifest = manifest.unwrap_or_else(|| Manifest::new([].into()));
-        // A process that is killed during the renaming leaves old and new files.
+        // If the process is killed while it renames the files, some old and some new files remain, so this manifest
+        // lists both.
         let mut between = manifest.clone();
         for (name, digest) in digests {
             let study = study.cloned();
@@ -253,21 +257,21 @@ impl LockedDir {
     }
 }
 
-/// Lock of a directory. It ends with the process.
+/// Lock of a directory. It is released when the process ends.
 pub(crate) struct Lock {
-    /// The lock holds while this file is open.
+    /// The directory is locked while this file is open.
     _file: File,
     path: PathBuf,
 }
 
 impl Lock {
-    /// Whether a process holds a directory.
+    /// Whether a process has locked the directory.
     pub(crate) fn is_held(dir: &Path) -> bool {
         let file = File::open(dir.join(LOCK_NAME));
         file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
     }
 
-    /// Locks a directory. The error names the process that holds it.
+    /// Locks a directory. If another process has locked it, the error states the number of this process.
     fn new(dir: &Path) -> Result<Self, Failure> {
         let path = dir.join(LOCK_NAME);
         let shown = path.display();
@@ -276,7 +280,7 @@ impl Lock {
             || fs::read_to_string(&path).is_ok_and(is_other)
         {
             return Err(Failure::work(anyhow!(
-                "{shown} is no lock of palpate: move it away"
+                "{shown} is not a lock file of palpate: move it away"
             )));
         }
         let start = Instant::now();
@@ -288,15 +292,15 @@ impl Lock {
                 .with_context(|| format!("cannot write into {}", dir.display()))
                 .map_err(Failure::work)?;
             match file.try_lock() {
-                // Another process may have removed the file after this one opened it.
+                // Another process may have removed the file after this process opened it, so try again.
                 Ok(()) if !is_named(&file, &path) => {}
                 Err(TryLockError::WouldBlock) if start.elapsed() < LOCK_TIMEOUT => {
                     std::thread::sleep(LOCK_PAUSE);
                 }
                 Err(TryLockError::WouldBlock) => return Err(lock_error(dir, &path)),
-                // Some file systems have no locks.
+                // Some file systems do not support locks, so work without a lock.
                 Ok(()) | Err(TryLockError::Error(_)) => {
-                    // On a full disk the lock holds without the number.
+                    // If the disk is full, the number of the process cannot be written, but the lock still works.
                     let _ = file
                         .set_len(0)
                         .and_then(|()| write!(file, "{}", std::process::id()));
@@ -309,7 +313,7 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // A remaining file blocks nobody.
+        // An error is ignored, because a lock file that remains does not block other processes.
         let _ = fs::remove_file(&self.path);
     }
 }
@@ -322,6 +326,6 @@ fn lock_error(dir: &Path, lock: &Path) -> Failure {
     };
     let dir = dir.display();
     Failure::work(anyhow!(
-        "{dir} is held by {process}, which writes there; wait until it is done"
+        "{dir} is locked by {process}, which writes there; wait until it is done"
     ))
 }

@@ -1,4 +1,4 @@
-//! Manifest of a directory: the files that palpate wrote there.
+//! Manifest of a directory: lists the files that palpate wrote there.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -13,9 +13,9 @@ use sha2::{Digest, Sha256};
 use super::names::{CELLS, MAX_MIB};
 use crate::failure::Failure;
 
-/// Name of the manifest.
+/// File name of the manifest.
 pub(crate) const MANIFEST: &str = ".palpate.toml";
-/// Version of its format.
+/// Version of the manifest's format.
 const VERSION: u32 = 1;
 
 /// Files that palpate wrote into a directory.
@@ -28,30 +28,30 @@ pub(crate) struct Manifest {
     pub(crate) files: BTreeMap<String, Entry>,
 }
 
-/// File that palpate wrote.
+/// A file that palpate wrote.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub(crate) struct Entry {
-    /// SHA-256 of its contents; two while it is being replaced.
+    /// SHA-256 of the file's contents; two values (old and new) while the file is being replaced.
     pub(crate) sha256: Vec<String>,
-    /// Study that it is of; tracked frames are of none.
+    /// Study that the file belongs to; `None` for frames of a camera that were tracked without a study.
     #[serde(flatten)]
     pub(crate) study: Option<StudyId>,
 }
 
-/// Study of a file.
+/// Identity of the study that a file belongs to.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub(crate) struct StudyId {
     /// Name of the study.
     study: String,
-    /// SHA-256 of its config as `run.toml` has it.
+    /// SHA-256 of the study's config, as `run.toml` states it.
     config: String,
-    /// SHA-256 of the `cells.csv` that a figure or a score is of.
+    /// For a figure or a score: SHA-256 of the `cells.csv` that it was made from.
     #[serde(skip_serializing_if = "Option::is_none")]
     cells: Option<String>,
 }
 
 impl StudyId {
-    /// Study of that name whose `run.toml` is `config`.
+    /// Identity of the study `name` whose `run.toml` contains the text `config`.
     pub(crate) fn new(name: &str, config: &str) -> Self {
         Self {
             study: name.to_owned(),
@@ -60,7 +60,7 @@ impl StudyId {
         }
     }
 
-    /// Its name and the SHA-256 of its config, with what they are called in the metadata of tables.
+    /// Entries for the metadata of tables: the name of the study, and the SHA-256 of its config, each with its key.
     pub(crate) fn about(&self) -> [(&'static str, String); 2] {
         [
             ("study", self.study.clone()),
@@ -68,13 +68,13 @@ impl StudyId {
         ]
     }
 
-    /// The study with the `cells.csv` in a directory, if it can be read.
+    /// Adds the SHA-256 of the `cells.csv` in the directory `dir`, if this file can be read.
     pub(crate) fn with_cells_in(self, dir: &Path) -> Self {
         let cells = digest_of(&dir.join(CELLS)).ok();
         Self { cells, ..self }
     }
 
-    /// Whether a file of this study is one of `other` too, whose `cells.csv` has this SHA-256.
+    /// Whether a file with this identity belongs to the study `other`, whose `cells.csv` has the SHA-256 `cells`.
     pub(crate) fn is_of(&self, other: &Self, cells: Option<&String>) -> bool {
         let is_same = (&self.study, &self.config) == (&other.study, &other.config);
         is_same && (self.cells.is_none() || self.cells.as_ref() == cells)
@@ -87,16 +87,17 @@ impl Manifest {
         Self { version, files }
     }
 
-    /// Manifest of a directory, if it has one.
+    /// Reads the manifest of a directory; `None` if it has none.
     pub(crate) fn read(dir: &Path) -> Result<Option<Self>, Failure> {
         let path = dir.join(MANIFEST);
         let fault = |what: String| {
             let path = path.display();
             Failure::usage(anyhow!(
-                "{path} {what}, so that nothing is known of the files beside it: give another directory, or --force"
+                "{path} {what}, so palpate cannot recognise its own files beside it: choose \
+                 another directory, or use --force"
             ))
         };
-        // To read a pipe would wait for its writer.
+        // Only files and directories are read, because reading a pipe would wait for its writer.
         if fs::metadata(&path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
             return Err(fault("is no manifest of palpate".to_owned()));
         }
@@ -121,7 +122,7 @@ impl Manifest {
             Some(version) if version == i64::from(VERSION) => {}
             Some(version) => {
                 return Err(fault(format!(
-                    "is of version {version}; this palpate knows version {VERSION}"
+                    "has version {version}; this palpate reads version {VERSION}"
                 )));
             }
             None => return Err(fault("is no manifest of palpate".to_owned())),
@@ -137,15 +138,15 @@ impl Manifest {
     pub(crate) fn to_toml(&self) -> Result<String, Failure> {
         let body = toml::to_string(self).map_err(Failure::work)?;
         Ok(format!(
-            "# Files that palpate wrote here. What differs from its SHA-256 was changed since.\n{body}"
+            "# Files that palpate wrote here. A file that differs from its SHA-256 was changed later.\n{body}"
         ))
     }
 }
 
 impl Entry {
-    /// Whether the file at `path` is as palpate wrote it.
+    /// Whether the file at `path` is unchanged since palpate wrote it.
     pub(crate) fn is_of(&self, path: &Path) -> bool {
-        // A pipe in its place is not read.
+        // A pipe with this name is not read, because reading it would wait for its writer.
         let is_file = fs::metadata(path).is_ok_and(|found| found.is_file());
         is_file && digest_of(path).is_ok_and(|digest| self.sha256.contains(&digest))
     }
@@ -163,12 +164,12 @@ pub(crate) fn digest_of(path: &Path) -> io::Result<String> {
     Ok(hexadecimal(hash.finalize().as_slice()))
 }
 
-/// Digits of bytes.
+/// Bytes as hexadecimal digits.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Whether a name is that of a file in the directory itself.
+/// Whether a name is a plain file name, without a path.
 fn is_plain(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     matches!((parts.next(), parts.next()), (Some(Component::Normal(only)), None) if only == name)

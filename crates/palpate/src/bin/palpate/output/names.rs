@@ -12,31 +12,31 @@ use toml_parser::lexer::{Token, TokenKind};
 
 use crate::failure::Failure;
 
-/// Largest config or manifest that is read, MiB.
+/// Largest config or manifest that palpate accepts, MiB.
 pub(crate) const MAX_MIB: u64 = 16;
-/// Config of a run, beside its tables.
+/// File name of the config of a run, in the directory of its tables.
 pub(crate) const CONFIG: &str = "run.toml";
-/// Config of a run while the directory still has the tables of another config.
+/// File name of the config of a run while the directory still has the tables of another config.
 pub(crate) const NEXT_CONFIG: &str = "next-run.toml";
-/// Journal of an unfinished run or of a shard.
+/// File name of the journal of an unfinished run or of a shard.
 pub(crate) const JOURNAL: &str = "journal.palpate";
-/// Main table of a run.
+/// File name of the main table of a run.
 pub(crate) const CELLS: &str = "cells.csv";
 pub(crate) const FAILURES: &str = "failures.csv";
 pub(crate) const MAP: &str = "map.csv";
-/// Names of the tables as Parquet.
+/// File names of the tables in Parquet format.
 pub(crate) const CELLS_PARQUET: &str = "cells.parquet";
 pub(crate) const FAILURES_PARQUET: &str = "failures.parquet";
 pub(crate) const MAP_PARQUET: &str = "map.parquet";
-/// Warnings of a run, as lines and as JSON; missing if there are none.
+/// File names of the warnings of a run, as lines and as JSON. The files exist only if there are warnings.
 pub(crate) const WARNINGS: [&str; 2] = ["warnings.txt", "warnings.json"];
-/// Answer of a design: its tables, its text, its config, and the name of its figure.
+/// File names of the answer of `palpate design`: its tables, its text, its config, and the name of its figure.
 pub(crate) const DESIGN: &str = "design.csv";
 pub(crate) const DESIGN_REGION: &str = "region.csv";
 pub(crate) const DESIGN_WORDS: &str = "design.txt";
 pub(crate) const DESIGN_CONFIG: &str = "design.toml";
 pub(crate) const DESIGN_FIGURE: &str = "design";
-/// Answer of `distinguish`: its table, its text, and the name of its figure.
+/// File names of the answer of `palpate distinguish`: its table, its text, and the name of its figure.
 pub(crate) const DISTINGUISH: &str = "distinguish.csv";
 pub(crate) const DISTINGUISH_WORDS: &str = "distinguish.txt";
 pub(crate) const DISTINGUISH_FIGURE: &str = "distinguish";
@@ -44,17 +44,17 @@ pub(crate) const DISTINGUISH_FIGURE: &str = "distinguish";
 pub(crate) const SENSITIVITY: &str = "sensitivity.csv";
 pub(crate) const SENSITIVITY_WORDS: &str = "sensitivity.txt";
 pub(crate) const SENSITIVITY_FIGURE: &str = "sensitivity";
-/// Scores of the claims of a study.
+/// File name of the scores of a study's claims.
 pub(crate) const CLAIMS: &str = "claims.csv";
-/// Files of a traced pass.
+/// File names of a trace of one trial.
 pub(crate) const TRACE: &str = "trace.csv";
 pub(crate) const READINGS: &str = "readings.csv";
 pub(crate) const MARKERS: &str = "markers.csv";
 pub(crate) const FRAMES: [&str; 2] = ["rest.png", "pressed.png"];
-/// Figures of a traced press.
+/// Names of the figures of a traced press.
 const TRACE_FIGURES: [&str; 2] = ["quiver", "trace-profile"];
 
-/// Whether a run wrote this config: it has the version of palpate and no comment.
+/// Whether a run wrote this config. Such a config states the version of palpate and has no comments.
 pub(crate) fn is_run_config(path: &Path) -> bool {
     text_of(path).is_some_and(|text| {
         let is_comment = |token: Token| token.kind() == TokenKind::Comment;
@@ -65,22 +65,23 @@ pub(crate) fn is_run_config(path: &Path) -> bool {
     })
 }
 
-/// Text of a config, if it can be read.
+/// Text of the config in a file; `None` if the file cannot be read.
 pub(crate) fn text_of(path: &Path) -> Option<String> {
-    // Reading a pipe would wait for its writer.
+    // Do not open a pipe, because reading it would wait for its writer.
     let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
     let bytes = is_file.then(|| read_limited(path, MAX_MIB).ok())??;
     String::from_utf8(bytes).ok()
 }
 
-/// Name of the study in the config of a run, and names of the files that commands may have written beside it.
+/// Name of the study in the config of a run, and names of the files that commands may have written into the same
+/// directory.
 pub(crate) fn run_files(config: &Path, text: &str) -> (String, Vec<String>) {
     let study = config::parse(&config.display().to_string(), text).ok();
     let writes = |output| {
         let mut studies = study.iter();
         studies.any(|study| study.config.outputs.contains(&output))
     };
-    // A config without a plot has the default plot.
+    // A config without plots has one default plot.
     let count = |study: &config::Study| study.config.plot.len().max(1);
     let named = |at: usize| {
         let plot = study.as_ref().and_then(|study| study.config.plot.get(at));
@@ -113,12 +114,12 @@ pub(crate) fn run_files(config: &Path, text: &str) -> (String, Vec<String>) {
     (name.to_owned(), known.collect())
 }
 
-/// Format of tables.
+/// File format of tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Format {
-    /// Text, which every program reads.
+    /// CSV, which almost every program can read.
     Csv,
-    /// Columns with types and units, for programs that read large tables.
+    /// Parquet, for programs that read large tables with types and units.
     Parquet,
 }
 
@@ -126,7 +127,7 @@ impl Format {
     /// All formats.
     pub(crate) const ALL: [Self; 2] = [Self::Csv, Self::Parquet];
 
-    /// Names of the tables of cells, failures and maps.
+    /// File names of the tables of cells, failures and maps in this format.
     pub(crate) const fn tables(self) -> [&'static str; 3] {
         match self {
             Self::Csv => [CELLS, FAILURES, MAP],
@@ -134,7 +135,7 @@ impl Format {
         }
     }
 
-    /// Format by the extension of a file's name; `default` for other extensions.
+    /// Format by the extension of a file name; `default` for any other extension.
     pub(crate) fn of_path(path: &Path, default: Self) -> Self {
         match path.extension().and_then(OsStr::to_str) {
             Some("csv") => Self::Csv,
@@ -143,20 +144,20 @@ impl Format {
         }
     }
 
-    /// Format of the tables in a directory, if there are any.
+    /// Format of the tables in a directory; `None` if it has no tables.
     pub(crate) fn found_in(dir: &Path) -> Option<Self> {
         let is_there = |format: &Self| dir.join(format.tables()[0]).is_file();
         Self::ALL.into_iter().find(is_there)
     }
 
-    /// Rejects a format that this program was built without.
+    /// Rejects Parquet if this program was compiled without support for it.
     pub(crate) fn supported(self) -> Result<(), Failure> {
         if self == Self::Csv || cfg!(feature = "parquet") {
             return Ok(());
         }
         Err(Failure::usage(anyhow!(
-            "this palpate was built without Parquet; `cargo install --path crates/palpate --features parquet` in its source \
-             installs one with it"
+            "this palpate was built without Parquet; `cargo install --path crates/palpate \
+             --features parquet` in its source installs a version with Parquet"
         )))
     }
 }

@@ -1,4 +1,4 @@
-//! Output directory: which of its files palpate may replace.
+//! Output directory: decides which of its files palpate may overwrite.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -13,59 +13,60 @@ use super::names;
 use super::stage::{Contents, holds, is_stream, unwritable};
 use crate::failure::Failure;
 
-/// Directory for the files of a command. It replaces only files that palpate wrote.
+/// Directory for the files of a command. The command overwrites only files that palpate wrote.
 pub(crate) struct OutputDir {
     pub(crate) dir: PathBuf,
-    /// Manifest of the directory. Without a manifest but with the config of a run, a manifest of the files with known names.
+    /// Manifest of the directory. If the directory has the config of a run but no manifest, this is a manifest of all
+    /// files in it whose names palpate uses.
     pub(crate) manifest: Option<Manifest>,
     guard: Guard,
 }
 
-/// Files that a command must not replace.
+/// Rule for the files that a command must not overwrite.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Guard {
     inputs: Vec<PathBuf>,
-    /// Whether every file may be replaced.
+    /// Whether every file may be overwritten (`--force`).
     force: bool,
 }
 
 impl Guard {
-    /// Guard for a command that reads `inputs`.
+    /// Guard that protects the input files `inputs` of a command.
     pub(crate) fn new<'a>(inputs: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Self {
         let inputs = inputs.into_iter().cloned().collect();
         Self { inputs, force }
     }
 
-    /// Whether every file may be replaced.
+    /// Whether every file may be overwritten (`--force`).
     pub(crate) fn is_forced(&self) -> bool {
         self.force
     }
 
-    /// Whether the command reads the file at `path`.
+    /// Whether the file at `path` is an input of the command.
     pub(crate) fn reads(&self, path: &Path) -> bool {
-        // Opening a pipe would wait for its writer.
+        // Only existing regular files are compared, because opening a pipe would wait for its writer.
         let is_file = |path: &Path| fs::metadata(path).is_ok_and(|found| found.is_file());
         let is_same =
             |input: &PathBuf| is_file(input) && is_same_file(input, path).unwrap_or(false);
         is_file(path) && self.inputs.iter().any(is_same)
     }
 
-    /// Rejects a regular file that the command reads, or that is write-protected.
+    /// Rejects a regular file that is an input of the command, or that is write-protected.
     pub(crate) fn refuse(&self, path: &Path) -> Result<(), Failure> {
         if self.force {
             return Ok(());
         }
         if self.reads(path) {
-            return Err(protected(path, "is read by this very command"));
+            return Err(protected(path, "is an input of this command"));
         }
         if fs::metadata(path).is_ok_and(|found| found.permissions().readonly()) {
-            return Err(protected(path, "may not be written"));
+            return Err(protected(path, "is write-protected"));
         }
         Ok(())
     }
 }
 
-/// Failure for a file that must not be replaced.
+/// Failure for a file that must not be overwritten.
 pub(crate) fn protected(path: &Path, why: &str) -> Failure {
     let path = path.display();
     Failure::usage(anyhow!(
@@ -106,12 +107,13 @@ impl OutputDir {
         if self.guard.force || is_harmless || is_open || fs::metadata(&path).is_err() {
             return Ok(());
         }
-        // A run may read the config that an earlier run wrote and then overwrite it, so the config is not protected
-        // as an input.
+        // The config is not protected as an input, because a run may read the config that an earlier run wrote, and
+        // then overwrite it.
         if name != names::CONFIG {
             self.guard.refuse(&path)?;
         }
-        // Readings that a user recorded have the same header: it does not show that palpate wrote the file.
+        // A table of readings is never recognised by its header, because readings that a user recorded have the same
+        // header.
         let is_lone = self.manifest.is_none() && name != names::READINGS;
         match self.entry(name) {
             Some(entry) if entry.is_of(&path) => Ok(()),
@@ -125,12 +127,12 @@ impl OutputDir {
         }
     }
 
-    /// Entry of a file in the manifest.
+    /// Entry of a file in the manifest, if there is one.
     fn entry(&self, name: &str) -> Option<&Entry> {
         self.manifest.as_ref()?.files.get(name)
     }
 
-    /// Reason why a file is not replaced or removed.
+    /// Reason why palpate keeps a file, that is, neither overwrites nor removes it.
     pub(crate) fn reason_to_keep(&self, name: &str) -> &'static str {
         match self.entry(name) {
             Some(_) => "was changed since palpate wrote it",
@@ -138,13 +140,13 @@ impl OutputDir {
         }
     }
 
-    /// Whether the manifest lists the file, and the file is unchanged since.
+    /// Whether the manifest lists the file, and the file is unchanged since palpate wrote it.
     pub(crate) fn lists(&self, name: &str) -> bool {
         let entry = self.entry(name);
         entry.is_some_and(|entry| entry.is_of(&self.dir.join(name)))
     }
 
-    /// Names of the files in the directory that neither palpate wrote nor the command reads.
+    /// Names of the files in the directory that palpate did not write and that are not inputs of the command.
     pub(crate) fn foreign(&self) -> Vec<String> {
         let entries = fs::read_dir(&self.dir).into_iter().flatten().flatten();
         let files = entries.filter(|entry| entry.file_type().is_ok_and(|kind| !kind.is_dir()));
@@ -158,8 +160,8 @@ impl OutputDir {
     }
 }
 
-/// Whether an existing file begins like the new one: with the same header or first comment, or a page with the same title.
-/// Pictures have no such beginning.
+/// Whether an existing file begins like the new contents: with the same header, the same first comment, or the same
+/// title of a page. Always false for pictures.
 pub(crate) fn begins_as(path: &Path, contents: &[u8]) -> bool {
     let Some(head) = head_of(contents) else {
         return false;
@@ -172,7 +174,7 @@ pub(crate) fn begins_as(path: &Path, contents: &[u8]) -> bool {
     read.is_ok() && known == head
 }
 
-/// Beginning of a file that identifies its kind, if it has one.
+/// First part of a file, which identifies its kind; `None` for kinds without such a part.
 fn head_of(contents: &[u8]) -> Option<&[u8]> {
     const TITLE: &[u8] = b"</title>";
     let is = |start: &[u8]| contents.starts_with(start);
@@ -188,7 +190,7 @@ fn head_of(contents: &[u8]) -> Option<&[u8]> {
     (is(b"#") || line.contains(&b',')).then_some(line)
 }
 
-/// Manifest for a directory with the config of a run but without a manifest: of the files with known names.
+/// Manifest for a directory that has the config of a run but no manifest. It lists the files whose names palpate uses.
 fn known_files(dir: &Path) -> Option<Manifest> {
     let config = dir.join(names::CONFIG);
     if !names::is_run_config(&config) {
@@ -212,8 +214,8 @@ fn known_files(dir: &Path) -> Option<Manifest> {
     Some(Manifest::new(files))
 }
 
-/// Whether the beginning of a file matches its extension: a table has a header with several columns, a picture its magic
-/// bytes.
+/// Whether the beginning of a file matches its extension: a table begins with a header of several columns, a picture
+/// with its magic bytes.
 fn matches_extension(path: &Path) -> bool {
     let mut start = Vec::new();
     let read = fs::File::open(path).and_then(|file| file.take(256).read_to_end(&mut start));

@@ -1,4 +1,4 @@
-//! Output file of a command: a regular file, a pipe or device, or standard output.
+//! Output of a command: a regular file, a pipe or device, or standard output.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind, Write};
@@ -13,15 +13,16 @@ use super::stage::{
 };
 use crate::failure::Failure;
 
-/// File that a command writes.
+/// An output of a command.
 pub(crate) struct OutputFile {
-    /// `None`: standard output.
+    /// Path of the file; `None` for standard output.
     path: Option<PathBuf>,
     guard: Guard,
 }
 
 impl OutputFile {
-    /// File that the argument of `option` names. Rejects a file that cannot be written or must not be replaced.
+    /// Output file that the argument `option` names. Rejects a path that cannot be written, and a file that must not be
+    /// overwritten.
     pub(crate) fn new(option: &str, path: &Path, guard: Guard) -> Result<Self, Failure> {
         if path == Path::new("-") || path == Path::new("/dev/stdout") {
             return Ok(Self { path: None, guard });
@@ -39,7 +40,7 @@ impl OutputFile {
         Ok(Self { path, guard })
     }
 
-    /// Prints a message: on standard error if the file goes to standard output.
+    /// Prints a message to standard output, or to standard error if the file itself is standard output.
     pub(crate) fn print(&self, text: &str) -> Result<(), Failure> {
         if self.path.is_some() {
             return super::print(text);
@@ -48,7 +49,7 @@ impl OutputFile {
         Ok(())
     }
 
-    /// Rejects, before the work, a file that palpate did not write according to `is_ours`.
+    /// Rejects an existing file before the work starts, if `is_ours` reports that palpate did not write it.
     pub(crate) fn refuse_other(&self, is_ours: impl Fn(&Path) -> bool) -> Result<(), Failure> {
         let Some(path) = &self.path else {
             return Ok(());
@@ -60,7 +61,7 @@ impl OutputFile {
         }
     }
 
-    /// Starts to write the file in pieces. An existing file is replaced after the last piece.
+    /// Starts to write the file in pieces. An existing file stays until the last piece is written.
     pub(crate) fn begin(&self) -> Result<OutputWriter<'_>, Failure> {
         let place = match &self.path {
             None => Place::Standard(io::stdout()),
@@ -76,7 +77,7 @@ impl OutputFile {
         Ok(OutputWriter { file: self, place })
     }
 
-    /// Writes the file, whose directory is created if missing. An existing file is replaced if palpate wrote it.
+    /// Writes the file; its directory is created if missing. An existing file is overwritten only if palpate wrote it.
     pub(crate) fn write(&self, contents: &[u8]) -> Result<(), Failure> {
         let Some(path) = &self.path else {
             return super::write_stdout(contents);
@@ -109,7 +110,7 @@ fn cannot(path: &Path) -> String {
     format!("cannot write {}", path.display())
 }
 
-/// Writer of an output file, piece by piece.
+/// Writes an output file in pieces.
 pub(crate) struct OutputWriter<'s> {
     file: &'s OutputFile,
     place: Place,
@@ -122,7 +123,7 @@ enum Place {
 }
 
 impl OutputWriter<'_> {
-    /// Writes into the file. It is no error if the reader of a pipe closes it early.
+    /// Writes into the file. It is not an error if the reader of a pipe closes it early.
     fn put(&mut self, put: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
         let result = match &mut self.place {
             Place::Standard(stdout) => put(stdout),
@@ -148,7 +149,8 @@ impl Write for OutputWriter<'_> {
 }
 
 impl OutputWriter<'_> {
-    /// Renames the draft to its final name. Rejects an existing file that palpate did not write according to `is_ours`.
+    /// Renames the draft to its final name. Rejects an existing file if `is_ours` reports that palpate did not write
+    /// it.
     pub(crate) fn end(mut self, is_ours: impl Fn(&Path) -> bool) -> Result<(), Failure> {
         let name = self.file.path.as_deref().unwrap_or(Path::new("-"));
         self.flush()

@@ -1,4 +1,4 @@
-//! Tables as Parquet, with the types of columns, and their units in the metadata.
+//! Tables in Parquet format: each column has a type, and its unit in the metadata.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -21,34 +21,34 @@ use parquet::record::Field;
 use parquet::schema::types::{Type, TypePtr};
 use polars_arrow_format::ipc::{self, planus};
 
-/// Number of rows that are collected before they are written.
+/// Number of rows that are collected before they are written as one row group.
 const GROUP: usize = 1 << 16;
-/// Key of the version of palpate that wrote a file.
+/// Metadata key for the version of palpate that wrote a file.
 const VERSION_KEY: &str = "palpate_version";
 
-/// Table that is being written.
+/// A table that is being written.
 pub(super) struct Writer<W: Write + Send> {
     file: SerializedFileWriter<W>,
     columns: Vec<(Column, Values)>,
     rows: usize,
 }
 
-/// Values of a column that are not written yet; missing values have no entry.
+/// Values of a column that are not written yet. A missing value has no entry here.
 struct Values {
-    /// 1 for each row that has a value, 0 for one that has none.
+    /// For each row, 1 if it has a value, otherwise 0.
     levels: Vec<i16>,
     present: Present,
 }
 
 enum Present {
     Numbers(Vec<f64>),
-    /// Whole numbers; those without a sign as the same bits.
+    /// Whole numbers. An unsigned number is stored as the signed number with the same bits.
     Whole(Vec<i64>),
     Texts(Vec<ByteArray>),
 }
 
 impl<W: Write + Send> Writer<W> {
-    /// Table with these columns, without rows. `about` are entries of its metadata.
+    /// Starts a table with these columns and no rows. `about` are entries for the metadata of the file.
     pub(super) fn new(sink: W, columns: Vec<Column>, about: &[(&str, String)]) -> io::Result<Self> {
         let version = (VERSION_KEY, env!("CARGO_PKG_VERSION").to_owned());
         let mut entries: Vec<(&str, String)> = vec![version];
@@ -69,7 +69,7 @@ impl<W: Write + Send> Writer<W> {
         })
     }
 
-    /// Adds rows, as CSV text.
+    /// Adds rows, given as CSV text.
     pub(super) fn write(&mut self, rows: &str) -> io::Result<()> {
         let mut rows = Rows::without_header(rows.as_bytes());
         while let Some((_, row)) = rows.next_row().map_err(io::Error::other)? {
@@ -127,7 +127,7 @@ impl<W: Write + Send> Writer<W> {
         Ok(())
     }
 
-    /// Finishes the table, and returns its sink.
+    /// Finishes the table, and returns the sink that received it.
     pub(super) fn end(mut self) -> io::Result<W> {
         if self.rows > 0 {
             self.write_group().map_err(plain)?;
@@ -148,7 +148,8 @@ fn empty_column(column: Column) -> (Column, Values) {
 }
 
 impl Values {
-    /// Adds the value of a field. An empty field is a missing value. Returns false if the field is not of this kind.
+    /// Adds the value of a field; an empty field is a missing value. Returns false if the text is not a value of the
+    /// column's type.
     fn push(&mut self, kind: ColumnType, field: &str) -> bool {
         self.levels.push(i16::from(!field.is_empty()));
         if field.is_empty() {
@@ -180,9 +181,9 @@ fn added<T>(values: &mut Vec<T>, value: Option<T>) -> bool {
     is_value
 }
 
-/// Reads a whole number, also one like 1e7.
+/// Parses a whole number; the notation 1e7 is also accepted.
 fn whole(field: &str) -> Option<i64> {
-    /// Larger floating-point numbers are not exact.
+    /// Largest number up to which `f64` represents every whole number exactly.
     const MAX_EXACT: f64 = 9_007_199_254_740_992.0;
     let of_float = || {
         let number: f64 = field.parse().ok()?;
@@ -210,11 +211,11 @@ fn schema(columns: &[Column]) -> Result<TypePtr, ParquetError> {
     schema.build().map(Arc::new)
 }
 
-/// Key of the unit of a column.
+/// Metadata key for the unit of a column.
 const UNIT_KEY: &str = "unit";
 
-/// Metadata entry with the schema of the columns, from which Arrow programs read all metadata: the schema message of Arrow's
-/// stream format, as base64. It repeats the other entries.
+/// Metadata entry with the schema of the columns in Arrow's format, that is, the schema message of Arrow's stream
+/// format as base64. Programs that use Arrow read all metadata from this entry, so it repeats the other entries.
 fn arrow_schema(columns: &[Column], entries: &[(&str, String)]) -> (&'static str, String) {
     let entries = entries.iter().map(|(key, value)| key_value(key, value));
     let schema = ipc::Schema {
@@ -259,7 +260,7 @@ fn arrow_field(column: &Column) -> ipc::Field {
             ColumnType::Count => whole(false),
             ColumnType::Text => ipc::Type::Utf8(Box::new(ipc::Utf8 {})),
         }),
-        // Readers reject a field without a list of children.
+        // An empty list is written, because Parquet readers reject a field without a list of children.
         children: Some(Vec::new()),
         custom_metadata: unit,
         ..ipc::Field::default()
@@ -273,7 +274,7 @@ fn key_value(key: &str, value: &str) -> ipc::KeyValue {
     }
 }
 
-/// Error with the message of its cause.
+/// Converts an error to an I/O error that contains the message of its cause.
 fn plain(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(cause) => match cause.downcast::<io::Error>() {
@@ -284,7 +285,7 @@ fn plain(error: ParquetError) -> io::Error {
     }
 }
 
-/// Whether palpate wrote the file with these columns.
+/// Whether the file is a table with these columns that palpate wrote.
 pub(super) fn is_table(path: &Path, columns: &[Column]) -> bool {
     let reader = File::open(path).map(SerializedFileReader::new);
     let Ok(Ok(reader)) = reader else {
@@ -297,7 +298,7 @@ pub(super) fn is_table(path: &Path, columns: &[Column]) -> bool {
         && fields.eq(columns.iter().map(|column| column.name.as_str()))
 }
 
-/// Passes the fields of these columns to `take`, row by row.
+/// Reads a table row by row, and passes the fields of the requested columns to `take`.
 pub(super) fn read<const N: usize>(
     path: &Path,
     columns: [&str; N],

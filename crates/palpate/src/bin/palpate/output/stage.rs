@@ -1,4 +1,4 @@
-//! Files under temporary names, locked by the process that writes them, until they are complete.
+//! Files that have temporary names until they are complete. The writing process holds a lock on them.
 
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, BufWriter, ErrorKind, Seek, Write};
@@ -11,10 +11,10 @@ use tempfile::NamedTempFile;
 
 use super::manifest::{digest, digest_of, hexadecimal};
 
-/// Prefix of temporary names; six letters or digits follow.
+/// Prefix of temporary file names; six letters or digits follow.
 const PREFIX: &str = ".palpate-";
 const RANDOM: usize = 6;
-/// Largest number of symbolic links in a chain.
+/// Largest number of symbolic links that are followed.
 const MAX_LINKS: usize = 40;
 
 /// Contents of a file to be written.
@@ -25,20 +25,21 @@ pub(crate) enum Contents<'a> {
     Draft(Draft),
 }
 
-/// Temporary file beside its target, written piece by piece.
+/// Temporary file in the directory of its target. It is written in pieces.
 pub(crate) struct Draft {
     file: BufWriter<NamedTempFile>,
     sha256: Sha256,
     length: u64,
-    /// First bytes.
+    /// First bytes of the file, which identify its kind.
     head: Vec<u8>,
 }
 
-/// Number of first bytes that identify the kind of a file.
+/// Number of first bytes that are stored to identify the kind of the file.
 const HEAD_BYTES: usize = 1 << 16;
 
 impl Draft {
-    /// Draft beside the file at `path`, or beside the target of a symbolic link.
+    /// Starts a draft in the directory of the file at `path`. If `path` is a symbolic link, this is the directory of
+    /// the link's target.
     pub(crate) fn new(path: &Path) -> Result<Self, Error> {
         let file = link_target(path).and_then(|target| locked_file(folder_of(&target)));
         let file = file.with_context(|| format!("cannot write {}", path.display()))?;
@@ -67,7 +68,7 @@ impl Write for Draft {
 }
 
 impl Contents<'_> {
-    /// First bytes, which identify the kind of the file.
+    /// First bytes of the draft, which identify the kind of the file.
     pub(crate) fn head(&self) -> &[u8] {
         match self {
             Self::Bytes(bytes) => bytes,
@@ -75,7 +76,7 @@ impl Contents<'_> {
         }
     }
 
-    /// SHA-256.
+    /// SHA-256 of the contents.
     pub(crate) fn digest(&self) -> String {
         match self {
             Self::Bytes(bytes) => digest(bytes),
@@ -83,7 +84,7 @@ impl Contents<'_> {
         }
     }
 
-    /// Whether a file has exactly these contents, or is empty or missing.
+    /// Whether the file at `path` has exactly the contents `self`, or is empty or missing.
     pub(crate) fn are_in(&self, path: &Path) -> bool {
         match self {
             Self::Bytes(bytes) => holds(path, bytes),
@@ -103,22 +104,23 @@ pub(crate) fn holds(path: &Path, contents: &[u8]) -> bool {
         || length == contents.len() as u64 && fs::read(path).is_ok_and(|known| known == contents)
 }
 
-/// Complete file that waits for its final name.
+/// Complete file that still has a temporary name.
 pub(crate) struct StagedFile<'a> {
-    /// Path for messages.
+    /// Path that messages name.
     shown: PathBuf,
     place: Place<'a>,
 }
 
 enum Place<'a> {
-    /// Temporary file, and its target after all symbolic links.
+    /// Temporary file, and the final path after all symbolic links are resolved.
     File(NamedTempFile, PathBuf),
     /// Contents for a pipe, a device or an open file.
     Stream(Contents<'a>),
 }
 
 impl<'a> StagedFile<'a> {
-    /// Writes the contents beside the file at `path`, or beside the target of a symbolic link. Streams are written later.
+    /// Writes the contents to a temporary file in the directory of `path`; if `path` is a symbolic link, in the
+    /// directory of its target. Contents for pipes and devices are not written yet.
     pub(crate) fn new(path: &Path, contents: Contents<'a>) -> Result<Self, Error> {
         let shown = path.to_owned();
         if is_stream(path) {
@@ -144,7 +146,8 @@ impl<'a> StagedFile<'a> {
         Ok(Self { shown, place })
     }
 
-    /// Renames the file to its final name, or writes into the stream. It is no error if the reader of a pipe closes it early.
+    /// Renames the file to its final name, or writes into the pipe or device. It is not an error if the reader of a
+    /// pipe closes it early.
     pub(crate) fn persist(self) -> Result<(), Error> {
         let Self { shown, place } = self;
         let cannot = || format!("cannot write {}", shown.display());
@@ -157,7 +160,7 @@ impl<'a> StagedFile<'a> {
                 persisted.map(drop).with_context(cannot)
             }
             Place::Stream(contents) => {
-                // The earlier contents of an open file stay.
+                // Append to the open file, because it may have earlier contents.
                 let file = OpenOptions::new().append(true).open(&shown);
                 let write = |mut file: File| match contents {
                     Contents::Bytes(bytes) => file.write_all(bytes),
@@ -176,7 +179,7 @@ impl<'a> StagedFile<'a> {
     }
 }
 
-/// Whether a path names a pipe, a device or an open file. These are written into, not replaced.
+/// Whether a path names a pipe, a device or an open file. Palpate writes into such files and does not replace them.
 pub(crate) fn is_stream(path: &Path) -> bool {
     let is_descriptor = |folder: &Path| {
         folder == Path::new("/dev/fd") || folder.starts_with("/proc") && folder.ends_with("fd")
@@ -185,7 +188,7 @@ pub(crate) fn is_stream(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|found| !found.is_dir() && (is_open || !found.is_file()))
 }
 
-/// Reason why a path cannot be written: it is a directory or a disk.
+/// Reason why a path cannot be written: it is a directory or a block device.
 pub(crate) fn unwritable(path: &Path) -> Option<&'static str> {
     let found = fs::metadata(path).ok()?;
     if found.is_dir() {
@@ -205,7 +208,7 @@ fn is_disk(_: &fs::Metadata) -> bool {
     false
 }
 
-/// Directory of a file.
+/// Directory that contains a file.
 pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if folder != Path::new("") => folder,
@@ -213,7 +216,7 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Removes temporary files of dead processes: no process has locked them.
+/// Removes temporary files of dead processes, that is, temporary files that no process has locked.
 pub(crate) fn remove_abandoned(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     for entry in entries {
@@ -229,26 +232,27 @@ pub(crate) fn remove_abandoned(folder: &Path) {
         if let Ok(file) = File::open(entry.path())
             && file.try_lock().is_ok()
         {
-            // Another process may have removed it already.
+            // An error is ignored, because another process may have removed the file already.
             let _ = fs::remove_file(entry.path());
         }
     }
 }
 
-/// Whether an open file still has this name.
+/// Whether an open file still has this path.
 pub(crate) fn is_named(file: &File, path: &Path) -> bool {
     let open = file.try_clone().and_then(Handle::from_file);
     matches!((open, Handle::from_path(path)), (Ok(open), Ok(named)) if open == named)
 }
 
-/// Temporary file that other processes do not remove while this process lives.
+/// Creates a temporary file with a lock. The lock prevents other processes from removing the file while this process
+/// lives.
 fn locked_file(folder: &Path) -> io::Result<NamedTempFile> {
     loop {
         let file = tempfile::Builder::new()
             .prefix(PREFIX)
             .rand_bytes(RANDOM)
             .tempfile_in(folder)?;
-        // Without file locks, no process removes abandoned files.
+        // If the file system has no locks, no process removes abandoned files.
         let is_locked = file.as_file().lock().is_ok();
         if !is_locked || is_named(file.as_file(), file.path()) {
             return Ok(file);
@@ -256,7 +260,7 @@ fn locked_file(folder: &Path) -> io::Result<NamedTempFile> {
     }
 }
 
-/// Target of the symbolic links at a path; it may be missing.
+/// Target of the symbolic links at a path; the target may be missing.
 fn link_target(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MAX_LINKS {
@@ -268,7 +272,8 @@ fn link_target(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many symbolic links"))
 }
 
-/// Sets the permissions of a file: those of the replaced file, else readable by all. Temporary files are private.
+/// Gives a file the permissions of the file that it replaces. A file that replaces none becomes readable by all users,
+/// because temporary files are readable only by their owner.
 #[cfg(unix)]
 fn set_readable(file: &File, known: Option<Permissions>) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt;

@@ -1,4 +1,4 @@
-//! Writer and reader of tables as CSV or Parquet, row by row.
+//! Writes and reads tables as CSV or Parquet, row by row.
 
 use std::fs::File;
 use std::io::{self, BufReader, Write};
@@ -14,9 +14,9 @@ use super::output_dir::begins_as;
 use super::parquet;
 use crate::failure::Failure;
 
-/// Writer of a table in one of the formats.
+/// Writer of a table in one of the two formats.
 pub(crate) struct TableWriter<W: Write + Send> {
-    /// Name for messages.
+    /// Name of the table, for messages.
     name: String,
     sink: Sink<W>,
 }
@@ -28,7 +28,7 @@ enum Sink<W: Write + Send> {
 }
 
 impl<W: Write + Send> TableWriter<W> {
-    /// Table with these columns, without rows. `about` are entries of the file's metadata.
+    /// Starts a table with these columns. `about` are entries for the metadata of the file.
     pub(crate) fn new(
         name: impl Into<String>,
         mut sink: W,
@@ -60,7 +60,7 @@ impl<W: Write + Send> TableWriter<W> {
         }
     }
 
-    /// Adds rows, as CSV text.
+    /// Adds rows, given as CSV text.
     pub(crate) fn write(&mut self, rows: &str) -> Result<(), Failure> {
         let written = match &mut self.sink {
             Sink::Csv(sink) => sink.write_all(rows.as_bytes()),
@@ -70,7 +70,7 @@ impl<W: Write + Send> TableWriter<W> {
         written.map_err(|error| cannot(error, &self.name))
     }
 
-    /// Finishes the table, and returns its sink.
+    /// Finishes the table, and returns the sink that received it.
     pub(crate) fn end(self) -> Result<W, Failure> {
         match self.sink {
             Sink::Csv(sink) => Ok(sink),
@@ -85,7 +85,7 @@ fn cannot(error: io::Error, name: &str) -> Failure {
     Failure::work(error.context(format!("cannot write {name}; the same command tries again")))
 }
 
-/// Whether a file is a table that palpate wrote with these columns.
+/// Whether a file is a table with these columns that palpate wrote.
 pub(crate) fn is_table(path: &Path, format: Format, columns: &[Column]) -> bool {
     match format {
         Format::Csv => begins_as(path, header(columns).as_bytes()),
@@ -96,7 +96,7 @@ pub(crate) fn is_table(path: &Path, format: Format, columns: &[Column]) -> bool 
     }
 }
 
-/// Passes the fields of these columns to `take`, row by row.
+/// Reads a table row by row, and passes the fields of the requested columns to `take`.
 pub(crate) fn read<const N: usize>(
     path: &Path,
     format: Format,

@@ -1,4 +1,5 @@
-//! Run with a journal: it records finished cells, resumes after them, and stops in order on a signal.
+//! A run with a journal: records its finished cells, resumes after an interruption, and stops cleanly when a signal
+//! arrives.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -18,7 +19,7 @@ use crate::output::Lock;
 use crate::output::names::JOURNAL;
 use crate::progress::Progress;
 
-/// Run with its journal.
+/// A run with its journal.
 pub(super) struct JournalRun<'s, 'a> {
     simulation: &'s Simulation<'a>,
     journal: Journal,
@@ -26,16 +27,16 @@ pub(super) struct JournalRun<'s, 'a> {
     warnings: Warnings,
     /// Number of finished tasks.
     tasks: u64,
-    /// Trial rows of the unfinished cell that are not yet in the journal.
+    /// Rows of the table of trials for the unfinished cell that are not yet in the journal, as CSV text.
     rows: String,
     is_shared: bool,
 }
 
-/// Size of the trial rows from which they are written, bytes.
+/// Bytes of pending rows of the table of trials above which the rows are written to the journal.
 const MAX_PENDING_BYTES: usize = 1 << 20;
 
 impl<'s, 'a> JournalRun<'s, 'a> {
-    /// Starts a journal, or resumes the one that was found.
+    /// Starts a journal, or resumes the journal that was found.
     pub(super) fn begin(
         simulation: &'s Simulation<'a>,
         out: &Path,
@@ -44,7 +45,7 @@ impl<'s, 'a> JournalRun<'s, 'a> {
         restarts: bool,
     ) -> Result<Self, Failure> {
         let is_shared = header.request.shard.is_some();
-        // Another process may have finished the journal, or started one, since it was read.
+        // Read the journal again, because another process may have finished or started one since the first reading.
         let now = match restarts {
             true => None,
             false => journal::read(out)?.filter(JournalState::has_work),
@@ -57,7 +58,7 @@ impl<'s, 'a> JournalRun<'s, 'a> {
         let cannot = || format!("cannot write {}", path.display());
         if !is_known {
             return Err(Failure::work(anyhow!(
-                "another process wrote {} meanwhile: give the same command again",
+                "another process wrote {} in the meantime: run the same command again",
                 path.display()
             )));
         }
@@ -75,12 +76,12 @@ impl<'s, 'a> JournalRun<'s, 'a> {
         };
         if found.is_torn {
             eprintln!(
-                "note: the end of {} is damaged, and is done again",
+                "note: the end of {} is damaged; its cells run again",
                 path.display()
             );
         }
         let all = simulation.tasks();
-        eprintln!("note: goes on after {} of {all} cells", found.tasks);
+        eprintln!("note: resumes after {} of {all} cells", found.tasks);
         let journal = Journal::resumed(out, &found).with_context(cannot);
         Ok(Self {
             simulation,
@@ -127,10 +128,10 @@ impl<'s, 'a> JournalRun<'s, 'a> {
         );
         progress.end();
         let path = self.journal.path().display().to_string();
-        let again = "the same command goes on from there";
+        let again = "the same command resumes the run";
         if let Some(error) = error {
             let error = error.context(format!(
-                "cannot write {path}; what is written stays, and {again}"
+                "cannot write {path}; the stored cells remain, and {again}"
             ));
             return Err(Failure::work(error));
         }
@@ -162,7 +163,7 @@ impl<'s, 'a> JournalRun<'s, 'a> {
         }
     }
 
-    /// Records trial rows or the result of a task.
+    /// Stores the output of a task: rows of the table of trials, or the result of a cell.
     fn take(&mut self, number: u64, taken: SweepOutput<CellRecord>) -> Result<(), anyhow::Error> {
         match taken {
             SweepOutput::TrialRows(rows) => {
@@ -184,12 +185,13 @@ impl<'s, 'a> JournalRun<'s, 'a> {
     }
 }
 
-/// Journal that the run resumes, if there is one. Rejects the journal of another run.
+/// The journal that the run resumes; `None` if there is none. Rejects the journal of a different run.
 pub(super) fn journal_to_resume(
     out: &Path,
     request: &RunRequest,
 ) -> Result<Option<JournalState>, Failure> {
-    // If another process holds the directory, opening it will fail with a message.
+    // If another process has locked the directory, do not compare the journals: opening the directory fails with a
+    // message.
     if Lock::is_held(out) {
         return Ok(None);
     }
@@ -203,7 +205,7 @@ pub(super) fn journal_to_resume(
     } = &found.header;
     let own = env!("CARGO_PKG_VERSION");
     let why = if version != own {
-        format!("of palpate {version}, and this is {own}")
+        format!("written by palpate {version}, but this is {own}")
     } else if known.shard != request.shard {
         let words = |shard: Option<(u64, u64)>| match shard {
             Some((number, of)) => format!("shard {number} of {of}"),
@@ -236,7 +238,7 @@ pub(super) fn journal_to_resume(
         return Ok(Some(found));
     };
     if !found.has_work() {
-        // Nothing is lost by starting anew.
+        // The journal has no finished cell, so a new run loses nothing.
         return Ok(None);
     }
     let state = match found.is_ended {
@@ -244,12 +246,12 @@ pub(super) fn journal_to_resume(
         false => "a run that has not ended",
     };
     Err(Failure::usage(anyhow!(
-        "{} is of {state}, {why}\nto drop it give --restart; to keep it, another --out",
+        "{} is of {state}, {why}\nuse --restart to delete it, or another --out to keep it",
         out.join(JOURNAL).display()
     )))
 }
 
-/// The first few lines in which two configs differ.
+/// The first lines in which two configs differ.
 pub(crate) fn difference(old: &str, new: &str) -> String {
     const MAX_LINES: usize = 8;
     let only = |sign: char, text: &str, other: &str| {
@@ -277,7 +279,8 @@ pub(crate) fn difference(old: &str, new: &str) -> String {
     text
 }
 
-/// Handlers of Ctrl-C and of the signal by which schedulers end a job. A second signal ends the process at once.
+/// Handlers of Ctrl-C and of `SIGTERM`, the signal by which job schedulers end a job. A second signal ends the process
+/// at once.
 struct Signals {
     stop: Arc<AtomicBool>,
     signal: Arc<AtomicUsize>,
@@ -300,7 +303,7 @@ impl Signals {
                 Ok::<(), std::io::Error>(())
             };
             listen()
-                .context("cannot listen to signals")
+                .context("cannot install signal handlers")
                 .map_err(Failure::work)?;
         }
         Ok(Self {
@@ -310,12 +313,12 @@ impl Signals {
         })
     }
 
-    /// Set by the first signal.
+    /// Flag that the first signal sets.
     fn stop(&self) -> &AtomicBool {
         &self.stop
     }
 
-    /// Exit status of a process that such a signal stopped.
+    /// Exit status of a process that was stopped by the signal that arrived.
     fn status(&self) -> u8 {
         128 + self.signal.load(Ordering::Relaxed) as u8
     }

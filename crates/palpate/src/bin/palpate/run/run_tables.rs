@@ -17,7 +17,7 @@ use crate::output::{
 };
 use crate::results::{trace_failure, trace_files};
 
-/// Names of the files that a run of the study may write besides its config.
+/// Names of the files, besides its config, that a run of the study may write.
 pub(crate) fn output_names(study: &Study, format: Format) -> Vec<&'static str> {
     let [cells, failures, map] = format.tables();
     let mut names = vec![NEXT_CONFIG, cells, failures];
@@ -32,15 +32,15 @@ pub(crate) fn output_names(study: &Study, format: Format) -> Vec<&'static str> {
     names
 }
 
-/// File for the table of trials.
+/// The file for the table of trials.
 pub(crate) struct TrialsOut {
     file: OutputFile,
     format: Format,
 }
 
 impl TrialsOut {
-    /// Table at the path of `--trials-out` of a run into `out`. Rejects the path of another file of the run, and one that
-    /// cannot be written.
+    /// The file of `--trials-out` for a run that writes into `out`. Rejects the path of another output file of the run,
+    /// and a path that cannot be written.
     pub(crate) fn new(
         path: &Path,
         default: Format,
@@ -63,7 +63,7 @@ impl TrialsOut {
         self.file.refuse_other(is_ours)
     }
 
-    /// Prints a message: on standard error if the table goes to standard output.
+    /// Prints a message; to standard error if the table goes to standard output.
     pub(crate) fn print(trials_out: Option<&Self>, text: &str) -> Result<(), Failure> {
         match trials_out {
             Some(trials) => trials.file.print(text),
@@ -96,10 +96,10 @@ impl TrialsTable<'_> {
     }
 }
 
-/// Rejects a table of trials at the path of another file of the run.
+/// Rejects a path of `--trials-out` that is the path of another output file of the run.
 fn refuse_own(path: &Path, out: &Path, study: &Study) -> Result<(), Failure> {
     let [own, dir] = [folder_of(path), out].map(|dir| {
-        // The directory may be missing.
+        // An absolute path is used instead if the directory does not exist.
         let known = dir.canonicalize().or_else(|_| std::path::absolute(dir));
         known.unwrap_or_else(|_| dir.to_owned())
     });
@@ -119,7 +119,7 @@ fn refuse_own(path: &Path, out: &Path, study: &Study) -> Result<(), Failure> {
     }
 }
 
-/// Trace files of a cell, if the config requests them.
+/// Trace files of a cell, if the config requests a trace.
 pub(crate) fn requested_trace(
     study: &Study,
     cell: usize,
@@ -131,9 +131,9 @@ pub(crate) fn requested_trace(
     trace_files(&trace)
 }
 
-/// Drafts of the tables of a run.
+/// Unfinished tables of a run.
 pub(crate) struct Drafts<'s> {
-    /// Tables with their names, in the order of the rows in records.
+    /// Tables with their names, in the order in which the records of the journal contain their rows.
     tables: [(&'static str, Option<TableWriter<Draft>>); 3],
     trials: Option<TrialsTable<'s>>,
 }
@@ -142,7 +142,7 @@ pub(crate) struct Drafts<'s> {
 type Tables = Vec<(&'static str, Draft)>;
 
 impl<'s> Drafts<'s> {
-    /// Tables of a simulation, without rows. The table of trials is a file elsewhere.
+    /// Starts the tables of a simulation. The table of trials is a separate file.
     pub(crate) fn new(
         folder: &LockedDir,
         simulation: &Simulation<'_>,
@@ -172,7 +172,7 @@ impl<'s> Drafts<'s> {
         })
     }
 
-    /// Writes the rows of all journals, in the order of the cells.
+    /// Copies the rows of all journals into the tables, in the order of the cells.
     pub(crate) fn fill(mut self, readers: Vec<Reader>) -> Result<(Tables, Totals), Failure> {
         let mut totals = Totals::default();
         merge_records(readers, &mut |item| {
@@ -207,7 +207,7 @@ impl<'s> Drafts<'s> {
     }
 }
 
-/// Passes the records of all journals to `take`, in the order of the cells.
+/// Reads the records of all journals, and passes them to `take` in the order of the cells.
 fn merge_records(
     readers: Vec<Reader>,
     take: &mut dyn FnMut(JournalItem) -> Result<(), Failure>,

@@ -52,7 +52,7 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     out.print(&lines.join("\n"))
 }
 
-/// Finds the camera from a frame at rest.
+/// Estimates the camera from a frame at rest.
 fn camera(args: &CalibrateArgs, rest: &PathBuf, layout: &PathBuf) -> Result<(), Failure> {
     let out = OutputFile::new("--out", &args.out, Guard::new([rest, layout], args.force))?;
     let study = config::load(layout).map_err(Failure::usage)?;

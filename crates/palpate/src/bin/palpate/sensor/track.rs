@@ -14,7 +14,7 @@ use crate::estimate::{Like, picture_options, press_options, warn};
 use crate::failure::Failure;
 use crate::output::{self, Guard, LockedDir};
 
-/// Default number of points along each side of the field's grid.
+/// Default number of points along each side of the grid of the interpolated displacement field.
 const GRID: u32 = 30;
 
 pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
@@ -39,7 +39,7 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
         ),
         ("difference.png", output::png(&difference)?),
     ];
-    // The tables are written even if the frames are of different sensors.
+    // The tables are written even if the two frames show different sensors.
     let grid = args.grid.unwrap_or(GRID) as usize;
     let filter = args.filter.unwrap_or(0.0);
     let file = args.out.join("readings.csv").display().to_string();
@@ -58,7 +58,7 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
     folder.write(&files, None)?;
     let estimate = read.map(|read| read.and_then(|read| read.estimate));
     match &estimate {
-        // Its warnings contain those of the frames.
+        // The warnings of the estimate already include the warnings of the frames.
         Some(Ok(estimate)) => warn(estimate)?,
         _ => frames
             .warnings()
@@ -88,7 +88,7 @@ fn summary(counts: &TrackCounts, out: &Path) -> String {
     )
 }
 
-/// The method that the arguments state, if they state one.
+/// The method of reading frames that the arguments state; `None` if they state none.
 fn reader(args: &TrackArgs) -> Result<Option<FrameReader>, Failure> {
     let like = Like::of(&args.sensor.like)?;
     let study = like.as_ref().map(|like| &like.config);
@@ -103,7 +103,7 @@ fn reader(args: &TrackArgs) -> Result<Option<FrameReader>, Failure> {
     }
 }
 
-/// Flag that has an effect only with a calibration, if one was given.
+/// Name of a flag that has an effect only with a calibration, if such a flag was given.
 fn of_calibration(args: &TrackArgs) -> Option<String> {
     let given = [
         ("--like", args.sensor.like.like.is_some()),
@@ -118,14 +118,14 @@ fn of_calibration(args: &TrackArgs) -> Option<String> {
         .or_else(|| args.sensor.estimator.flag())
 }
 
-/// Options of a fit of pictures.
+/// Options of a fit in the image.
 fn pictures(args: &TrackArgs, like: Option<&Like>) -> Result<PictureOptions, Failure> {
     if args.px_per_rad.is_some() {
         return Err(Failure::Usage(anyhow!(
-            "--px-per-rad is of no use to --method image: the study of --like states the camera, or --calibration does"
+            "--px-per-rad has no effect with --method image: --like or --calibration states the camera"
         )));
     }
-    // Bad arguments are rejected before the calibration is read.
+    // Reject bad arguments before the calibration is read.
     let given = args.sensor.presses.and(&args.sensor.estimator);
     picture_options(&given, like, None)?;
     let camera = args.calibration.as_deref().map(|file| {
@@ -149,7 +149,7 @@ fn calibrated(args: &TrackArgs, file: &Path, like: Option<&Like>) -> Result<Fram
                 return Err(Failure::Usage(anyhow!("--calibration needs {flag}")));
             }
         }
-        // Bad arguments are rejected before any file is read.
+        // Reject bad arguments before any file is read.
         press_options(&given, None, None, true)?;
     }
     let calibration = RecordedFile::read(file).and_then(|file| parse_calibration(&file));
