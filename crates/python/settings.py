@@ -9,7 +9,7 @@ from pathlib import Path
 PACKAGE = Path(__file__).parent
 STUBS = PACKAGE / "python" / "palpate" / "_native.pyi"
 
-# Settings whose arguments have another name.
+# Settings whose arguments in Python have another name than the key of the setting.
 ARGUMENTS = {"kind": "method", "normals": "tangent_normals"}
 TYPES = {"integer": "int", "number": "float"}
 LIMITS = {"exclusiveMinimum": "above", "minimum": "at least", "maximum": "at most"}
@@ -25,7 +25,7 @@ def settings(schema, scene):
     found = {"method": (kind, names)}
     for name, kind in zip(names, estimator["oneOf"]):
         for key, setting in kind["properties"].items():
-            # The indentation of a press is stated with the readings.
+            # Leave out the indentation of a press, because it is stated together with the readings.
             if key != "kind" and not key.startswith("indentation"):
                 found.setdefault(ARGUMENTS.get(key, key), (setting, []))[1].append(name)
     return found

@@ -53,7 +53,8 @@ for size in (640, 1024):
     frame = np.fromfile(f"{sys.argv[1]}/frame-{size}.rgb", np.uint8).reshape(size, size, 3)
     truth = np.loadtxt(f"{sys.argv[1]}/frame-{size}.csv", delimiter=",", skiprows=1)
     side = 2 * round(0.02 * size) + 1
-    # The top-hat brightens a ring at the rim of the lens. The narrower circle excludes this ring.
+    # The top-hat filter brightens a ring at the rim of the lens. The narrower circle excludes this ring from the
+    # result.
     given = frame, circle(size, 0.48), circle(size, 0.47), cv2.getStructuringElement(cv2.MORPH_RECT, (side, side))
     error = centroid_error(markers(*given)[0], truth[:, :2])
     time_us = median_us(lambda: markers(*given))

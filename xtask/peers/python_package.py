@@ -137,7 +137,7 @@ def batch():
         theirs_us, ours_us = medians_us([theirs, ours], SETS)
         print_figure(task, "NumPy, vectorised", np.__version__, theirs_us, error_of(theirs()[3]))
         print_figure(task, OURS, palpate.__version__, ours_us, error_of(ours().mean_curvature.value))
-    # Both programs must state the same errors. Those of NumPy are of first order.
+    # Both programs must state the same standard errors. NumPy's standard errors are first-order approximations.
     _, stds, residual = with_errors_by_numpy(each, shifts)
     estimate = ours()
     names = ("normal_curvature_u", "normal_curvature_v", "gaussian_curvature", "mean_curvature")

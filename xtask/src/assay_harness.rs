@@ -1,4 +1,5 @@
-//! Runs test programs of palpate-assay, which compare answers and intervals with references.
+//! Runs two test programs of palpate-assay: one compares answers with references, the other measures the coverage of
+//! intervals.
 
 use anyhow::Result;
 use clap::Args;

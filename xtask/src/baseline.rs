@@ -4,7 +4,7 @@ use std::fmt;
 
 use anyhow::{Result, ensure};
 
-/// Folder of the baselines.
+/// Folder of the files with the baselines.
 pub(crate) const DIRECTORY: &str = "crates/assay/baseline";
 
 /// Names and numbers, in the order of the table.
@@ -41,7 +41,7 @@ fn text(figure: f64) -> String {
     }
 }
 
-/// Limits for the changes of the numbers.
+/// Limits for the changes of numbers, compared with the baseline.
 #[derive(Debug)]
 pub(crate) struct Limits {
     pub(crate) what: &'static str,
@@ -68,9 +68,9 @@ enum Change {
     Worse,
     /// The number is smaller than in the baseline, by more than the allowed increase.
     Better,
-    /// The number is not in the baseline.
+    /// The number was measured, but is not in the baseline.
     New,
-    /// The number is only in the baseline.
+    /// The number is in the baseline, but was not measured.
     Missing,
 }
 
@@ -94,7 +94,7 @@ pub(crate) struct Comparison {
 }
 
 impl Comparison {
-    /// Whether a number has become worse, is new or is missing.
+    /// Whether a number is worse than allowed, is new or is missing.
     pub(crate) fn fails(&self) -> bool {
         let is_failure = |change| matches!(change, Change::Worse | Change::New | Change::Missing);
         self.rows()

@@ -1,7 +1,7 @@
-//! Comparison of instruction counts and errors with the committed baseline.
+//! Compares instruction counts and errors with the committed baseline.
 //!
-//! Run times are not compared, but `cargo bench` reports them; see crates/assay/BENCHES.md. This task also checks that
-//! this page lists all bench targets, and that the changelog describes every change of an error.
+//! Run times are not compared, but `cargo bench` reports them. The page crates/assay/BENCHES.md lists all bench
+//! targets. This task also checks that the list is complete, and that the changelog describes every change of an error.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -94,7 +94,7 @@ fn accept(shell: &Shell, comparisons: &[Comparison]) -> Result<()> {
     Ok(())
 }
 
-/// Page that lists every bench target.
+/// Page that must list every bench target of the workspace.
 const PAGE: &str = "crates/assay/BENCHES.md";
 
 /// Fails unless BENCHES.md lists exactly the bench targets of the workspace.

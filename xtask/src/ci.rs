@@ -8,7 +8,8 @@ use xshell::{Shell, cmd};
 use crate::programs::{FEATURES, PYTHON};
 use crate::{assay_harness, bench_check, book, crate_imports, programs, python, reproduce, tools};
 
-/// Environment variables for checks of the Python package. With these variables, linking needs no Python interpreter.
+/// Environment variables for checks of the Python package. With these variables, the package can be linked without a
+/// Python interpreter.
 const NO_INTERPRETER: [(&str, &str); 2] = [
     ("PYO3_NO_PYTHON", "1"),
     ("PYO3_BUILD_EXTENSION_MODULE", "1"),
@@ -89,7 +90,8 @@ fn docs(shell: &Shell) -> Result<()> {
     Ok(doc.envs(NO_INTERPRETER).run()?)
 }
 
-/// Checks the licences of all dependencies. If cargo-deny is missing, the first step has already reported that.
+/// Checks the licences of all dependencies. If cargo-deny is missing, this check is skipped; the first step has already
+/// reported it.
 fn licences(shell: &Shell) -> Result<()> {
     match tools::has(shell, tools::DENY) {
         true => Ok(cmd!(shell, "cargo deny --offline check licenses bans sources").run()?),

@@ -18,8 +18,8 @@ const CELL: &str = "cell";
 const TOLERANCE: f64 = 1e-9;
 /// Numbers with a smaller absolute value are compared with the fixed absolute tolerance `TOLERANCE * SMALL`.
 const SMALL: f64 = 1e-3;
-/// Statistics that are computed from a histogram. The next constant is the width of its bins, relative to the distance
-/// from the true value.
+/// Statistics that are computed from a histogram. The next constant is the width of a bin of this histogram, relative
+/// to the distance from the true value.
 const QUANTILES: [&str; 3] = ["q05", "q50", "q95"];
 const BIN: f64 = 0.008;
 /// Text that is shown for a missing file.
@@ -37,7 +37,7 @@ pub(crate) struct Difference {
 }
 
 impl Difference {
-    /// Difference of two numbers, divided by the larger number; `None` for texts.
+    /// Difference of the old and the new number, divided by the larger number; `None` for texts.
     fn relative(&self) -> Option<f64> {
         let (old, new): (f64, f64) = (self.committed.parse().ok()?, self.now.parse().ok()?);
         Some((old - new).abs() / old.abs().max(new.abs()))
@@ -98,7 +98,7 @@ pub(crate) fn study(
     Ok(differences)
 }
 
-/// Numbers of the cells that were run.
+/// Numbers of the cells that a run has in its table.
 fn cells_run(folder: &Path) -> Result<BTreeSet<String>> {
     let (header, rows) = table(&fs::read_to_string(folder.join(CELLS))?)?;
     let place = header.iter().position(|name| name == CELL);
@@ -185,7 +185,7 @@ fn table(text: &str) -> Result<(Row, Vec<Row>)> {
     Ok((header, rows.collect::<Result<_>>()?))
 }
 
-/// Text that states the number of differences and the largest one, and lists at most `shown` of them.
+/// Text that states the number of differences and the largest difference, and lists at most `shown` differences.
 pub(crate) fn render(differences: &[Difference], shown: usize) -> String {
     let relative: Vec<f64> = differences
         .iter()

@@ -28,8 +28,8 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     Ok(())
 }
 
-/// The crates that each crate may import. They are in the last column of the rows `| `crate` | … | a, b |`, and the
-/// name of the crate is in the first column.
+/// The crates that each crate may import. A row of the table is `| `crate` | … | a, b |`: the first column has the name
+/// of a crate, and the last column the crates that it may import.
 fn allowed_imports(document: &str) -> Vec<(&str, Vec<&str>)> {
     let cells = |line| {
         let row = str::strip_prefix(line, "| `")?.strip_suffix(" |")?;

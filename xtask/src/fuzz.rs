@@ -15,7 +15,7 @@ const TARGETS: [&str; 5] = ["config", "formula", "readings", "frame", "calibrati
 /// Folder of the corpus, with one folder for each parser.
 const CORPUS: &str = "crates/fuzz/corpus";
 
-/// Parsers for which there are further input files outside of the corpus.
+/// Parsers with further input files outside the corpus, each with the folder of these files.
 const SEEDS: [(&str, &str); 2] = [("config", "sim-configs"), ("config", "examples")];
 
 /// Compiler flags that libFuzzer needs: coverage counters, comparisons and a table of code addresses.
@@ -86,7 +86,7 @@ fn build(shell: &Shell) -> Result<PathBuf> {
     Ok(target.join(host).join("fuzz/palpate-fuzz"))
 }
 
-/// Fuzzes one parser. Returns false if an input broke the parser. Such inputs are stored in a folder.
+/// Fuzzes one parser. Returns false if an input caused a panic of the parser. Such inputs are stored in a folder.
 fn fuzz(
     shell: &Shell,
     program: &Path,

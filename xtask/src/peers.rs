@@ -1,5 +1,5 @@
-//! Compares palpate with other programs (peers) that a user could use instead. They solve the same tasks with the same
-//! inputs in the same run, on one core.
+//! Compares palpate with other programs (peers) that a user could use instead. Palpate and the peers solve the same
+//! tasks with the same inputs in the same run, on one core.
 
 mod peer_programs;
 mod peer_table;
@@ -43,8 +43,8 @@ struct Group {
     target: f64,
     /// Required ratios of single tasks that differ from `target`.
     task_targets: &'static [(&'static str, f64)],
-    /// Amount by which palpate's error may exceed the peer's error, as a share of the peer's error. It is 0 if both
-    /// programs use the same inputs, and the sampling error if each program draws its own random inputs.
+    /// Allowed excess of palpate's error over the peer's error, as a share of the peer's error. It is 0 if both
+    /// programs use the same inputs. If each program draws its own random inputs, it is the sampling error.
     slack: f64,
 }
 
@@ -70,7 +70,7 @@ const GROUPS: [Group; 11] = [
         task_targets: &[],
         slack: 0.0,
     },
-    // The slack is needed because the root mean square over 100 000 trials has a standard error of 0.2 %.
+    // The rms error over 100 000 trials has a standard error of 0.2 %, so the slack must be larger than 0.
     Group {
         name: "ep1-trial",
         peer: Kind::Python("ep1_trial.py"),
@@ -215,7 +215,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// For each task, the smallest error of the peers. It is the error limit for a model of palpate that has a tolerance.
+/// For each task, the smallest error of all peers. A model of palpate with a tolerance must not exceed this error.
 fn strictest(theirs: &[Figure]) -> Vec<String> {
     let mut least: Vec<(&str, f64)> = Vec::new();
     for figure in theirs {

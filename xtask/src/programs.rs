@@ -1,4 +1,4 @@
-//! The programs under test, the packages of the workspace, and the machine.
+//! Builds the programs under test, lists the packages of the workspace, and describes the machine.
 
 use std::env;
 use std::fs;
@@ -16,12 +16,13 @@ pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
 /// The crate that needs a Python interpreter. `cargo xtask python` builds and tests it.
 pub(crate) const PYTHON: &str = "palpate-python";
 
-/// Features that are off by default, but on for lints and tests. Tests are built only with this set of features,
-/// because building them with another set would take minutes. Later steps build the program without these features.
+/// Features that are off by default, but on for lints and tests. Tests are built only with these features, because
+/// another build without them would take minutes. Later steps build the program without these features.
 pub(crate) const FEATURES: &str = "palpate/parquet";
 
-/// Packages that every release build selects. They are built without counters of work, like the palpate that users
-/// install. Cargo combines the features of all selected packages, so another selection would build most crates again.
+/// Packages that every release build selects. They are built without the feature that counts work, like the program
+/// that users install. Cargo combines the features of all selected packages, so another selection would build most
+/// crates again.
 const RELEASED: [&str; 7] = [
     "-p",
     "palpate",

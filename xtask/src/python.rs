@@ -1,4 +1,4 @@
-//! The Python package: builds its wheel, installs it into a virtual environment, and tests it.
+//! Builds the wheel of the Python package, installs it into a virtual environment, and tests it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::programs;
 /// Folder of the Python package.
 const PACKAGE: &str = "crates/python";
 
-/// List of the Python packages that the environment contains besides palpate.
+/// File with the list of Python packages that the environment contains besides palpate.
 const REQUIREMENTS: &str = "crates/python/requirements.txt";
 
 /// Largest size of a wheel, MB.
@@ -30,7 +30,7 @@ pub(crate) struct Options {
     from_clone: bool,
 }
 
-/// Does a part of the work, and prints the time that it takes.
+/// Does the part `what` of the work, and prints the time that this part takes.
 fn timed<T>(what: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     let start = Instant::now();
     let done = work()?;
@@ -83,7 +83,7 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     let program = timed("program", || programs::build(shell, "palpate"))?;
     let python = installed(shell)?;
     let root = shell.current_dir();
-    // IPython, Jupyter and Matplotlib write user files into HOME, so use a temporary one.
+    // IPython, Jupyter and Matplotlib write user files into HOME, so use another folder as HOME.
     let _home = shell.push_env("HOME", shell.create_dir(place(shell).join("home"))?);
     timed("tests", || tests(shell, &python, &program))?;
     timed("types", || types(shell, &python))?;

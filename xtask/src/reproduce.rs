@@ -11,7 +11,7 @@ use crate::{compare, programs};
 
 /// With `--quick`, only every n-th cell is run. This constant is n.
 const QUICK_STRIDE: usize = 13;
-/// Largest number of differences from the committed tables that are printed.
+/// Number of differences from the committed tables that are printed at most.
 const SHOWN: usize = 20;
 
 #[derive(Args)]

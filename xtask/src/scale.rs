@@ -1,5 +1,5 @@
-//! Runs that are killed, runs on a full disk, and runs on a cluster. Each must write the same bytes as a run without
-//! interruption.
+//! Tests runs that are killed, runs on a full disk, and runs on a cluster. Each run must write the same bytes as a run
+//! without interruption.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     }
 }
 
-/// The first requirement of a cluster that this machine does not meet; `None` if it meets all of them.
+/// The first requirement of a cluster that this machine does not meet; `None` if the machine meets all requirements.
 fn missing(shell: &Shell) -> Option<String> {
     // Slurm's daemons are in /usr/sbin. Test for the files, because its commands fail without a config.
     let places = ["/usr/sbin", "/usr/local/sbin", "/usr/bin", "/usr/local/bin"];
@@ -109,7 +109,7 @@ impl TestBench<'_> {
         child.context("cannot start palpate")
     }
 
-    /// Runs a study.
+    /// Runs a study to its end.
     fn complete(&self, config: &Path, out: &Path) -> Result<()> {
         let status = self.start(config, out)?.wait()?;
         ensure!(
@@ -122,7 +122,7 @@ impl TestBench<'_> {
 
     /// Kills runs at random times, and resumes them.
     fn kill(&self, kills: u32) -> Result<()> {
-        // One cell has many trials, and 23 cells have few.
+        // One cell has many trials, and each of the other 23 cells has few trials.
         let config = self.config("killed.toml", 24, [2_200_000, 20_000])?;
         let whole = self.path("whole");
         let start = Instant::now();
@@ -322,7 +322,7 @@ impl TestBench<'_> {
         Ok(cmd!(shell, "chmod +x {program}").quiet().run()?)
     }
 
-    /// Process number of a running shard. Shard 5 fails at once, so it is never found.
+    /// Process number of a running shard. Shard 5 fails immediately, so this function never finds it.
     fn running(&self) -> Result<String> {
         let shell = self.shell;
         let start = Instant::now();

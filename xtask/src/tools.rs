@@ -1,4 +1,5 @@
-//! Tools that tasks call. Missing tools are installed with cargo or rustup. Missing system programs are only reported.
+//! Checks the tools that tasks call. Missing tools are installed with cargo or rustup; missing system programs are only
+//! reported.
 
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
@@ -27,8 +28,8 @@ const INSTALLED: [[&str; 3]; 3] = [
     ],
 ];
 
-/// Optional programs. For each, the check that is skipped without it, and the command that installs it. They are not
-/// installed automatically, because building cargo-deny would take longer than most steps.
+/// Optional programs. Each row has a program, the check that is skipped without it, and the command that installs it.
+/// These programs are not installed automatically, because building cargo-deny would take longer than most steps.
 const OPTIONAL: [[&str; 3]; 3] = [
     [
         "valgrind",

@@ -85,7 +85,7 @@ fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
     Ok(())
 }
 
-/// Checks the choices of `auto`. Their cost is measured in processor instructions.
+/// Checks the models that `auto` chooses. The cost of a model is its number of processor instructions.
 fn check_auto(shell: &Shell, assay: &Path, table: &Path) -> Result<()> {
     let valgrind = cmd!(shell, "valgrind --version").quiet().ignore_stdout();
     if valgrind.ignore_stderr().run().is_err() {
@@ -108,7 +108,7 @@ fn keep(name: &str, fresh: &Path, out: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Replaces a folder by a new one. The old folder is moved into the parent of the new one, which is a temporary folder.
+/// Replaces a folder by a new folder. The old folder is moved into the parent of the new folder, which is temporary.
 fn replace(fresh: &Path, out: &Path) -> Result<()> {
     if out.exists() {
         std::fs::rename(out, fresh.with_file_name("replaced"))

@@ -23,9 +23,9 @@ const UNDETERMINED: &str = "undetermined";
 pub(crate) struct CellTrials<'a> {
     source: Source<'a>,
     runner: &'a Runner,
-    /// Function that receives the number of tested values and the number of trials so far.
+    /// Function that is called with the number of tested values and the number of trials so far.
     progress: &'a dyn Fn(usize, u64),
-    /// Scene of each value and cell.
+    /// For each value of the searched field and each cell, its scene.
     scenes: BTreeMap<Place, Setup>,
     /// Trials of each value and cell. The flag is `false` for the trials of the search, and `true` for the fresh trials
     /// that verify the answer.
@@ -42,7 +42,7 @@ struct Source<'a> {
 /// A value of the searched field (as the bits of the number), and the index of a cell.
 type Place = (u64, usize);
 
-/// The scene of a cell at a value, or the reason why it has no estimate.
+/// The scene of a cell at a value of the searched field, or the reason why this scene has no estimate.
 enum Setup {
     /// A scene, and the target for its statistics.
     Scene(Box<SceneTrial>, SceneTarget),

@@ -23,7 +23,7 @@ use crate::question::Question;
 use crate::region::{DesignPoint, Region, RegionColumn};
 use crate::search::{Curves, Run, ScoreRequest, Search, Side, search};
 
-/// Number of trials that are run at the best value, if no value meets the target.
+/// Number of trials that are run at the value nearest to the target, if no value meets the target.
 const BEST_VALUE_TRIALS: u64 = 4096;
 /// Number of times that the grid is refined around the best value.
 const REFINEMENTS: usize = 3;
@@ -118,7 +118,7 @@ pub fn design(
     Ok(region)
 }
 
-/// Runs the search at each combination of the grid, one after another.
+/// Runs the search at each combination of the grid's values, one combination after another.
 struct Searches<'a> {
     study: &'a Study,
     runner: &'a Runner,
@@ -126,7 +126,7 @@ struct Searches<'a> {
     progress: &'a dyn Fn(usize, u64),
     /// Largest number of searches, that is, of combinations of the grid.
     max_columns: usize,
-    /// Number of tested values and number of trials so far.
+    /// Number of values that were tested and number of trials that were run so far.
     done: Cell<(usize, u64)>,
 }
 
@@ -197,7 +197,8 @@ impl Searches<'_> {
     }
 }
 
-/// Side of the target for a value, from the range (run) that contains the value; `None` outside of all ranges.
+/// Side of the target on which a value lies. It is the side of the range in `runs` that contains the value; `None` if
+/// no range contains it.
 fn side_of(runs: &[Run], value: f64) -> Option<Side> {
     let run = runs.iter().find(|run| (run.from..=run.to).contains(&value));
     run.map(|run| run.side)

@@ -10,10 +10,10 @@ use serde_json::{Value, json};
 use crate::trial_counts::TrialCounts;
 use crate::words::{percent, settings_in_words};
 
-/// Share of failed trials above which the sentences state it.
+/// The sentences state the share of failed trials if it is larger than this value.
 const STATED_FAILURES: f64 = 0.05;
 
-/// How reliably the objects of a study are distinguished, by one trial of each object and by the mean of several
+/// How reliably the objects of a study are distinguished, both by one trial of each object and by the means of several
 /// trials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Discrimination {
@@ -25,18 +25,18 @@ pub struct Discrimination {
     pub confidence: f64,
     /// Name for the trials: `presses`, `glides`, or for example `trials of 8 rolls`.
     pub trials: String,
-    /// Columns of the swept fields that define the objects.
+    /// Columns of the swept fields that define the objects, such as the object's radius.
     pub object_columns: Vec<String>,
-    /// Columns of the other swept fields.
+    /// Columns of the other swept fields, such as the indentation.
     pub columns: Vec<String>,
     /// One group of objects for each combination of values of the other swept fields.
     pub groups: Vec<Group>,
 }
 
-/// Objects for which all other swept fields have the same values.
+/// Objects of the cells in which all other swept fields, which do not define objects, have the same values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// Values of the other swept fields, formatted as in the tables.
+    /// Values of the other swept fields in this group, formatted as in the tables.
     pub settings: Vec<String>,
     /// The objects, in the order of increasing true value. If the quantity is the class, in the order of the config.
     pub objects: Vec<Object>,
@@ -90,8 +90,8 @@ impl Object {
             let mean: f64 = found().map(|one| of(one) / count).sum();
             (count > 0.0 && mean.is_finite()).then_some(mean)
         };
-        // The true values of all trials are equal, apart from rounding errors and from the indentation of a press. So
-        // the first one is used.
+        // Use the true value of the first trial. The true values of all trials are equal, apart from rounding errors
+        // and from the effect of a press's indentation.
         let first = found().next().map(|(_, truth)| *truth);
         let is_same = found().all(|(_, truth)| Some(*truth) == first);
         Self {
@@ -109,9 +109,9 @@ impl Object {
 }
 
 impl Discrimination {
-    /// Table with one row per pair of objects. It contains both objects, the probability that one trial of each
-    /// distinguishes them (with its 95 % interval), and the number of trials whose means distinguish them with the
-    /// required confidence.
+    /// Table with one row per pair of objects. A row contains both objects, and the probability that one trial of each
+    /// distinguishes them, with its 95 % interval. It also contains the number of trials whose means distinguish them
+    /// with the required confidence.
     pub fn table(&self) -> Table {
         let names = |of: &str| -> Vec<String> {
             self.object_columns

@@ -11,7 +11,7 @@ use crate::error::{AnswerError, MAX_CELLS};
 /// A patch counts as correctly classified if the share of its correctly classified places is larger than this value.
 const MAJORITY: f64 = 0.5;
 /// Difference between the first trial numbers of two consecutive cells. It is so large that no two cells use the same
-/// trial numbers, and so the same random numbers.
+/// trial numbers. Equal trial numbers would mean equal random numbers.
 const TRIALS_PER_CELL: u64 = 1 << 40;
 
 /// For each pair of objects that a study sweeps, computes the probability that the estimates of one trial of each
@@ -66,7 +66,7 @@ pub fn distinguish(
     if cells > MAX_CELLS {
         return Err(AnswerError::TooManyCells(cells));
     }
-    // Check the quantity first, so that a wrong quantity is reported before missing objects.
+    // Check the quantity before the objects, so that a wrong quantity is reported first.
     let first = study.cell(0)?.config.scene;
     let (_, compared) = place_of(quantities_of(&first), first.kind(), quantity)?;
     let layout = grouped(study)?;
@@ -159,8 +159,8 @@ pub(crate) fn place_of(
     Ok((place, quantities[place]))
 }
 
-/// How the cells of a study form objects and groups: the swept fields that define objects, the other swept fields, and
-/// groups of cells in which the other fields have the same values.
+/// How the cells of a study form objects and groups. It contains the swept fields that define objects, the other swept
+/// fields, and groups of cells in which the other fields have the same values.
 struct Layout {
     /// Columns of the fields that define objects.
     objects: Vec<String>,

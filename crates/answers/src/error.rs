@@ -106,7 +106,7 @@ impl AnswerError {
         }
     }
 
-    /// Returns an error if a confidence is not above 0 and below 1.
+    /// Returns an error unless the confidence is above 0 and below 1.
     pub(crate) fn unless_confidence(value: f64) -> Result<(), Self> {
         Self::unless(
             value > 0.0 && value < 1.0,

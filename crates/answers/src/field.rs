@@ -32,7 +32,7 @@ impl Field {
         vary: &Vary,
     ) -> Result<Self, AnswerError> {
         let path = vary.path.clone();
-        // Set the fixed fields first, because they may decide which type of value this field accepts.
+        // Set the fixed fields first, because their values may determine which type of value this field accepts.
         let takes = study.varied(fixed)?.takes(&path);
         let no_range = |why| {
             let path = path.clone();
@@ -65,7 +65,7 @@ impl Field {
             listed,
             span,
         };
-        // This call fails if the path is unknown, or if the field does not accept the value.
+        // This call returns an error if the path is unknown, or if the field does not accept its first value.
         let varied = study.varied(&[fixed, &[field.fixed_at(field.first())]].concat())?;
         field.column = varied.columns.last().cloned().unwrap_or_default();
         field.label = Label::of_field(&field.column);

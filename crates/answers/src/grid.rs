@@ -6,12 +6,12 @@ use crate::search::SearchRange;
 
 /// Largest number of combinations in the grid.
 pub(crate) const MAX_COLUMNS: usize = 64;
-/// Number of values that the grid has for a field with a range. The three entries are for one, for two, and for three
-/// or more fields on the grid.
+/// Number of values that the grid has for a field with a range. The first entry is for a grid of one field, the second
+/// for two fields, and the third for three or more fields.
 const VALUES_PER_FIELD: [usize; 3] = [9, 5, 3];
 
-/// All combinations of the values of the grid's fields. The last field varies fastest. Without fields, there is one
-/// empty combination.
+/// All combinations of the values of the grid's fields. The value of the last field changes fastest. If the grid has no
+/// fields, there is one empty combination.
 pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, AnswerError> {
     let count = VALUES_PER_FIELD[fields.len().clamp(1, VALUES_PER_FIELD.len()) - 1];
     let mut places: Vec<Vec<f64>> = vec![Vec::new()];
@@ -34,8 +34,8 @@ pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, 
     Ok(places)
 }
 
-/// New combinations near `best`: along each field with a range, the midpoints between the best combination and its
-/// neighbours among the `known` combinations.
+/// New combinations near the combination `best`. For each field with a range, they are the midpoints between `best` and
+/// its neighbours among the `known` combinations.
 pub(crate) fn neighbours(
     fields: &[Field],
     gap: f64,

@@ -8,7 +8,7 @@ use palpate_study::config::{Varied, Vary};
 use crate::error::AnswerError;
 use crate::search::Span;
 
-/// The question which values of one or several fields, in combination, meet a target.
+/// The question which values of one field, or which combinations of values of several fields, meet a target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
     /// Target that all cells of the study must meet.
@@ -23,10 +23,10 @@ pub struct Question {
     pub sought: Option<Sought>,
     /// Fields that are set to one value each.
     pub set: Vec<(String, toml::Value)>,
-    /// Largest share of the trials that may fail, above 0 and at most 1. With 1, failed trials are ignored.
+    /// Largest share of the trials that may fail, above 0 and at most 1. If it is 1, failed trials are ignored.
     pub max_failures: f64,
-    /// Largest gap between values that meet the target and values that miss it. If values are spaced by ratios, the gap
-    /// is relative to the value, otherwise relative to half the range.
+    /// Largest gap between values that meet the target and values that miss it. If the values of the range are spaced
+    /// by ratios, the gap is relative to the value. Otherwise it is relative to half the range.
     pub gap: f64,
     /// Largest number of trials that a cell runs at one value.
     pub most_trials: u64,
@@ -58,8 +58,8 @@ impl Question {
     /// A question about these fields with default settings. These are: at most 5 % failed trials, a gap of 5 %, at most
     /// 4,194,304 trials of a cell at one value, no time limit, and a confidence of 95 %.
     ///
-    /// The optimised field is searched if it has a range; otherwise the last field with a range; otherwise the last
-    /// field. The other fields form the grid, in their order.
+    /// The searched field is the optimised field if this has a range. Otherwise it is the last field with a range or,
+    /// if no field has a range, the last field. The other fields form the grid, in their order.
     ///
     /// # Errors
     /// [`AnswerError`] if no field is varied, or if the optimised field is not varied.

@@ -29,7 +29,7 @@ pub struct Region {
     pub unit: &'static str,
     /// Columns of the fields that the study itself sweeps. All cells of this sweep must meet the target.
     pub cell_columns: Vec<String>,
-    /// For each cell, the values of these fields, formatted as in the tables.
+    /// For each cell, the values of the fields in `cell_columns`, formatted as in the tables.
     pub cells: Vec<Vec<String>>,
     /// Combinations of the grid's values in ascending order, with the result at each combination. There is at least one
     /// combination.
@@ -87,7 +87,8 @@ pub struct Best<'a> {
     pub value: f64,
     /// Combination of the grid's values at which the value meets the target.
     pub column: &'a RegionColumn,
-    /// Value of the searched field at which the sought value meets the target. For a listed value, its index.
+    /// Value of the searched field at which the best value of the optimised field meets the target. For a listed value,
+    /// its index.
     pub searched: f64,
 }
 
@@ -105,7 +106,7 @@ impl RegionColumn {
 }
 
 impl Region {
-    /// The region before the first search. It has no results yet.
+    /// The region before the first search, without results.
     pub(crate) fn new(study: &Study, question: &Question) -> Result<Self, AnswerError> {
         let mut fixed: Vec<_> = single_values(&question.set).collect();
         let mut fields = Vec::new();
@@ -203,8 +204,8 @@ impl Region {
         best
     }
 
-    /// The value of the optimised field from which all better values miss the target at every combination of the grid.
-    /// `None` if this is undecided at some combination, or if the optimised field is not the searched field or has
+    /// Limit of the optimised field beyond which all better values miss the target at every combination of the grid.
+    /// `None` if this is undecided at some combination, if the optimised field is not the searched field, or if it has
     /// listed values.
     pub(crate) fn missed_from(&self) -> Option<f64> {
         let extreme = self.searched_extreme()?;
@@ -231,16 +232,17 @@ impl Region {
         sample.counts.failure_rate() > self.question.max_failures
     }
 
-    /// The result of the cell that decides at a tested value. If too many trials fail in some cell, it is the result
-    /// with the largest share of failures. Otherwise, it is the result with the worst statistic.
+    /// The result of the cell that decides at a tested value. If too many trials fail in at least one cell, this is the
+    /// cell with the largest share of failures. Otherwise, it is the cell with the worst statistic.
     pub(crate) fn decisive<'a>(&self, point: &'a DesignPoint) -> Option<&'a Sample> {
         let samples = point.searched.iter();
         samples.max_by(|one, other| self.by_rank(one, other))
     }
 
-    /// The value that comes nearest to meeting the target at some combinations, with its combination and its decisive
-    /// result. It is the value with the best statistic among the values with few enough failures. If there are no such
-    /// values, it is the value with the fewest failures.
+    /// The value that comes nearest to meeting the target, among the values at several combinations. It is returned
+    /// with its combination and with the result of its decisive cell. Among the values with few enough failures, it is
+    /// the value with the best statistic. If too many trials fail at all values, it is the value with the fewest
+    /// failures.
     pub(crate) fn nearest<'a>(
         &self,
         columns: impl IntoIterator<Item = &'a RegionColumn>,

@@ -16,9 +16,9 @@ use crate::words::settings_in_words;
 const MAX_LINES: usize = 7;
 
 impl Region {
-    /// Figure of the region. With a grid, the searched field is plotted over the last field of the grid, with one panel
-    /// for each combination of the other fields. Without a grid, the target's statistic is plotted over the searched
-    /// field. `name` is the file name of the figure, without extension.
+    /// Figure of the region. With a grid, the searched field is plotted over the last field of the grid. There is one
+    /// panel for each combination of the other fields' values. Without a grid, the target's statistic is plotted over
+    /// the searched field. `name` is the file name of the figure, without extension.
     ///
     /// # Errors
     /// [`ReportError`] if the figure cannot be drawn.

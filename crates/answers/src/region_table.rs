@@ -9,9 +9,9 @@ use crate::region::{DesignPoint, Region, RegionColumn, Sample};
 use crate::search::Side;
 
 impl Region {
-    /// Table of the results of all trials. It has one row per combination of the grid, value, cell and kind of trials
-    /// (trials of the search, or fresh trials that verify the answer). A row contains the target's statistic, its
-    /// standard error, and the side of the target.
+    /// Table of the results of all trials. It has one row for each combination of the grid's values, tested value, cell
+    /// and kind of trials. The kinds are trials of the search, and fresh trials that verify the answer. A row contains
+    /// the target's statistic, its standard error, and the side of the target.
     pub fn table(&self) -> Table {
         let grid = self.grid.iter().map(|field| &field.column);
         let fields = grid.chain([&self.searched.column]).cloned();
@@ -87,8 +87,8 @@ impl Region {
     }
 
     /// The answer as JSON: the sentence, the ranges of values that meet or miss the target at each combination of the
-    /// grid, and the best value. Without a grid, the fields of the only combination are also fields of the answer
-    /// itself.
+    /// grid, and the best value. Without a grid, there is only one combination, and its fields are also fields of the
+    /// answer itself.
     pub fn to_json(&self, study: &Study) -> Value {
         let columns = self.columns.iter().map(|column| {
             let at: Map<_, _> = self.grid_json(column).collect();

@@ -160,7 +160,7 @@ impl Region {
     }
 
     /// The values at one combination of the grid in words: the values that meet the target, that miss it, and that are
-    /// undecided. `certainty` is inserted after the first of these statements.
+    /// undecided. The text `certainty` is inserted after the first of these statements.
     fn column_in_words(&self, column: &RegionColumn, certainty: &str) -> String {
         let runs = |side: Side| {
             let runs: Vec<String> = column.on(side).map(|run| self.run(run)).collect();
@@ -200,8 +200,8 @@ impl Region {
         }
     }
 
-    /// The first end of a range of values that miss the target because too many of their trials fail. An end of the
-    /// whole searched range is ignored.
+    /// Among the ends of the ranges that miss the target, the first one at which too many trials fail. Ends of the
+    /// whole searched range are ignored.
     pub(crate) fn failing_end<'a>(
         &self,
         column: &'a RegionColumn,

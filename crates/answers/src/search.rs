@@ -1,10 +1,11 @@
 //! Searches the values of a field at which a target is met, from noisy scores.
 //!
 //! The trials at all values use the same random numbers. The answer is verified with fresh trials. The probability that
-//! any step of a search is wrong is at most [`Search::wrong`]. One fifth of this probability is divided evenly among at
-//! most 400 tests of values, and the rest among the ends of the ranges in the answer. Each attempt to verify an end may
-//! be wrong with half the probability of the previous attempt. These bounds are valid for any curve of the scores.
-//! However, the search does not detect a curve that crosses the limit and returns between two tested values.
+//! any decision of a search is wrong is at most [`Search::wrong`]. One fifth of this probability is divided evenly
+//! among at most 400 tests of values. The rest is divided evenly among the ends of the ranges in the answer. Each
+//! attempt to verify an end may be wrong with half the probability of the previous attempt. These bounds are valid for
+//! any curve of the scores. However, the search does not detect a curve that crosses the limit and returns between two
+//! tested values.
 
 mod explore;
 mod limits;
@@ -38,7 +39,7 @@ pub(crate) struct ScoreRequest {
     pub(crate) cell: usize,
     /// Smallest number of trials.
     pub(crate) trials: u64,
-    /// Whether the trials must be fresh, that is, not used in this search before.
+    /// Whether the trials must be fresh, that is, trials that this search has not used before.
     pub(crate) fresh: bool,
 }
 
@@ -100,7 +101,7 @@ pub(crate) struct TestedValue {
     pub(crate) side: Option<Side>,
     /// Index of the cell that has the smallest score at this value.
     pub(crate) worst: usize,
-    /// Largest number of trials of any cell at this value.
+    /// Number of trials at this value, of the cell with the most trials.
     pub(crate) trials: u64,
 }
 

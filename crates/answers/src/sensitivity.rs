@@ -12,9 +12,9 @@ use crate::error::AnswerError;
 
 /// Number of trials that a thread runs without interruption.
 const BLOCK: u64 = 32;
-/// Longest list whose numbers are changed. In longer lists, a single number is no choice of a design.
+/// Longest list whose numbers are changed. In a longer list, a designer does not choose a single number.
 const LONGEST_LIST: usize = 3;
-/// Largest rms error, relative to the true value, that counts as rounding.
+/// Largest rms error, relative to the true value, that counts as a rounding error.
 const ROUNDING: f64 = 1e-10;
 /// Largest number of bars in the figure.
 const MAX_BARS: usize = 12;
@@ -52,12 +52,12 @@ pub struct FieldEffect {
     pub effect: f64,
     /// Standard error of the effect.
     pub effect_std: f64,
-    /// Number of trials that failed for at least one of the two values. They are left out.
+    /// Number of trials that failed for at least one of the two values. These trials are left out for both values.
     pub failures: u64,
 }
 
-/// Squared error of each trial for one value of a field, averaged over the points of a patch; `None` if the trial
-/// failed.
+/// Squared error of each trial for one value of a field; `None` if the trial failed. If a trial observes a patch, it is
+/// the mean over the points of the patch.
 type SquaredErrors = Vec<Option<f64>>;
 
 /// Finds the numeric field of the study's scene that changes the rms error of a quantity most.
@@ -178,7 +178,7 @@ struct ErrorRuns<'a> {
 }
 
 impl ErrorRuns<'_> {
-    /// Root mean square of the true values, and the squared errors of the trials, for these values of fields.
+    /// For these values of some fields, the root mean square of the true values and the squared errors of the trials.
     fn at(
         &self,
         fields: &[(String, Vec<toml::Value>)],
@@ -212,7 +212,8 @@ impl ErrorRuns<'_> {
         Ok((truth.sqrt(), errors))
     }
 
-    /// Effect of the field `path`, whose value in the config is `value`, or the reason for which it cannot be measured.
+    /// Effect of the field `path`, whose value in the config is `value`, or the reason why the effect cannot be
+    /// measured.
     fn effect(
         &self,
         path: &str,
@@ -261,7 +262,8 @@ impl ErrorRuns<'_> {
         if !effect.is_finite() {
             return Err("no trial succeeds at both values, or one value has no error".to_owned());
         }
-        // Both means are computed from the same random numbers, so that their errors are correlated.
+        // The standard error is computed from the pairs, because both means are computed from the same random numbers
+        // and their errors are correlated.
         let influences = pairs
             .iter()
             .map(|pair| 0.5 * (pair[1] / means[1] - pair[0] / means[0]));
@@ -279,7 +281,7 @@ impl ErrorRuns<'_> {
     }
 }
 
-/// Means of the squared errors and of the squared true values in a trial; `None` if the trial failed.
+/// Squared error and squared true value of a trial, each averaged over the observations; `None` if the trial failed.
 fn squares(scene: &Scene, trial: u64, place: usize) -> Option<(f64, f64)> {
     let (mut errors, mut truths, mut count) = (0.0, 0.0, 0.0);
     let run = scene.trial(trial, |quantity, observed| {

@@ -5,10 +5,11 @@ use palpate_scene::{Scene, drop_undefined_moments};
 use palpate_study::{Bound, Quantity, QuantityKind, Statistic, Target};
 use palpate_sweep::{Batches, CERTAIN, CellStatistics, Estimate, Summary, share_at_most};
 
-/// Share of failures for cells without a successful trial. Such a cell counts as missing the target if its share of
-/// failures is certainly larger than this value.
+/// For cells without a successful trial. Such a cell counts as missing the target if its share of failures is certainly
+/// larger than this value.
 const NO_ESTIMATE_SHARE: f64 = 0.5;
-/// Relative resolution of the distance between a quantile and the true value, which comes from a histogram.
+/// Relative resolution of the distance between a quantile and the true value. The resolution is limited because
+/// quantiles are computed from a histogram.
 const QUANTILE_RESOLUTION: f64 = 1.0 / 256.0;
 
 /// A target in a scene: a limit on a statistic of one of the scene's quantities.
@@ -21,7 +22,7 @@ pub(crate) struct SceneTarget {
     place: usize,
 }
 
-/// Reason why a statistic is undefined although some trials succeed.
+/// Reason why the statistic of a target is undefined although some trials succeed.
 pub(crate) struct NoValue(pub(crate) &'static str);
 
 impl SceneTarget {
@@ -84,7 +85,7 @@ impl SceneTarget {
         }
     }
 
-    /// The scores of the statistic and of the share of failures. Also the statistic, if it is defined.
+    /// Returns the scores of the statistic and of the share of failures, and the statistic itself if it is defined.
     pub(crate) fn scores(
         &self,
         scene: &Scene,
@@ -157,7 +158,8 @@ impl SceneTarget {
             Bound::AtMost => estimate.at_most(limit),
             Bound::AtLeast => estimate.at_least(limit),
         };
-        // Use the logarithm of the size of an error, because its distribution is closer to a normal distribution.
+        // For the size of an error, compare the logarithms of the statistic and the limit, because the logarithm is
+        // closer to normally distributed.
         let logs = match statistic.is_size() && limit > 0.0 {
             true => estimate.map(libm::log),
             false => None,
@@ -171,9 +173,9 @@ impl SceneTarget {
         if !(is_share && limit > 0.0 && limit < 1.0) {
             return score;
         }
-        // If the share is the same in all batches, its estimated standard error is 0, although the true share may
-        // differ. Therefore a second score is computed from the number of trials, and the less certain of the two
-        // scores is used.
+        // If the share of correct places is the same in all batches, its estimated standard error is 0, although the
+        // true share may differ. Therefore a second score is computed from the number of trials, and the less certain
+        // of the two scores is used.
         let (share, limit) = match bound {
             Bound::AtMost => (estimate.value, limit),
             Bound::AtLeast => (1.0 - estimate.value, 1.0 - limit),
@@ -206,7 +208,8 @@ fn of_summary(summary: &Summary, statistic: Statistic) -> Option<f64> {
         Statistic::Coverage50 => summary.coverage50,
         Statistic::Coverage80 => summary.coverage80,
         Statistic::Coverage95 => summary.coverage95,
-        // These statistics are no targets, because they are the same for all trials or do not describe the estimates.
+        // These statistics cannot be targets, because they do not depend on the trials or do not describe the
+        // estimates.
         Statistic::Truth | Statistic::Trials | Statistic::Failures | Statistic::StdBound => None,
     }
 }

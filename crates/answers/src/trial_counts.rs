@@ -34,8 +34,8 @@ impl TrialCounts {
         }
     }
 
-    /// The failures in words, with the share of the most frequent kind. `trials` is the word for trials, and `at`
-    /// describes the cell.
+    /// Text that states the share of failed trials and the share of the most frequent kind of failure. `trials` is the
+    /// word for trials, and `at` describes the cell.
     pub(crate) fn failures_in_words(&self, trials: &str, at: &str) -> String {
         let kind = |share: String| match self.main_failure {
             Some((kind, _)) => format!(" (`{kind}`{share})"),

@@ -123,7 +123,8 @@ fn ep2_errors() -> Result<Figures> {
     Ok(figures)
 }
 
-/// Errors of the markers that the tracker finds in two frames. One frame has a dark background, the other is rendered.
+/// Errors of the markers that the tracker finds in two frames. One frame is a drawing on a dark background, the other
+/// is a rendered frame of the sensor.
 fn frame_errors() -> Result<Figures> {
     let (frame, discs) = camera_frames::frame(640);
     let dark = camera_frames::errors(&camera_frames::finder(640).find(&frame)?.markers, &discs);
@@ -150,7 +151,7 @@ const THICKNESS: f64 = 5.0;
 /// Depth of the markers, mm.
 const DEPTH: f64 = 2.0;
 
-/// Errors of the displacement field of a press. Also errors of the curvatures that fits estimate from this field.
+/// Errors of the displacement field of a press, and errors of the curvatures that fits estimate from this field.
 fn press_errors() -> Result<Figures> {
     let half_space = Body::half_space(0.5, DEPTH)?;
     let table = Body::bonded_layer(THICKNESS, DEPTH)?;
@@ -173,8 +174,8 @@ fn press_errors() -> Result<Figures> {
     Ok(figures.map(name).to_vec())
 }
 
-/// Largest error of the displacements, divided by the largest displacement. The reference is a quadrature over
-/// wavenumbers.
+/// Largest error of the displacements, divided by the largest displacement. The displacements are compared with a
+/// quadrature over wavenumbers.
 fn displacement_error(body: &Body, reference: paraboloid_reference::Body) -> Result<f64> {
     let distances: Vec<f64> = (0..77).map(|marker| 0.25 * f64::from(marker)).collect();
     let truth = ParaboloidPress::new(reference, 1.0 / SKIN, INDENTATION)?;

@@ -14,19 +14,21 @@ use crate::csv_table::Column;
 
 const DESIGN: &str = "design";
 const DISTINGUISH: &str = "distinguish";
-/// Gap of the reference, relative to the gap of the design that is checked. A gap of one tenth needs 100 times the
-/// trials.
+/// Gap of the reference, relative to the gap of the design that is checked. A gap that is ten times smaller needs 100
+/// times the trials.
 const REFERENCE_GAP: f64 = 0.1;
-/// Seed of the reference.
+/// Seed of the random numbers of the reference.
 const REFERENCE_SEED: u64 = 1_000_003;
-/// Number of the first fresh trial.
+/// Number of the first trial that is used to test the probabilities. The estimates use only trials with smaller
+/// numbers.
 const FRESH: u64 = 1 << 50;
-/// Difference between the numbers of the first fresh trials of two cells.
+/// Difference between the numbers of the first fresh trials of two cells. It keeps the cells from sharing random
+/// numbers.
 const APART: u64 = 1 << 40;
 /// Half-width of a 95 % interval, in standard errors.
 const HALF_WIDTH_95: f64 = 1.96;
 
-/// Options of a run.
+/// Options of a run of the check.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
     /// Number of seeds for each scene.
@@ -37,7 +39,7 @@ pub struct Options<'a> {
     pub only: &'a str,
 }
 
-/// Number of answers for a scene, and how many of them are correct.
+/// Number of answers to the question of a scene, and number of correct answers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Score {
     /// The command: `design` or `distinguish`.
@@ -51,7 +53,7 @@ pub struct Score {
 }
 
 impl Score {
-    /// The score as columns of the table.
+    /// The score as columns of the table of scores.
     pub fn columns(&self) -> [Column; 4] {
         [
             ("command", self.command.to_owned()),
@@ -91,8 +93,8 @@ pub fn scores(options: Options<'_>, report: impl Fn(&Score)) -> Result<Vec<Score
 /// Fails if too few answers are correct. At least 183 of 200 designs, at least 16 of 20 designs of each scene, and at
 /// least 19 of 20 probabilities must be correct.
 ///
-/// An answer should be correct with a probability of 95 %. At least 183 of 200 answers are then correct with a
-/// probability of 98.8 %, and at least 16 of 20 with 99.7 %.
+/// An answer should be correct with a probability of 95 %. If it is, at least 183 of 200 answers are correct with a
+/// probability of 98.8 %, and at least 16 of 20 with a probability of 99.7 %.
 ///
 /// # Errors
 /// An error if too few answers are correct.
@@ -165,8 +167,8 @@ fn is_right_design(answer: &Region, reference: &Region) -> bool {
         && !ends.any(|(value, side)| is_wrong(value, side))
 }
 
-/// For each pair of objects and each seed, compares the estimated probability with the share of pairs of fresh trials
-/// that are in the right order.
+/// For each pair of objects and each seed, compares the estimated probability of the right order with a measured share.
+/// This is the share of pairs of fresh trials that are in the right order.
 fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> Result<Score> {
     let (config, radii) = (scene.config, scene.radii);
     let sweep = format!("[[sweep]]\npath = \"scene.object.radius\"\nvalues = {radii:?}\n");
@@ -209,8 +211,8 @@ fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> 
 }
 
 /// Whether an estimated probability agrees with the share of fresh pairs. The difference may be as large as the
-/// interval of the probability combined with the standard error of the share. This standard error is included because
-/// the share is the same for every seed.
+/// interval of the probability combined with the standard error of the share. This standard error must be included,
+/// because every seed is compared with the same share.
 fn is_right_order(order: Order, share: f64, pairs: usize) -> bool {
     let side = match share < order.probability {
         true => order.probability - order.low,

@@ -1,7 +1,7 @@
 //! Scenes for the check of the answers of `design` and `distinguish`.
 
-/// A question for `design`: a target, the varied field, and a gap. The gap is small enough for a meaningful test, but
-/// can be reached with the available trials.
+/// A question for `design`: a target, the varied field, and a gap. The gap is so small that the test is meaningful, but
+/// not so small that the available trials cannot reach it.
 #[derive(Debug)]
 pub(crate) struct Design {
     pub(crate) name: &'static str,
@@ -175,7 +175,8 @@ pub(crate) const DESIGNS: &[Design] = &[
     },
 ];
 
-/// Objects for the check of `distinguish`. The check compares every two radii of the same entry: twenty pairs in total.
+/// Objects for the check of `distinguish`. In each entry of this list, the check compares every pair of radii. There
+/// are twenty pairs in total.
 pub(crate) const OBJECTS: &[Objects] = &[
     Objects {
         name: "roll: balls by noisy rates",

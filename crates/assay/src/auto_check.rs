@@ -38,9 +38,8 @@ pub fn choices() -> Result<Vec<AutoChoice>> {
 /// Checks all scenes, writes `promise.csv`, and returns a summary. With `counted`, it only runs the computations whose
 /// instructions are counted (see [`timing::instructions`]).
 ///
-/// # Errors
-/// An error if a choice fails the check, if counting fails, or if the table cannot be written. If a choice fails, the
-/// table is written before.
+/// # Errors An error if a choice fails the check, if counting fails, or if the table cannot be written. If a choice
+/// fails, the table is written before the error is returned.
 pub fn run(out: &Path, counted: bool) -> Result<String> {
     let choices = choices()?;
     let evaluations: Vec<Evaluation> = choices
@@ -67,7 +66,7 @@ pub fn run(out: &Path, counted: bool) -> Result<String> {
     summary(&verdicts).map_err(|summary| anyhow!("{summary}: see {}", out.display()))
 }
 
-/// A choice of `auto`, and the costs of the compared models.
+/// A choice of `auto`, and the costs of the models with which it is compared.
 struct Verdict<'a> {
     choice: &'a AutoChoice,
     /// Number of processor instructions of the chosen model.
@@ -138,8 +137,9 @@ fn write(verdicts: &[Verdict<'_>], out: &Path) -> Result<()> {
     csv_table::write(out, verdicts.iter().map(row))
 }
 
-/// Summary for each kind of scene. It states how many scenes pass the check, how many have competing models, how many
-/// have an independent computation as reference, and the largest ratio of costs. Returns an error if a scene fails.
+/// Summary for each kind of scene. It states how many scenes pass the check, how many have competing models, and how
+/// many have an independent computation as reference. It also states the largest ratio of costs. Returns an error if a
+/// scene fails.
 fn summary(verdicts: &[Verdict<'_>]) -> Result<String, String> {
     let of_kind = Kind::ALL.map(|kind| {
         let of = || verdicts.iter().filter(move |one| one.choice.kind == kind);

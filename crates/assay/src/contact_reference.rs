@@ -12,7 +12,7 @@ pub struct RollEnd {
     pub on_object: Point3<f64>,
     /// Contact point on the probe.
     pub on_probe: Point3<f64>,
-    /// Length of the contact's path, which is equal on object and probe.
+    /// Length of the contact's path, which is equal on the object and on the probe.
     pub path: f64,
 }
 
@@ -51,7 +51,7 @@ impl RollEnd {
     }
 }
 
-/// Contact point of a tip on a ball that is centred at the origin.
+/// Contact point of a spherical tip (radius `tip`) on a ball (radius `ball`) that is centred at the origin.
 pub fn tip_on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
     let [x, y] = centre.map(|part| part * ball / (ball + tip));
     [x, y, (ball * ball - x * x - y * y).sqrt()]
@@ -63,7 +63,7 @@ pub fn tip_on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
 pub fn tip_on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let at = |s: f64| [x / (1.0 - 2.0 * k * tip / s), y / (1.0 - 2.0 * l * tip / s)];
     let square = |[x, y]: [f64; 2]| 1.0 + 4.0 * ((k * x).powi(2) + (l * y).powi(2));
-    // If the object is concave, the contact for s = 1 is the most distant one that is possible.
+    // On a concave object, the contact for s = 1 is farther from the axis than any other possible contact.
     let most = square(at(1.0)).max(square([x, y])).sqrt();
     let [x, y] = at(bisected(1.0, 1.0 + most, |s| s * s < square(at(s))));
     [x, y, k * x * x + l * y * y]
@@ -77,7 +77,7 @@ pub fn tip_on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64
         let shrunk = |part: f64, square: f64| part / (1.0 + tip / (g * square));
         let [x, y] = [shrunk(x, squares[0]), shrunk(y, squares[1])];
         let height = 1.0 - x * x / squares[0] - y * y / squares[1];
-        // If g is larger, the contact point is further outwards.
+        // A larger g moves the contact point outwards.
         (height >= 0.0).then(|| [x, y, (height * squares[2]).sqrt()])
     };
     let is_less = |g: f64| {
@@ -86,7 +86,7 @@ pub fn tip_on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64
             g * g < parts.iter().map(|part| part * part).sum()
         })
     };
-    // The unknown g lies between the reciprocals of the longest and the shortest semi-axis.
+    // The unknown g of the equations lies between the reciprocals of the longest and the shortest semi-axis.
     let longest = semi_axes.into_iter().fold(0.0, f64::max);
     let shortest = semi_axes.into_iter().fold(f64::INFINITY, f64::min);
     let g = bisected(0.5 / longest, 2.0 / shortest, is_less);

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
-/// Name of a column, and the value of one row in this column.
+/// Name of a column, and the text of one row's value in this column.
 pub type Column = (&'static str, String);
 
 /// Writes a table. The header has the column names of the first row.

@@ -38,8 +38,8 @@ pub struct Options<'a> {
     pub only: &'a str,
 }
 
-/// Returns the table with the measured columns. Also returns a line for each family that violates the limits on
-/// warnings. `report` is called with a line for each measured family.
+/// Returns the table with the measured columns, and a line for each family that violates the limits on warnings.
+/// `report` is called with a line for each measured family.
 ///
 /// # Errors
 /// An error if no family is selected or a scene cannot be set up.
@@ -81,7 +81,7 @@ pub fn measure(
     Ok((String::from_utf8(writer.into_inner()?)?, misses))
 }
 
-/// The cell of a row in the column with this name.
+/// The text in the column `name` of a row; empty if the table has no such column.
 fn cell<'a>(header: &csv::StringRecord, row: &'a [String], name: &str) -> &'a str {
     let place = header.iter().position(|column| column == name);
     place

@@ -115,7 +115,7 @@ impl ParaboloidPress {
     }
 }
 
-/// Largest error of a displacement, relative to the largest displacement.
+/// Largest error of the displacements `found`, relative to the largest displacement in `truth`.
 pub fn largest_error(found: &[[f64; 2]], truth: &[[f64; 2]]) -> f64 {
     let pairs = truth.iter().flatten().zip(found.iter().flatten());
     let off = pairs.fold(0.0, |most: f64, (truth, one)| most.max((one - truth).abs()));

@@ -18,7 +18,7 @@ use crate::timing::Evaluation;
 use crate::workloads::marker_presses::markers;
 use crate::workloads::{camera_frames, ep2_contacts};
 
-/// Number of patches with few contacts.
+/// Number of patches in the tasks with few contacts per patch.
 const PATCHES: u64 = 200;
 /// Number of contacts of the large patch.
 const MANY: usize = 100_000;
@@ -31,9 +31,9 @@ const PRESS_TASK: &str = "press, contact and pressure";
 const RADIUS: f64 = 20.0;
 const DEPTH: f64 = 1.4;
 const YOUNG: f64 = 1.0;
-/// Number of points along a side of the peer's grid.
+/// Number of points along a side of the grid that the peer uses.
 const POINTS: usize = 256;
-/// Length of a side of the peer's grid.
+/// Length of a side of the grid that the peer uses.
 const SIDE: f64 = 16.0;
 
 /// Cost and error of one model on one task.
@@ -42,12 +42,12 @@ struct Figure {
     task: String,
     rung: String,
     time_us: f64,
-    /// Error of the model. For each task, it is defined in the same way as the peers' error.
+    /// Error of the model. Palpate's and the peers' errors have the same definition.
     error: f64,
 }
 
 impl Figure {
-    /// Measures the time of `run`, which repeats the task `times` times.
+    /// Measures the time of `run`, which performs the task `times` times.
     fn measured<T>(
         task: impl Into<String>,
         rung: impl Into<String>,
@@ -159,7 +159,8 @@ fn frames() -> Result<Vec<Figure>> {
 fn contacts() -> Result<Vec<Figure>> {
     let surface = Body::hertz(0.0)?;
     let contact = surface.press(1.0 / RADIUS, DEPTH)?;
-    // By Hertz's theory, the force is the integral of the pressure, 2/3 π a² times the peak pressure.
+    // By Hertz's theory, the force is 2/3 π a² times the peak pressure, where a is the contact radius. The true radius
+    // is computed from this equation.
     let peak = contact.peak_pressure(YOUNG).context("no pressure")?;
     let force = 4.0 / 3.0 * RADIUS.sqrt() * libm::pow(DEPTH, 1.5);
     let radius = (1.5 * force / (std::f64::consts::PI * peak)).sqrt();

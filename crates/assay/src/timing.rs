@@ -24,7 +24,7 @@ pub const NO_VALGRIND: &str =
 const MIN_BATCH_TIME: Duration = Duration::from_millis(5);
 /// Number of runs of each evaluation under callgrind. Only the last run is counted.
 const RUNS: usize = 2;
-/// Smallest number of batches, even if a single batch takes a long time.
+/// Smallest number of batches that are timed, even if a single batch takes a long time.
 const MIN_BATCHES: usize = 3;
 /// Pattern for the name of [`evaluate_once`] in the compiled program, whether or not the compiler has mangled it.
 const EVALUATE_ONCE: &str = "*timing*evaluate_once*";
@@ -38,14 +38,14 @@ pub struct Evaluation {
     evaluations: u32,
 }
 
-/// Nanoseconds per evaluation: quartiles over the batches.
+/// Time per evaluation in nanoseconds, as quartiles over the batches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// Lower quartile: a quarter of the batches was faster.
+    /// Lower quartile: a quarter of the batches were faster.
     pub q25: f64,
     /// Median: half of the batches were faster.
     pub median: f64,
-    /// Upper quartile: a quarter of the batches was slower.
+    /// Upper quartile: a quarter of the batches were slower.
     pub q75: f64,
 }
 
@@ -130,8 +130,8 @@ pub fn count(evaluations: impl IntoIterator<Item = Evaluation>) {
 #[inline(never)]
 fn evaluate_once(run: &mut dyn FnMut()) {
     run();
-    // This line prevents a tail call of the function above. A tail call would end this function too early for
-    // callgrind.
+    // This line prevents a tail call of the function above. After a tail call, callgrind would consider this function
+    // finished before `run` has finished.
     black_box(());
 }
 

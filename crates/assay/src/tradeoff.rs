@@ -120,7 +120,7 @@ fn measure(
     patience: Duration,
 ) -> Result<Vec<MeasuredRung>> {
     let measure = |rung: ladder::Rung| {
-        // Compute the error first, because this checks that the rung can be evaluated.
+        // Compute the error before the time, because computing the error checks that the rung can be evaluated.
         let error = (rung.error)().with_context(|| rung.name.clone())?;
         let mut evaluation: Evaluation = rung.evaluation;
         let ns = evaluation.time(patience);

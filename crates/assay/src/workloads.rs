@@ -151,8 +151,8 @@ fn workloads() -> Vec<Workload> {
     ]
 }
 
-/// Name and number of instructions of each workload. Each workload runs in its own process. Otherwise, memory that
-/// other workloads have left on the heap would change the cost of allocations.
+/// Name and number of instructions of each workload. Each workload runs in its own process. A common process would
+/// change the cost of allocations, because other workloads leave memory on the heap.
 ///
 /// # Errors
 /// An error if valgrind is missing, or a workload cannot be set up or executes no instruction.

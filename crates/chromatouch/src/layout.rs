@@ -45,7 +45,7 @@ pub enum Layout {
         /// Polar angle of the cap's rim, degrees.
         cap_deg: f64,
     },
-    /// Equally spaced markers on a great circle along x, with the apex in the middle.
+    /// Equally spaced markers on a great circle that passes through the apex along x. The apex is in the middle.
     Line {
         /// Number of markers.
         markers: u32,
@@ -79,7 +79,7 @@ impl Layout {
     /// # Errors
     /// [`LayoutError`] if the radius is out of range or the layout is impossible.
     pub fn places(&self, sensor_radius: f64) -> Result<Vec<[f64; 2]>, LayoutError> {
-        // Up to this radius, the circumference of the sphere is a finite number.
+        // The radius is limited so that the circumference of the sphere is a finite number.
         let good = sensor_radius > 0.0 && sensor_radius <= 1e300;
         LayoutError::unless(good, "radius", sensor_radius, "above 0 and at most 1e300")?;
         match self {
@@ -179,8 +179,8 @@ fn on_lattice(pitch: f64, cap_deg: f64, sensor_radius: f64) -> Result<Vec<[f64; 
     Ok(places)
 }
 
-/// Equally spaced coordinates from 0 to `length`. `reach` is the distance of the farthest marker from the apex; it must
-/// be less than half the circumference.
+/// Equally spaced coordinates from 0 to `length`. `reach` is the distance of the farthest marker from the apex; this
+/// distance must be less than half the circumference.
 fn equal_steps(
     markers: u32,
     length: f64,
@@ -199,7 +199,8 @@ fn equal_steps(
 
 /// Two points that are too close to each other.
 pub(crate) struct TooClose {
-    /// Index of one point, from 0. If several pairs are too close, the pair with the smallest `second` is returned.
+    /// Index of one point, from 0. If several pairs are too close to each other, the pair with the smallest `second` is
+    /// returned.
     pub(crate) first: usize,
     pub(crate) second: usize,
     /// Distance between the points.
@@ -207,7 +208,8 @@ pub(crate) struct TooClose {
 }
 
 /// The first pair of points whose distance is below `reach`, if there is one. The points are sorted into cells. A cell
-/// is as wide as `reach`, but at least as wide as `narrowest`, so that the number of a cell fits into an integer.
+/// is as wide as `reach` or as `narrowest`, whichever is larger. The lower limit ensures that the number of a cell fits
+/// into an integer.
 pub(crate) fn too_close<const D: usize>(
     points: &[[f64; D]],
     reach: f64,

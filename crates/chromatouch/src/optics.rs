@@ -63,7 +63,8 @@ pub struct Optics {
 /// The features of a marker in an ideal image, without blur, uneven light, seams or noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenMarker {
-    /// Centroid of the marker's image, px. Each point is weighted by the absorbed light as in `size_px2`.
+    /// Centroid of the marker's image, px. Each point of the image is weighted by the light that is absorbed there, as
+    /// in `size_px2`.
     pub centroid_px: [f64; 2],
     /// HSV hue of the summed light of the image, in turns, from 0 (red) to below 1. Each point is weighted by its
     /// chroma. The hue is 0 if the light has no chroma.

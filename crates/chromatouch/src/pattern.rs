@@ -25,7 +25,7 @@ pub(crate) const FEWEST_GORES: u32 = 3;
 /// Largest number of gores of a pattern.
 pub(crate) const MOST_GORES: u32 = 360;
 
-/// Largest number of chords with which the outline of a gore is drawn from the apex to the equator.
+/// Largest number of chords for one side of a gore's outline, from the apex to the equator.
 const MOST_SAMPLES: u32 = 1000;
 
 /// Flat gores that can be folded to a hemisphere.
@@ -95,8 +95,9 @@ impl Pattern {
         })
     }
 
-    /// Closed outline of one gore as points (distance from the middle meridian, distance from the apex), length. It
-    /// goes from the right end of the equator's edge up to the apex and down again, with 2m + 1 points.
+    /// Closed outline of one gore as points (distance from the middle meridian, distance from the apex), length. The
+    /// outline goes from the right end of the gore's edge at the equator up to the apex and down again. It has 2m + 1
+    /// points, where m is the number of steps per side.
     fn outline(&self) -> impl Iterator<Item = [f64; 2]> {
         let right = (0..=self.samples).rev().map(|step| self.edge(step));
         let left = (1..=self.samples).map(|step| self.edge(step));
@@ -170,8 +171,8 @@ mod tests {
             let outline = gore(gores, samples, radius);
             assert_eq!(outline.len(), 2 * samples as usize + 1);
             let area = area(&outline);
-            // The chords enclose less area than the sine curve. The ratio of the areas is (h/2) cot(h/2), where h is
-            // the step.
+            // The chords enclose less area than the exact outline, which is a sine curve. The ratio of the two areas is
+            // (h/2) cot(h/2), where h is the step of the angle.
             let half_step = 0.25 * PI / f64::from(samples);
             let chords = half_step / libm::tan(half_step);
             let share = TAU * radius * radius / f64::from(gores);
@@ -207,7 +208,8 @@ mod tests {
                 );
                 let half_width = PI * shrunk / f64::from(gores);
                 assert!(flat.across.abs() <= half_width + 1e-12);
-                // On the flat sheet, a gore also stays within its angular share of the full turn.
+                // The gores do not overlap on the flat sheet, because each stays within its angular share of the full
+                // turn.
                 let [x, y] = flat.assembled;
                 assert_relative_eq!(
                     libm::hypot(x, y),

@@ -1,4 +1,5 @@
-//! The least squares of eight probes on a sphere: set up, and from readings to an estimate.
+//! Benchmarks of the least squares of eight probes on a sphere. One measures the set-up of the fit, the other the way
+//! from readings to an estimate.
 
 use std::f64::consts::FRAC_PI_4;
 use std::hint::black_box;
@@ -10,7 +11,7 @@ use palpate_ep1::{LeastSquares, ProbeReading, ReadingNoise};
 const RADIUS: f64 = 1.0;
 const SPHERE: f64 = 5.0;
 
-/// Each probe turns by 0.1 rad in a direction of its own.
+/// Readings of eight probes. Each probe turns by 0.1 rad in a different direction.
 fn readings() -> Vec<ProbeReading> {
     let reading = |probe: i32| {
         let (sine, cosine) = libm::sincos(FRAC_PI_4 * f64::from(probe));

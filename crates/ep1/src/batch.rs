@@ -4,7 +4,8 @@ use nalgebra::Vector2;
 
 use crate::ProbeReading;
 
-/// Maximum number of sets of readings in a batch, chosen so that all data of a batch fit into the L1 cache.
+/// Largest number of sets of readings in a batch. With this number, all data of a batch fit into the L1 cache of the
+/// processor.
 pub const BATCH_SIZE: usize = 128;
 
 /// Sums over the probes of one set of readings. [`LeastSquares`](crate::LeastSquares) computes the estimate from these
@@ -27,8 +28,8 @@ pub const BATCH_SIZE: usize = 128;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
-    /// Sums of `g₁ d₁`, `g₂ d₂` and `g₂ d₁ + g₁ d₂` over the probes. Here `g` is the drive of a probe, and `d = Δp − R₁
-    /// g` is the deviation of the shift `Δp` from the shift on a plane.
+    /// Sums of `g₁ d₁`, `g₂ d₂` and `g₂ d₁ + g₁ d₂` over the probes. Here `g = (−Δθ_y, Δθ_x)` is the drive of a probe,
+    /// made from its rotation. `d = Δp − R₁ g` is the deviation of its shift `Δp` from the shift on a plane.
     pub(crate) deviations: [f64; 3],
     /// Sum of the lengths of the shifts, length.
     pub(crate) lengths: f64,
@@ -39,7 +40,8 @@ pub struct Moments {
 pub struct ProbeRotation {
     /// Drive `g = (−Δθ_y, Δθ_x)` of the probe, made from its rotation, rad.
     drive: [f64; 2],
-    /// `R₁ g`: the shift of the contact if the object were a plane, length.
+    /// The shift of the contact if the object were a plane, `R₁ g`, where R₁ is the radius of the probe and g its
+    /// drive; length.
     flat: [f64; 2],
 }
 
@@ -169,11 +171,12 @@ impl BatchEstimates {
         }
     }
 
-    /// Number of determined estimates that precede the first undetermined one, among the first `count` estimates.
+    /// Number of determined estimates before the first undetermined estimate, among the first `count` estimates.
     #[inline(always)]
     pub(crate) fn determined(&self, count: usize) -> usize {
         let all = &self.is_determined[..count.min(BATCH_SIZE)];
-        // First compare the sum with the number of estimates, because nearly always all estimates are determined.
+        // Compare the sum with the number of estimates before searching, because nearly always all estimates are
+        // determined.
         match all.iter().sum::<u64>() as usize {
             sum if sum == all.len() => sum,
             _ => all.iter().take_while(|&&one| one == 1).count(),

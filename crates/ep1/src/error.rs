@@ -8,7 +8,8 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Ep1Error {
-    /// Fewer than two probes. A curvature form has three components, and one probe determines only two of them.
+    /// Fewer than two probes. At least two are needed, because a curvature form has three components, and one probe
+    /// determines only two of them.
     #[error("{probes} probe(s); at least 2 in different directions are needed")]
     TooFewProbes {
         /// Number of probes.

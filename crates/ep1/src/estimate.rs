@@ -43,8 +43,8 @@ pub struct Estimate {
     /// Mean length of the shifts, in the length unit of the readings.
     pub arc_length: f64,
     pub(crate) probe_curvature: f64,
-    /// Mobility `(K₁ + K₂)⁻¹`, where K₁ and K₂ are the curvature forms of probe and object: the distance that the
-    /// contact moves on the probe per radian, length.
+    /// Mobility: the distance (length) that the contact moves on the probe per radian. It is `(K₁ + K₂)⁻¹`, where K₁
+    /// and K₂ are the curvature forms of probe and object.
     pub(crate) mobility: Matrix2<f64>,
 }
 

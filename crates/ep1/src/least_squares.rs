@@ -14,8 +14,8 @@
 //!
 //! If the readings are exact and the probes roll equally in all directions, the curvatures `k` have a relative error of
 //! at most `1e-15 (2 + K₁/|k| + |k|/K₁)`. The term `K₁/|k|` comes from the rounding of the readings. The term `|k|/K₁`
-//! is the price for the accuracy on flat objects: if the object's curvature is a million times the probe's curvature,
-//! it has nine correct digits.
+//! is the price for the accuracy on flat objects. If the object's curvature is a million times the probe's curvature,
+//! the estimate has nine correct digits.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector2};
 use palpate_geometry::CurvatureForm;
@@ -27,8 +27,8 @@ use crate::{
 };
 
 /// Largest allowed ratio of the variance of the measured rotations to the mean squared rotation, in any direction. The
-/// check of a simulated scene uses the true rotations. This makes it stricter, because errors make the measured
-/// rotations larger.
+/// check of a simulated scene uses the true rotations. This makes the check stricter, because measured rotations are
+/// larger due to their errors.
 const MAX_NOISE_SHARE: f64 = 0.5;
 
 /// The part of the least squares that depends only on the rotations, not on the shifts.
@@ -284,7 +284,8 @@ impl LeastSquares {
         estimates.determined(count)
     }
 
-    /// The error for a contact that did not move, or that moved backwards, in some direction.
+    /// The error for a contact that did not move, or that moved backwards, in some direction. `travel` is the movement
+    /// of the contact, divided by its movement on a plane.
     #[cold]
     fn not_moving(&self, travel: &Symmetric) -> Ep1Error {
         let matrix = travel.matrix();
@@ -309,8 +310,8 @@ impl LeastSquares {
                 travel_per_radian,
             };
         }
-        // Even the longest rotation in this direction moved the contact by less than the resolution. This gives a bound
-        // on the curvature.
+        // Even the longest rotation in this direction moved the contact by less than the resolution. From this follows
+        // a bound on the object's radius of curvature.
         let rotation = self
             .rotations
             .iter()
@@ -327,8 +328,8 @@ impl LeastSquares {
 }
 
 impl Estimate {
-    /// Root mean square of the residuals `Δp − B g` per component, length. Also the number of degrees of freedom: two
-    /// per probe, minus three.
+    /// Root mean square of the residuals `Δp − B g` per component, length. The second result is the number of degrees
+    /// of freedom: two per probe, minus three.
     pub fn residual(&self, readings: &[ProbeReading]) -> (f64, usize) {
         let freedom = (2 * readings.len()).saturating_sub(3);
         if freedom == 0 {
@@ -350,7 +351,7 @@ fn spans(probes: usize, gram: &Symmetric) -> Result<(), Ep1Error> {
     if probes < 2 {
         return Err(Ep1Error::TooFewProbes { probes });
     }
-    // The ratio of the eigenvalues λ_min/λ_max is between `det/trace²` and four times `det/trace²`.
+    // The ratio of the smaller to the larger eigenvalue is between `det/trace²` and four times `det/trace²`.
     let trace = gram.uu + gram.vv;
     let determinant = gram.determinant();
     if determinant > SMALLEST_SPREAD * SMALLEST_SPREAD * trace * trace {
@@ -366,14 +367,16 @@ fn spans(probes: usize, gram: &Symmetric) -> Result<(), Ep1Error> {
     })
 }
 
-/// Matrix of the normal equations, `Σ AᵀA` with `A = [[g₁, 0, g₂], [0, g₂, g₁]]`.
+/// Matrix of the normal equations, `Σ AᵀA`, where the sum is over the rolls. For a roll with the drive g, `A = [[g₁, 0,
+/// g₂], [0, g₂, g₁]]`.
 fn normal_equations(gram: &Symmetric) -> Matrix3<f64> {
     let Symmetric { uu, uv, vv } = *gram;
     Matrix3::new(uu, 0.0, uv, 0.0, vv, uv, uv, uv, uu + vv)
 }
 
-/// The sum `Σ σ² Aᵀ C A` over the rotations, where `C` is the covariance of a residual for a rotation with unit
-/// variance. `gram` is the Gram matrix of the rotations, weighted with their variances σ².
+/// The sum `Σ σ² Aᵀ C A` over the rotations, with the matrices `A` of [`normal_equations`]. `C` is the covariance of a
+/// residual for a rotation with unit variance. `gram` is the Gram matrix of the rotations, weighted with their
+/// variances σ².
 fn weighted_equations(gram: &Symmetric, c: &Symmetric) -> Matrix3<f64> {
     let Symmetric { uu, uv, vv } = *gram;
     let (u_mixed, v_mixed) = (c.uu * uv + c.uv * uu, c.uv * vv + c.vv * uv);

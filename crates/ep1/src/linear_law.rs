@@ -5,12 +5,12 @@ use crate::batch::BATCH_SIZE;
 use crate::symmetric::{Symmetric, Symmetric3};
 use crate::{BatchEstimates, BatchMoments, Moments};
 
-/// Smallest distance that a contact must move, relative to the distance that it would move on a plane. A smaller
-/// movement may be a rounding error.
+/// Smallest distance that a contact must move, relative to the distance that it would move on a plane. A shorter
+/// movement may be only a rounding error.
 pub(crate) const MIN_TRAVEL: f64 = 1e-12;
 
-/// Standard deviation of the rounding errors in the entries of `K₁ B`. They come from the last digits of the readings
-/// and sums.
+/// Standard deviation of the rounding errors in the entries of `K₁ B`, where K₁ is the probe's curvature and B the
+/// mobility of the contact. These errors come from the last digits of the readings and sums.
 pub(crate) const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
 /// The linear map from shifts to estimates, as a type that can be copied into a loop over a batch.
@@ -19,15 +19,16 @@ pub(crate) struct Law {
     pub(crate) radius: f64,
     pub(crate) probe_curvature: f64,
     pub(crate) per_probe: f64,
-    /// Inverse of the matrix of the normal equations. The unknowns are the entries `uu`, `vv`, `uv` of `K₁ D`.
+    /// Inverse of the matrix of the normal equations. The unknowns are the entries `uu`, `vv`, `uv` of `K₁ D`: the
+    /// probe's curvature K₁ times the deviation D of the mobility from the mobility on a plane.
     pub(crate) inverse: Symmetric3,
     /// Mean decrease of the sum of `g d` due to errors of the measured rotations, length. Here `g` is the drive of a
     /// probe, and `d = Δp − R₁ g` is the deviation of its shift from the shift on a plane.
     pub(crate) added: f64,
     /// Covariance of the entries of `K₁ D` due to the shifts' noise and to rounding.
     pub(crate) from_shifts: Symmetric3,
-    /// Covariance of the entries of `K₁ D` due to the rotations' noise, as three matrices that are multiplied by the
-    /// entries `uu`, `vv`, `uv` of `(K₁ B)²`.
+    /// Covariance of the fitted entries of `K₁ D` that is due to the rotations' noise. It is the sum of these three
+    /// matrices, multiplied by the entries `uu`, `vv`, `uv` of `(K₁ B)²`, where B is the mobility.
     pub(crate) from_rotations: [Symmetric3; 3],
 }
 
@@ -92,8 +93,8 @@ impl Law {
         let trace = travel.uu + travel.vv;
         let moved = (0.0 < travel.uu) & (0.0 < travel.vv) & (trace * MIN_TRAVEL < determinant);
         let scale = self.probe_curvature / determinant;
-        // The object's curvature is −K₁ (I + K₁ D)⁻¹ K₁ D. K₁ is a multiple of I, so both factors are functions of D, and
-        // their product is symmetric.
+        // The object's curvature is −K₁ (I + K₁ D)⁻¹ K₁ D. The product is symmetric, because K₁ is a multiple of I and
+        // both other factors are functions of D.
         let mixed = deviation.uv * deviation.uv;
         let curvature = Symmetric {
             uu: scale * (mixed - travel.vv * deviation.uu),
@@ -103,7 +104,8 @@ impl Law {
         let gaussian = curvature.determinant();
         let mean = curvature.uu * 0.5 + curvature.vv * 0.5;
         let arc_length = self.arc_length(moments);
-        // From here on, standard deviations are in units of K₁ / det².
+        // From here on, standard deviations are in units of K₁ / det², where K₁ is the probe's curvature and det the
+        // determinant of `travel`.
         let unit = scale / determinant;
         let mut all = gaussian + mean + arc_length + trace * self.radius + unit;
         let mut stds = [0.0; 4];
@@ -122,7 +124,8 @@ impl Law {
         }
     }
 
-    /// Covariance of the entries of `K₁ B`. `travel` is the estimate of `K₁ B`.
+    /// Covariance of the entries of `K₁ B`, the mobility times the probe's curvature. `travel` is the estimate of `K₁
+    /// B`.
     #[inline(always)]
     pub(crate) fn of_mobility(self, travel: &Symmetric) -> Symmetric3 {
         self.from_shifts
@@ -135,12 +138,12 @@ impl Law {
     /// The residual of a probe is `e − B δg` for the shift error `e` and the rotation error `δg`. Therefore the
     /// covariance of B is linear in `B²`, and `δK₂ = −K_rel δB K_rel`. A quantity with the gradient `G` with respect to
     /// K₂ changes by `−tr(S δB)` with `S = K_rel G K_rel`. The variance of the Gaussian curvature also contains the
-    /// second-order term, because all other terms are zero on a flat object.
+    /// second-order term, because the first-order terms are zero on a flat object.
     #[inline(always)]
     fn stds(self, curvature: &Symmetric, travel: &Symmetric, unit: f64) -> [f64; 4] {
         let covariance = self.of_mobility(travel);
         let [along_u, along_v, mixed] = gradients(travel);
-        // This is a function and not a closure: a closure that is not inlined would be compiled without the vector
+        // Use a function and not a closure here. A closure that is not inlined would be compiled without the vector
         // instructions of the caller.
         let (from_u, from_v, from_t) = (
             covariance.times(&along_u),
@@ -168,11 +171,12 @@ impl Law {
     }
 }
 
-/// Derivatives of K_uu, K_vv and K_uv with respect to the entries `uu`, `vv`, `uv` of `K₁ B`, with the opposite sign,
-/// in units of `K₁ / det²`.
+/// Derivatives of the object's curvatures K_uu, K_vv and K_uv with respect to the entries `uu`, `vv`, `uv` of the
+/// mobility times the probe's curvature, `K₁ B`. They have the opposite sign and are in units of `K₁ / det²`, where
+/// `det` is the determinant of `K₁ B`.
 #[inline(always)]
 pub(crate) fn gradients(travel: &Symmetric) -> [[f64; 3]; 3] {
-    // `w` is the relative curvature K_rel in units of K₁ / det.
+    // `w` is the relative curvature of object and probe, in units of K₁ / det.
     let w = Symmetric {
         uu: travel.vv,
         vv: travel.uu,
@@ -195,7 +199,7 @@ fn root(variance: f64) -> f64 {
 
 /// The result of the fit. The caller must check that it describes a rolling contact.
 pub(crate) struct Solution {
-    /// `K₁ B`: movement of the contact, divided by its movement on a plane.
+    /// Movement of the contact, divided by its movement on a plane: the mobility B times the probe's curvature K₁.
     pub(crate) travel: Symmetric,
     /// The object's curvature form.
     pub(crate) curvature: Symmetric,
@@ -203,7 +207,7 @@ pub(crate) struct Solution {
     pub(crate) curvatures: [f64; 4],
     /// Standard errors of the curvatures; 0 if no noise was stated.
     pub(crate) stds: [f64; 4],
-    /// Whether the contact moved forward, that is, in the direction of the roll, for every direction.
+    /// Whether the contact moved in the direction of the roll, for rolls in all directions.
     pub(crate) moved: bool,
     /// Whether all numbers are finite.
     pub(crate) in_range: bool,

@@ -1,40 +1,42 @@
 //! Tests whether rolls contradict the model: goodness of fit, and rolls that contradict the other rolls.
 //!
-//! The residuals `Δp − B g` have the covariance `σ_p² I + σ_g² B Bᵀ`, where σ_p is the noise of the shifts and σ_g the
-//! noise of the rotations. Weighted least squares remove the part that a change of `B` explains. Then the sum of the
-//! squared residuals, divided by their variances, follows a chi-squared distribution. On pads, all probes share the
-//! rounding error of the first contact. This error is fitted too, with the variance of a uniform distribution over a
-//! pad as its prior.
+//! The residual of a roll is `Δp − B g`, with the shift `Δp`, the mobility `B` of the contact and the drive `g` of the
+//! probe. Its covariance is `σ_p² I + σ_g² B Bᵀ`, where σ_p is the noise of the shifts and σ_g the noise of the
+//! rotations. Weighted least squares remove the part that a change of `B` explains. Then the sum of the squared
+//! residuals, divided by their variances, follows a chi-squared distribution. On pads, all probes share the rounding
+//! error of the first contact. This error is fitted too, with the variance of a uniform distribution over a pad as its
+//! prior.
 
 use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2};
 use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit, StatedQuantity};
 
 use crate::{Estimate, ProbeReading, ReadingNoise};
 
-/// Number of entries of `B`.
+/// Number of fitted entries of the mobility `B`, which is a symmetric 2×2 matrix.
 const MOBILITY_ENTRIES: usize = 3;
-/// Number of fitted parameters: the entries of `B`, and the two components of the shift that all probes on pads share.
+/// Number of fitted parameters: the entries of the mobility `B`, and the two components of the shift that all probes on
+/// pads share.
 const UNKNOWNS: usize = 5;
 /// Smallest estimated noise, relative to the longest shift. A smaller value may be a rounding error.
 const MIN_NOISE: f64 = 1e-3;
-/// Smallest relative size of the diagonal entry of a fitted parameter, and of the noise in a direction. A smaller value
-/// may be a rounding error.
+/// Smallest relative size of two numbers: the diagonal entry of a fitted parameter, and the noise in a direction. A
+/// smaller value may be only a rounding error.
 const SINGULAR: f64 = 1e-10;
-/// Significance level of a poor fit. Four probes have only five degrees of freedom. At a level of 0.005, the test would
-/// often miss a noise that is three times the stated noise.
+/// Significance level of a poor fit. Four probes have only five degrees of freedom. Therefore, at a level of 0.005, the
+/// test would often miss a noise that is three times the stated noise.
 const POOR_FIT_LEVEL: f64 = 0.02;
 /// Significance level for residuals that are too small for the stated noise.
 const SMALL_RESIDUALS_LEVEL: f64 = 3e-5;
-/// Smallest ratio of stated noise to residuals that is reported.
+/// Smallest ratio of the stated noise to the residuals for which a misfit is reported.
 const MIN_NOISE_RATIO: f64 = 4.0;
 
 type Unknowns = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 type Slopes = SMatrix<f64, 2, UNKNOWNS>;
 
 impl Estimate {
-    /// Goodness of fit of this estimate to its readings; `None` if no noise is stated. For pads, the p-value is rather
-    /// too large than too small, because the errors of pads are not independent. The computing time is proportional to
-    /// the number of probes.
+    /// Goodness of fit of this estimate to its readings; `None` if no noise is stated. For pads, the p-value tends to
+    /// be too large, because the errors of pads are not independent. The computing time is proportional to the number
+    /// of probes.
     ///
     /// ```
     /// use nalgebra::Vector2;
@@ -70,8 +72,8 @@ impl Estimate {
 
     /// Ways in which the readings contradict the model. If no noise is stated, only an outlier can be found.
     ///
-    /// A wrong gain of all shifts or all rotations, or a wrong radius of the probe, causes no misfit, because it
-    /// changes the readings in the same way as another curvature of the object.
+    /// A wrong gain of all shifts or all rotations, or a wrong radius of the probe, causes no misfit. The reason is
+    /// that another curvature of the object would change the readings in the same way.
     pub fn misfits(&self, noise: ReadingNoise, readings: &[ProbeReading]) -> Vec<Misfit> {
         let (residual, _) = self.residual(readings);
         let longest = readings.iter().map(|reading| reading.shift.norm());
@@ -124,7 +126,7 @@ struct Refit<'r> {
     /// residual, divided by the probe's radius.
     units: [f64; 2],
     covariance: Unknowns,
-    /// Change of the fitted parameters that minimises chi-squared.
+    /// Change of the fitted parameters with which chi-squared is smallest.
     change: SVector<f64, UNKNOWNS>,
     chi_squared: f64,
     freedom: usize,
@@ -180,7 +182,7 @@ impl<'r> Refit<'r> {
         let chi_squared: f64 = square - gradient.dot(&refit.change);
         refit.chi_squared = match chi_squared.is_finite() {
             true => chi_squared.max(0.0),
-            // Chi-squared overflows if the residuals are too many standard deviations large.
+            // The sum overflows if residuals are extremely large in standard deviations. Chi-squared is then infinite.
             false => f64::INFINITY,
         };
         Some(refit)
@@ -215,8 +217,9 @@ impl<'r> Refit<'r> {
         self.readings.iter().enumerate().filter_map(weighted)
     }
 
-    /// The roll that contradicts the others. Its residual is compared with the stated noise if this noise explains the
-    /// other rolls; otherwise it is compared with the residuals of the other rolls.
+    /// The roll that contradicts the other rolls most; `None` if no contradiction is significant. Its residual is
+    /// compared with the stated noise if this noise explains the other rolls; otherwise it is compared with the
+    /// residuals of the other rolls.
     fn outlier(&self, is_noise_stated: bool) -> Option<Misfit> {
         if !self.chi_squared.is_finite() {
             return None;
@@ -240,8 +243,8 @@ impl<'r> Refit<'r> {
     }
 }
 
-/// Standard deviations of a residual, divided by the probe's radius: due to the noise of the shift, and due to the
-/// noise of the rotation. The second is for the direction in which `B` is largest.
+/// Two standard deviations of a residual, divided by the probe's radius. The first is due to the noise of the shift,
+/// the second due to the noise of the rotation. The second is for the direction in which the mobility is largest.
 fn noise_sizes(noise: &ReadingNoise, estimate: &Estimate, reading: &ProbeReading) -> [f64; 2] {
     let turned = reading.rotation.norm();
     let rotation_std = libm::hypot(noise.relative_rotation_std * turned, noise.rotation_std_rad);

@@ -80,9 +80,9 @@ impl ReadingNoise {
             + self.rotation_std_rad * self.rotation_std_rad
     }
 
-    /// The sum `Σ AᵀCA` over pairs of rolls by `rotations`. `A` are the equations of a roll, and `C` are the
-    /// correlations between the shift errors of rolls that start at the same place on the pads. `None` if each roll
-    /// starts at its own place.
+    /// The sum `Σ AᵀCA` over pairs of rolls by `rotations`. `A` is the matrix of a roll's equations, and `C` contains
+    /// the correlations between the shift errors of two rolls that start at the same place on the pads. `None` if each
+    /// roll starts at its own place.
     ///
     /// Rounding errors are uniform over a pad. If the ends of two rolls differ by a fraction f of a pad, their errors
     /// have the correlation 1 − 6 f (1 − f). This formula is used only for small f, because larger distances depend on
@@ -107,8 +107,8 @@ impl ReadingNoise {
             }
         };
         let correlation = |one: f64, other: f64| match self.pad_start {
-            // If rolls start at the centre of a pad, opposite shifts have opposite rounding errors. So the correlation
-            // must change its sign if one of the two shifts does.
+            // If rolls start at the centre of a pad, opposite shifts have opposite rounding errors. Therefore the
+            // correlation must change its sign if one of the two shifts changes its sign.
             PadStart::Centred => alike(one - other) - alike(one + other),
             _ => 0.5 * (1.0 - alike(one) - alike(other) + alike(one - other)),
         };

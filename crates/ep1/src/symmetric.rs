@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix2, Matrix3};
 
-/// Ratio below which rotations count as parallel: their spread perpendicular to the main axis, divided by their spread
-/// along this axis.
+/// If the spread of rotations perpendicular to their main axis, divided by the spread along this axis, is below this
+/// value, the rotations count as parallel.
 pub(crate) const SMALLEST_SPREAD: f64 = 1e-6;
 
 /// A symmetric 2×2 matrix.
@@ -36,13 +36,14 @@ impl Symmetric {
         }
     }
 
-    /// Sum of the entries `uu`, `vv`, `uv` of the matrix, each multiplied by a component of the vector.
+    /// Sum of the products of the entries `uu`, `vv`, `uv` of the matrix with the components of the vector.
     #[inline(always)]
     pub(crate) fn dot(&self, v: &[f64; 3]) -> f64 {
         self.uu * v[0] + self.vv * v[1] + self.uv * v[2]
     }
 
-    /// `own` plus three vectors. Each vector is multiplied by the entry of the matrix that has its name.
+    /// The sum of `own` and three vectors. Each of these vectors is multiplied by the matrix entry that has the
+    /// vector's name.
     #[inline(always)]
     fn sum(&self, own: &[f64; 3], uu: &[f64; 3], vv: &[f64; 3], uv: &[f64; 3]) -> [f64; 3] {
         [
@@ -80,7 +81,7 @@ impl Symmetric3 {
         }
     }
 
-    /// This matrix plus the three `parts`. They are multiplied by the entries `uu`, `vv`, `uv` of `weights`.
+    /// This matrix plus the three `parts`. Each part is multiplied by the entry `uu`, `vv` or `uv` of `weights`.
     #[inline(always)]
     pub(crate) fn plus(&self, [uu, vv, uv]: &[Self; 3], weights: &Symmetric) -> Self {
         Self {

@@ -1,6 +1,5 @@
-//! Time of the penalised spline: at the 30 contacts of the 1996 paper with the map of
-//! curvatures and their standard deviations, and at many contacts on a detailed surface. Each
-//! result is checked before it is timed.
+//! Measures the time of a fit by the penalised spline: to the 30 contacts of the 1996 paper, with the map of curvatures
+//! and their standard errors; and to many contacts on a detailed surface. Each result is checked before it is timed.
 
 use std::hint::black_box;
 
@@ -9,8 +8,8 @@ use nalgebra::{Point3, Vector3};
 use palpate_ep2::{Contact, Fit, Method, Patch, Penalised, Quadric};
 use palpate_sensing::{Channel, Stream};
 
-/// Three fingers with ten contacts each on a sphere of radius 5, positions off by 5 % of the
-/// distance between fingers and normals by 2 degrees.
+/// Three fingers with ten contacts each on a sphere of radius 5. Positions have errors of 5 % of the distance between
+/// fingers, and normals have errors of 2 degrees.
 fn sphere() -> Vec<Contact> {
     let mut stream = Stream::new(1, 0, Channel::Position);
     let mut error = |std: f64| Vector3::from_fn(|_, _| std * stream.standard_normal());
@@ -26,7 +25,7 @@ fn sphere() -> Vec<Contact> {
         .collect()
 }
 
-/// Scattered contacts on z = 0.2 sin 2x cos 2y, heights off by 0.02.
+/// Contacts at random places on the surface z = 0.2 sin 2x cos 2y, with errors of 0.02 in the heights.
 fn waves(contacts: usize) -> Vec<Contact> {
     let mut stream = Stream::new(2, 0, Channel::Position);
     (0..contacts)
@@ -45,7 +44,7 @@ fn patch(contacts: &[Contact]) -> Patch {
     Patch::new(contacts, &Vector3::z()).expect("a patch")
 }
 
-/// Root-mean-square error of the mean curvature of the waves, seen from above.
+/// Root-mean-square error of the estimated mean curvature, over the surface of `waves`.
 fn error_of_waves(fit: &Fit) -> f64 {
     let mut square = 0.0;
     for index in 0..400 {

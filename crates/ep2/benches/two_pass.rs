@@ -1,4 +1,4 @@
-//! The two passes over 30 contacts of three fingers, without and with knots.
+//! Measures the time of the two-pass method with 30 contacts of three fingers, without and with interior knots.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Point3, Vector3};
@@ -8,7 +8,7 @@ use std::hint::black_box;
 
 const RADIUS: f64 = 5.0;
 
-/// Ten contacts of each of three fingers at y = −1, 0, 1 on a sphere, off by up to `bound`.
+/// Ten contacts of each of three fingers at y = −1, 0 and 1 on a sphere, with errors of up to `bound`.
 fn contacts(bound: f64, trial: u64) -> Vec<Contact> {
     let mut noise = Stream::new(7, trial, Channel::Position);
     let mut contacts = Vec::new();

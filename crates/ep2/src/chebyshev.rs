@@ -10,13 +10,13 @@ pub(crate) const fn count(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2
 }
 
-/// The indices (i, j) of the products up to a degree, sorted by i + j. The first coefficients of a series of higher
-/// degree are therefore those of a series of lower degree.
+/// The indices (i, j) of the products T_i(a) T_j(b) up to a total degree, sorted by i + j. Therefore the coefficients
+/// of a series of lower degree are the first coefficients of a series of higher degree.
 pub(crate) fn products(degree: usize) -> impl Iterator<Item = [usize; 2]> {
     (0..=degree).flat_map(|sum| (0..=sum).map(move |j| [sum - j, j]))
 }
 
-/// Index of T_i(a) T_j(b) in the order of [`products`].
+/// Index of T_i(a) T_j(b) in the list that [`products`] returns.
 #[inline]
 pub(crate) const fn place([i, j]: [usize; 2]) -> usize {
     count(i + j) - i - 1
@@ -35,8 +35,8 @@ where
     })
 }
 
-/// The linear map from the coefficients of a series to those of its derivative along an axis. The derivative has one
-/// degree less; for a constant it is 0.
+/// The linear map from the coefficients of a series to the coefficients of its derivative along an axis. The degree of
+/// the derivative is one lower; for a constant it is 0.
 pub(crate) fn derivative(degree: usize, axis: usize) -> SparseMap {
     let mut entries = Vec::new();
     for (at, product) in products(degree).enumerate() {
@@ -92,7 +92,7 @@ mod tests {
             [at(a, b - step), at(a, b + step)],
         ];
         for (axis, [low, high]) in neighbours.iter().enumerate() {
-            // The matrix has one row per product.
+            // The matrix has one row per product of Chebyshev polynomials.
             let slopes = derivative(degree, axis)
                 .apply_to_rows(&DMatrix::identity(count(degree), count(degree)));
             for (product, parts) in slopes.row_iter().enumerate() {

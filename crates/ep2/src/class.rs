@@ -6,9 +6,9 @@ use strum::IntoStaticStr;
 
 use crate::{Curvature, Uncertainty};
 
-/// The mean curvature is integrated over this number of standard deviations to each side.
+/// Half of the range of integration over the mean curvature, in standard errors.
 const REACH: f64 = 8.0;
-/// Number of intervals of Simpson's rule in each part of the range of the mean curvature; even.
+/// Number of intervals of Simpson's rule in each part of the range of the mean curvature. It must be even.
 const INTERVALS: usize = 64;
 
 /// Shape class by the signs of the curvatures alone, without thresholds.
@@ -24,7 +24,7 @@ pub enum SignClass {
 }
 
 impl SignClass {
-    /// The name of the class in files.
+    /// The name of the class, as it is written in files.
     pub fn name(self) -> &'static str {
         self.into()
     }
@@ -45,12 +45,14 @@ impl Curvature {
         }
     }
 
-    /// The probability of each of the eight classes, in the order of [`ShapeClass::ALL`], if the errors of Gaussian
-    /// curvature K and mean curvature H are normally distributed. `None` if the method states no standard errors, or if
-    /// numbers are beyond the range of doubles. A K above H² is impossible and is replaced by H².
+    /// The probability of each of the eight classes, in the order of [`ShapeClass::ALL`]. The errors of the Gaussian
+    /// curvature K and the mean curvature H are assumed to be normally distributed. `None` if the method states no
+    /// standard errors, or if numbers are beyond the range of doubles. A K above H² is impossible and is replaced by
+    /// H².
     pub fn class_probabilities(&self, thresholds: &ShapeThresholds) -> Option<[f64; 8]> {
         let uncertainty = self.uncertainty?;
-        // The probabilities are integrated over H. For a given H, the distribution of K is normal too.
+        // The probabilities are integrated over the mean curvature H. If H is given, the Gaussian curvature K is
+        // normally distributed too.
         let given_mean = GivenMean::of(self, &uncertainty, thresholds);
         let mut result = [0.0; 8];
         let mut add = |mean: f64, weight: f64| {
@@ -68,13 +70,13 @@ impl Curvature {
         if !is_sound {
             return None;
         }
-        // If the standard deviation is so small that the range vanishes by rounding, it is treated as 0.
+        // A standard deviation that is so small that the range of integration vanishes by rounding is treated as 0.
         if low < high && std >= f64::MIN_POSITIVE {
             let edges = [-thresholds.mean(), thresholds.mean()].map(|edge| edge.clamp(low, high));
             for (start, end) in [(low, edges[0]), (edges[0], edges[1]), (edges[1], high)] {
                 let step = (end - start) / INTERVALS as f64;
-                // A part of the range with no width is skipped, because its midpoint would belong to a neighbouring
-                // class.
+                // A part of the range without width is skipped, because rounding could put its midpoint into a
+                // neighbouring class.
                 if step <= 0.0 {
                     continue;
                 }
@@ -84,8 +86,8 @@ impl Curvature {
                         node if node % 2 == 1 => 4.0,
                         _ => 2.0,
                     };
-                    // The nodes at the ends are moved slightly inwards, so that they have the class of their own part
-                    // of the range.
+                    // The nodes at the ends of a part of the range are moved slightly inwards, so that their class is
+                    // the class of this part.
                     let inside = (node as f64).clamp(1e-9, INTERVALS as f64 - 1e-9);
                     let mean = start + step * inside;
                     let deviate = (mean - centre) / std;
@@ -107,7 +109,7 @@ impl Curvature {
 /// The distribution of the Gaussian curvature K for a given mean curvature H.
 struct GivenMean<'a> {
     curvature: &'a Curvature,
-    /// Change of the mean of K per change of H.
+    /// Derivative of the mean of K with respect to H.
     slope: f64,
     std: f64,
     thresholds: &'a ShapeThresholds,
@@ -137,7 +139,8 @@ impl<'a> GivenMean<'a> {
         }
     }
 
-    /// The classes for K below, near and above zero, with their probabilities.
+    /// The classes for a Gaussian curvature below, near and above zero, with their probabilities, if the mean curvature
+    /// is `mean`.
     fn classes(&self, mean: f64) -> [(ShapeClass, f64); 3] {
         let edge = self.thresholds.gaussian();
         let below = self.below(-edge, mean);
@@ -154,7 +157,8 @@ impl<'a> GivenMean<'a> {
         ]
     }
 
-    /// The probability that K is below `edge`, with an error of at most 1e-15.
+    /// The probability that the Gaussian curvature is below `edge`, if the mean curvature is `mean`. The error is at
+    /// most 1e-15.
     fn below(&self, edge: f64, mean: f64) -> f64 {
         let centre = self.curvature.gaussian + self.slope * (mean - self.curvature.mean);
         if self.std > 0.0 {
@@ -216,8 +220,8 @@ mod tests {
 
     #[test]
     fn an_edge_halves_and_errors_apart_multiply() {
-        // K is far below zero and H is exactly on the threshold of 0.05, so the probability is one half for saddle
-        // ridge and one half for minimal.
+        // K is far below zero, and H is exactly at the threshold of 0.05. So the probability of a saddle ridge is one
+        // half, and the probability of a minimal surface is one half.
         let on_edge = curvature(-1.0, 0.05, [0.01, 0.002], 0.0);
         assert_relative_eq!(
             probability(&on_edge, ShapeClass::SaddleRidge),
@@ -236,7 +240,7 @@ mod tests {
             0.841_344_746_068_542_9_f64.powi(2),
             epsilon = 1e-6
         );
-        // With completely correlated errors, the probability is the smaller of the two probabilities.
+        // The errors are completely correlated, so the probability is the smaller of the two probabilities of K and H.
         let tied = curvature(-0.02, 0.06, [0.01, 0.01], -1.0);
         assert_relative_eq!(
             probability(&tied, ShapeClass::SaddleRidge),

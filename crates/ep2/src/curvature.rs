@@ -9,7 +9,7 @@ use crate::spline::{Jet, Lanes};
 /// derivatives r, s, t along u², uv, v² (Monge's letters).
 pub(crate) const DERIVATIVES: usize = 5;
 
-/// Covariance of the derivatives (p, q, r, s, t) at several places side by side.
+/// Covariance of the derivatives (p, q, r, s, t) at several places, which are processed together.
 pub(crate) type JetCovariance = [[Lanes; DERIVATIVES]; DERIVATIVES];
 
 /// Gaussian and mean curvature at a place, convex positive.
@@ -34,21 +34,22 @@ pub struct Curvature {
     pub uncertainty: Option<Uncertainty>,
 }
 
-/// Gaussian and mean curvature at [`LANES`](crate::spline::LANES) places side by side, convex positive.
+/// Gaussian and mean curvature at several ([`LANES`](crate::spline::LANES)) places, which are processed together;
+/// convex positive.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Curvatures {
     gaussian: Lanes,
     mean: Lanes,
-    /// The two standard errors and their correlation.
+    /// Standard errors of the Gaussian and the mean curvature, and their correlation; `None` if the method states none.
     uncertainty: Option<[Lanes; 3]>,
 }
 
 impl Curvatures {
-    /// Curvatures of a graph with these jets. `scale` is the unit of length of the graph, expressed in the unit of the
-    /// result.
+    /// Curvatures of a graph from these jets, which are the slopes and second derivatives of its height. `scale` is the
+    /// unit of length of the graph, expressed in the unit of the result.
     ///
-    /// With D = 1 + p² + q² and the normal upwards: K = (rt − s²)/D², H = −((1 + q²) r − 2pqs + (1 + p²) t)/(2
-    /// D^{3/2}).
+    /// With the slopes p, q, the second derivatives r, s, t, D = 1 + p² + q² and the normal upwards: K = (rt − s²)/D²,
+    /// H = −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}).
     ///
     /// # Errors
     /// [`Ep2Error::OutOfRange`] if a curvature is beyond the range of doubles.
@@ -97,7 +98,7 @@ impl Curvatures {
     }
 }
 
-/// The standard errors of Gaussian and mean curvature at a place.
+/// The standard errors of Gaussian and mean curvature at a place, and their correlation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Uncertainty {
     /// Standard error of the Gaussian curvature, 1/length². It is of second order in the errors of the second
@@ -185,8 +186,8 @@ impl Curvature {
     }
 }
 
-/// The curvature form of a graph, and the orthonormal tangent basis of this form: the tangent along u, and the tangent
-/// perpendicular to it. The form is in the graph's unit.
+/// The curvature form of a graph, and the orthonormal tangent basis in which it is expressed. The basis is the tangent
+/// along u and the tangent perpendicular to it. The form is in the graph's unit.
 pub(crate) fn form_and_basis(jet: &Jet) -> (CurvatureForm, [nalgebra::Vector3<f64>; 2]) {
     let Jet {
         u: p,
@@ -198,7 +199,7 @@ pub(crate) fn form_and_basis(jet: &Jet) -> (CurvatureForm, [nalgebra::Vector3<f6
     } = *jet;
     let d = 1.0 + p * p + q * q;
     let e = 1.0 + p * p;
-    // Gram–Schmidt gives along = ∂u/√E and across = (∂v − (F/E) ∂u) √E/√D, with F = pq and q − (F/E) p = q/E.
+    // By Gram–Schmidt, along = ∂u/√E and across = (∂v − (F/E) ∂u) √E/√D, with F = pq and q − (F/E) p = q/E.
     let share = p * q / e;
     let along = nalgebra::Vector3::new(1.0, 0.0, p) / e.sqrt();
     let across = nalgebra::Vector3::new(-share, 1.0, q / e) * (e / d).sqrt();
@@ -288,14 +289,14 @@ mod tests {
         let mut covariance = JetCovariance::default();
         (0..DERIVATIVES).for_each(|index| covariance[index][index] = Lanes::splat(0.01));
         let plane = curvature(Jet::default(), Some(&covariance), 2.0);
-        // On a plane, Var(rt − s²) = σ⁴ + 2σ⁴.
+        // For second derivatives r, s, t with independent errors on a plane, Var(rt − s²) = σ⁴ + 2σ⁴.
         let told = plane.uncertainty.unwrap();
         assert_relative_eq!(
             told.gaussian_std,
             3.0_f64.sqrt() * 0.01 / 4.0,
             epsilon = 1e-15
         );
-        // The variance of the mean curvature is Var(r + t)/4.
+        // The variance of the mean curvature is Var(r + t)/4, with the second derivatives r and t.
         assert_relative_eq!(told.mean_std, 0.5_f64.sqrt() * 0.1 / 2.0, epsilon = 1e-15);
     }
 }

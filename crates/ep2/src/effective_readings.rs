@@ -8,29 +8,32 @@ use nalgebra::Vector3;
 use crate::Contact;
 use crate::patch::FingerMap;
 
-/// Largest distance between consecutive contacts of a finger that count as one reading, as a share of a long step.
+/// Consecutive contacts of a finger count as one reading if their distance, relative to a long step, is at most this
+/// value.
 const REST_SHARE: f64 = 0.1;
-/// Quantile of the step lengths that counts as a long step.
+/// Quantile of the step lengths that is used as the length of a long step.
 const LONG_STEP_QUANTILE: f64 = 0.9;
-/// Smallest ratio of the steps of a moving finger to the steps of a finger at rest, where a gap separates the two.
+/// Smallest ratio of long steps (moving finger) to short steps (finger at rest). At least this ratio is a gap between
+/// the two.
 const MIN_STEP_GAP: f64 = 8.0;
-/// Smallest share of steps at rest for which a gap is searched.
+/// Share of the shortest steps that always count as steps at rest when a gap between step lengths is searched.
 const MIN_REST_SHARE: f64 = 0.02;
-/// Largest extent of a rest, as a multiple of its steps.
+/// Largest accepted extent of a rest, as a multiple of the typical step within rests.
 const MAX_REST_EXTENT: f64 = 3.0;
-/// Largest share of short steps among the steps between runs. If there are more, the finger was moving.
+/// Largest accepted share of short steps among the steps from one run of contacts to the next. If the share is larger,
+/// the finger was moving.
 const MAX_SHORT_BREAKS: f64 = 0.2;
-/// Largest number of gaps between step lengths that are tried.
+/// Largest number of gaps in the sorted step lengths that are tried.
 const MAX_GAPS: usize = 4;
 /// Largest number of residuals from which the correlation is computed.
 const MAX_RESIDUALS: usize = 60_000;
-/// Largest lag, in residuals, of the correlation.
+/// Largest lag of the correlation, as a number of residuals.
 const MAX_LAG: usize = 1000;
-/// Correlations are corrected for the variance that the fit absorbed, if the fit absorbed less than this share of the
-/// readings.
+/// Correlations are corrected for the variance that the fit absorbed. The correction is made only if the ratio of
+/// fitted parameters to readings is below this value.
 const MAX_ABSORBED_SHARE: f64 = 0.3;
 
-/// Contacts in which each copy and each rest counts as one reading.
+/// Contacts in which each group of copies and each rest of a finger counts as one reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistinctContacts {
     /// Mean contact of each run of copied or resting readings, with its finger, in the order of the first rows of the
@@ -40,7 +43,7 @@ pub struct DistinctContacts {
     pub run_of_row: Vec<usize>,
 }
 
-/// Number of independent readings, and the reasons for which there are not more.
+/// Number of independent readings, and the reasons for which the number is not larger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffectiveReadings {
     /// Number of contacts that are used, without outliers.
@@ -72,7 +75,7 @@ impl DistinctContacts {
     }
 
     /// Also merges consecutive contacts that are closer to each other than a tenth of a long step. Lost readings must
-    /// be left out before, because they would make the steps too long.
+    /// be removed before, because they would make the steps too long.
     pub(crate) fn without_short_steps(self) -> Self {
         let mut steps = steps(&self.contacts);
         if steps.len() < 3 {
@@ -106,8 +109,8 @@ pub(crate) fn distinct_contacts(contacts: &[Contact]) -> DistinctContacts {
     DistinctContacts::without_rests(contacts).without_short_steps()
 }
 
-/// Merges consecutive contacts of a finger within the distance `limit` of the first contact of their run and, if
-/// `with_copies`, also copies.
+/// Merges consecutive contacts of a finger. Each contact of a run is within the distance `limit` of the run's first
+/// contact. If `with_copies`, copies are merged too.
 fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContacts {
     struct Run {
         first: Contact,
@@ -174,7 +177,7 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
     }
 }
 
-/// Bits of a contact's numbers, which are the same for +0 and −0.
+/// Bits of a contact's numbers, as a key for comparisons. They are the same for +0 and −0.
 fn bits_of(contact: &Contact) -> [u64; 6] {
     let normal = contact.normal.unwrap_or_default();
     let [x, y, z] = contact.position.into();
@@ -193,8 +196,8 @@ fn steps(contacts: &[Contact]) -> Vec<f64> {
     steps
 }
 
-/// For the steps of fingers from one run to another: the number of steps of at most the length `longest`, and the
-/// number of all steps.
+/// Counts the steps of fingers from one run to the next: returns the number of steps of at most the length `longest`,
+/// and the number of all steps.
 fn breaks(contacts: &[Contact], merged: &DistinctContacts, longest: f64) -> [usize; 2] {
     let mut last: FingerMap<Option<usize>> = FingerMap::default();
     let [mut short, mut all] = [0, 0];
@@ -210,8 +213,8 @@ fn breaks(contacts: &[Contact], merged: &DistinctContacts, longest: f64) -> [usi
     [short, all]
 }
 
-/// Contacts without rests. `None` unless a gap separates short steps from long ones, and the finger stays at one
-/// position during short steps and leaves it by a long step.
+/// Contacts without rests. `None` unless a gap separates short steps from long steps. In addition, the finger must stay
+/// at one position during short steps and leave it by a long step.
 fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     let mut sorted = steps(contacts);
     sorted.retain(|&step| step > 0.0);
@@ -269,8 +272,8 @@ pub(crate) fn correlation_time(strokes: &[Vec<f64>], absorbed: usize) -> f64 {
     }
     let mut covariances = Vec::new();
     let mut time: f64 = 1.0;
-    // The first pass finds whether there is a correlation. Later passes add to all lags the variance that the fit
-    // absorbed, assuming the correlation found by the last pass.
+    // The first pass finds whether there is a correlation. Later passes correct all lags for the variance that the fit
+    // absorbed. This correction uses the correlation from the previous pass.
     for pass in 0..4 {
         let share = match pass {
             0 => 0.0,

@@ -20,7 +20,7 @@ pub enum Ep2Error {
         contacts: usize,
         /// Number of equations: one per contact, or three per contact with a normal.
         equations: usize,
-        /// Required number of equations.
+        /// Number of equations that the method needs.
         needed: usize,
     },
     /// A coordinate, a normal or a weight is not finite, or its square would overflow.
@@ -77,7 +77,8 @@ pub enum Ep2Error {
         /// Ratio of the root-mean-square spread across the line to the spread along it.
         spread: f64,
     },
-    /// The patch is not a graph over the plane of its mean normal (without normals, over the plane through its points).
+    /// The patch is not a graph over the plane that is perpendicular to its mean normal (without normals, over the
+    /// plane through its points).
     #[error(
         "the patch is not a graph over its mean plane: at contact {contact} (counting from 0) the \
          angle between normal and mean normal is {angle_deg:.1} degrees, more than 85; split the \
@@ -99,8 +100,8 @@ pub enum Ep2Error {
         /// normals: one minus the length of their mean.
         spread: f64,
     },
-    /// The outward direction is nearly in the patch's plane, so it does not determine which side of the plane is
-    /// outside.
+    /// The outward direction is nearly parallel to the patch's plane, so it does not determine which side of the plane
+    /// is outside.
     #[error(
         "the outward direction lies in the patch's plane (within {} degrees), so it does not \
          determine the outer side",
@@ -110,8 +111,8 @@ pub enum Ep2Error {
         /// Angle between the outward direction and the plane, degrees.
         angle_deg: f64,
     },
-    /// The path of the tip's centre has a smaller radius of curvature than the tip, which is impossible on any object.
-    /// The stated radius of the tip is probably too large.
+    /// The path of the tip's centre has a smaller radius of curvature than the tip. This is impossible on any object,
+    /// so the stated radius of the tip is probably too large.
     #[error(
         "the path of the tip's centre has a radius of curvature of {turns:.6}, which is \
          impossible for a tip of radius {tip_radius} on an object; is the radius too large, or \
@@ -146,7 +147,7 @@ pub enum Ep2Error {
 }
 
 impl Ep2Error {
-    /// Returns [`Ep2Error::BadSetting`] if the setting is not good.
+    /// Returns [`Ep2Error::BadSetting`] if the setting is not valid.
     pub(crate) fn unless_good(
         setting: &'static str,
         value: f64,

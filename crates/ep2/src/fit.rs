@@ -37,7 +37,7 @@ pub struct Fit {
     pub frame: PatchFrame,
     /// The rectangle that contains the contacts: smallest and largest u, then smallest and largest v.
     pub domain: [[f64; 2]; 2],
-    /// The surface w(u, v).
+    /// The surface, as the height w(u, v) over the plane of the patch.
     pub(crate) spline: TensorSpline,
     /// Mean and covariance of the surface, if the method computes them.
     pub(crate) posterior: Option<Posterior>,
@@ -73,7 +73,7 @@ pub struct MapPoint {
 }
 
 impl MapPoint {
-    /// Whether all numbers of the point are finite.
+    /// Whether all numbers of the map point are finite.
     pub(crate) fn is_finite(&self) -> bool {
         let directions = [self.normal, self.direction_of_min, self.direction_of_max];
         let mut numbers = directions.iter().flatten().chain(self.position.iter());
@@ -99,8 +99,8 @@ impl Fit {
     }
 
     /// Gaussian and mean curvature at the point where the line through `world` along the patch's normal meets the
-    /// surface. For exact contacts on a paraboloid and a place at its apex, the error of a quadric and of a penalised
-    /// spline is at most 1e-11 of the larger principal curvature.
+    /// surface. For exact contacts on a paraboloid, the error at its apex is at most 1e-11 of the larger principal
+    /// curvature, both for a quadric and for a penalised spline.
     ///
     /// # Errors
     /// [`Ep2Error::OutOfRange`] if the curvature is beyond the range of doubles.
@@ -192,7 +192,7 @@ impl Fit {
         Ok(result)
     }
 
-    /// The columns of a grid, in groups of neighbours that are computed together.
+    /// The columns of a grid, in groups of neighbouring columns that are computed together.
     fn columns(&self, side: usize) -> Vec<Columns> {
         let columns: Vec<(f64, Local)> = places(self.domain[0], side)
             .map(|u| (u, Local::of(&self.spline.u, u)))
@@ -233,7 +233,7 @@ impl Fit {
         Some(posterior.series(Lanes::from(u)))
     }
 
-    /// Curvatures at places on a line of constant v, from the jets of the surface at these places.
+    /// Curvatures at several places on a line of constant v, from the surface's derivatives (`jets`) at these places.
     #[inline(always)]
     fn curvatures_on(
         &self,
@@ -276,7 +276,7 @@ impl Fit {
 
 /// Neighbouring columns of a grid that are within the same interval between knots.
 struct Columns {
-    /// u of each column. If there are fewer than [`LANES`] columns, the last one is repeated.
+    /// Coordinate u of each column. If there are fewer than [`LANES`] columns, the last one is repeated.
     places: [f64; LANES],
     count: usize,
     locals: Local<Lanes>,
@@ -297,12 +297,12 @@ impl Columns {
     }
 }
 
-/// The surface along a line of constant v: the values that are the same for all places of the line.
+/// Values of the surface that are the same for all places on a line of constant v.
 struct Line {
-    /// Index of the first B-spline in u of `heights`.
+    /// Index of the first B-spline in u that `heights` contains.
     first: usize,
-    /// For each B-spline in u, three sums over the B-splines in v: of the coefficient times the value, the first
-    /// derivative and the second derivative.
+    /// For each B-spline in u, three sums over the B-splines in v. In these sums, the coefficients are multiplied by
+    /// the values, the first derivatives and the second derivatives of the B-splines in v.
     heights: Vec<[f64; 3]>,
     posterior: Option<PosteriorLine>,
 }
@@ -339,7 +339,7 @@ impl Line {
     }
 }
 
-/// `side` places at equal distances from end to end. If there is only one place, it is in the middle.
+/// Coordinates of `side` places at equal distances from end to end. A single place is in the middle.
 fn places([low, high]: [f64; 2], side: usize) -> impl Iterator<Item = f64> {
     let share = move |index: usize| match side {
         1 => 0.5,

@@ -7,22 +7,22 @@ use nalgebra::{Matrix3, Point3, Rotation3, SymmetricEigen, Vector3};
 use crate::patch::FingerMap;
 use crate::{Contact, Ep2Error};
 
-/// A spread across a line or a plane is due to rounding if it is below this share of the spread along the line or
-/// plane.
+/// A spread across a line or a plane counts as rounding error if its ratio to the spread along the line or plane is
+/// below this value.
 const ROUNDING: f64 = 1e-12;
 /// Normals have no mean direction if the length of their mean is below this value.
 const LEAST_MEAN_NORMAL: f64 = 0.1;
 /// Points have no mean plane if the ratio of their spread across their principal plane to the smaller spread within it
 /// is above this value.
 const MOST_SPREAD_ACROSS: f64 = 0.7;
-/// An outward direction does not determine a side of the patch's plane if its angle to the plane is below this value,
+/// An outward direction determines a side of the patch's plane only if its angle to the plane is at least this value,
 /// rad. Noise of the contacts rotates the plane by a similar angle.
 const LEAST_SIDE_RAD: f64 = 0.02;
-/// If the ratio of the spreads along and across a patch exceeds this value, the directions of the patch's sides are the
-/// principal directions of the spread.
+/// A patch counts as elongated if the ratio of its spreads along and across exceeds this value. Its sides are then
+/// parallel to the principal directions of the spread.
 const LONG: f64 = 1.15;
-/// If the ratio of the scatter along and across the fingers' common direction exceeds this value, the fingers travelled
-/// in this direction.
+/// If the ratio of the contacts' scatter along a common direction to their scatter across it exceeds this value, the
+/// fingers travelled in this direction.
 const LEAST_TRAVEL: f64 = 2.0;
 
 /// The frame of a patch. Its w axis is the mean normal (without normals, the normal of the principal plane). Its u axis
@@ -36,7 +36,7 @@ pub struct PatchFrame {
 }
 
 impl PatchFrame {
-    /// The frame of contacts, still with a preliminary scale. The numbers of the contacts must be valid.
+    /// The frame of contacts, with a preliminary scale. The numbers of the contacts must be valid.
     ///
     /// # Errors
     /// [`Ep2Error`]: `coincident`, `collinear`, `no-plane`, `no-side`.
@@ -97,10 +97,10 @@ impl PatchFrame {
 /// Mean and spread of the contacts.
 struct Cloud {
     centre: Point3<f64>,
-    /// Largest difference between a coordinate of a contact and of the centre. It is the unit of length for the
+    /// Largest difference between a coordinate of a contact and of the mean contact. It is the unit of length for the
     /// moments.
     extent: f64,
-    /// Principal axes as columns, sorted by ascending spread.
+    /// Principal axes as columns, sorted by ascending spread of the contacts.
     axes: Matrix3<f64>,
     /// Root-mean-square spreads along the principal axes, ascending, in units of `extent`.
     spreads: [f64; 3],
@@ -170,7 +170,7 @@ impl Cloud {
         Ok(Some(sum.normalize()))
     }
 
-    /// The normal of the principal plane, pointing to the side of `outward`.
+    /// The normal of the principal plane. It points to the side of `outward`.
     fn plane_normal(&self, outward: &Vector3<f64>) -> Result<Vector3<f64>, Ep2Error> {
         let spread = self.spreads[0] / self.spreads[1];
         if spread > MOST_SPREAD_ACROSS {
@@ -202,7 +202,7 @@ impl Cloud {
         for contact in contacts {
             let place = (contact.position - self.centre) / self.extent;
             let (x, y) = (principal.dot(&place), across.dot(&place));
-            // These terms are the real and imaginary parts of (x + iy)⁴.
+            // These terms are the real and the imaginary part of (x + iy)⁴.
             let (square, product) = (x * x - y * y, 2.0 * x * y);
             cosine += square * square - product * product;
             sine += 2.0 * square * product;
@@ -221,7 +221,7 @@ fn distance_across(contacts: &[Contact], centre: &Point3<f64>, axis: &Vector3<f6
     (square / contacts.len() as f64).sqrt()
 }
 
-/// The direction in the plane perpendicular to `normal` in which the contacts of each finger scatter most, computed for
+/// The direction in which the contacts of each finger scatter most. It is perpendicular to `normal` and is computed for
 /// all fingers together. Its sign is the direction in which the first finger travels. The order of the contacts does
 /// not matter otherwise, so fingers may slide to and fro. `None` if the contacts scatter nearly as much across this
 /// direction.
@@ -230,7 +230,7 @@ fn travel(contacts: &[Contact], cloud: &Cloud, normal: &Vector3<f64>) -> Option<
     struct Finger {
         contacts: f64,
         positions: Vector3<f64>,
-        /// Σ order · position, where order is the number of the contact within its finger.
+        /// Sum of order · position over the contacts, where order is the number of the contact within its finger.
         moments: Vector3<f64>,
     }
     let mut fingers: FingerMap<Finger> = FingerMap::default();

@@ -10,8 +10,8 @@ use crate::effective_readings::{DistinctContacts, distinct_contacts};
 use crate::patch::check;
 use crate::{Contact, ShapeError};
 
-/// Largest distance of a contact from the spatial median without being a gross outlier, as a multiple of the median
-/// distance. In clean logs of strokes and caps, less than 0.01 % of the contacts exceed it.
+/// Largest ratio of a contact's distance from the spatial median to the median of these distances. A contact with a
+/// larger ratio is a gross outlier. In clean logs of strokes and caps, less than 0.01 % of the contacts exceed it.
 const MAX_DISTANCE_RATIO: f64 = 6.0;
 /// Largest share of contacts that may be outliers.
 pub(crate) const MAX_OUTLIER_SHARE: f64 = 0.2;
@@ -28,7 +28,7 @@ pub enum OutlierReason {
     Sentinel,
     /// All three coordinates are 0, far from the other contacts.
     Zeros,
-    /// The position is far from all others.
+    /// The position is far from all other contacts.
     Far,
     /// The contact contradicts the surface fitted to the other contacts.
     Misfit,
@@ -43,7 +43,7 @@ pub struct Outlier {
     pub reason: OutlierReason,
 }
 
-/// The position as a key, which is the same for +0 and −0.
+/// The position as a key for comparisons. The key is the same for +0 and −0.
 fn key(position: &Point3<f64>) -> [u64; 3] {
     [position.x, position.y, position.z].map(|x| (x + 0.0).to_bits())
 }
@@ -51,11 +51,11 @@ fn key(position: &Point3<f64>) -> [u64; 3] {
 /// Contacts without gross outliers.
 #[derive(Clone, Debug)]
 pub struct SoundContacts {
-    /// The gross outliers.
+    /// The gross outliers that were found.
     pub outliers: Vec<Outlier>,
-    /// Indices of the other contacts, counted from 0.
+    /// Indices of the contacts that are no gross outliers, counted from 0.
     pub rows: Vec<usize>,
-    /// The other contacts, in which each copy and each rest counts as one reading.
+    /// The contacts that are no gross outliers. Each group of copies and each rest of a finger counts as one reading.
     pub distinct: DistinctContacts,
 }
 
@@ -89,7 +89,7 @@ impl SoundContacts {
 }
 
 /// Finds gross outliers among contacts with finite numbers. `runs` are the mean contacts of copies and rests, so that a
-/// long rest counts once. An error if more than a fifth of the runs are gross outliers.
+/// long rest counts once. Returns an error if more than a fifth of the runs are gross outliers.
 fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>, ShapeError> {
     let step = runs.len().div_ceil(MAX_PLACES).max(1);
     let places: Vec<Vector3<f64>> = runs
@@ -128,7 +128,7 @@ fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>
     within_share(outliers, contacts.len())
 }
 
-/// The outliers; an error if they are more than a fifth of the contacts.
+/// The outliers. Returns an error if more than a fifth of the contacts are outliers.
 pub(crate) fn within_share(
     outliers: Vec<Outlier>,
     contacts: usize,

@@ -9,40 +9,42 @@ use crate::effective_readings::{
 use crate::patch::{FingerMap, check};
 use crate::{Contact, Ep2Error, Fit, Method, Patch, Shape, ShapeFit, ShapeSettings};
 
-/// Smallest number of contacts of a finger from which a correlation is estimated.
+/// Smallest number of contacts of a finger for which a correlation is estimated.
 const MIN_CONTACTS: usize = 60;
-/// Number of means along a stroke to which the first surface is fitted. Correlated noise has little effect on this
-/// surface.
+/// Number of means along a stroke in the first fit. This fit uses means of consecutive contacts, so correlated noise
+/// has little effect on it.
 const FIRST_MEANS: usize = 30;
-/// Smallest number of means along the longest stroke.
+/// Smallest number of means of consecutive contacts along the longest stroke.
 const MIN_MEANS: usize = 8;
-/// Largest ratio between the distances of contacts from a surface through means and from a surface through all
-/// contacts. If the ratio is larger, the surface through means is too smooth, and its residuals are not only noise.
+/// Largest accepted ratio of two root-mean-square distances of contacts: from a surface through means, and from a
+/// surface through all contacts. If the ratio is larger, the surface through means is too smooth, and its residuals are
+/// not only noise.
 const MAX_RESIDUAL_RATIO: f64 = 2.0;
-/// Largest increase of the correlation, as a ratio, after which the fit is not repeated with longer means.
+/// If the correlation increases by a larger factor than this value, the fit is repeated with means over more contacts.
 const MAX_GROWTH: f64 = 1.3;
 
-/// Largest number of contacts to which a simple shape is fitted for comparison.
+/// Largest number of contacts to which simple shapes are fitted for comparison with the surface.
 const MAX_COMPARED: usize = 2000;
 
 /// A fit, and the contacts that count as independent in it.
 #[derive(Clone, Debug)]
 pub struct IndependentFit {
-    /// Contacts without copies and rests or, if they are correlated, means of consecutive contacts.
+    /// Contacts without copies and rests. If their noise is correlated, means of consecutive contacts.
     pub contacts: Vec<Contact>,
-    /// The patch of these contacts.
+    /// The patch that these contacts form.
     pub patch: Patch,
     /// The fitted surface. Its noise is the noise of a single contact.
     pub fit: Fit,
     /// For each contact of the patch, the index of the first of the given contacts that it represents.
     pub rows: Vec<usize>,
-    /// Number of independent readings.
+    /// Number of independent readings in the log.
     pub readings: EffectiveReadings,
-    /// Standard deviations of the patch's positions and normals, divided by those of a single contact.
+    /// Standard deviations of the positions and normals in the patch, divided by the standard deviations of a single
+    /// contact.
     pub noise_ratios: [f64; 2],
 }
 
-/// Contacts that count as independent, with the first row of each contact.
+/// Contacts that count as independent, with the index of the first row of each contact.
 struct Means {
     contacts: Vec<Contact>,
     rows: Vec<usize>,
@@ -59,7 +61,8 @@ struct Log<'a, M> {
 }
 
 impl IndependentFit {
-    /// Fits contacts; `distinct` are those of [`SoundContacts`](crate::SoundContacts), if they were computed. `method` returns the method with stated standard deviations of positions and normals multiplied by
+    /// Fits contacts; `distinct` are the distinct contacts of [`SoundContacts`](crate::SoundContacts), if they were
+    /// computed. `method` returns the method with stated standard deviations of positions and normals multiplied by
     /// these factors.
     ///
     /// # Errors
@@ -95,9 +98,9 @@ impl IndependentFit {
         log.fit()
     }
 
-    /// If the contacts lie on a plane, a sphere or a cylinder, widens the intervals so that the curvature of this shape
-    /// is within one standard error of the estimate. On these shapes, the bias of the fitted series can exceed the
-    /// effect of the noise if there are many contacts.
+    /// Widens the intervals if the contacts lie on a plane, a sphere or a cylinder. The curvature of this shape is then
+    /// within one standard error of the estimate. On these shapes, the bias of the fitted series can exceed the effect
+    /// of the noise if there are many contacts.
     ///
     /// # Errors
     /// The errors of [`Fit::centre`].
@@ -130,8 +133,8 @@ impl IndependentFit {
         Ok(())
     }
 
-    /// Standard deviation of the distances of the contacts from the surface, in the unit of the patch, and the
-    /// correlations of these distances and of the normals.
+    /// Two values: the standard deviation of the contacts' distances from the surface, in the unit of the patch; and
+    /// the correlations of these distances and of the normals.
     fn correlations<M>(&self, log: &Log<'_, M>) -> (f64, [f64; 2]) {
         let (mut distances, mut tilts) = (Vec::new(), Vec::new());
         let (mut square, mut count) = (0.0, 0.0);
@@ -169,7 +172,7 @@ impl IndependentFit {
         ((square / f64::max(count, 1.0)).sqrt(), times)
     }
 
-    /// The fit with these correlations, and with variances that are multiplied by `variance`.
+    /// The fit, with these correlations in its counts of readings, and with its variances multiplied by `variance`.
     fn with(mut self, [position, normal]: [f64; 2], variance: f64) -> Self {
         self.readings.position_correlation = position;
         self.readings.normal_correlation = normal;
@@ -223,7 +226,8 @@ impl<M: Method> Log<'_, M> {
     /// The fit to the means of every `block` consecutive contacts of a finger.
     fn of_means(&self, block: usize, times: [f64; 2]) -> Result<IndependentFit, Ep2Error> {
         let means = self.means(block);
-        // If a mean is over fewer contacts than are correlated, it has the same noise as a single contact.
+        // If a mean is over fewer contacts than the noise is correlated over, its noise is as large as the noise of a
+        // single contact.
         let ratios = times.map(|time| (time / block as f64).min(1.0).sqrt());
         let at_row = |error: Ep2Error| match error {
             Ep2Error::Folded { contact, angle_deg } => Ep2Error::Folded {

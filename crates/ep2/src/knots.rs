@@ -1,9 +1,9 @@
-//! B-splines of one variable.
+//! B-splines of one variable, and their knots.
 
 /// Highest degree of a spline.
 pub(crate) const MAX_DEGREE: usize = 5;
 
-/// Values of the `degree + 1` B-splines that are not zero at a place; unused entries are 0.
+/// Values of the `degree + 1` B-splines that are not zero at a place; further entries are 0.
 pub(crate) type Basis = [f64; MAX_DEGREE + 1];
 
 /// The knots of a spline on an interval. Each end of the interval is repeated `degree + 1` times.
@@ -41,7 +41,7 @@ impl Knots {
         self.degree
     }
 
-    /// All knots, including the repeated ends.
+    /// All knots in ascending order, including the repeated ends.
     pub(crate) fn as_slice(&self) -> &[f64] {
         &self.knots
     }
@@ -51,7 +51,7 @@ impl Knots {
         &self.knots[self.degree + 1..self.knots.len() - self.degree - 1]
     }
 
-    /// Number of B-splines.
+    /// Number of B-splines that belong to these knots.
     pub(crate) fn functions(&self) -> usize {
         self.knots.len() - self.degree - 1
     }
@@ -61,8 +61,8 @@ impl Knots {
         (self.knots[0], self.knots[self.knots.len() - 1])
     }
 
-    /// Index of the first B-spline that is not zero on the knot interval around `x`. If `x` is outside, the nearest
-    /// interval is used.
+    /// Index of the first B-spline that is not zero on the knot interval around `x`. If `x` is outside of all
+    /// intervals, the nearest interval is used.
     #[inline]
     pub(crate) fn first_function(&self, x: f64) -> usize {
         let interior = self.interior();
@@ -107,7 +107,7 @@ impl Knots {
         let mut values: Basis = [0.0; MAX_DEGREE + 1];
         values[0] = 1.0;
         for lower in 0..degree {
-            // `values` are now for the degree `lower`, from which the derivative of this order is computed.
+            // `values` are now the values for the degree `lower`, from which the derivative of this order is computed.
             let order = degree - lower;
             if order < ORDERS {
                 result[order] = differences(knots, degree, left, lower, values);
@@ -126,8 +126,8 @@ impl Knots {
     }
 }
 
-/// Derivatives of order `degree − lower` of the B-splines with the full degree, computed from the values of the
-/// B-splines with degree `lower`.
+/// Derivatives of order `degree − lower` of the B-splines of the full degree. They are computed from the values of the
+/// B-splines of degree `lower`.
 #[inline(always)]
 fn differences(
     knots: &[f64],

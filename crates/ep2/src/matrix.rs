@@ -17,7 +17,7 @@ impl SparseMap {
         Self { from, to, entries }
     }
 
-    /// The map with every entry divided by `unit`.
+    /// The map with every factor divided by `unit`.
     pub(crate) fn in_unit(mut self, unit: f64) -> Self {
         self.entries.iter_mut().for_each(|entry| entry.2 /= unit);
         self
@@ -57,7 +57,7 @@ impl SparseMap {
 /// Number of columns that are added in one loop over the sum.
 const COLUMNS_PER_PASS: usize = 4;
 
-/// Product of the last columns of A with B; as many columns of A are used as B has rows.
+/// Product of the last columns of A with B. The number of these columns of A equals the number of rows of B.
 pub(crate) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let height = a.nrows();
     let columns = &a.as_slice()[(a.ncols() - b.nrows()) * height..];
@@ -79,7 +79,7 @@ pub(crate) fn add_symmetric(sum: &mut DMatrix<f64>, a: &DMatrix<f64>, b: &DMatri
     sum.fill_upper_triangle_with_lower_triangle();
 }
 
-/// To `sum`, adds the last `height` entries of each column, multiplied by the factor of the column. Four columns are
+/// Adds to `sum` the last `height` entries of each column, multiplied by the factor of the column. Four columns are
 /// added at a time, in the same order on every processor.
 #[inline]
 fn add_columns(sum: &mut [f64], columns: &[f64], height: usize, factor: impl Fn(usize) -> f64) {
@@ -90,7 +90,7 @@ fn add_columns(sum: &mut [f64], columns: &[f64], height: usize, factor: impl Fn(
         let last = count - 1;
         let [a, b, c, d] =
             [first, first + 1, first + 2, first + 3].map(|one| column(one.min(last)));
-        // For columns beyond the last one, the factor is 0.
+        // Columns beyond the last one have the factor 0, so they add nothing.
         let factor = |index: usize| if index < count { factor(index) } else { 0.0 };
         let (by_a, by_b) = (factor(first), factor(first + 1));
         let (by_c, by_d) = (factor(first + 2), factor(first + 3));

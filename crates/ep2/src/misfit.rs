@@ -16,20 +16,20 @@ use crate::{Ep2Error, Fit, Noise, Patch};
 
 /// Number of observations of a contact: its height and its two slopes.
 const OBSERVATIONS: usize = 3;
-/// Smallest number of contacts for which estimated noise and outliers can be separated.
+/// Smallest number of contacts for which estimated noise can be distinguished from outliers.
 const MIN_CONTACTS: usize = 10;
-/// Largest number of contacts that are tested. If there are more contacts, an even selection of them is tested, so that
-/// the test takes no longer than a fit.
+/// Largest number of contacts that are tested. If there are more contacts, an evenly spaced selection of them is
+/// tested, so that the test takes no longer than a fit.
 const MAX_CONTACTS: usize = 2000;
 /// Smallest estimated position noise for which the contacts are tested, in the patch's unit. A smaller value may be due
 /// to rounding errors or to the approximation error of the series.
 const MIN_POSITION_STD: f64 = 1e-4;
-/// Smallest share of the estimated noise of normals that is attributed to the normals themselves; the rest is caused by
+/// Smallest share of the variance of normals that is attributed to the normals themselves. The rest is attributed to
 /// position errors.
 const MIN_NORMAL_SHARE: f64 = 0.1;
 
-/// Goodness of fit and misfits of contacts. If there are more than 2,000 contacts, they are computed from an even
-/// selection.
+/// Goodness of fit and misfits of contacts. If there are more than 2,000 contacts, an evenly spaced selection of them
+/// is tested.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MisfitTest {
     /// Goodness of fit; `None` if the noise is not stated.
@@ -41,8 +41,8 @@ pub struct MisfitTest {
     pub misfits: Vec<Misfit>,
 }
 
-/// A Gaussian process that is added to a quadric. The matrix contains the coefficients after those of the quadric, with
-/// one column per independent factor of unit variance.
+/// A Gaussian process that is added to a quadric, as a matrix. The rows are coefficients of the series (without those
+/// of the quadric), and each column belongs to one independent factor of unit variance.
 pub(crate) type Process = DMatrix<f64>;
 
 /// The fit that is tested, with the data that the tests need.
@@ -50,7 +50,8 @@ pub(crate) struct Model<'a> {
     pub(crate) patch: &'a Patch,
     pub(crate) square: Square,
     pub(crate) fit: &'a Fit,
-    /// A quadric near the fit. Deviations from this quadric have smaller rounding errors than heights.
+    /// A quadric near the fit. The tests use deviations from this quadric, because their rounding errors are smaller
+    /// than those of heights.
     pub(crate) quadric: &'a SquareQuadric,
     /// Noise of the contacts, as stated.
     pub(crate) noise: &'a Noise,
@@ -58,16 +59,16 @@ pub(crate) struct Model<'a> {
     pub(crate) degree: usize,
 }
 
-/// Variances of positions and normals, in the patch's unit.
+/// Variances of the errors of positions and normals, in the patch's unit.
 #[derive(Clone, Copy)]
 struct Variances {
     position: f64,
     normal: f64,
 }
 
-/// Observations of a contact, divided by their standard deviations.
+/// Observations of a contact, divided by the standard deviations of their noise.
 struct Weighted {
-    /// Deviations from the quadric.
+    /// Deviations of the observations from the quadric.
     values: DVector<f64>,
     /// Derivatives with respect to the factors of the quadric and the process.
     slopes: DMatrix<f64>,
@@ -102,8 +103,8 @@ impl Model<'_> {
         })
     }
 
-    /// Variances of the contacts' errors. `None` if they were estimated and may be rounding errors, or were estimated
-    /// from too few contacts.
+    /// Variances of the contacts' errors. `None` if the noise was estimated and is as small as rounding errors, or was
+    /// estimated from too few contacts.
     fn variances(&self) -> Option<Variances> {
         let noise = self.fit.noise?;
         let square = |std: f64| std * std;
@@ -131,7 +132,7 @@ impl Model<'_> {
         self.patch.samples.iter().step_by(self.step())
     }
 
-    /// One of this number of contacts is tested.
+    /// Distance between the tested contacts: one of this number of contacts is tested.
     fn step(&self) -> usize {
         self.patch.samples.len().div_ceil(MAX_CONTACTS).max(1)
     }
@@ -140,8 +141,8 @@ impl Model<'_> {
         self.fit.spline.jet(sample.u, sample.v)
     }
 
-    /// Observations of a contact in standard deviations of its noise; `None` if numbers are beyond the range of
-    /// doubles.
+    /// Observations of a contact, divided by the standard deviations of its noise; `None` if numbers are beyond the
+    /// range of doubles.
     fn weighted(
         &self,
         sample: &Sample,
@@ -202,8 +203,8 @@ struct Refit {
     /// The most probable factors of the quadric and the process.
     factors: DVector<f64>,
     goodness: GoodnessOfFit,
-    /// Sum of squared residuals of all contacts, after the process has explained as much as it can. The next field is
-    /// the number of degrees of freedom.
+    /// Sum of squared residuals of all contacts, without the part that the process explains. The next field is the
+    /// number of degrees of freedom.
     chi_squared: f64,
     freedom: usize,
 }
@@ -248,7 +249,8 @@ impl Refit {
             let along = mode.dot(&rest_right);
             let explained = along * along / (1.0 + weight.max(0.0));
             chi_squared -= explained;
-            // If the process is larger than the noise in a mode, this mode shows the surface and is left out.
+            // If the process is larger than the noise in a mode, the mode contains the surface and not only noise. It
+            // is left out of the test.
             if weight >= 1.0 {
                 noisy -= along * along / weight;
                 outweighing += 1;
@@ -288,7 +290,7 @@ impl Refit {
     }
 }
 
-/// Products of Chebyshev polynomials at a contact, one per column. The rows contain their values and their slopes along
+/// Products of Chebyshev polynomials at a contact, one per column. The rows contain the products and their slopes along
 /// u and v.
 fn series(square: Square, degree: usize, sample: &Sample) -> DMatrix<f64> {
     let [a, b] = square.place([sample.u, sample.v]);

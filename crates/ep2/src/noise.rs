@@ -22,14 +22,14 @@ pub struct NoiseEstimate {
     pub normal_std_rad: Option<f64>,
 }
 
-/// Smallest standard deviation that is not a rounding error, in the patch's unit.
+/// Smallest standard deviation that is assumed, in the patch's unit. Smaller values are rounding errors.
 const MIN_STD: f64 = 1e-12;
-/// Largest allowed ratio of the estimated variance of heights to that of slopes, and of its inverse. A larger ratio
-/// means that the heights or the slopes are fitted almost exactly by chance.
+/// Largest allowed ratio of the estimated variances of heights and slopes, and of its inverse. A larger ratio means
+/// that one of the two is fitted almost exactly by chance.
 const MAX_VARIANCE_RATIO: f64 = 1e8;
 
 impl Noise {
-    /// Whether all noise that a patch has is stated.
+    /// Whether the standard deviations of all kinds of readings in a patch are stated.
     pub(crate) fn is_complete_for(&self, patch: &Patch) -> bool {
         self.position_std.is_some() && (self.normal_std_rad.is_some() || !patch.has_normals())
     }
@@ -66,7 +66,7 @@ pub(crate) struct Kinds<T> {
 pub(crate) type Variances = Kinds<f64>;
 
 impl Variances {
-    /// Variances with which the estimate of the noise starts.
+    /// Variances with which the estimation of the noise starts.
     pub(crate) const START: Self = Self {
         heights: 1.0,
         slopes: 1.0,
@@ -119,13 +119,12 @@ impl Variances {
         is_determined
     }
 
-    /// The smallest factor by which residuals may reduce the variances. A smaller variance would be due to rounding
-    /// errors.
+    /// The smallest factor by which the residuals may reduce the variances. Smaller variances would be rounding errors.
     pub(crate) fn min_scale(&self) -> f64 {
         MIN_STD * MIN_STD / self.heights
     }
 
-    /// Standard deviations in the contacts' unit of length, from these variances.
+    /// Standard deviations that correspond to these variances, in the contacts' unit of length.
     pub(crate) fn estimate(&self, patch: &Patch) -> NoiseEstimate {
         NoiseEstimate {
             position_std: self.heights.sqrt() * patch.frame.scale(),

@@ -7,8 +7,8 @@ use nalgebra::{Point3, Vector3};
 use crate::error::LARGEST;
 use crate::{Ep2Error, PatchFrame};
 
-/// Smallest allowed ratio of width to length. In a narrower patch, rounding errors of the heights would look like
-/// curvature.
+/// Smallest allowed ratio of a patch's width to its length. In a narrower patch, rounding errors of the heights would
+/// look like curvature.
 const MIN_WIDTH_RATIO: f64 = 1e-6;
 /// Largest allowed angle between a contact's normal and the mean normal, degrees. At a larger angle, the patch is not a
 /// graph.
@@ -77,11 +77,11 @@ impl<T: Default> FingerMap<T> {
 /// A contact in the patch's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Coordinate along the direction of the fingers' travel.
+    /// Coordinate of the contact along the fingers' direction of travel, in the patch's unit.
     pub u: f64,
-    /// Coordinate across the direction of travel.
+    /// Coordinate of the contact across the fingers' direction of travel, in the patch's unit.
     pub v: f64,
-    /// Height above the plane of the patch.
+    /// Height of the contact above the plane of the patch, in the patch's unit.
     pub w: f64,
     /// Weight of the contact, as in [`Contact::weight`].
     pub weight: f64,
@@ -110,7 +110,7 @@ pub struct Sample {
 pub struct Patch {
     /// The patch's frame.
     pub frame: PatchFrame,
-    /// The contacts in this frame, in their original order.
+    /// The contacts in the patch's frame, in their original order.
     pub samples: Vec<Sample>,
     /// The rectangle that contains the contacts: smallest and largest u, then smallest and largest v.
     pub domain: [[f64; 2]; 2],
@@ -185,7 +185,7 @@ impl Patch {
 
 /// The direction, scaled such that the largest absolute value of its components is 1.
 pub(crate) fn direction(outward: &Vector3<f64>) -> Result<Vector3<f64>, Ep2Error> {
-    // The sum is used because it is NaN if a component is NaN, while the largest component would not show this.
+    // The sum is used as a check because it is NaN if a component is NaN. The largest component would not show this.
     let length = outward.abs().sum();
     let is_good = length > 0.0 && length <= LARGEST;
     let expected = "a direction of finite length > 0";
@@ -247,7 +247,7 @@ fn sample(frame: &PatchFrame, index: usize, contact: &Contact) -> Result<Sample,
     })
 }
 
-/// Smallest and largest u, smallest and largest v.
+/// Smallest and largest u, and smallest and largest v, of the contacts.
 fn domain(samples: &[Sample]) -> [[f64; 2]; 2] {
     let mut domain = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for sample in samples {

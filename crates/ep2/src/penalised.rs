@@ -27,19 +27,20 @@ use weight::Search;
 /// Largest number of knot intervals per side. With more intervals, the dense matrices of the coefficients would take
 /// seconds.
 const MAX_INTERVALS: usize = 24;
-/// Largest number of knot intervals per side that is chosen automatically.
+/// Largest automatic number of knot intervals per side.
 const MAX_DEFAULT_INTERVALS: usize = 12;
-/// Largest number of coefficients per equation that is chosen automatically.
+/// Largest ratio of the number of coefficients to the number of equations for an automatic number of intervals.
 const MAX_COEFFICIENTS_PER_EQUATION: f64 = 0.3;
-/// If the effective degrees of freedom exceed this share of the coefficients, the automatic number of intervals is
-/// doubled. In this case, the contacts are so exact that the approximation error of the spline becomes visible.
+/// If the ratio of the effective degrees of freedom to the number of coefficients exceeds this value, the automatic
+/// number of intervals is doubled. In this case, the contacts are so exact that the approximation error of the spline
+/// becomes visible.
 const MAX_UNKNOWN_SHARE: f64 = 0.6;
-/// The posterior's series has at least this many more coefficients than the spline. With more coefficients, the series
-/// can represent shapes that the spline cannot.
+/// The number of coefficients of the posterior's series exceeds the number of the spline's coefficients by at least
+/// this value. Therefore the series can represent shapes that the spline cannot.
 const EXTRA_COEFFICIENTS: usize = 5;
 
-/// One bicubic tensor-product spline, fitted by weighted least squares to the heights and, if there are normals, to
-/// both slopes, with a penalty on its third derivatives.
+/// One bicubic tensor-product spline with a penalty on its third derivatives. It is fitted by weighted least squares to
+/// the heights and, if there are normals, to both slopes.
 ///
 /// For a quadric, the penalty is 0. The weight of the penalty is selected by a [`Criterion`].
 ///
@@ -67,9 +68,9 @@ struct Estimated {
     intervals: [usize; 2],
     /// Variances of the contacts' errors.
     variances: Variances,
-    /// Whether the variances were stated.
+    /// Whether the variances are stated by the user.
     is_known: bool,
-    /// Whether the variances were stated or could be estimated.
+    /// Whether the variances are stated, or could be estimated from the contacts.
     has_noise: bool,
 }
 
@@ -138,8 +139,8 @@ impl Penalised {
         let mut spectrum = Spectrum::of(&equations, &roughness, &variances)?;
         let mut has_noise = quadric.noise.is_some();
         if patch.has_normals() && !is_known {
-            // The ratio of the variances of heights and slopes is estimated with a preliminary fit that follows the
-            // surface.
+            // A preliminary fit that follows the surface is used to estimate the ratio of the variances of heights and
+            // slopes.
             let rough = Search::new(&spectrum, self.criterion, is_known, expected).best();
             let filters = spectrum.filters(rough.log_weight);
             let residuals = equations.residuals(&spectrum.coefficients(&filters));
@@ -207,13 +208,13 @@ impl Estimated {
         roughness_posterior::posterior(&self.problem(&equations, patch)).map(Some)
     }
 
-    /// Degree of the posterior's series.
+    /// Degree of the series of Chebyshev polynomials that represents the posterior.
     fn degree(&self) -> usize {
         let least = coefficients(self.intervals) + EXTRA_COEFFICIENTS;
         (0..).find(|&degree| count(degree) >= least).unwrap_or(0)
     }
 
-    /// Normal equations of the posterior's series.
+    /// Normal equations of the series of Chebyshev polynomials that represents the posterior.
     fn equations(&self, patch: &Patch) -> SeriesEquations {
         let (quadric, square) = (&self.quadric, &self.square);
         SeriesEquations::around(quadric, patch, square, &self.variances, self.degree())
@@ -247,14 +248,14 @@ fn default_intervals(patch: &Patch) -> [usize; 2] {
         .unwrap_or([1, 1])
 }
 
-/// Twice the number of intervals, if there are enough contacts for them.
+/// Twice the number of intervals; `None` if there are not enough contacts for them.
 fn finer(intervals: [usize; 2], patch: &Patch) -> Option<[usize; 2]> {
     let finer = intervals.map(|count| 2 * count);
     let fits = finer.iter().all(|&count| count <= MAX_DEFAULT_INTERVALS);
     (fits && coefficients(finer) <= patch.equations()).then_some(finer)
 }
 
-/// Number of coefficients of a spline with these numbers of intervals along both sides.
+/// Number of coefficients of a spline with these numbers of knot intervals along u and v.
 fn coefficients([along, across]: [usize; 2]) -> usize {
     (along + DEGREE) * (across + DEGREE)
 }

@@ -8,7 +8,7 @@ use crate::matrix::SparseMap;
 use crate::spline::{Jet, Lanes};
 use crate::square_quadric::Square;
 
-/// Number of unordered pairs of the derivatives (p, q, r, s, t).
+/// Number of unordered pairs of the surface's derivatives (p, q, r, s, t).
 const PAIRS: usize = DERIVATIVES * (DERIVATIVES + 1) / 2;
 
 /// The posterior distribution of the surface. It contains the mean and the covariance of the slopes and second
@@ -22,7 +22,7 @@ pub(crate) struct Posterior {
     degree: usize,
     /// Coefficients of the mean of each derivative, in the order of [`products`].
     means: Vec<[f64; DERIVATIVES]>,
-    /// Coefficients of the covariance of each pair of derivatives. The degree is twice that of the surface. The
+    /// Coefficients of the covariance of each pair of derivatives. The degree is twice the degree of the surface. The
     /// products T_i(a) T_j(b) are grouped by i.
     covariances: Vec<[f64; PAIRS]>,
 }
@@ -62,14 +62,14 @@ impl Posterior {
         }
     }
 
-    /// Multiplies all variances by a factor.
+    /// Multiplies all variances of the surface by a factor.
     pub(crate) fn widen(&mut self, factor: f64) {
         for covariance in self.covariances.iter_mut().flatten() {
             *covariance *= factor;
         }
     }
 
-    /// Values of the polynomials in u at several places.
+    /// Values of the Chebyshev polynomials in u at several places.
     pub(crate) fn series(&self, u: Lanes) -> Series {
         let ([u0, _], [half, _]) = (self.square.centre(), self.square.half());
         values((u - u0) * (1.0 / half), 2 * self.degree).collect()
@@ -103,7 +103,7 @@ impl Posterior {
 struct Maps {
     /// Maps to the first derivatives with respect to u and v.
     slopes: [SparseMap; 2],
-    /// Maps from the first to the second derivatives with respect to u and v.
+    /// Maps from a first derivative to its derivatives with respect to u and v.
     bends: [SparseMap; 2],
 }
 
@@ -186,8 +186,8 @@ pub(crate) struct PosteriorLine {
 }
 
 impl PosteriorLine {
-    /// Mean products of the errors of an estimated jet's derivatives (p, q, r, s, t) = (∂u, ∂v, ∂u², ∂u∂v, ∂v²), at
-    /// places on the line. `series` contains the values of the polynomials in u at these places.
+    /// Mean products of the errors of estimated derivatives (p, q, r, s, t) = (∂u, ∂v, ∂u², ∂u∂v, ∂v²), at places on
+    /// the line. `jet` contains the estimates. `series` contains the values of the polynomials in u at these places.
     #[inline(always)]
     pub(crate) fn errors(&self, series: &Series, jet: &Jet<Lanes>) -> JetCovariance {
         let mut distance = [jet.u, jet.v, jet.uu, jet.uv, jet.vv];

@@ -23,27 +23,27 @@ use lack_of_fit::{LackOfFit, lack_of_fit};
 use pose::{CURVATURE, Cloud, Pose, UNKNOWNS};
 use robust_fit::{RobustFit, Solution, StatedNoise, robust_fit, solve};
 
-/// p-value of the lack of fit at which "none of these" is as probable as the best shape.
+/// P-value of a shape's lack of fit at which "none of these" is as probable as the best shape.
 const NONE_P_VALUE: f64 = 0.01;
-/// Smallest length of the mean normal at which an object does not count as touched all around. An object that was
-/// touched all around is convex.
+/// Length of the contacts' mean normal below which an object counts as touched all around. Such an object is assumed to
+/// be convex.
 const MIN_MEAN_NORMAL: f64 = 0.5;
-/// Smallest cosine of the angle between the outward direction and the mean normal at which the direction determines the
-/// outside.
+/// The outward direction determines the outside only if the cosine of its angle to the mean normal is at least this
+/// value.
 const MIN_OUTWARD_COSINE: f64 = 0.1;
-/// Smallest ratio of the variance of positions across a line to the variance of noise at which the positions are not on
-/// this line.
+/// Smallest ratio of two variances of positions: across a line, and by noise. If the ratio is smaller, the positions
+/// count as a line.
 const MIN_SPREAD_RATIO: f64 = 10.0;
 /// Largest number of contacts from which the shape is chosen.
 const MAX_COMPARED: usize = 20_000;
-/// Number of iterations of a fit that starts near the best solution.
+/// Maximum number of iterations of a fit that starts near the best solution.
 const ITERATIONS: usize = 40;
 
 /// Reasons for which no shape can be fitted to contacts.
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum ShapeError {
-    /// The contacts or the settings are invalid, or there are too few.
+    /// The contacts or the settings are invalid, or there are too few contacts.
     #[error(transparent)]
     #[strum(serialize = "contacts")]
     Contacts(#[from] Ep2Error),
@@ -53,7 +53,7 @@ pub enum ShapeError {
         outliers.len()
     )]
     TooManyOutliers {
-        /// Number of given contacts.
+        /// Number of contacts that were passed to the fit.
         contacts: usize,
         /// Indices of the outliers, counted from 0.
         outliers: Vec<usize>,
@@ -70,7 +70,7 @@ impl ShapeError {
     }
 }
 
-/// A simple shape.
+/// A simple shape that can be fitted to contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Shape {
@@ -96,7 +96,7 @@ pub struct SizeEstimate {
     pub value: Option<f64>,
     /// Standard error of the estimate; `None` if the noise or the estimate is not determined.
     pub std: Option<f64>,
-    /// Ends of the 95 % interval.
+    /// Lower and upper end of the 95 % interval.
     pub interval95: [Option<f64>; 2],
 }
 
@@ -131,14 +131,15 @@ impl Default for ShapeSettings {
 pub struct ShapeFit {
     /// The fitted shape.
     pub shape: Shape,
-    /// Probabilities of a plane, a sphere, a cylinder and none of these; `None` if the shape was stated.
+    /// Probabilities of a plane, a sphere, a cylinder and no such shape; `None` if the shape was stated.
     pub probabilities: Option<[f64; 4]>,
-    /// Curvature, 1/length, > 0 if convex: of a sphere in all directions, of a cylinder across its axis.
+    /// Curvature, 1/length, > 0 if convex. For a sphere, it is the curvature in all directions; for a cylinder, it is
+    /// the curvature across the axis.
     pub curvature: SizeEstimate,
     /// Radius of the object, length. Its interval has no upper bound if the curvature may be 0.
     pub radius: SizeEstimate,
-    /// Centre of a sphere, the point of a cylinder's axis that is nearest to the contacts, or the point of a plane that
-    /// is nearest to the middle of the contacts; `None` if the contacts do not determine the size.
+    /// Position of the shape: the centre of a sphere, the point of a cylinder's axis nearest to the contacts, or the
+    /// point of a plane nearest to the middle of the contacts. `None` if the contacts do not determine the size.
     pub place: Option<Point3<f64>>,
     /// Standard errors of the coordinates of `place`.
     pub place_std: Option<[f64; 3]>,
@@ -148,15 +149,15 @@ pub struct ShapeFit {
     pub direction: Option<Vector3<f64>>,
     /// Standard error of the direction, rad. The direction has two angles; this is the larger of their standard errors.
     pub direction_std_rad: Option<f64>,
-    /// Root mean square distance of the contacts from the shape, length, without outliers.
+    /// Root mean square distance of the contacts (without outliers) from the shape, length.
     pub rms_misfit: f64,
-    /// Probability of a worse fit by chance, if the contacts lie on the shape.
+    /// P-value of the shape: the probability of a worse fit if the contacts lie on the shape.
     pub p_value: f64,
-    /// Noise of the contacts, if the shape is right; `None` if there are too few contacts.
+    /// Noise of the contacts, which is correct only if the shape is right; `None` if there are too few contacts.
     pub noise: Option<NoiseEstimate>,
     /// Number of independent readings.
     pub readings: EffectiveReadings,
-    /// Contacts that were left out.
+    /// Contacts that the fit did not use.
     pub outliers: Vec<Outlier>,
 }
 
@@ -175,13 +176,13 @@ impl ShapeFit {
         }
     }
 
-    /// Whether the most probable of the four answers is "none of these".
+    /// Whether the probability that the surface has none of the three shapes exceeds 0.5.
     pub fn is_none_of_these(&self) -> bool {
         self.probabilities.is_some_and(|[.., none]| none > 0.5)
     }
 }
 
-/// Contacts in the unit of their spread, with the data needed to convert results back.
+/// Contacts in units of their spread, with the values for the conversion of results back to the original unit.
 struct Scaled {
     cloud: Cloud,
     fingers: Vec<usize>,
@@ -228,7 +229,7 @@ impl Scaled {
     }
 }
 
-/// The fit of a shape to the contacts that are no outliers, with its test.
+/// The fit of a shape to the contacts without outliers, and its test for lack of fit.
 struct Candidate {
     solution: Solution,
     lack: LackOfFit,
@@ -338,8 +339,8 @@ impl ShapeSettings {
         Ok(fit)
     }
 
-    /// Chooses the shape by an evenly spaced selection of contacts, if there are many, and fits the shape to all
-    /// contacts.
+    /// Chooses the shape, and fits it to all contacts. If there are many contacts, the choice uses an evenly spaced
+    /// selection of them.
     fn fit_chosen(
         &self,
         contacts: &[Contact],
@@ -358,7 +359,7 @@ impl ShapeSettings {
         })
     }
 
-    /// An error if there are too few contacts to determine the fitted parameters.
+    /// Returns an error if there are too few contacts to determine the fitted parameters.
     fn enough(&self, contacts: &[Contact]) -> Result<(), Ep2Error> {
         let per_contact = if contacts.first().is_some_and(|one| one.normal.is_some()) {
             3
@@ -418,8 +419,8 @@ impl ShapeSettings {
         let is_plane = shape == Shape::Plane;
         let sign = if is_reversed { -1.0 } else { 1.0 };
         let is_resolved = !is_plane && interval.is_some_and(|interval| interval.is_resolved);
-        // Curvatures in the unit of the contacts: of the surface on which the centres of the fingertip lie, and of the
-        // object.
+        // Two curvatures in the unit of the contacts: of the surface on which the centres of the fingertip lie, and of
+        // the object.
         let of_object = |curvature: f64| curvature / (1.0 - curvature * self.tip_radius);
         let centres = pose.curvature / scale;
         let ends = interval.map(|interval| {
@@ -537,7 +538,7 @@ fn radius(curvature: &SizeEstimate, is_resolved: bool, ends: [Option<f64>; 2]) -
     }
 }
 
-/// Whether the inside and the outside of a fit without normals must be exchanged.
+/// Whether the inside and the outside of a shape that was fitted without normals must be exchanged.
 fn is_inside_out(pose: &Pose, cloud: &Cloud, outward: &Vector3<f64>) -> bool {
     let normals = cloud.places.iter().map(|place| pose.normal_at(place));
     let mean = normals.sum::<Vector3<f64>>() / cloud.places.len() as f64;
@@ -548,7 +549,7 @@ fn is_inside_out(pose: &Pose, cloud: &Cloud, outward: &Vector3<f64>) -> bool {
     cosine < 0.0
 }
 
-/// Centre of a sphere, point on the axis of a cylinder, or point of a plane.
+/// Centre of a sphere, point on the axis of a cylinder, or point of a plane; `None` if the size is not determined.
 fn place(pose: &Pose, is_resolved: bool) -> Option<Vector3<f64>> {
     match pose.shape {
         Shape::Plane => Some(pose.point),
@@ -564,13 +565,13 @@ fn place_derivative(pose: &Pose) -> SMatrix<f64, 3, UNKNOWNS> {
     all.set_column(3, &pose.axis(2));
     if pose.shape != Shape::Plane {
         let radius = pose.curvature.recip();
-        // A rotation about the axis a moves the normal by −b, and a rotation about b moves it by a.
+        // A rotation about the axis a moves the normal by −b, and a rotation about the axis b moves it by a.
         all.set_column(0, &(pose.axis(1) * radius));
         all.set_column(1, &(-pose.axis(0) * radius));
         all.set_column(CURVATURE, &(pose.axis(2) * radius * radius));
     }
     if pose.shape == Shape::Cylinder {
-        // The position along the axis does not change.
+        // The component along the cylinder's axis does not change.
         let along = pose.axis(0);
         all -= along * (along.transpose() * all);
     }
@@ -591,8 +592,8 @@ fn is_line(candidates: &[Candidate], used: &Cloud) -> bool {
 
 /// The most probable shape, and the probabilities of a plane, a sphere, a cylinder and none of these.
 ///
-/// The shapes are compared by the Bayesian information criterion. The odds of "none of these" to the best shape are
-/// 0.01 / p, where p is the p-value of the best shape's lack of fit.
+/// The shapes are compared by the Bayesian information criterion. The ratio of the probabilities of "none of these" and
+/// the best shape is 0.01 / p, where p is the p-value of the best shape's lack of fit.
 fn choose(
     candidates: &[Candidate],
     stated: StatedNoise,
@@ -609,7 +610,7 @@ fn choose(
         one.solution.deviance(stated, correlations) + unknowns * libm::log(equations)
     };
     let mut criteria: Vec<f64> = candidates.iter().map(criterion).collect();
-    // If the contacts lie on one line, a sphere and a cylinder differ only by errors of the positions.
+    // If the contacts lie on one line, the fits of a sphere and a cylinder differ only because of position errors.
     if is_line(candidates, used) {
         let best = criteria[Shape::Sphere as usize].min(criteria[Shape::Cylinder as usize]);
         criteria[Shape::Sphere as usize] = best;

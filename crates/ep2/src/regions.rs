@@ -113,7 +113,7 @@ fn neighbours(point: usize, side: usize) -> impl Iterator<Item = usize> {
 }
 
 fn region(class: ShapeClass, members: &[usize], side: usize, points: &[MapPoint]) -> Region {
-    // Areas are computed in units of the square of the longest span, so they neither overflow nor underflow.
+    // Areas are computed in units of the square of the longest span, so they do not overflow or underflow.
     let spans: Vec<[Vector3<f64>; 2]> = members
         .iter()
         .map(|&member| spans_of(member, side, points))
@@ -128,7 +128,7 @@ fn region(class: ShapeClass, members: &[usize], side: usize, points: &[MapPoint]
         .map(|[along, across]| (along / longest).cross(&(across / longest)).norm())
         .collect();
     let area: f64 = areas.iter().sum();
-    // If the points represent no area, all points have the same weight.
+    // If the total area of the points is 0, all points have the same weight.
     let share = |index: usize| {
         if area > 0.0 {
             areas[index] / area

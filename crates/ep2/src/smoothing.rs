@@ -39,13 +39,13 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Settings of a smoothing spline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SmoothingSpline {
-    /// Degrees in u and v, 1 to [`MAX_DEGREE`].
+    /// Degrees of the spline in u and v, from 1 to [`MAX_DEGREE`].
     pub(crate) degrees: [usize; 2],
     /// Required sum of squared weighted residuals, `s ≥ 0`.
     pub(crate) smoothing: f64,
     /// Largest number of interior knots along u and along v.
     pub(crate) most_knots: [usize; 2],
-    /// Largest difference between the sum and `smoothing`, relative to `smoothing`.
+    /// Largest accepted difference between the sum of squared residuals and `smoothing`, relative to `smoothing`.
     pub(crate) tolerance: f64,
 }
 
@@ -66,17 +66,17 @@ impl SmoothingSpline {
 #[derive(Clone, Copy, Debug, Eq, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Status {
-    /// The polynomial without knots reaches the sum.
+    /// The polynomial without interior knots reaches the required sum.
     Polynomial,
     /// All residuals are rounding errors.
     Interpolating,
-    /// The sum is reached within the tolerance.
+    /// The required sum is reached within the tolerance.
     Smoothing,
     /// The sum is too large, and no further knot can be added: there are more coefficients than points, the largest
     /// number of knots is reached, or no interval may be split. The result is the least-squares spline for the last
     /// knots.
     KnotsExhausted,
-    /// No parameter `p` was found for which the sum is reached.
+    /// No parameter `p` of the smoothing was found for which the required sum is reached.
     Unsettled,
 }
 
@@ -86,20 +86,20 @@ impl Status {
         !matches!(self, Self::KnotsExhausted | Self::Unsettled)
     }
 
-    /// The name of the status in files.
+    /// The name of the status, as it is written in files.
     pub fn name(self) -> &'static str {
         self.into()
     }
 }
 
-/// A smoothing spline.
+/// A smoothing spline that was fitted to points.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Smoothed {
     /// The fitted spline.
     pub(crate) spline: TensorSpline,
     /// Sum of the squared weighted residuals of the spline.
     pub(crate) residual_sum: f64,
-    /// Whether this sum is the required sum.
+    /// Whether the residual sum is the required sum and, if not, the reason.
     pub(crate) status: Status,
     /// Number of coefficients that the points determine. The other coefficients are chosen such that the norm of all
     /// coefficients is smallest.
@@ -195,8 +195,8 @@ impl SmoothingSpline {
         }
     }
 
-    /// The spline whose sum of squares is `smoothing`. It is between the polynomial and the least-squares spline;
-    /// `bounds` are the amounts by which the sums of these two exceed `smoothing`. `None` if no parameter could be
+    /// The spline whose sum of squares is `smoothing`. It is between the polynomial and the least-squares spline, and
+    /// `bounds` are the amounts by which their sums of squares exceed `smoothing`. `None` if no parameter could be
     /// tried.
     fn balance(
         &self,
@@ -300,7 +300,7 @@ impl SmoothingSpline {
         Ok(())
     }
 
-    /// The rectangle of the knots.
+    /// The rectangle that contains the points, over which the knots extend.
     fn domain(points: &[WeightedPoint]) -> Result<[[f64; 2]; 2], Ep2Error> {
         let range = |place: fn(&WeightedPoint) -> f64| {
             let places = points.iter().map(place);

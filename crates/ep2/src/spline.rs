@@ -4,9 +4,9 @@ use std::ops::{AddAssign, Mul};
 
 use crate::knots::{Knots, MAX_DEGREE};
 
-/// A vector whose lanes are different places, so that curvatures are computed at several places at once.
+/// A vector of values at several places, so that the curvatures at these places are computed together.
 pub(crate) type Lanes = wide::f64x2;
-/// Number of lanes.
+/// Number of places in a vector of type [`Lanes`].
 pub(crate) const LANES: usize = 2;
 
 /// Height, slopes and second derivatives of a graph at one place (or, with `Lanes`, at several places).
@@ -30,9 +30,9 @@ pub(crate) struct Jet<T = f64> {
 /// derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Local<T = f64> {
-    /// Index of the first of these B-splines.
+    /// Index of the first B-spline that is not zero at this place.
     pub(crate) first: usize,
-    /// Values, first derivatives and second derivatives of these B-splines.
+    /// Values, first derivatives and second derivatives of the B-splines that are not zero at this place.
     pub(crate) jets: [[T; MAX_DEGREE + 1]; 3],
 }
 

@@ -8,7 +8,8 @@ use crate::{Ep2Error, Patch, Sample};
 
 /// Number of unknown coefficients of a quadric: of 1, a, b, a², ab and b².
 pub(crate) const UNKNOWNS: usize = 6;
-/// Eigenvalues of the normal equations are rounding errors if they are below this share of the largest one.
+/// Eigenvalues of the normal equations count as rounding errors if their ratio to the largest eigenvalue is below this
+/// value.
 const RANK_TOLERANCE: f64 = 1e-13;
 /// Number of iterations in which the weights are updated from the noise and the slopes.
 const ITERATIONS: usize = 4;
@@ -37,7 +38,7 @@ impl Square {
         self.centre
     }
 
-    /// Half the sides of the rectangle, in the patch's unit.
+    /// Half the lengths of the rectangle's sides, in the patch's unit.
     pub(crate) const fn half(&self) -> [f64; 2] {
         self.half
     }
@@ -98,7 +99,7 @@ pub(crate) struct Observation {
     pub(crate) slope_weights: [f64; 2],
 }
 
-/// The normal equations for heights and for slopes of unit variance.
+/// The normal equations for the quadric's coefficients, separately for heights and for slopes of unit variance.
 #[derive(Default)]
 struct NormalEquations {
     grams: Kinds<Gram>,
@@ -130,7 +131,7 @@ impl SquareQuadric {
         Ok(quadric)
     }
 
-    /// Improves the quadric: solves for the remaining deviation, and estimates the noise.
+    /// Improves the quadric: solves the equations for the remaining deviation, and estimates the noise.
     fn improve(
         &mut self,
         equations: &NormalEquations,
@@ -175,7 +176,7 @@ impl SquareQuadric {
         }
     }
 
-    /// Height and slopes along a and b.
+    /// Height of the quadric, and its slopes along a and b.
     #[inline]
     fn value_and_slopes(&self, a: f64, b: f64) -> [f64; 3] {
         let c = &self.unknowns;
@@ -186,7 +187,7 @@ impl SquareQuadric {
         ]
     }
 
-    /// Height and slopes along u and v at a contact.
+    /// Height of the quadric at a contact, and its slopes along u and v.
     pub(crate) fn at(&self, square: &Square, sample: &Sample) -> [f64; 3] {
         let [a, b] = square.place([sample.u, sample.v]);
         let [half_u, half_v] = square.half();
@@ -196,9 +197,9 @@ impl SquareQuadric {
 
     /// The deviations of a patch's contacts from this quadric, as weighted equations.
     ///
-    /// An error of a contact's position along the normal causes an error of its height that is larger by the factor √D,
-    /// with D = 1 + p² + q². A tilt of the normal by a small angle changes the slope p along u by √(D(1 + p²)) times
-    /// this angle.
+    /// An error of a contact's position along the normal causes an error of its height. The latter is larger by the
+    /// factor √D, with D = 1 + p² + q² and the slopes p and q. A tilt of the normal by a small angle changes the slope
+    /// p along u by √(D(1 + p²)) times this angle.
     pub(crate) fn observations<'a>(
         &'a self,
         patch: &'a Patch,
@@ -237,7 +238,7 @@ impl SquareQuadric {
         (SERIES * self.unknowns).into()
     }
 
-    /// Mean square over all directions of the second derivative, in the patch's frame.
+    /// Mean square of the quadric's second derivative over all directions, in the patch's frame.
     pub(crate) fn mean_square_curvature(&self, square: &Square) -> f64 {
         let [half_u, half_v] = square.half();
         let uu = 2.0 * self.unknowns[3] / (half_u * half_u);
@@ -286,7 +287,7 @@ impl NormalEquations {
     }
 }
 
-/// The inverse of the normal equations, which must determine all unknowns.
+/// The inverse of the normal equations. Returns an error if they do not determine all unknowns.
 fn inverse(gram: &Gram, contacts: usize) -> Result<Gram, Ep2Error> {
     let eigen = SymmetricEigen::new(*gram);
     let largest = eigen.eigenvalues.max();

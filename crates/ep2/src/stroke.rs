@@ -12,19 +12,20 @@ use crate::Contact;
 const UNKNOWNS: usize = 7;
 /// Index of the second derivative in the fitted parameters.
 const CURVATURE: usize = 2;
-/// Smallest number of contacts in a stroke.
+/// Smallest number of contacts for which a stroke has a curvature.
 const MIN_CONTACTS: usize = 8;
 /// Probability that the interval contains the curvature.
 const PROBABILITY: f64 = 0.95;
-/// Largest scatter of contacts across a single stroke, as a multiple of their noise.
+/// Largest ratio of the scatter of contacts across a stroke to their noise. With a larger ratio, the contacts are not a
+/// single stroke.
 const MAX_SPREAD_RATIO: f64 = 2.5;
-/// Assumed standard deviation of the stated outward direction about the direction of the stroke, rad.
+/// Assumed standard deviation of the stated outward direction, as a rotation about the direction of the stroke, rad.
 const OUTWARD_STD: f64 = 0.1;
-/// Largest standard deviation of contacts from the curve of the stroke, relative to half of the stroke's length.
+/// Largest standard deviation of a stroke's contacts from the stroke's curve, relative to half of the stroke's length.
 const MAX_SPREAD: f64 = 0.1;
 /// Smallest standard deviation that is assumed for slopes, and for heights relative to half of the stroke's length.
 const MIN_STD: f64 = 1e-6;
-/// Relative standard deviation of the curvature because derivatives of higher order are left out.
+/// Relative standard deviation of the curvature that is added because derivatives of higher order are left out.
 const MODEL_ERROR: f64 = 1e-3;
 /// Number of iterations in which the noise is estimated.
 const ITERATIONS: usize = 5;
@@ -39,7 +40,7 @@ pub struct StrokeCurvature {
     pub value: f64,
     /// Standard error of the curvature.
     pub std: f64,
-    /// Half-width of the 95 % interval, in standard errors.
+    /// Half-width of the 95 % interval, as a number of standard errors.
     pub half_width: f64,
     /// Unit vector along the stroke; the opposite vector is equivalent.
     pub direction: Vector3<f64>,
@@ -192,7 +193,7 @@ impl Stroke {
         (is_one && curvature.value.is_finite() && std.is_finite()).then_some(curvature)
     }
 
-    /// A cubic in the position along the stroke that is fitted to values at the contacts.
+    /// A cubic polynomial of the position along the stroke, fitted to values at the contacts.
     fn cubic(&self, values: impl Iterator<Item = f64>) -> Option<Vector4<f64>> {
         let (mut gram, mut right) = (Matrix4::zeros(), Vector4::zeros());
         for (place, value) in self.places.iter().zip(values) {
@@ -208,7 +209,7 @@ fn powers(u: f64) -> Vector4<f64> {
     Vector4::new(1.0, u, u * u, u * u * u)
 }
 
-/// Factors by which the height at u depends on the height and its derivatives at 0.
+/// Factors that multiply the height and its derivatives at 0 to give the height at u.
 fn derivatives(u: f64) -> Row {
     let mut row = Row::from_element(1.0);
     for order in 1..UNKNOWNS {
@@ -217,7 +218,7 @@ fn derivatives(u: f64) -> Row {
     row
 }
 
-/// The factors of the same parameters for the slope at u.
+/// Factors that multiply the same parameters to give the slope at u. `row` contains the factors for the height.
 fn shifted(row: &Row) -> Row {
     Row::from_fn(|order, _| if order == 0 { 0.0 } else { row[order - 1] })
 }

@@ -39,7 +39,7 @@ pub enum TipPoint {
 pub struct RoundTip {
     /// Radius of the tip, ≥ 0.
     pub radius: f64,
-    /// The reported point.
+    /// The point of the tip whose position the readings report.
     pub point: TipPoint,
 }
 
@@ -116,17 +116,18 @@ impl RoundTip {
     /// Radius of curvature of the path of the tip's centre, if it is smaller than the tip's radius. In this case, the
     /// computed contacts move in the direction opposite to the centres.
     ///
-    /// Displacements of the contacts are displacements of the centres multiplied by I − r K, where K is the curvature
-    /// of the surface of the centres. On a real object, K is below 1/r. Therefore a linear regression of the contacts
-    /// on the centres can only have a negative eigenvalue because of noise.
+    /// Displacements of the contacts are displacements of the centres multiplied by I − r K. Here r is the tip's
+    /// radius, and K is the curvature of the surface on which the centres move. On a real object, K is below 1/r.
+    /// Therefore a linear regression of the contacts on the centres can only have a negative eigenvalue because of
+    /// noise.
     fn reversal_radius(
         &self,
         centres: &[Contact],
         contacts: &[Contact],
         up: Vector3<f64>,
     ) -> Option<f64> {
-        /// Number of standard errors by which an eigenvalue must be below 0. The probability of a false alarm is then
-        /// 1/30,000.
+        /// Number of standard errors by which an eigenvalue must be below 0 for an error. The probability of a false
+        /// alarm is then 1/30,000.
         const MIN_STANDARD_ERRORS: f64 = 4.0;
         let away = match up.iamin() {
             0 => Vector3::x(),
@@ -171,7 +172,7 @@ fn deviations(points: &[Contact], axes: [Vector3<f64>; 2]) -> Vec<Vector2<f64>> 
     points.iter().map(deviation).collect()
 }
 
-/// Sum of the outer products of corresponding vectors.
+/// Sum of the outer products of corresponding vectors in two lists.
 fn products(ones: &[Vector2<f64>], others: &[Vector2<f64>]) -> Matrix2<f64> {
     let pairs = ones.iter().zip(others);
     pairs.fold(Matrix2::zeros(), |sum, (one, other)| {

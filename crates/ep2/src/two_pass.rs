@@ -108,8 +108,8 @@ impl Method for TwoPass {
         Ok(fit(patch, second, Some(first.status)))
     }
 
-    /// The misfit test of [`Penalised`] with estimated noise, because a contact that contradicts the others does so for
-    /// any fit. The result is empty if the contacts do not determine a penalised spline.
+    /// The misfit test of [`Penalised`] with estimated noise. It is used because a contact that contradicts the others
+    /// does so in any fit. The result is empty if the contacts do not determine a penalised spline.
     fn misfit(&self, patch: &Patch) -> Result<MisfitTest, Ep2Error> {
         Ok(Penalised::default().misfit(patch).unwrap_or_default())
     }

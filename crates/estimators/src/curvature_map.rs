@@ -29,13 +29,13 @@ fn columns(unit: LengthUnit, of_study: bool) -> Vec<Column> {
         .collect()
 }
 
-/// Empty table for a map. With `of_study`, it is for the maps of a study's cells and has the columns `cell` and
-/// `true_class`; otherwise, it is for a map of recorded readings.
+/// Empty table for maps. If `of_study`, it is for the maps of a study's cells and has the columns `cell` and
+/// `true_class`. Otherwise, it is for a map of recorded readings.
 pub fn map_table(unit: LengthUnit, of_study: bool) -> MapTable {
     MapTable::new(columns(unit, of_study))
 }
 
-/// Adds one point to a map. Fields of values that the estimator does not state stay empty.
+/// Adds one point to a map. Fields for values that the estimator does not state stay empty.
 pub fn push_map_point(
     table: &mut MapTable,
     cell_and_true_class: Option<(usize, ShapeClass)>,

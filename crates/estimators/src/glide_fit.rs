@@ -1,4 +1,4 @@
-//! The methods of EP2, chosen by the settings.
+//! The methods that estimate curvature from glides (EP2), built from their settings.
 
 use palpate_ep2::{
     Contact, Criterion, Ep2Error, Fit, Method, MisfitTest, Noise, Passes, Patch, Penalised,
@@ -11,15 +11,16 @@ use palpate_study::config::{CriterionName, GlideEstimatorConfig, NormalsOf, Stat
 /// A method that estimates curvature from glides, with its settings.
 #[derive(Clone, Debug)]
 pub enum GlideMethod {
-    /// A method that fits a graph over a plane, which must be touched from one side.
+    /// A method that fits a graph over a plane. All contacts must be on one side of the object.
     Graph(GlideFit),
-    /// A fit of a simple shape, which may be touched on all sides.
+    /// A fit of a simple shape. The contacts may be on all sides of the object.
     Shape(ShapeSettings),
 }
 
 impl GlideMethod {
-    /// The method in a config. Noise stated as a fraction is multiplied by `inter_finger_distance`, which is also the
-    /// length unit of two-pass. If it is `None`, two-pass computes it from the contacts.
+    /// The method in a config. Noise that is stated as a fraction is multiplied by `inter_finger_distance`. This
+    /// distance is also the length unit of the method two-pass; if it is `None`, two-pass computes it from the
+    /// contacts.
     pub fn of(config: &GlideEstimatorConfig, inter_finger_distance: Option<f64>) -> Self {
         let config = match inter_finger_distance {
             Some(distance) => config.clone().with_length_noise(distance),
@@ -39,7 +40,7 @@ impl GlideMethod {
         })
     }
 
-    /// The method and its settings in words.
+    /// Text that describes the method and its settings.
     pub fn description(&self) -> String {
         match self {
             Self::Graph(graph) => graph.description(),
@@ -109,13 +110,13 @@ impl GlideFit {
         }
     }
 
-    /// Whether the method uses the distance between fingers.
+    /// Whether the method in a config uses the distance between fingers.
     pub fn uses_finger_distance(config: &GlideEstimatorConfig) -> bool {
         matches!(config, GlideEstimatorConfig::TwoPass { .. })
             || config.position_fraction_of_ifd().is_some()
     }
 
-    /// The method with its stated standard deviations of positions and normals multiplied by these factors.
+    /// The same method, with its stated standard deviations of positions and normals multiplied by these two factors.
     #[must_use]
     pub fn with_noise_factors(mut self, [position, normal]: [f64; 2]) -> Self {
         if let Self::Penalised(Penalised { noise, .. }) | Self::Quadric(Quadric { noise }) =
@@ -181,7 +182,7 @@ impl GlideFit {
         }
     }
 
-    /// The method and its settings in words.
+    /// Text that describes the method and its settings.
     fn description(&self) -> String {
         match self {
             Self::Penalised(Penalised {

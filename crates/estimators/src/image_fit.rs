@@ -10,8 +10,8 @@ use crate::image_model::ImageModel;
 use crate::marker_sphere::{MarkerSphere, optics_error};
 use crate::press_fit::{body_error, within_sensor};
 
-/// Step of the finite difference by which derivatives with respect to the depth of the discs are computed, in sensor
-/// radii.
+/// Step, relative to the sensor's radius, of the finite difference for derivatives with respect to the depth of the
+/// discs.
 const DEEPER: f64 = 1e-3;
 const ESTIMATOR: &str = "scene.estimator";
 
@@ -19,7 +19,7 @@ type Layers<'a> = dyn Fn(f64, &[f64]) -> Result<Vec<Body>, PressError> + 'a;
 
 /// Settings of an estimator that fits marker images, and the sensor whose images are fitted.
 pub struct ImageFitSetup<'a> {
-    /// The estimator's settings.
+    /// Settings of the estimator, from the config.
     pub estimator: &'a PressEstimatorConfig,
     /// Soft body of the sensor. Its parameters are used if the settings of the estimator do not state them.
     pub model: &'a PressModelConfig,
@@ -31,7 +31,7 @@ pub struct ImageFitSetup<'a> {
     pub optics: &'a Optics,
     /// Standard deviations of the sensor's deviations from `optics`.
     pub stds: [f64; Departure::NUMBERS],
-    /// Deviations of the sensor from `optics` whose joint covariance is given; `None` without one.
+    /// Joint prior of the sensor's deviations from `optics`; `None` if no joint covariance is given.
     pub departure_prior: Option<DeparturePrior>,
     /// Builds layers of one thickness, one layer for each depth of the markers.
     pub layers: &'a Layers<'a>,
@@ -112,7 +112,7 @@ pub fn departure_stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
         colour,
     } = *noise;
     let turn = turn_deg.to_radians();
-    // The odd terms of the lens are exact.
+    // The odd terms of the lens are exact, so their standard deviations are 0.
     let mut stds = [0.0; Departure::NUMBERS];
     stds[13..19].fill(colour);
     stds[..13].copy_from_slice(&[

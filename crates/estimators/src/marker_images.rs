@@ -12,13 +12,13 @@ use crate::image_model::{ImageModel, marker_image};
 /// Input of the fit: the images of the markers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerImages {
-    /// Images of the markers at rest; `None` if all trials share the images at rest.
+    /// Images of the markers at rest in this trial; `None` if all trials share the images at rest.
     pub own_rest: Option<Arc<[Option<Seen>]>>,
     /// Images of the markers in the press; `None` for markers without an image.
     pub pressed: Vec<Option<Seen>>,
 }
 
-/// The fit to marker images, and the images at rest that trials share.
+/// The fit to marker images, and the images at rest that all trials share.
 #[derive(Clone, Debug)]
 pub struct ImageEstimator {
     fit: ImageFit<ImageModel>,
@@ -27,7 +27,7 @@ pub struct ImageEstimator {
 }
 
 impl ImageEstimator {
-    /// An estimator with this fit, and `rest` as the images of the markers at rest that trials share.
+    /// An estimator with this fit. `rest` contains the images of the markers at rest that all trials share.
     pub fn new(fit: ImageFit<ImageModel>, rest: Vec<Option<Seen>>) -> Self {
         Self {
             fit,
@@ -65,7 +65,7 @@ impl ImageEstimator {
         })
     }
 
-    /// Contradictions between the images and the model of the estimate.
+    /// Contradictions between the images and the model of the estimate, such as outliers.
     pub fn misfits(
         &self,
         pictures: &MarkerImages,
@@ -106,14 +106,14 @@ impl ImageEstimator {
         then(rest)
     }
 
-    /// Parameters of the sensor, estimated from the images at rest that trials share.
+    /// Parameters of the sensor, estimated from the images at rest that all trials share.
     pub fn rest(&self) -> Result<&Rest, PressError> {
         let fitted = self.fitted.get_or_init(|| self.fit.at_rest(&self.rest));
         fitted.as_ref().map_err(|error| *error)
     }
 }
 
-/// Images of the tracked markers in the press, with their errors; `None` for other markers.
+/// Images of the tracked markers in the press, with their errors; `None` for markers that are not tracked.
 pub fn pressed_images(
     tracks: &[Option<Track>],
     errors: &[Option<MarkerErrors>],

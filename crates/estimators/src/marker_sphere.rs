@@ -93,8 +93,8 @@ impl<'a> MarkerSphere<'a> {
     /// rad.
     pub fn misalignment_std(&self) -> Result<f64, FieldError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
-        // For a point that is uniformly distributed in a disc, the standard deviation of each coordinate is half of the
-        // radius.
+        // For a point that is uniformly distributed in a circle, the standard deviation of each coordinate is half of
+        // the circle's radius.
         let most = self.discs()?.misalignment * diameters.yellow;
         Ok(0.5 * most / (self.radius - depths.yellow))
     }
@@ -106,8 +106,8 @@ impl<'a> MarkerSphere<'a> {
             .map_err(|error| optics_error(&error))
     }
 
-    /// Markers at these positions, with random misalignments as by manufacture; `seed` is the seed of their random
-    /// numbers.
+    /// Markers at these positions, with random misalignments like those from manufacture. `seed` is the seed of the
+    /// random numbers.
     pub fn made(&self, places: &[[f64; 2]], seed: u64) -> Result<MarkerArray, FieldError> {
         let array = self.array(places)?;
         match self.discs()?.misalignment {
@@ -153,7 +153,7 @@ fn layout_error(error: &LayoutError) -> FieldError {
     }
 }
 
-/// An error of the markers or the camera, as an error that names the config field.
+/// Converts an error of the markers or the camera to an error that names the config field.
 pub fn optics_error(error: &OpticsError) -> FieldError {
     if let OpticsError::BadSetting(bad) = error
         && bad.setting == "turn_rad"

@@ -9,13 +9,13 @@ use palpate_study::{FieldError, Warning};
 
 /// Settings of an estimator, and the sensor whose readings it uses.
 pub struct PressFitSetup<'a> {
-    /// The estimator's settings.
+    /// Settings of the estimator, from the config.
     pub estimator: &'a PressEstimatorConfig,
     /// Soft body of the sensor. Its parameters are used if the settings of the estimator do not state them.
     pub model: &'a PressModelConfig,
     /// The soft body of the sensor, with displacements at the depth of the markers.
     pub body: &'a Body,
-    /// Thickness of the layer of `body`, if the layer has tables that fits can share; otherwise `None`.
+    /// Thickness of the layer of `body`. `None` if `body` is no layer, or if fits cannot share its tables.
     pub shared: Option<f64>,
     /// Builds a layer with tables from its thickness and the depth of its markers.
     pub layer: &'a dyn Fn(f64, f64) -> Result<Body, PressError>,
@@ -23,11 +23,11 @@ pub struct PressFitSetup<'a> {
     pub markers: &'a Markers,
     /// Depth of the markers under the skin, length.
     pub marker_depth: f64,
-    /// Indentation, length, of the press on a plane from which the width c of a Gaussian is calibrated.
+    /// Indentation, length, of a press on a plane. The width c of a Gaussian is calibrated by this press.
     pub calibrated_at: Option<f64>,
-    /// Whether the indentation is an input of the estimator.
+    /// Whether the estimator receives the indentation instead of fitting it.
     pub knows_indentation: bool,
-    /// Standard deviations of normal and tangential displacements; `None` if they are not stated.
+    /// Stated standard deviations of normal and tangential displacements; `None` if they are not stated.
     pub stds: [Option<f64>; 2],
 }
 
@@ -40,7 +40,7 @@ impl PressFitSetup<'_> {
     pub fn fit(&self) -> Result<ForwardFit, PressFitError> {
         let priors = self.estimator.priors();
         Ok(ForwardFit {
-            // For a Gaussian with a given indentation, the amplitude is fitted; without one, the amplitude is the
+            // For a Gaussian, the amplitude is fitted if the indentation is given. Otherwise, the amplitude is the
             // indentation.
             gain: priors.gain_std.map_or(
                 match self.knows_indentation {
@@ -124,7 +124,7 @@ pub fn sensor_body(
     }
 }
 
-/// Prior of the offset, a displacement that all markers have in common.
+/// Prior of the baseline, which is an offset that all normal displacements have in common.
 pub const fn baseline(config: Baseline) -> Prior {
     match config {
         Baseline::Known => Prior::Exact,
@@ -132,7 +132,7 @@ pub const fn baseline(config: Baseline) -> Prior {
     }
 }
 
-/// Prior of a factor near 1 that has this standard deviation.
+/// Prior of a factor whose expected value is 1, with the standard deviation `std`.
 pub fn within(std: f64) -> Prior {
     if std > 0.0 {
         Prior::Within(std)
@@ -157,7 +157,7 @@ pub fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(), Fiel
     Err(FieldError::at(path, message))
 }
 
-/// An error of the soft body, as an error at its config field.
+/// Converts an error of the soft body to an error that names its config field.
 pub fn body_error(table: &str, error: PressError) -> FieldError {
     match error {
         PressError::BadSetting(BadSetting {
@@ -170,7 +170,7 @@ pub fn body_error(table: &str, error: PressError) -> FieldError {
     }
 }
 
-/// Warning if the contact is too wide for small-strain theory, relative to the sensor or to the object.
+/// Returns a warning if the contact is too wide for small-strain theory, compared with the sensor or with the object.
 pub fn large_contact_warning(
     relative_curvature: f64,
     contact_radius: f64,

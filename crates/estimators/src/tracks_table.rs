@@ -1,4 +1,4 @@
-//! Tables of tracked markers.
+//! Tables of the markers that were tracked from rest to press.
 
 use palpate_study::{Column, Table, number};
 use palpate_tracking::Track;

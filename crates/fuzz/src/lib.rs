@@ -3,8 +3,8 @@
 //! Each target reads arbitrary bytes as the content of a file, and panics if a reader violates one of the following
 //! rules. A reader must return a result, or an error with a message. A result must not contain NaN or infinity. If the
 //! result is written to a file and read again, it must be the same. `corpus/` contains inputs that reach different
-//! parts of the code; they were found by their code coverage. Their names contain the expected outcome: `read-…` or
-//! `refused-…`. The tests replay the inputs, check their outcome, and replay variations of them.
+//! parts of the code. The name of an input contains its expected outcome: `read-…` or `refused-…`. The tests replay the
+//! inputs, check their outcomes, and replay variations of the inputs.
 
 use std::collections::BTreeMap;
 use std::fmt::{Debug, Display};
@@ -16,7 +16,7 @@ use palpate_recorded::{
 use palpate_study::config::{self, GlideEstimatorConfig, PressEstimatorConfig, StatedNoise};
 use palpate_tracking::Finder;
 
-/// A reader under test.
+/// A reader that is fuzzed.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
     /// Name of the reader, which is also the name of the folder with its corpus.
@@ -52,9 +52,10 @@ pub const TARGETS: [Target; 5] = [
     },
 ];
 
-/// Maximum number of lines for estimates of a glide or press. It limits the run time of a target.
+/// Estimates of glides and presses are computed only for inputs with at most this number of lines, to limit the run
+/// time of a target.
 const MAX_ROWS: usize = 60;
-/// Maximum number of pixels for the detection of markers. It limits the run time of a target.
+/// Markers are detected only in frames with at most this number of pixels, to limit the run time of a target.
 const MAX_PIXELS: u32 = 200 * 200;
 
 /// Reads a study's config.
@@ -202,7 +203,8 @@ fn text(bytes: &[u8]) -> Result<&str, String> {
     with_message(std::str::from_utf8(bytes))
 }
 
-/// Outcome of the first reader that could read the input; if none could, outcome of the last reader.
+/// Outcome of the first reader that could read the input. If no reader could read it, this is the outcome of the last
+/// reader.
 fn first_read<const N: usize>(outcomes: [Outcome; N]) -> Outcome {
     outcomes.into_iter().reduce(Outcome::or).unwrap_or(Ok(()))
 }

@@ -42,7 +42,7 @@ impl Dice {
     }
 }
 
-/// Texts that programs often read wrongly in numbers and files.
+/// Texts that often cause errors in parsers of numbers and files.
 const WORDS: [&[u8]; 16] = [
     b"nan",
     b"inf",

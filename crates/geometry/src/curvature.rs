@@ -27,18 +27,17 @@ use thiserror::Error;
 pub struct CurvatureForm {
     /// Normal curvature along `u`.
     pub k_uu: f64,
-    /// Rotation of the normal towards `v` per unit length along `u`.
+    /// Rotation of the surface normal towards `v` per unit length along `u`.
     pub k_uv: f64,
     /// Normal curvature along `v`.
     pub k_vv: f64,
 }
 
-/// Half of the difference between two estimated principal curvatures, in standard deviations, that noise alone exceeds
-/// with a probability of 5 % if the true curvatures are equal. It is the square root of the 95 % quantile of χ² with 2
-/// degrees of freedom.
+/// Limit for half of the difference between two estimated principal curvatures, in standard deviations. If the true
+/// curvatures are equal, noise alone exceeds this limit with a probability of 5 %. It is the square root of the 95 %
+/// quantile of χ² with 2 degrees of freedom.
 const SIGNIFICANT_SPREAD: f64 = 2.447_746_830_680_816;
-/// Standard deviation of a direction of which nothing is determined, so that it is uniform over half a turn: π/√12,
-/// rad.
+/// Standard deviation of an undetermined direction, which is uniform over half a turn: π/√12, rad.
 const UNKNOWN_DIRECTION_STD: f64 = 0.906_899_682_117_089_3;
 
 /// The two principal curvatures, ordered by signed value, and their directions.
@@ -68,7 +67,7 @@ impl PrincipalCurvatures {
 }
 
 impl CurvatureForm {
-    /// The form `curvature · I` of a sphere (or, with 0, of a plane).
+    /// The curvature form `curvature · I` of a sphere (or of a plane if `curvature` is 0).
     pub const fn isotropic(curvature: f64) -> Self {
         Self {
             k_uu: curvature,
@@ -82,7 +81,7 @@ impl CurvatureForm {
         Matrix2::new(self.k_uu, self.k_uv, self.k_uv, self.k_vv)
     }
 
-    /// The symmetric part of a matrix as a form.
+    /// The curvature form that equals the symmetric part of a matrix.
     pub(crate) fn from_matrix(matrix: &Matrix2<f64>) -> Self {
         Self {
             k_uu: matrix[(0, 0)],
@@ -101,7 +100,8 @@ impl CurvatureForm {
         0.5 * self.k_uu + 0.5 * self.k_vv
     }
 
-    /// Principal curvatures and their directions. The error of both curvatures is at most 1e-15 times the larger one.
+    /// Principal curvatures and their directions. The error of both curvatures is at most 1e-15 times the larger
+    /// curvature.
     pub fn principal(&self) -> PrincipalCurvatures {
         let mean = self.mean_curvature();
         let (half_difference, mixed) = (0.5 * self.k_uu - 0.5 * self.k_vv, self.k_uv);
@@ -176,9 +176,9 @@ impl CurvatureForm {
             + self.k_vv * unit.y * unit.y
     }
 
-    /// The curvature form of the other body in this body's contact frame, or the reverse. The other body's normal
-    /// points in the opposite direction, and its axes are rotated by the contact angle ψ. The form is `K̃ = R_ψ K R_ψ`
-    /// with `R_ψ = [[cos ψ, −sin ψ], [−sin ψ, −cos ψ]]`.
+    /// Converts the curvature form of one body at a contact to the contact frame of the other body. The other body's
+    /// normal points in the opposite direction, and its axes are rotated by the contact angle ψ. The form is `K̃ = R_ψ
+    /// K R_ψ` with `R_ψ = [[cos ψ, −sin ψ], [−sin ψ, −cos ψ]]`.
     pub fn seen_from_other_body(&self, contact_angle_rad: f64) -> Self {
         let (sin, cos) = libm::sincos(contact_angle_rad);
         let reflection = Matrix2::new(cos, -sin, -sin, -cos);
@@ -280,8 +280,8 @@ fn square(number: f64) -> String {
 }
 
 impl ShapeThresholds {
-    /// Thresholds for curvatures that count as zero: those with `|K| <= gaussian` (1/length²) and those with `|H| <=
-    /// mean` (1/length).
+    /// Thresholds up to which curvatures count as zero: Gaussian curvatures K with `|K| <= gaussian` (1/length²), and
+    /// mean curvatures H with `|H| <= mean` (1/length).
     ///
     /// # Errors
     /// [`InvalidThresholds`] unless both are finite, at least 0, and `gaussian >= mean²`. The last condition is needed
@@ -292,7 +292,7 @@ impl ShapeThresholds {
                 return Err(InvalidThresholds::OutOfRange { name, value });
             }
         }
-        // The tolerance allows for rounding: in doubles, 0.1² is not exactly 0.01.
+        // The tolerance is needed because of rounding errors: in doubles, 0.1² is not exactly 0.01.
         if gaussian < mean * mean * (1.0 - 4.0 * f64::EPSILON) {
             return Err(InvalidThresholds::ImpossibleClass { gaussian, mean });
         }

@@ -25,7 +25,7 @@ pub use error::{FormulaError, FormulaErrorKind};
 pub use jet::Jet;
 use program::Program;
 
-/// A function z = f(x, y), parsed from a text. The values of its parameters become constants.
+/// A function z = f(x, y), parsed from a text. When the text is parsed, the values of its parameters become constants.
 ///
 /// Evaluation neither fails nor allocates memory. Outside of the formula's domain, the value is not finite, for example
 /// `ln(x)` at x ≤ 0.
@@ -47,7 +47,7 @@ pub struct Formula {
 }
 
 impl Formula {
-    /// Maximum number of characters of a formula. It limits the length of the compiled program.
+    /// Maximum number of characters of a formula. This limit also limits the length of the compiled program.
     pub(crate) const MAX_CHARACTERS: usize = 10_000;
     /// Maximum depth of nesting, which limits the size of the parser's stack. Parentheses, function calls, signs and
     /// right-hand operands each add one level.
@@ -69,8 +69,8 @@ impl Formula {
         self.program.run(x, y)
     }
 
-    /// The height with its first and second derivatives. Each operation adds a relative rounding error of 1e-15. If
-    /// nearly equal numbers are subtracted, this error is amplified.
+    /// The height with its first and second derivatives. Each operation adds a relative rounding error of 1e-15. A
+    /// subtraction of nearly equal numbers amplifies the rounding errors.
     ///
     /// Where the formula or a part of it is not twice differentiable, or where a derivative overflows, some component
     /// is infinite or NaN. Examples are `sqrt(x)` and `abs(x)` at x = 0, `hypot(x, y)` at the origin, and also

@@ -33,7 +33,7 @@ impl Parameters {
     }
 
     /// Checks that the latitude `u` is between the poles of a chart, `u = ±π/2`. Beyond the poles, the chart would
-    /// cover the surface a second time, with its normal pointing inwards.
+    /// cover the surface a second time, and the normal of the chart would point inwards.
     pub(crate) fn unless_beyond_pole(self) -> Result<Self, SurfaceError> {
         let Self { u, v } = self;
         if u.abs() <= FRAC_PI_2 && is_within_reach(u, v) {
@@ -109,8 +109,8 @@ impl ChartJet {
         let m11 = self.du.norm();
         let x = self.du / m11;
         let m12 = x.dot(&self.dv);
-        // The cross product stays accurate for nearly parallel tangents. Gram–Schmidt orthogonalisation would lose
-        // digits.
+        // The cross product stays accurate for nearly parallel tangents. The alternative, Gram–Schmidt
+        // orthogonalisation, would lose digits.
         let across = x.cross(&self.dv);
         let m22 = across.norm();
         let normal = across / m22;
@@ -124,7 +124,8 @@ impl ChartJet {
             return Err(singular);
         }
 
-        // K = −M⁻ᵀ II M⁻¹, where II is the second fundamental form n·f_ij.
+        // The curvature form is K = −M⁻ᵀ II M⁻¹. Here M is the metric, and II is the second fundamental form, with the
+        // components n·f_ij.
         let (l, m, n) = (
             normal.dot(&self.duu),
             normal.dot(&self.duv),
@@ -135,8 +136,8 @@ impl ChartJet {
         let k_uv = -(m - l * shear) / (m11 * m22);
         let k_vv = -(n - 2.0 * m * shear + l * shear * shear) / (m22 * m22);
 
-        // The components of T for steps in u and v are yᵀ x_u = y·f_uu/|f_u| and y·f_uv/|f_u|. They are then multiplied
-        // by M⁻¹.
+        // For steps in u and v, the components of the torsion form T are yᵀ x_u = y·f_uu/|f_u| and y·f_uv/|f_u|. They
+        // are then multiplied by the inverse of the metric M.
         let (t_u, t_v) = (y.dot(&self.duu) / m11, y.dot(&self.duv) / m11);
         let torsion = RowVector2::new(t_u / m11, (t_v - t_u * shear) / m22);
 

@@ -13,7 +13,8 @@ use crate::error::SQUARABLE;
 pub struct LevelSet {
     /// Unit normal `∇F/|∇F|`, out of the solid.
     pub normal: Vector3<f64>,
-    /// `Hess F / |∇F|`, symmetric, 1/length. Only its tangential part has a meaning.
+    /// Hessian of the function F divided by the length of its gradient, `Hess F / |∇F|`; symmetric, 1/length. Only its
+    /// tangential part has a meaning.
     pub second_form: Matrix3<f64>,
 }
 
@@ -30,8 +31,8 @@ impl LevelSet {
             normal: gradient * inverse,
             second_form: hessian * inverse,
         };
-        // If a term is not finite, the sum is not finite. In rare cases a sum of finite terms overflows, and the result
-        // is `None` although a normal exists; this is harmless.
+        // If any component is not finite, the sum is not finite, so it is enough to check the sum. In rare cases a sum
+        // of finite components overflows. The result is then `None` although a normal exists; this is harmless.
         let sum = level_set.normal.sum() + level_set.second_form.sum();
         (SQUARABLE.contains(&norm) && sum.is_finite()).then_some(level_set)
     }
@@ -50,7 +51,8 @@ impl LevelSet {
     /// The shape operator as a linear map of 3D vectors, 1/length: `dn = S dq` for a tangent displacement `dq`. It maps
     /// the normal to zero.
     pub fn shape_operator(&self) -> Matrix3<f64> {
-        // For a unit normal n, this product is I − n nᵀ, but without cancellation on its diagonal.
+        // The product projects onto the tangent plane. For a unit normal n, it equals I − n nᵀ, but without
+        // cancellation on its diagonal.
         let across = self.normal.cross_matrix();
         let tangential = across.transpose() * across;
         tangential * self.second_form * tangential
@@ -63,22 +65,22 @@ impl LevelSet {
 /// The basis of the tangent plane is a unit tangent `x` and `y = x × ∇F`, whose length is `|∇F|`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TangentForm {
-    /// `∇F`, out of the solid.
+    /// Gradient `∇F` of the level-set function, which points out of the solid.
     pub gradient: Vector3<f64>,
     /// Length `|∇F|` of the gradient of the level-set function.
     pub steepness: f64,
     /// Square `|∇F|²` of the length of the gradient.
     pub steepness_squared: f64,
-    /// `xᵀ (Hess F) x`.
+    /// Component `xᵀ (Hess F) x` of the Hessian along the tangent x.
     pub xx: f64,
-    /// `xᵀ (Hess F) y`.
+    /// Mixed component `xᵀ (Hess F) y` of the Hessian.
     pub xy: f64,
-    /// `yᵀ (Hess F) y`.
+    /// Component `yᵀ (Hess F) y` of the Hessian along the tangent y.
     pub yy: f64,
 }
 
 impl TangentForm {
-    /// The tangent form for a unit normal, and a curvature form in the basis `(x, x × normal)`.
+    /// The tangent form that has this unit normal, and this curvature form in the basis `(x, x × normal)`.
     #[inline]
     pub const fn of_unit_normal(normal: Vector3<f64>, curvature: CurvatureForm) -> Self {
         Self {

@@ -23,8 +23,8 @@ pub enum Meridian {
         /// Coefficient, 1/length; negative for a bowl.
         c: f64,
     },
-    /// The curve `r = a sin φ`, `height = c cos φ` of a spheroid with the equatorial radius `a` and the polar half-axis
-    /// `c`, from its pole, or of a section of an ellipsoid; the parameter is φ.
+    /// The curve `r = a sin φ`, `height = c cos φ` of a spheroid or of a section of an ellipsoid, from its pole. `a` is
+    /// the equatorial radius and `c` the polar half-axis; the parameter is φ.
     Spheroid {
         /// Equatorial radius of the spheroid, length.
         a: f64,
@@ -36,7 +36,7 @@ pub enum Meridian {
 /// A point of a [`Meridian`] and the surface normal there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeridianPoint {
-    /// Distance from the axis.
+    /// Distance of the point from the axis, length.
     pub r: f64,
     /// Height above the apex along the normal at the apex; negative below the apex.
     pub height: f64,
@@ -76,7 +76,7 @@ impl Meridian {
         }
     }
 
-    /// The slope at parameter `t`. As in [`Meridian::at`], all numbers must be finite.
+    /// The slope at parameter `t`. As in [`Meridian::at`], `t` and the coefficients of the meridian must be finite.
     pub fn slope(&self, t: f64) -> MeridianSlope {
         match *self {
             Self::Paraboloid { c } => {
@@ -91,8 +91,8 @@ impl Meridian {
             Self::Spheroid { a, c } => {
                 let (sin, cos) = libm::sincos(t);
                 let square = (a * cos).powi(2) + (c * sin).powi(2);
-                // The angle of the normal (c sin φ, a cos φ) differs from φ by less than a quarter turn, so φ
-                // determines its number of whole turns.
+                // The angle of the normal (c sin φ, a cos φ) differs from the parameter φ by less than a quarter turn.
+                // Therefore φ determines the number of whole turns of the normal.
                 let within_turn = libm::atan2(c * sin, a * cos);
                 let turns = ((t - within_turn) / TAU).round();
                 MeridianSlope {

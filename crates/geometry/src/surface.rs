@@ -88,8 +88,8 @@ pub trait Surface {
         }
     }
 
-    /// The chart parameters of a point on (or very near) the surface, so that `chart` maps them to the point. They are
-    /// meaningless if the point is not finite.
+    /// The chart parameters of a point on (or very near) the surface, so that `chart` maps them to the point. The
+    /// parameters are meaningless if the point is not finite.
     fn parameters(&self, point: &Point3<f64>) -> Parameters;
 
     /// The point of the surface closest to `point`.
@@ -116,7 +116,8 @@ pub trait Surface {
     }
 
     /// Whether a ball of `radius` that touches the solid from outside may penetrate it at another place. The ball is
-    /// assumed to fit at the contact point, that is, the solid is less concave there than the ball is convex.
+    /// assumed to fit at the contact point: where the solid is concave, its radius of curvature exceeds the radius of
+    /// the ball.
     fn may_touch_twice(&self, _radius: f64) -> bool {
         false
     }

@@ -1,10 +1,11 @@
-//! Cost of the journal. The same study runs twice: without a journal (its rows are made and dropped), and with a
-//! journal that is written to the disk at the end, as after each second of a longer run. On a busy machine, times that
-//! were measured minutes apart cannot be compared. Therefore the printed ratio is the median over pairs of runs, one
-//! directly after the other.
+//! Measures how much time the journal costs. The same study runs twice: without a journal (the rows of the journal are
+//! made and dropped), and with a journal that is written to the disk at the end, as after each second of a longer run.
+//! On a busy machine, times that were measured minutes apart cannot be compared. Therefore the printed ratio is the
+//! median over pairs of runs, one directly after the other.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
-// The journal is a part of the program, which no crate can import, so its files are included.
+// The source files of the journal are included here, because they belong to the program, and no crate can import a
+// program.
 #[allow(dead_code, unused_imports)]
 #[path = "../src/bin/palpate/failure.rs"]
 mod failure;
@@ -83,7 +84,7 @@ fn journalled(simulation: &Simulation<'_>, dir: &Path) {
     journal.end().unwrap();
 }
 
-/// Median, over pairs of runs, of the time with a journal divided by the time without.
+/// Median, over pairs of runs, of the run time with a journal divided by the run time without a journal.
 fn ratio(simulation: &Simulation<'_>, dir: &Path) -> f64 {
     const PAIRS: usize = 15;
     let time = |run: &dyn Fn()| {
@@ -106,7 +107,7 @@ fn ratio(simulation: &Simulation<'_>, dir: &Path) -> f64 {
 
 fn benches(criterion: &mut Criterion) {
     let runner = Runner::new(&RunOptions::default()).unwrap();
-    // The directory is on the disk of the target directory, not in memory.
+    // Use the disk of the target directory, because a temporary directory may be in memory.
     let dir = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
     let mut group = criterion.benchmark_group("journal");
     group.sample_size(10);

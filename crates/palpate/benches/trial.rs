@@ -1,4 +1,5 @@
-//! Time of a whole trial: random numbers, rolls, least squares, covariance, and the statistics of the runner.
+//! Measures the time of a whole trial: random numbers, rolls, least-squares fit, covariance, and the runner's
+//! statistics.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use palpate_scene::Scenes;

@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let runner = Runner::new(&RunOptions::default())?;
     let simulation = Simulation::new(&study, 0..study.cell_count(), &runner)?;
 
-    // Another thread may set this to end the run.
+    // Another thread may set this flag to end the run.
     let cancelled = AtomicBool::new(false);
     let done = AtomicU64::new(0);
     let progress = |finished| {

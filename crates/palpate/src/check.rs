@@ -33,11 +33,10 @@ const MAX_TRIAL_TIME: Duration = Duration::from_millis(50);
 pub struct Check {
     /// Number of cells.
     pub cells: usize,
-    /// Number of cells in which the settings were checked in combination. In the other cells, each swept value was
-    /// checked only by itself.
+    /// Number of cells whose combination of settings was checked. In the other cells, each swept value was checked
+    /// separately.
     pub checked: usize,
-    /// Number of cells that were set up completely. As many other cells as the time limit allowed were set up without a
-    /// camera.
+    /// Number of cells that were set up completely. Further cells were set up without a camera, until the time limit.
     pub set_up: usize,
     /// Number of the set-up cells that have only one trial, because they use no random numbers.
     pub single: usize,
@@ -57,10 +56,10 @@ pub struct Check {
 /// Cells that need the same models.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellGroup {
-    /// Number of cells.
+    /// Number of cells in the group.
     pub cells: usize,
-    /// Lines that are true for each cell of the group: one line with the reason for each model that the cells need, and
-    /// one line per warning.
+    /// Lines that apply to each cell of the group: one line per model that the cells need, with the reason, and one
+    /// line per warning.
     pub needs: Vec<String>,
     /// Parts of the simulation that other scenes of this kind need but the cells of this group do not, such as
     /// "integrator".
@@ -72,7 +71,7 @@ pub struct CellGroup {
 /// Models that can compute the true values of a group's first cell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rungs {
-    /// There is no choice of models.
+    /// At most one model can compute the true values, so there is nothing to choose.
     None,
     /// The models were not measured, to save time.
     NotMeasured,
@@ -182,16 +181,16 @@ impl CellScene {
         }
     }
 
-    /// Whether a camera reads the press. The markers of a camera sensor lie at other depths than the markers of a
-    /// direct reading.
+    /// Whether a camera reads the press. Models of a press with a camera are measured separately, because the markers
+    /// of a camera sensor lie at other depths than the markers of a direct reading.
     fn has_camera(&self) -> bool {
         let scene = &self.config.scene;
         matches!(scene, SceneConfig::Press(press) if press.sensor.camera().is_some())
     }
 }
 
-/// Sets up scenes of the study's sample in order, as many as the time limit allows. After the time limit, presses are
-/// set up without a camera; but if the sample is not the whole study, no more scenes are set up.
+/// Sets up the scenes of the study's sample in order, until the time limit. After the time limit, further presses are
+/// set up without their camera, but only if the sample is the whole study.
 fn scenes(
     study: &Study,
     clock: &Clock<'_>,
@@ -302,7 +301,7 @@ fn groups(
     Ok(groups)
 }
 
-/// Measured coverage of the scenes. Each coverage has the number of scenes that it applies to.
+/// Measured coverage of the scenes' intervals, each with the number of scenes to which it applies.
 fn intervals(scenes: &[CellScene]) -> Vec<(usize, Coverage)> {
     let mut all: Vec<(usize, Coverage)> = Vec::new();
     for one in scenes {

@@ -1,4 +1,4 @@
-//! The forecast of a study as JSON.
+//! Converts the forecast of a study to JSON.
 
 use serde_json::{Value as Json, json};
 

@@ -1,4 +1,4 @@
-//! Columns of tables: their units, and their values as numbers or texts.
+//! Reads the columns of tables: their units, and their values as numbers or texts.
 
 use palpate_study::config::{self, LengthUnit, Study};
 use palpate_study::{Column, ColumnType, Label, Rows};
@@ -19,7 +19,7 @@ const UNITS: [(&str, &str); 7] = [
 pub enum Values {
     /// Numbers; NaN if the field is empty.
     Numbers(Vec<f64>),
-    /// Texts. A column has texts if it is a column of texts, or if one of its fields is not a number.
+    /// Texts. The values are texts if the column is a known column of texts, or if one of its fields is not a number.
     Texts(Vec<String>),
 }
 
@@ -56,7 +56,7 @@ fn unit_of_field(header: &str, length_unit: LengthUnit) -> String {
         match label.unit.as_str() {
             "°" => "deg".to_owned(),
             "turns" => "turn".to_owned(),
-            // These fields are stored as shares, although axes and messages show them in percent.
+            // Fields with such a unit are stored as shares, although axes and messages show them in percent.
             unit if unit.is_empty() || label.factor != 1.0 => "1".to_owned(),
             unit => unit.to_owned(),
         }

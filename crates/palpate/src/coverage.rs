@@ -16,8 +16,8 @@ use serde_json::{Value as Json, json};
 
 use comparable_scene::{Fields, comparable_fields, unit_length};
 
-/// Name of the field that stands for the radius of a ball or a dish in the tables. It is the curvature; for a dish it
-/// is negative.
+/// Name of the field that replaces the radius of a ball or a dish in the tables of families. Its value is the
+/// curvature, which is negative for a dish.
 const CURVATURE: &str = "scene.object.curvature";
 
 /// File names and contents of the tables of families.
@@ -35,7 +35,7 @@ pub struct Family {
     pub scene: &'static str,
     /// Name of the family, as in the table.
     pub name: String,
-    /// Number of random scenes.
+    /// Number of random scenes of the family.
     pub scenes: usize,
     /// Share of all trials whose 95 % interval contained the true value. A trial without an interval counts as a miss.
     pub coverage95: f64,
@@ -43,17 +43,17 @@ pub struct Family {
     pub lowest: f64,
     /// Field values of one scene of the family.
     fields: Fields,
-    /// Range of the numbers of each field over the scenes of the family.
+    /// Smallest and largest value of each numeric field in the scenes of the family.
     ranges: BTreeMap<String, [f64; 2]>,
 }
 
 /// Measured coverage of scenes like a given scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Coverage {
-    /// Random scenes like this scene were measured; they are this family.
+    /// The coverage was measured in random scenes like this scene. These scenes are the family.
     Measured(&'static Family),
-    /// No family contains the scene. This family is the most similar one; the text names the numbers of the scene that
-    /// are outside its ranges.
+    /// No family contains the scene. The family in this variant is the most similar one. The text names the numbers of
+    /// the scene that are outside the family's ranges.
     Outside(&'static Family, String),
     /// No similar scenes were measured; the text is the reason.
     NotMeasured(String),
@@ -199,8 +199,8 @@ impl Family {
         })
     }
 
-    /// Fields in which a scene differs from the family. The first list has fields that have no range in the family, the
-    /// second list numbers outside their ranges.
+    /// Fields in which a scene differs from the family. The first list contains fields without a range in the family.
+    /// The second list contains fields whose number is outside the range of the family.
     fn differences<'a>(&'a self, scene: &'a Fields) -> [Vec<&'a String>; 2] {
         let keys = self.fields.keys().chain(self.ranges.keys());
         let all: BTreeSet<&String> = keys.chain(scene.keys()).collect();

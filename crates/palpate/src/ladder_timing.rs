@@ -7,7 +7,7 @@ use palpate_scene::{Arch, Ladder, RollScene, Rung, Scene};
 use palpate_study::config::{LengthUnit, SceneConfig};
 use palpate_sweep::Clock;
 
-/// Duration over which the measurement of one model is repeated.
+/// Time during which the measurement of one model is repeated.
 const TIMING: Duration = Duration::from_millis(12);
 /// Largest number of measurements of one model.
 const MAX_MEASUREMENTS: usize = 100_000;
@@ -46,7 +46,7 @@ pub(crate) fn neighbour_times(
         true => evaluation_time(scene, &ladder.rungs[place], clock),
         false => None,
     };
-    // Measure the chosen model first, because the other models are compared with it.
+    // Measure the chosen model first, because the times of the other models are compared with its time.
     let taken = time(ladder.taken);
     let place = |place| match place == ladder.taken {
         true => (place, taken),
@@ -101,7 +101,7 @@ fn run(roll: &RollScene, trials: u64) {
             std::hint::black_box(observed)[0].estimates.len()
         });
         if trial < trials {
-            // A failed trial also takes time, so its result is ignored.
+            // Ignore whether a trial fails, because a failed trial takes time too.
             let _ = std::hint::black_box(roll.outcomes(trial));
             trial += 1;
         }

@@ -90,8 +90,8 @@ fn check_plot(study: &Study, place: usize, plot: &PlotConfig) -> Result<(), Conf
     let mut plot = plot.clone();
     let all = plot.where_.len();
     plot.where_.retain(|path, _| is_swept(path));
-    // Filters by results are not applied to this invented table. In a real table they may separate rows, so a message
-    // about several rows is ignored below.
+    // Filters by results are not applied to this invented table. In a real table, such a filter may leave only one row
+    // per point, so a message about several rows is ignored below.
     let filters_results = plot.where_.len() < all;
     let filters: Vec<(&str, Vec<String>)> = plot.filters().collect();
     let cells = table(study, &study.star(&filters))?;

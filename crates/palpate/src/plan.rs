@@ -10,7 +10,7 @@ use palpate_sweep::{Clock, Runner};
 
 use crate::planner::{self, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable};
 
-/// Chooses the number of trials for cells of a study. Also chooses the model, if all cells use the same one. The
+/// Chooses the number of trials for cells of a study. Also chooses the model, if all cells use the same model. The
 /// returned study states these choices, so running it again needs no plan.
 ///
 /// ```
@@ -114,8 +114,8 @@ impl Plannable for Chosen {
         pass(&cell.config, trial.scene.quantities(), tolerance)
     }
 
-    /// The same cells, with this `tolerance` for the model `auto`. If they are all cells of the study, and `auto`
-    /// chooses the same model in each cell, this model replaces `auto`.
+    /// The same cells, with this `tolerance` for the model `auto`. If `auto` chooses the same model in every cell, and
+    /// the cells are all cells of the study, this model replaces `auto`.
     fn with_tolerance(&self, tolerance: Option<f64>) -> Result<Self, ConfigError> {
         let parsed = |config: &StudyConfig| config::parse("run.toml", &config::to_toml(config));
         let mut config = self.study.config.clone();
@@ -155,8 +155,8 @@ fn common_rung(study: &Study) -> Result<Option<ModelConfig>, ConfigError> {
     Ok(common)
 }
 
-/// Estimates and true values of a trial without noise, with this tolerance for the model `auto`. `in_cell` are the
-/// quantities of the cell. `None` if the scene cannot be set up or the trial fails.
+/// Estimates and true values of a trial without noise, with this tolerance for the model `auto`. `in_cell` contains the
+/// quantities of the cell. Returns `None` if the scene cannot be set up or the trial fails.
 fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pass> {
     let set_up = |scene: &SceneConfig| Scene::new(scene, config.length_unit, config.seed).ok();
     let mut scene = with_tolerance(&config.scene, tolerance)?;

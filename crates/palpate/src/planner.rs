@@ -22,9 +22,9 @@ pub const MODEL_ERROR_SHARE: f64 = 0.1;
 const MAX_FOR_TARGET: f64 = 1e8;
 /// Largest number of trials per cell that a budget may give.
 const MAX_FOR_BUDGET: NonZeroU64 = NonZeroU64::MIN.saturating_add(999_999_999_999);
-/// Share of the budget that is spent on timing a few trials.
+/// Share of the budget that is used to measure the time of a few trials.
 const TIMING_SHARE: f64 = 0.1;
-/// Share of the budget that is spent on a pilot, which is a small run before the actual run.
+/// Share of the budget that is used for a pilot, that is, a small run before the actual run.
 const PILOT_SHARE: f64 = 0.15;
 /// Predicted time of the run, as a share of the budget that remains after planning.
 const RUN_SHARE: f64 = 0.9;
@@ -55,11 +55,12 @@ pub(crate) trait Plannable: Sized {
     /// Possible tolerances of the common model of all cells, largest first; empty if the config states the model.
     fn tolerances(&self) -> &[f64];
 
-    /// The results of a cell without noise, computed by a model with this tolerance. `None` if the cell cannot be
-    /// computed without noise. `trial` is the experiment of the cell.
+    /// Results of a cell without noise, computed by a model with this tolerance. `trial` is the experiment of the cell.
+    /// Returns `None` if the cell cannot be computed without noise.
     fn pass(&self, cell: usize, trial: &Self::Trial, tolerance: f64) -> Option<Pass>;
 
-    /// The same cells, with a model of this tolerance. If `tolerance` is `None`, they use the model of the config.
+    /// Returns the same cells with a model of this tolerance. If `tolerance` is `None`, the cells use the model of the
+    /// config.
     ///
     /// # Errors
     /// Reason why the cells cannot be created.
@@ -117,7 +118,7 @@ pub enum PlanError<E> {
         "one trial of each cell does not fit into {budget:?}; the least is about {least_s} s on {threads} threads"
     )]
     DoesNotFit {
-        /// The stated budget of time.
+        /// The stated time budget.
         budget: Duration,
         /// Approximate smallest budget for which a plan is possible, s.
         least_s: f64,
@@ -231,7 +232,7 @@ impl Planner<'_> {
             if let Some(budget) = self.goal.budget
                 && elapsed >= budget
             {
-                // The factor 2 is needed because each cell is set up twice: once for planning and once for the run.
+                // Multiply the time by 2, because each cell is set up twice: once for planning and once for the run.
                 let share = trials.len() as f64 / cells.cells() as f64;
                 return Err(self.does_not_fit(budget, 2.0 * elapsed.as_secs_f64() / share));
             }
@@ -259,8 +260,8 @@ impl Planner<'_> {
             return None;
         }
         let cells: Vec<&dyn Trial> = random.iter().map(|&cell| &trials[cell] as _).collect();
-        // Without a target error, the pilot runs as many trials as its share of the budget allows. So the target is set
-        // to the smallest possible number.
+        // Without a target error, only the budget limits the pilot. So the target is set to the smallest positive
+        // number.
         let target = self.goal.target_error.unwrap_or(f64::MIN_POSITIVE);
         let pilot = Pilot::for_error(self.runner, &cells, target, most, MAX_FOR_TARGET);
         Some(pilot)
@@ -303,7 +304,7 @@ impl Planner<'_> {
         )
     }
 
-    /// Sets the number of trials that the target error requires in the plan.
+    /// Computes the number of trials that the target error requires, and stores it in the plan.
     fn set_by_target<C: Plannable>(
         &self,
         plan: &mut Plan,
@@ -370,8 +371,8 @@ impl Planner<'_> {
     }
 }
 
-/// Largest shifts that the model's error may cause in each cell. For the cells of the pilot, they are relative to the
-/// rms errors that the pilot estimated.
+/// Largest shifts that the model's error may cause in each cell. In the cells of the pilot, these shifts are relative
+/// to the rms errors that the pilot estimated.
 fn allowances(cells: usize, random: &[usize], pilot: Option<&Pilot>, share: f64) -> Vec<Allowance> {
     let rms_errors = |cell: usize| {
         let found = random.iter().position(|&one| one == cell);

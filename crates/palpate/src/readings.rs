@@ -1,4 +1,4 @@
-//! Readings and frames from numbers in memory instead of files.
+//! Makes readings and camera frames from numbers in memory instead of files.
 
 use image::RgbImage;
 use palpate_recorded::{Frame, RecordedFile};

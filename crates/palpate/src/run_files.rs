@@ -1,4 +1,5 @@
-//! Contents of the files that a run writes: `cells.csv`, `failures.csv`, `map.csv`, the table of trials, and `run.toml`.
+//! Makes the contents of the files that a run writes: `cells.csv`, `failures.csv`, `map.csv`, the table of trials, and
+//! `run.toml`.
 
 use std::fmt::{Display, Write};
 
@@ -55,8 +56,8 @@ pub(crate) fn states_bounds(study: &Study) -> bool {
             })
 }
 
-/// Swept fields that have their own column in the tables. A swept number of trials has none, because the column
-/// `trials` already states it.
+/// Indices of the swept fields that have their own column in the tables. A swept number of trials has no column of its
+/// own, because the column `trials` already contains it.
 fn swept(study: &Study) -> impl Iterator<Item = usize> + '_ {
     (0..study.paths.len()).filter(|&place| Statistic::named(&study.paths[place]).is_none())
 }
@@ -159,7 +160,7 @@ fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
     row.number(summary.truth);
     row.text(cell.trials);
     row.text(cell.failed());
-    // If both quantiles are equal, they are the only estimate, which keeps all its digits.
+    // If the 5 % and the 95 % quantile are equal, all estimates are equal, and the quantile keeps all its digits.
     let quantile = |value| match summary.q05 == summary.q95 {
         true => value,
         false => with_digits(value, summary.truth),
@@ -185,8 +186,8 @@ fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
     }
 }
 
-/// A quantile, rounded to its resolution. Its distance from the true value is accurate to 1/256 of this distance. So
-/// the last digit that is kept has the place of the first digit of 1/256 of the distance.
+/// A quantile, rounded to its resolution, which is 1/256 of its distance from the true value. The last digit that is
+/// kept is at the decimal place of the first digit of this resolution.
 fn with_digits(quantile: Option<f64>, truth: Option<f64>) -> Option<f64> {
     let (value, error) = (quantile?, (quantile? - truth?).abs());
     if value == 0.0 || error == 0.0 {
@@ -240,8 +241,8 @@ pub(crate) fn push_trial(
 
 /// Power of ten of the first digit of a number in its shortest decimal text; `None` for 0.
 fn decimal_place(number: f64) -> Option<i32> {
-    // Powers of ten, exact or nearly exact. If a number is very close to one of them, the number's decimal text
-    // decides.
+    // Powers of ten, exact or nearly exact. If a number is very close to one of these powers, the number's decimal text
+    // determines the place.
     const POWERS: [f64; 19] = [
         1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6,
         1e7, 1e8, 1e9,

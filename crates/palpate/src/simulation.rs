@@ -75,7 +75,7 @@ pub struct Simulation<'a> {
     has_trials: bool,
     /// Scenes that were set up for the check and will be used for the trials, by the numbers of their cells.
     cached: Mutex<BTreeMap<usize, (Cell, Scene)>>,
-    /// Models that several scenes share, so that they are computed only once.
+    /// Models that several scenes share, so that each model is computed only once.
     parts: SharedModels,
 }
 
@@ -163,7 +163,8 @@ impl<'a> Simulation<'a> {
         })
     }
 
-    /// Uses narrower vector instructions than the widest ones of the processor. The results do not depend on the width.
+    /// Selects the vector instructions, for example narrower ones than the widest vector instructions of the processor.
+    /// The results do not depend on the width.
     #[must_use]
     pub fn with_arch(self, arch: Arch) -> Self {
         Self { arch, ..self }

@@ -1,5 +1,6 @@
-//! Options of estimates from recorded readings that depend on the simulated sensor of a study. The options of other
-//! estimates follow from the config alone: [`GlideOptions::from_study`](crate::recorded::GlideOptions::from_study) and
+//! Makes the options of estimates from recorded readings that depend on the simulated sensor of a study. The options of
+//! other estimates follow from the config alone:
+//! [`GlideOptions::from_study`](crate::recorded::GlideOptions::from_study) and
 //! [`PictureOptions::from_study`](crate::recorded::PictureOptions::from_study).
 //!
 //! Each function converts the study's lengths to the unit of the readings.
@@ -20,7 +21,7 @@ pub fn roll(study: &StudyConfig, unit: LengthUnit) -> Result<RollOptions, StudyM
     })
 }
 
-/// Options of `estimate_press`. The study states their standard deviations as settings of its estimator.
+/// Options of `estimate_press`. The study states the standard deviations in these options as settings of its estimator.
 #[expect(clippy::missing_errors_doc, reason = "the module has them")]
 pub fn press(study: &StudyConfig, unit: LengthUnit) -> Result<PressOptions, StudyMismatch> {
     PressOptions::from_study(study, unit, |config| {

@@ -1,4 +1,4 @@
-//! The trace of one trial.
+//! Traces one trial of a study.
 
 use palpate_scene::{Scenes, Trace, TraceError as PassError};
 use palpate_study::config::{ConfigError, Study};

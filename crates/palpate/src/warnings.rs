@@ -14,9 +14,9 @@ pub struct Warnings {
 /// Warnings that have the same code.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Group {
-    /// Warning of the first cell that has this code.
+    /// Warning of the first cell that has a warning with this code.
     warning: Warning,
-    /// Number of this cell, and index of the warning among the warnings of this cell.
+    /// Number of the first cell with this code, and index of the warning among the warnings of this cell.
     first: (usize, usize),
     /// Number of cells that have a warning with this code.
     cells: usize,

@@ -11,8 +11,8 @@ const MAX_DISTANCE: f64 = 1e50;
 
 /// A model of the soft body. It computes the displacement of the skin at the markers' depth under a press.
 ///
-/// For all bodies, the displacement is C_r F(a, r) and the indentation is C_r D(a), where a is the contact's radius, r
-/// the distance from its middle, and C_r the relative curvature.
+/// Let a be the contact's radius, r the distance from its middle, and C_r the relative curvature. For all bodies, the
+/// displacement is then C_r F(a, r) and the indentation is C_r D(a).
 ///
 /// ```
 /// use palpate_press::Body;
@@ -45,7 +45,7 @@ enum Rung {
     },
 }
 
-/// The method for contacts with a layer.
+/// Method for computing the contacts with a bonded layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Layers {
     /// Interpolation in tables, which is faster for many contacts.
@@ -77,9 +77,8 @@ pub struct Displacement {
     pub radial: f64,
 }
 
-/// The function F(a, r) in u = C_r F: the displacement at a distance r from the middle of a contact of radius a,
-/// divided by the relative curvature C_r, and its derivatives with respect to r and a. Units: length² for
-/// displacements, length for derivatives.
+/// Displacement at a distance r from the middle of a contact of radius a, divided by the relative curvature, with its
+/// derivatives with respect to r and a. Units: length² for displacements, length for derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Field {
     /// Inward displacement, divided by the relative curvature.
@@ -170,8 +169,9 @@ impl Body {
         })
     }
 
-    /// The approximation of the 2020 paper, u = δ exp(−r²/2σ²) with σ² = δ R/c, where δ is the indentation and R the
-    /// effective radius. There are no displacements along the skin. The paper uses c = 1.
+    /// The approximation of the 2020 paper, u = δ exp(−r²/2σ²) with σ² = δ R/c. Here u is the inward displacement, r
+    /// the distance from the contact, δ the indentation, R the effective radius and c a constant. There are no
+    /// displacements along the skin. The paper uses c = 1.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for a `c` that is not finite and positive.
@@ -247,7 +247,7 @@ impl Body {
         self.contact(relative_curvature, indentation, radius)
     }
 
-    /// The contact with this radius and a relative curvature of 1. Its displacements are F(a, r).
+    /// The contact with this radius and a relative curvature of 1.
     pub(crate) fn unit_contact(&self, radius: f64) -> Result<Contact<'_>, PressError> {
         let [indentation, _] = self.indentation_of(radius)?;
         self.contact(1.0, indentation, radius)
@@ -275,7 +275,7 @@ impl Body {
         })
     }
 
-    /// The contact's radius, from D = δ R.
+    /// The contact's radius, from the indentation divided by the relative curvature.
     fn contact_radius(&self, indentation_over_curvature: f64) -> Result<f64, PressError> {
         match &self.0 {
             Rung::HalfSpace { .. } | Rung::Gaussian { .. } => Ok(indentation_over_curvature.sqrt()),
@@ -286,7 +286,8 @@ impl Body {
         }
     }
 
-    /// The function D(a) and its derivative at a contact radius a.
+    /// Indentation divided by the relative curvature, for a contact of radius `a`, and its derivative with respect to
+    /// `a`.
     pub(crate) fn indentation_of(&self, a: f64) -> Result<[f64; 2], PressError> {
         match &self.0 {
             Rung::HalfSpace { .. } | Rung::Gaussian { .. } => Ok([a * a, 2.0 * a]),
@@ -311,8 +312,8 @@ impl Contact<'_> {
         }
     }
 
-    /// Force between the bodies, if the soft body has this Young's modulus. Its unit is the unit of the modulus times
-    /// length². `None` for the Gaussian approximation, which has no stress, and if the force is not finite.
+    /// Force between the bodies, if the soft body has the Young's modulus `young`. Its unit is the unit of `young`
+    /// times length². `None` for the Gaussian approximation, which has no stress, and if the force is not finite.
     pub fn force(&self, young: f64) -> Option<f64> {
         let unit = self.relative_curvature * young;
         let force = match &self.body.0 {
@@ -325,7 +326,7 @@ impl Contact<'_> {
         force.filter(|force| force.is_finite())
     }
 
-    /// Pressure in the middle of the contact, if the soft body has this Young's modulus, in the unit of the modulus.
+    /// Pressure in the middle of the contact, if the soft body has the Young's modulus `young`, in the unit of `young`.
     /// `None` for the Gaussian approximation, and if the pressure is not finite.
     pub fn peak_pressure(&self, young: f64) -> Option<f64> {
         let unit = self.relative_curvature * young;
@@ -339,7 +340,7 @@ impl Contact<'_> {
         pressure.filter(|pressure| pressure.is_finite())
     }
 
-    // The function is inlined, so that the compiler removes those parts that a caller does not use.
+    // The function is inlined. Therefore the compiler removes the parts of its result that a caller does not use.
     #[inline(always)]
     pub(crate) fn field(&self, r: f64) -> Field {
         let (a, r) = (self.radius, r.abs());

@@ -5,8 +5,8 @@
 //! under the contact's pressure, in closed form ([`pressure_field`]). The second is the correction for the rigid base,
 //! which is a sum over wavenumbers ([`reflection`]) or is interpolated in a table ([`contact_table`]).
 //!
-//! All lengths can be expressed in units of the thickness, so only the ratios of the contact's radius, the depth and
-//! the distance to the thickness matter.
+//! All lengths can be expressed in units of the thickness. Therefore only the ratios to the thickness matter: those of
+//! the contact's radius, the depth and the distance.
 
 mod contact_table;
 mod pressure;
@@ -26,7 +26,7 @@ use crate::body::Field;
 
 /// Largest radius of a contact that can be solved, relative to the thickness.
 const MAX_RADIUS: f64 = 50.0;
-/// Maximum number of steps of Newton's method; usually about four are enough.
+/// Maximum number of steps of Newton's method. Usually, about four steps are enough.
 const STEPS: usize = 30;
 
 /// An incompressible layer on a rigid base, whose displacements are computed at one depth.
@@ -34,7 +34,8 @@ const STEPS: usize = 30;
 pub(crate) struct BondedLayer {
     thickness: f64,
     depth: f64,
-    /// Number of nodes for contacts that are solved without a table, relative to the necessary number.
+    /// Number of quadrature nodes for contacts that are solved without a table, relative to the number at the standard
+    /// resolution.
     resolution: f64,
     /// The layers at several depths that share tables, and the index of this layer among them.
     family: Arc<Family>,
@@ -65,10 +66,12 @@ impl Family {
 #[derive(Clone, Debug)]
 pub(crate) struct LayerContact {
     thickness: f64,
-    /// Depth, relative to the thickness. All following lengths are relative to the thickness too.
+    /// Depth of the markers, relative to the thickness of the layer. All following lengths are relative to the
+    /// thickness too.
     depth: f64,
     contact: f64,
-    /// Four numbers: the indentation, its derivative with respect to the radius, ∫ φ dt, and −∫ φ'/t dt.
+    /// Four numbers of the pressure: the indentation, its derivative with respect to the radius, ∫ φ dt (force), and −∫
+    /// φ'/t dt (peak pressure).
     numbers: [f64; 4],
     terms: Vec<Term>,
     base: Base,
@@ -120,14 +123,14 @@ impl BondedLayer {
         Ok(Self { resolution, ..self })
     }
 
-    /// Thickness of the layer.
+    /// Thickness of the soft layer, length.
     pub(crate) const fn thickness(&self) -> f64 {
         self.thickness
     }
 
-    /// The function D(a), which is the indentation divided by the relative curvature, for a contact of radius `a > 0`,
-    /// and its derivative. With the thickness t, D/a² decreases from 1 (half-space, within 2a/t) to 1/4 (thin layer,
-    /// within 3t/a).
+    /// Indentation divided by the relative curvature, for a contact of radius `a > 0`, and its derivative with respect
+    /// to `a`. With the layer's thickness t, this indentation divided by a² decreases from 1 (half-space, if a ≪ t) to
+    /// 1/4 (thin layer, if a ≫ t).
     pub(crate) fn indentation_of(&self, a: f64) -> Result<[f64; 2], PressError> {
         let [indentation, slope] = self.scaled_indentation(self.scaled(a)?)?;
         Ok([
@@ -136,8 +139,7 @@ impl BondedLayer {
         ])
     }
 
-    /// The contact's radius for an indentation divided by the relative curvature. It is the inverse of D(a), with a
-    /// relative error of at most 1e-12.
+    /// The contact's radius for an indentation divided by the relative curvature. The relative error is at most 1e-12.
     pub(crate) fn contact_radius(
         &self,
         indentation_over_curvature: f64,
@@ -172,8 +174,8 @@ impl BondedLayer {
         if contact > 1.2 * MAX_RADIUS {
             return Err(too_thin(contact));
         }
-        // Newton's method is applied to the logarithms, because their relation is almost a straight line with a slope
-        // between 1.7 and 2.
+        // Newton's method is applied to the logarithms of the contact's radius and of the indentation, because the
+        // relation between the logarithms is almost a straight line.
         for _ in 0..STEPS {
             let tried = contact.min(MAX_RADIUS);
             let [reached, slope] = scaled_indentation(tried)?;
@@ -298,8 +300,8 @@ impl LayerContact {
     }
 }
 
-/// An estimate of the contact's radius from √D, both relative to the thickness, within a few per cent. It uses that
-/// D/a² decreases from 1 to ¼.
+/// An estimate of the contact's radius, within a few per cent, from the square root of the indentation divided by the
+/// relative curvature. Lengths are relative to the thickness.
 fn guessed_contact(root: f64) -> f64 {
     let mut contact = root;
     for _ in 0..STEPS {

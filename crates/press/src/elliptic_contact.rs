@@ -42,7 +42,7 @@ const PANELS: i32 = 12;
 /// Number of nodes of one panel.
 const NODES: NonZeroUsize = NonZeroUsize::new(12).expect("not 0");
 
-/// Nodes and weights of one panel, on [−1, 1].
+/// Gauss nodes and weights of one quadrature panel, on [−1, 1].
 static PANEL: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     let rule = GaussLegendre::new(NODES);
     rule.iter().map(|(node, weight)| [*node, *weight]).collect()
@@ -107,7 +107,8 @@ impl EllipticContact {
         }
         let ratio = axis_ratio(larger / smaller);
         let square = ratio * ratio;
-        // With the longer semi-axis as unit, A/δ = R_D(0, b², a²)/(3 R_F(0, a², b²)); both sides scale with a.
+        // The longer semi-axis is the unit of length. Then A/δ = R_D(0, b², a²)/(3 R_F(0, a², b²)), so the indentation
+        // δ and the curvature A determine the longer semi-axis a.
         let [first, size] = [carlson_d(0.0, square, 1.0), carlson_f(0.0, 1.0, square)];
         let a = (indentation / (0.5 * smaller) * first / (3.0 * size)).sqrt();
         Ok(Self {
@@ -180,8 +181,8 @@ impl EllipticContact {
     }
 }
 
-/// The ratio b/a of the semi-axes for this ratio (≥ 1) of the curvatures. It is found by bisection, followed by secant
-/// steps, in logarithms.
+/// The ratio b/a of the contact's semi-axes for a ratio (≥ 1) of the relative curvatures. It is found by bisection and
+/// then by secant steps, both in logarithms.
 fn axis_ratio(curvatures: f64) -> f64 {
     if curvatures <= 1.0 {
         return 1.0;
@@ -207,7 +208,8 @@ fn axis_ratio(curvatures: f64) -> f64 {
     libm::exp(0.5 * (low + high))
 }
 
-/// The largest root λ of x²/(1 + λ) + y²/(b² + λ) + z²/λ = 1; 0 in the contact.
+/// The largest root λ of x²/(1 + λ) + y²/(b² + λ) + z²/λ = 1, where b is the shorter semi-axis; 0 in the contact.
+/// Lengths are in units of the longer semi-axis.
 fn confocal(square_b: f64, x: f64, y: f64, z: f64) -> f64 {
     if z == 0.0 && x + y / square_b <= 1.0 {
         return 0.0;
@@ -232,8 +234,8 @@ fn confocal(square_b: f64, x: f64, y: f64, z: f64) -> f64 {
     lambda
 }
 
-/// The integral ∫_λ^∞ √Q/((A+s)²(B+s)) ds with A = 1, B = b² and Q = (A+s)(B+s) − x²(B+s) − y²(A+s), and the same
-/// integral with A and B exchanged. `edge` is √Q(λ).
+/// Two integrals. The first is ∫_λ^∞ √Q/((A+s)²(B+s)) ds with A = 1, B = b² and Q = (A+s)(B+s) − x²(B+s) − y²(A+s). The
+/// second is the same integral with A and B exchanged. `edge` is √Q(λ).
 fn rational_integrals(square_b: f64, x: f64, y: f64, lambda: f64, edge: f64) -> [f64; 2] {
     let middle = 0.5 * (x + y - 1.0 - square_b);
     let product = square_b - square_b * x - y;
@@ -265,8 +267,8 @@ fn rational_integrals(square_b: f64, x: f64, y: f64, lambda: f64, edge: f64) -> 
     sums
 }
 
-/// If the arguments deviate from their mean by less than this value, the series of Carlson's integrals are exact to
-/// rounding errors.
+/// If the arguments deviate from their mean by less than this value, relative to the mean, the series of Carlson's
+/// integrals are exact to rounding errors.
 const DUPLICATED: f64 = 2e-3;
 
 /// Carlson's R_F(x, y, z) by duplication (Carlson 1979). The arguments must be ≥ 0, and at most one of them may be 0.

@@ -13,8 +13,8 @@ use crate::{
     Place, PressError, PressEstimate, PrincipalCurvatures, Prior, Reading, Verdict,
 };
 
-/// Number of fitted parameters: Sxx, Sxy and Syy in the axes at the place, two displacements of the contact along these
-/// axes, and the indentation.
+/// Number of fitted parameters: the components Sxx, Sxy and Syy of the logarithm of the curvature tensor, the position
+/// of the contact along two axes, and the indentation.
 const UNKNOWNS: usize = 6;
 /// Index of the indentation in the fitted parameters.
 const INDENTATION: usize = 5;
@@ -28,10 +28,11 @@ const MAX_STEPS: usize = 60;
 /// The minimisation stops if the next step is predicted to decrease chi-squared by less than this value.
 const ENOUGH: f64 = 1e-6;
 
-/// Step for numerical derivatives, relative to the unit of each unknown.
+/// Step for numerical derivatives, relative to the unit of each fitted parameter.
 const DIFFERENCE: f64 = 1e-4;
 
-/// Largest absolute value of the logarithm of a relative curvature divided by the sensor's curvature.
+/// Limit of the logarithm of a relative curvature divided by the sensor's curvature. The logarithm is limited to ± this
+/// value.
 const LOG_RANGE: f64 = 11.0;
 
 /// Largest value of the logarithm of a relative curvature divided by the sensor's curvature that is reported as the end
@@ -137,8 +138,8 @@ impl ForwardFit {
         let mean = 0.5 * (smaller + larger);
         let across = axis + std::f64::consts::FRAC_PI_2;
         let mean_std = stds.mean([larger, smaller], [across, axis]);
-        // If the curvatures are equal, there is no axis, and the larger and the smaller curvature are no smooth
-        // functions of the fitted parameters.
+        // If the curvatures are equal, no axis exists, and the larger and the smaller curvature are not smooth
+        // functions of the fitted parameters. Therefore no bounds are computed.
         let principal = (high > low).then(|| {
             let axis_std = stds.turn(axis) / (high - low);
             [
@@ -168,7 +169,7 @@ impl Stds {
         (is_finite && is_positive).then_some(Self(inverse))
     }
 
-    /// Standard error of the sum of the tensor's components xx, xy and yy, multiplied by these weights.
+    /// Standard error of the weighted sum of the tensor's components xx, xy and yy.
     fn tensor(&self, weights: &Vector3<f64>) -> f64 {
         let tensor: Matrix3<f64> = self.0.fixed_view::<3, 3>(0, 0).into();
         weights.dot(&(tensor * weights)).max(0.0).sqrt()
@@ -179,13 +180,14 @@ impl Stds {
         self.tensor(&along(angle))
     }
 
-    /// Standard error of the tensor's mixed component in the frame of a principal direction.
+    /// Standard error of the tensor's component xy in axes that are rotated by `angle`.
     fn turn(&self, angle: f64) -> f64 {
         let (sine, cosine) = libm::sincos(2.0 * angle);
         self.tensor(&(0.5 * Vector3::new(-sine, 2.0 * cosine, sine)))
     }
 
-    /// Relative standard error of the mean of both relative curvatures, whose directions have these angles.
+    /// Relative standard error of the mean of the two relative curvatures, whose directions form these angles with the
+    /// x axis.
     fn mean(&self, [larger, smaller]: [f64; 2], angles: [f64; 2]) -> f64 {
         let [first, second] = angles.map(along);
         self.tensor(&((first * larger + second * smaller) / (larger + smaller)))
@@ -245,7 +247,7 @@ fn principal(tensor: &Vector3<f64>) -> ([f64; 2], f64) {
     ([mean + radius, mean - radius], angle)
 }
 
-/// Derivatives of the eigenvalue in a direction with respect to the components xx, xy and yy.
+/// Derivatives of the tensor's component in the direction `angle` with respect to its components xx, xy and yy.
 fn along(angle: f64) -> Vector3<f64> {
     let (sine, cosine) = libm::sincos(angle);
     Vector3::new(cosine * cosine, 2.0 * sine * cosine, sine * sine)
@@ -267,7 +269,8 @@ struct Problem<'a> {
     reading: &'a Reading<'a>,
     /// Standard deviations of normal and tangential displacements.
     stds: [f64; 2],
-    /// Whether the standard deviations of normal and of tangential displacements are estimated from the residuals.
+    /// Whether the standard deviations of normal and of tangential displacements are estimated from the residuals,
+    /// because they are not stated.
     is_estimated: [bool; 2],
 }
 
@@ -352,7 +355,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Residuals, gradient of half of chi-squared and Hessian at a state.
+    /// Residuals of the fit at a state, and the equations of the next step.
     fn fit_at(&self, state: State) -> Result<(Fit, Step), PressError> {
         let residuals = self.residuals(&state)?;
         let size = self.contact(&state)?.0.semi_axes[1];
@@ -470,8 +473,8 @@ impl<'a> Problem<'a> {
         // Noise increases the difference between the two eigenvalues of a tensor. This is their second-order bias.
         let gap = larger - smaller;
         let repulsion = (across * across / gap).min(0.5 * gap);
-        // An angle that differs from the axis by Δ is in the 95 % interval if the mixed component of the tensor in its
-        // frame, gap sin(2Δ)/2, is within its limit.
+        // Let Δ be the difference between an angle and the axis. The angle is in the 95 % interval if the tensor's
+        // component xy in axes at this angle, gap sin(2Δ)/2, is within its limit.
         let unknown = std::f64::consts::PI / 12.0_f64.sqrt();
         let sine = 2.0 * limit * across / gap;
         let axis_std = if sine < 1.0 {

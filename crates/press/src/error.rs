@@ -4,7 +4,7 @@ use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Reasons for which a press is impossible or its curvature cannot be estimated.
+/// Errors of presses that are impossible, and of readings that do not determine a curvature.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum PressError {
@@ -40,13 +40,14 @@ pub enum PressError {
         /// Approach of the bodies since their first contact, length.
         indentation: f64,
     },
-    /// The object is concave with exactly the curvature of the sensor, so the surfaces touch everywhere at once.
+    /// The object is concave, and its curvature equals the sensor's curvature, so the surfaces touch everywhere at
+    /// once.
     #[error(
         "the bodies conform: the relative curvature is {relative_curvature}",
         relative_curvature = Number(*relative_curvature)
     )]
     Conforming {
-        /// 1/R_s + 1/R_o, 1/length.
+        /// Sum of the curvatures of the sensor and the object, 1/length.
         relative_curvature: f64,
     },
     /// The object is concave with a larger curvature than the sensor, so the sensor touches the object's edge instead
@@ -57,7 +58,7 @@ pub enum PressError {
         relative_curvature = Number(*relative_curvature)
     )]
     EdgeContact {
-        /// 1/R_s + 1/R_o, 1/length.
+        /// Sum of the curvatures of the sensor and the object, 1/length.
         relative_curvature: f64,
     },
     /// The indentation is deeper than the elastic body.
@@ -73,7 +74,7 @@ pub enum PressError {
         /// Name of this limit, such as "the layer's thickness".
         what: &'static str,
     },
-    /// The contact would be too wide for the sensor or for the convex object.
+    /// The contact would be too wide: its radius would reach the limit for the sensor or for the convex object.
     #[error(
         "the contact radius would be {radius:.4}; it must be less than {limit:.4}, {what}",
         radius = Number(*radius), limit = Number(*limit)
@@ -103,9 +104,9 @@ pub enum PressError {
     TooFewMarkers {
         /// Number of markers.
         markers: usize,
-        /// Number of equations: one per marker, or three per marker if tangential displacements are measured too.
+        /// Number of equations: one per marker, or three per marker if tangential displacements are also measured.
         equations: usize,
-        /// Required number of equations.
+        /// Number of equations that the fit needs.
         needed: usize,
     },
     /// All markers moved equally, or they did not move more than their noise. If there is no contact, fewer than 5 % of
@@ -145,8 +146,7 @@ pub enum PressError {
         /// Distance between the contact and the nearest marker along the skin, length.
         distance: f64,
     },
-    /// A marker was visible at rest, although it is hidden from the camera in the sensor model that fits the other
-    /// markers.
+    /// A marker was visible in the frame at rest, but in the fitted sensor model it is hidden from the camera.
     #[error(
         "marker {marker} (counting from 0) was found at rest where no camera that fits the other \
          markers can see it; the layout or the camera is wrong"

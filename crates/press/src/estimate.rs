@@ -46,7 +46,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// The interval of all numbers.
+    /// The interval that contains all numbers.
     pub(crate) const UNBOUNDED: Self = Self {
         low: None,
         high: None,
@@ -63,7 +63,7 @@ impl Interval {
         }
     }
 
-    /// The interval whose ends are mapped by an increasing function.
+    /// This interval, with an increasing function applied to both ends.
     pub(crate) fn map(self, end: impl Fn(f64) -> f64) -> Self {
         Self {
             low: self.low.map(&end),
@@ -146,9 +146,9 @@ pub struct PressEstimate {
     /// Standard errors of the contact's position along the axes at the contact, length. If the markers are in a row,
     /// the contact is only searched on this row, and the standard error across it is 0.
     pub contact_std: [f64; 2],
-    /// Offset common to all normal displacements, length, if fitted.
+    /// Offset that is common to all normal displacements, length; `None` if it was not fitted.
     pub baseline: Option<Estimated>,
-    /// Common factor of all normal displacements, if it was fitted.
+    /// Common factor of all normal displacements; `None` if it was not fitted.
     pub gain: Option<Estimated>,
     /// Numbers of the markers that were rejected as outliers, counted from 0.
     pub wrong_markers: Vec<usize>,
@@ -165,9 +165,9 @@ pub struct PressEstimate {
     /// Gaussian approximation. In a fit of images, the unknown deviations of the sensor's parameters are averaged out.
     /// Each of them has a prior, so they do not reduce the degrees of freedom.
     pub goodness: Option<GoodnessOfFit>,
-    /// Whether the readings alone show a contact. If they do not, but an indentation is stated, the interval of the
-    /// curvature contains all contacts on the markers that are compatible with the readings. In most cases it has no
-    /// upper end, and the position of the contact is unknown.
+    /// Whether the readings alone show a contact. If they do not, an estimate exists only if an indentation is stated.
+    /// Its interval then contains the curvatures of all contacts on the markers that are compatible with the readings.
+    /// In most cases it has no upper end, and the position of the contact is unknown.
     pub is_detected: bool,
     /// Number (from 0) of a marker that moved significantly and without which the readings show no contact. Either this
     /// marker is an outlier, or the object presses at a place where no other marker moves.
@@ -177,7 +177,7 @@ pub struct PressEstimate {
 }
 
 impl PressEstimate {
-    /// This estimate with another interval of the relative curvature.
+    /// This estimate with another interval of the relative curvature, and the verdict that follows from it.
     pub(crate) fn holding(mut self, interval: Interval) -> Self {
         self.relative_curvature.interval = interval;
         self.verdict = Verdict::of(interval, self.sensor_curvature);

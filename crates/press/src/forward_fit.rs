@@ -40,7 +40,7 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Rejects an indentation that is out of range.
+    /// Returns an error if the value or its standard deviation is out of range.
     pub(crate) fn check(self) -> Result<(), PressError> {
         let Self { value, std } = self;
         let good = (0.0..=1e100).contains(&std);
@@ -242,8 +242,8 @@ impl ForwardFit {
     }
 }
 
-/// The constant c of the Gaussian approximation (R = c σ²/δ) for which the estimate equals the sensor's own radius if a
-/// plane is pressed against the apex by `indentation`.
+/// The constant c of the Gaussian approximation R = c σ²/δ. It is calibrated by a press of a plane against the apex
+/// with the indentation `indentation`: the estimated radius must equal the sensor's own radius.
 ///
 /// # Errors
 /// [`PressError`] if the press or the fit of the Gaussian fails.

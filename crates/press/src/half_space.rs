@@ -27,7 +27,7 @@ use crate::body::Field;
 /// If the ratio of the contact's radius to the distance is below this value, the series is exact to rounding errors.
 const SERIES_RATIO: f64 = 1.0 / 12.0;
 
-/// Number of terms of this series.
+/// Number of terms of the series for small contact radii.
 const TERMS: usize = 7;
 
 /// Number of orders of the Legendre polynomials in the series.
@@ -36,7 +36,7 @@ const ORDERS: usize = 2 * TERMS + 2;
 /// Number of series: Q₃⁰, Q₂⁰, Q₁⁰, the same three for order 1, and S₁, S₀ for both orders.
 const SERIES: usize = 10;
 
-/// Factors of (z/ρ) P_m and of P_{m−1} in the recurrence for P_{m+1}.
+/// Factors of (z/ρ) P_m and of P_{m−1} in the recurrence for the Legendre polynomial P_{m+1}.
 const RECURRENCE: [[f64; 2]; ORDERS] = {
     let mut factors = [[0.0; 2]; ORDERS];
     let mut m = 0;
@@ -57,7 +57,7 @@ const FACTORS: [[f64; SERIES]; TERMS] = {
     while n < TERMS {
         let even = 2.0 * n as f64;
         let (first, second, third) = (even + 1.0, even + 2.0, even + 3.0);
-        // For order 1, the factor is (m−1)! instead of m!, and 1 for m = 0.
+        // For order 1, the factor contains (m−1)! instead of m!. For m = 0 it is 1.
         let lower = if n == 0 { 1.0 } else { even };
         factors[n] = [
             1.0 / (first * third),
@@ -76,12 +76,12 @@ const FACTORS: [[f64; SERIES]; TERMS] = {
     factors
 };
 
-/// Lower limit of the squared distance from the contact's edge, in squared contact radii. Without it, derivatives at
-/// the edge on the surface would be infinite.
+/// Lower limit of the squared distance from the contact's edge, relative to the squared contact radius. Without this
+/// limit, derivatives at the edge on the surface would be infinite.
 const EDGE: f64 = 1e-20;
 
-/// Displacements and their derivatives at the distance `r >= 0` from the axis and the depth `z >= 0` under a contact of
-/// radius `a > 0`.
+/// Displacements under a contact of radius `a > 0`, and their derivatives. The point is at the distance `r >= 0` from
+/// the axis and at the depth `z >= 0`.
 ///
 /// At the edge on the surface (z = 0, r = a), the derivatives have a jump; the result is the limit from inside the
 /// contact.
@@ -95,11 +95,11 @@ pub(crate) fn field(poisson: f64, z: f64, a: f64, r: f64) -> Field {
     moments.field(poisson, z, a)
 }
 
-/// The integrals Q and S. Those of order 1 are divided by r.
+/// The integrals Q and S of the half-space solution. The integrals of order 1 are divided by the distance r.
 struct Moments {
-    /// Q₃⁰, Q₂⁰, Q₁⁰.
+    /// The integrals Q₃⁰, Q₂⁰ and Q₁⁰ of order 0.
     even: [f64; 3],
-    /// Q₃¹/r, Q₂¹/r, Q₁¹/r.
+    /// The integrals Q₃¹, Q₂¹ and Q₁¹ of order 1, divided by the distance r.
     odd: [f64; 3],
     /// ∫ sin(ka) k^{−j} e^{−kz} J₀(kr) dk for j = 1, 0.
     ring_even: [f64; 2],
@@ -109,7 +109,7 @@ struct Moments {
 }
 
 impl Moments {
-    // The function is inlined, so that the compiler removes those derivatives that a caller does not use.
+    // The function is inlined. Therefore the compiler removes the derivatives that a caller does not use.
     #[inline(always)]
     fn near(z: f64, a: f64, r: f64) -> Self {
         let difference = (r - a) * (r + a) + z * z;
@@ -212,16 +212,17 @@ impl Moments {
     }
 }
 
-/// Oblate spheroidal coordinates of a point under a contact of radius a, with depth z = aξη and distance r = a √((1 +
-/// ξ²)(1 − η²)) from the axis. ξ ≥ 0 is 0 on the contact and increases away from it. η is 0 on the surface around the
-/// contact and 1 on the axis.
+/// Oblate spheroidal coordinates ξ and η of a point under a contact of radius a. The depth is z = aξη, and the distance
+/// from the axis is r = a √((1 + ξ²)(1 − η²)). ξ ≥ 0 is 0 on the contact and increases away from it. η is 0 on the
+/// surface around the contact and 1 on the axis.
 ///
 /// The complex distance √(r² + (z + ia)²) is a(ξ + iη).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spheroidal {
     pub(crate) xi: f64,
     pub(crate) eta: f64,
-    /// 1 − η², stored separately because its computation from η near 1 would suffer from cancellation.
+    /// The number 1 − η². It is stored separately, because its computation from η near 1 would suffer from
+    /// cancellation.
     pub(crate) off_axis: f64,
     /// Distance r from the axis, divided by the contact radius a.
     pub(crate) r: f64,
@@ -258,7 +259,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// Those parts of a field that have the unit length², followed by those that have the unit length.
+    /// The values of a field with the unit length², followed by the values with the unit length.
     fn parts(field: &Field) -> [f64; 6] {
         [
             field.normal,

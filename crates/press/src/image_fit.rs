@@ -2,10 +2,10 @@
 //!
 //! Each marker consists of two discs. A press displaces the discs ([`Body`] at each depth), a camera takes an image
 //! ([`View`]), and the tracker measures the centroid, hue and size of each marker ([`Seen`]). The frame at rest
-//! determines the misalignment between the discs of each marker, and partly the deviations of the sensor from its
-//! nominal parameters, called sensor deviations ([`Rest`]). The pressed frame determines the contact. Sensor deviations
-//! that remain uncertain are common to all markers. They are parameters of the fit with a given covariance, so that the
-//! interval includes their uncertainty.
+//! determines the misalignment between the discs of each marker ([`Rest`]). It also determines some of the sensor
+//! deviations, which are deviations of the sensor from its nominal parameters. The pressed frame determines the
+//! contact. Sensor deviations that remain uncertain are common to all markers. They are parameters of the fit with a
+//! given covariance, so that the interval includes their uncertainty.
 
 mod curvature_posterior;
 mod departure_prior;
@@ -40,9 +40,10 @@ pub struct ImageFit<V> {
     /// A depth difference, and the body at depths that are larger by this difference. Required if the depths of the
     /// discs are uncertain.
     pub deeper: Option<(f64, [Body; 2])>,
-    /// Standard deviations of the sensor deviations [`SensorState::common`]; 0 for exact ones.
+    /// Standard deviations of the sensor deviations [`SensorState::common`]; 0 for sensor parameters that are exactly
+    /// equal to their nominal values.
     pub common_stds: Vec<f64>,
-    /// A prior with a joint covariance for some of these sensor deviations.
+    /// Prior with a joint covariance for some of the sensor deviations in `common_stds`.
     pub departure_prior: Option<DeparturePrior>,
     /// Standard deviation of each component of a marker's misalignment, rad; 0 for aligned discs.
     pub misalignment_std: f64,
@@ -92,7 +93,7 @@ impl<V: View> ImageFit<V> {
         indentation.map_or(Ok(()), Measured::check)
     }
 
-    /// The prior of the uncertain sensor deviations, if there is one.
+    /// The prior of the uncertain sensor deviations; `None` if no joint prior is set.
     fn known(&self) -> Result<Option<FreePrior>, PressError> {
         let prior = self.departure_prior.as_ref();
         prior

@@ -13,21 +13,23 @@ pub(crate) trait LeastSquares {
     /// An information matrix can be inverted if the smallest diagonal entry of its scaled Cholesky factor exceeds this
     /// value.
     const SINGULAR: f64;
-    /// Description, for an error, of what the readings lack if the matrix cannot be inverted.
+    /// Description of what the readings lack if the information matrix cannot be inverted. It is used in an error
+    /// message.
     const FREE: &'static str;
-    /// A fit with a held curvature stops if the next step is predicted to decrease chi-squared by less than this value.
+    /// A fit with a fixed curvature stops if the next step is predicted to decrease chi-squared by less than this
+    /// value.
     const ENOUGH_OF_PROFILE: f64;
 
     fn state_of(fit: &Self::Fit) -> &State;
 
     fn sums_of(fit: &Self::Fit) -> &Sums;
 
-    /// The skin, and the body from which the contact is computed.
+    /// The skin of the sensor, and the soft body from which the contact is computed.
     fn press(&self) -> (&Skin, &Body);
 
     fn fitted(&self) -> &Fitted;
 
-    /// Number of used markers, and number of equations per marker.
+    /// Number of used markers, and number of equations for each marker.
     fn used(&self) -> [usize; 2];
 
     /// Whether a standard deviation of the noise is estimated from the residuals.
@@ -52,8 +54,8 @@ pub(crate) trait LeastSquares {
         (self.equations() + fitted.priors().count()).saturating_sub(fitted.count())
     }
 
-    /// Returns an error if there are too few markers to determine the fit parameters and, if it is estimated, the
-    /// noise.
+    /// Returns an error if there are too few markers to determine the fit parameters. If the noise is estimated, more
+    /// markers are necessary.
     ///
     /// # Errors
     /// [`PressError::TooFewMarkers`].
@@ -87,13 +89,14 @@ pub(crate) trait LeastSquares {
     /// The state after a step.
     fn stepped(&self, state: &State, step: &Unknowns) -> State;
 
-    /// The fit at a state.
+    /// The fit with its derivatives at a state.
     ///
     /// # Errors
     /// [`PressError`] if no press has these values.
     fn fit_at(&self, state: State) -> Result<Self::Fit, PressError>;
 
-    /// The fit after a step that is predicted to decrease chi-squared by `promise`; `None` if chi-squared increases.
+    /// The fit after a step that is predicted to decrease chi-squared by `promise`; `None` if chi-squared increases
+    /// instead.
     fn advance(
         &self,
         from: &Self::Fit,
@@ -101,7 +104,7 @@ pub(crate) trait LeastSquares {
         promise: f64,
     ) -> Result<Option<Self::Fit>, PressError>;
 
-    /// The same fit with new derivatives, if its derivatives are those of another state; otherwise `None`.
+    /// The same fit with recomputed derivatives, if its derivatives were computed at another state; otherwise `None`.
     fn refreshed(&self, _fit: &Self::Fit) -> Result<Option<Self::Fit>, PressError> {
         Ok(None)
     }
@@ -126,9 +129,9 @@ pub(crate) trait LeastSquares {
     fn is_better(&self, fit: &Self::Fit, best: &Self::Fit) -> bool;
 }
 
-/// An exact fit stops if the next step is predicted to decrease chi-squared by less than this value.
+/// A fit counts as converged if the next step is predicted to decrease chi-squared by less than this value.
 pub(crate) const EXACTLY: f64 = 1e-8;
-/// Maximum number of steps.
+/// Maximum number of steps of the minimisation.
 const MAX_STEPS: usize = 200;
 /// Smallest relevant step, relative to the values of the fit parameters.
 const MIN_STEP: f64 = 1e-13;
@@ -136,7 +139,7 @@ const MIN_STEP: f64 = 1e-13;
 const MAX_DAMPING: f64 = 1e12;
 
 /// Finds the minimum of chi-squared near a start. The search stops if the next step is predicted to decrease
-/// chi-squared by less than `enough`. One unknown may be held constant.
+/// chi-squared by less than `enough`. One fit parameter may be held constant.
 ///
 /// # Errors
 /// [`PressError`] if the numbers are out of range.

@@ -36,7 +36,8 @@ pub struct MarkerDisplacement {
 pub(crate) struct Sight {
     /// Distance from the contact to the marker along the skin.
     pub(crate) distance: f64,
-    /// Length of an arc around the contact per radian of its angle, at this distance: R_s sin(distance/R_s).
+    /// Length of a circular arc around the contact at this distance, divided by its angle: R_s sin(distance/R_s), with
+    /// the sensor's radius R_s.
     pub(crate) reach: f64,
     /// Unit vector from the contact towards the marker, in the axes at the contact.
     pub(crate) bearing: Vector2<f64>,
@@ -45,8 +46,8 @@ pub(crate) struct Sight {
 }
 
 impl Sight {
-    /// Displacement along the skin by a sideways shift, in the axes at the marker. `sine` and `cosine` are those of the
-    /// angle between the shift and the direction of the marker.
+    /// Displacement along the skin by a sideways shift, in the axes at the marker. `sine` and `cosine` belong to the
+    /// angle between the shift and the direction from the contact to the marker.
     pub(crate) fn along_skin(&self, moved: &StuckShift, sine: f64, cosine: f64) -> Vector2<f64> {
         let outward = moved.along * cosine + moved.across * sine;
         let around = moved.across * cosine - moved.along * sine;
@@ -99,7 +100,7 @@ impl Markers {
         &self.skin
     }
 
-    /// Places of the markers.
+    /// Places of the markers on the skin.
     pub fn places(&self) -> &[Place] {
         &self.places
     }
@@ -227,7 +228,7 @@ impl Markers {
 
     pub(crate) fn sight(&self, contact: &Place, marker: &Place) -> Sight {
         let (from, to) = (contact.direction.as_ref(), marker.direction.as_ref());
-        // For small angles, 1 − cos is inaccurate, so it is computed from the chord: 1 − cos = chord²/2.
+        // For small angles, 1 − cos loses digits, so it is computed from the chord instead: 1 − cos = chord²/2.
         let chord = to - from;
         let half_square = 0.5 * chord.norm_squared();
         let half_chord = (0.5 * half_square).sqrt().min(1.0);
@@ -250,8 +251,8 @@ impl Markers {
     }
 }
 
-/// Returns an error if a contact of this radius has no marker within twice its radius and is not surrounded by markers
-/// at distances below `around`.
+/// Returns an error if the markers cannot observe a contact of this radius: there is no marker within twice this
+/// radius, and the contact is not surrounded by markers at distances below `around`.
 pub(crate) fn see(sights: &[Sight], contact_radius: f64, around: f64) -> Result<(), PressError> {
     let distances = sights.iter().map(|sight| sight.distance);
     let nearest = distances.fold(f64::INFINITY, f64::min);
@@ -263,7 +264,7 @@ pub(crate) fn see(sights: &[Sight], contact_radius: f64, around: f64) -> Result<
     }
 }
 
-/// Whether the directions of the markers have no gap of more than half a turn.
+/// Whether the markers surround the contact: their directions have no gap of more than half a turn.
 fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
     let mut bearings: Vec<f64> = sights
         .map(|sight| libm::atan2(sight.bearing.y, sight.bearing.x))
@@ -285,12 +286,13 @@ pub(crate) type Slopes = [f64; 4];
 pub(crate) struct PressSlopes {
     pub(crate) curvature: f64,
     pub(crate) indentation: f64,
-    /// Derivative of the contact's radius with respect to D.
+    /// Derivative of the contact's radius with respect to the indentation divided by the relative curvature.
     pub(crate) per_d: f64,
 }
 
 impl PressSlopes {
-    /// The values for a contact. `slope` is the derivative of D with respect to the contact's radius.
+    /// The values for a contact. `slope` is the derivative, with respect to the contact's radius, of the indentation
+    /// divided by the relative curvature.
     pub(crate) fn new(contact: &Contact<'_>, slope: f64) -> Self {
         Self {
             curvature: contact.relative_curvature,

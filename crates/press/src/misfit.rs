@@ -1,8 +1,8 @@
 //! Tests for misfits of a fitted press. Patterns in the residuals show that the soft body differs from the model or
 //! that the object is not round. A further test compares a stated indentation with its estimate.
 //!
-//! A pattern is a change of the markers' displacements. It is tested by Rao's score test, which computes to first order
-//! the decrease of chi-squared if the amplitude of the pattern is added to the fit parameters.
+//! A pattern is a change of the markers' displacements. It is tested by Rao's score test: the amplitude of the pattern
+//! is added to the fit parameters, and the resulting decrease of chi-squared is computed to first order.
 
 use std::ops::Range;
 
@@ -13,11 +13,11 @@ use crate::markers::Sight;
 use crate::unknowns::{Square, Sums, UNKNOWNS};
 use crate::{Contact, Estimated, GoodnessOfFit, Measured, PressError};
 
-/// Number of patterns.
+/// Number of patterns that are tested in the residuals.
 pub(crate) const PATTERNS: usize = 7;
-/// Patterns that depend only on the distance from the contact.
+/// Indices of the patterns that depend only on the distance from the contact.
 const BY_DISTANCE: Range<usize> = 0..5;
-/// Patterns that depend also on the direction.
+/// Indices of the patterns that also depend on the direction.
 const BY_DIRECTION: Range<usize> = 5..7;
 
 /// A pattern is tested only if at least this share of it is not explained by the fitted parameters. A smaller remainder
@@ -69,15 +69,16 @@ pub(crate) fn patterns(contact: &Contact<'_>, sight: &Sight) -> Patterns {
 /// The noise with which residuals are compared.
 #[derive(Clone, Copy)]
 pub(crate) enum Noise {
-    /// The stated noise.
+    /// Residuals are compared with the stated noise.
     Stated,
-    /// Noise that is estimated from the residuals, which have this chi-squared and these degrees of freedom.
+    /// Residuals are compared with noise that is estimated from the residuals. They have this chi-squared and these
+    /// degrees of freedom.
     Found { chi_squared: f64, freedom: usize },
 }
 
 impl Noise {
-    /// The stated noise; if the residuals are significantly larger, the noise of the residuals. If the stated noise
-    /// were too small, every pattern would be significant.
+    /// The stated noise; if the residuals are significantly larger, the noise of the residuals. Otherwise, if the
+    /// stated noise were too small, every pattern would be significant.
     pub(crate) fn stated_or_found(goodness: GoodnessOfFit) -> Self {
         match goodness.is_poor() {
             true => Self::Found {
@@ -88,7 +89,7 @@ impl Noise {
         }
     }
 
-    /// P-value of the decrease of chi-squared by patterns.
+    /// P-value of a decrease of chi-squared by patterns in the residuals.
     pub(crate) fn chance(&self, explained: Explained) -> f64 {
         match *self {
             Self::Stated => explained.p_value(),
@@ -176,7 +177,7 @@ pub(crate) fn stated_indentation(
 mod tests {
     use super::*;
 
-    /// Irregular numbers with both signs.
+    /// Irregular numbers, some positive and some negative.
     fn scattered(number: usize) -> f64 {
         libm::sin(1.7 * (number * number) as f64 + 0.3)
     }
@@ -189,7 +190,7 @@ mod tests {
         let patterns = SMatrix::<f64, READINGS, PATTERNS>::from_fn(|row, column| {
             scattered(190 + 7 * row + column)
         });
-        // If a fit parameter is at the limit of its range, the residuals contain a part that a change of the fit
+        // A fit parameter is at the limit of its range, so the residuals contain a part that a change of the fit
         // parameters would explain.
         let residuals = slopes * SVector::from([40.0, -70.0, 0.0, 0.0, 0.0, 0.0]);
         let products = PatternSums {

@@ -4,7 +4,7 @@ use palpate_statistics::chi_squared_tail;
 
 use crate::PressError;
 
-/// The markers have moved significantly if the p-value is below this level.
+/// The markers count as moved if the p-value is below this level.
 const SIGNIFICANCE_LEVEL: f64 = 1e-6;
 
 /// The error if a contact improves chi-squared by `improvement`, which is less than `needed`. `squares` contains

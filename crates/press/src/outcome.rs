@@ -30,7 +30,7 @@ pub(crate) fn until_best<F>(
     })
 }
 
-/// Those parts of an estimate that depend on the kind of readings.
+/// Those parts of an estimate that depend on the kind of readings (displacements or images).
 pub(crate) struct OfReadings {
     pub(crate) relative_curvature: Estimated,
     pub(crate) baseline: Option<Estimated>,
@@ -110,8 +110,8 @@ impl Stds {
         let (skin, body) = problem.press();
         let contact = problem.contact(state)?;
         let [_, slope] = body.indentation_of(contact.radius)?;
-        // `of_radius` is the variance of C D' a, with the contact's radius a and the indentation δ = C D(a). It follows
-        // from C D' da = dδ − δ d ln C.
+        // `of_radius` is the variance of C D' a, with the relative curvature C, the contact's radius a and the
+        // indentation δ = C D(a). It follows from C D' da = dδ − δ d ln C.
         let indentation = state.indentation;
         let of_radius = variance(INDENTATION, INDENTATION)
             - 2.0 * indentation * variance(INDENTATION, CURVATURE)

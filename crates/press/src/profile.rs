@@ -5,12 +5,12 @@ use crate::least_squares::{LeastSquares, minimise};
 use crate::state::State;
 use crate::unknowns::{CURVATURE, INDENTATION};
 
-/// Relative tolerance of the square root of the increase of chi-squared at the end of an interval. Within this
+/// Tolerance for the end of an interval: relative error of the square root of the increase of chi-squared. Within this
 /// tolerance, the end is interpolated.
 const TOLERANCE: f64 = 0.03;
 /// Maximum number of attempts to find an end of an interval.
 const MAX_TRIES: usize = 40;
-/// Largest factor between a curvature and its estimate, in both directions, up to which the search goes.
+/// Largest ratio of a curvature to its estimate, and of the estimate to the curvature, up to which the search goes.
 const MAX_RATIO: f64 = 1e6;
 
 /// The interval of curvatures for which chi-squared, minimised with respect to all other fit parameters, exceeds its
@@ -28,8 +28,8 @@ pub(crate) fn profile<P: LeastSquares>(
     })
 }
 
-/// A step of the logarithm of the curvature, the square root of the increase of chi-squared at this step, and the
-/// derivative of the step with respect to this root.
+/// A step of the logarithm of the curvature. It is stored with the square root of the increase of chi-squared at this
+/// step, and the derivative of the step with respect to this root.
 #[derive(Clone, Copy)]
 struct Found {
     step: f64,
@@ -38,7 +38,8 @@ struct Found {
 }
 
 impl Found {
-    /// The step for another root, interpolated by the cubic polynomial through two points with their derivatives.
+    /// The step at which the increase of chi-squared has the square root `root`. It is interpolated by the cubic
+    /// polynomial through two points with their derivatives.
     fn through(self, other: Self, root: f64) -> f64 {
         let width = other.root - self.root;
         let share = (root - self.root) / width;
@@ -58,15 +59,15 @@ fn walk<P: LeastSquares>(
     sign: f64,
 ) -> Result<Option<f64>, State> {
     let (start, sums) = (P::state_of(best), P::sums_of(best));
-    // The fit at the last step, the derivative of the fit parameters with respect to the logarithm of the curvature at
-    // this fit, and the last step.
+    // Three values: the fit at the last step, the derivative of its parameters with respect to the logarithm of the
+    // curvature, and the last step.
     let mut from = (best.clone(), sums.ridge(), 0.0);
     let std = (sums.hessian.row(CURVATURE) * from.1)[0].sqrt().recip();
     let mut at = |step: f64| -> Option<Result<Found, State>> {
         let way = from.1 * (sign * (step - from.2));
         let last = P::state_of(&from.0);
         let mut state = problem.stepped(last, &way);
-        // The indentation is extrapolated as a power of the curvature, so that it stays positive.
+        // The indentation is extrapolated as a power of the curvature, because it must stay positive.
         state.indentation = last.indentation * libm::exp(way[INDENTATION] / last.indentation);
         let near = problem.fit_near(&from.0, state, way[CURVATURE]).ok()?;
         let fit = minimise(problem, near, P::ENOUGH_OF_PROFILE, Some(CURVATURE)).ok()?;
@@ -98,8 +99,8 @@ fn walk<P: LeastSquares>(
         match at(step) {
             Some(Err(state)) => return Err(state),
             Some(Ok(found)) if (found.root - limit).abs() <= TOLERANCE * limit => {
-                // If the profile is almost flat, the interpolated step is wrong, so it is only used if it is near the
-                // tried step.
+                // If the profile is almost flat, the interpolated step is wrong, so it is only used if it is near a
+                // step that was tried.
                 let guess = inside.through(found, limit);
                 let is_near = (guess - step).abs() <= 0.1 * step;
                 let end = if is_near { guess } else { step };
@@ -107,7 +108,7 @@ fn walk<P: LeastSquares>(
             }
             Some(Ok(found)) if found.root < limit => inside = found,
             Some(Ok(found)) => outside = Some((step, Some(found))),
-            // No press is possible at this step.
+            // No press is possible at this step, so the end of the interval is before it.
             None => outside = Some((step, None)),
         }
         if let Some((_, Some(found))) = outside {

@@ -34,8 +34,8 @@ pub enum ContactRegime {
 const RELATIVE_TOLERANCE: f64 = 1e-12;
 
 impl ContactRegime {
-    /// The regime of a sensor with the curvature `sensor > 0` on an object with the curvature `object`, which is
-    /// positive where the object is convex.
+    /// The regime for a sensor with the curvature `sensor > 0` and an object with the curvature `object`, which is
+    /// positive for a convex object.
     pub fn of(sensor: f64, object: f64) -> Self {
         let relative = sensor + object;
         if relative.abs() <= RELATIVE_TOLERANCE * sensor {
@@ -57,8 +57,8 @@ impl ContactRegime {
     }
 }
 
-/// Limit of small-strain theory: if the ratio of the contact's radius to the radius of the sensor or of the object is
-/// larger than this value, the errors of the theory are noticeable.
+/// Limit of small-strain theory: ratio of the contact's radius to the radius of the sensor or of the object. If the
+/// ratio is larger, the errors of the theory are noticeable.
 pub const LARGE_CONTACT: f64 = 0.3;
 
 /// Largest allowed ratio of the contact's radius to the radius of a convex object.
@@ -86,7 +86,7 @@ pub fn sneddon_indentation(radius: f64, a: f64) -> Result<f64, PressError> {
     PressError::unless_good("radius", radius, good, "finite and > 0")?;
     let good = (0.0..radius).contains(&a);
     PressError::unless_good("contact_radius", a, good, "at least 0 and below the radius")?;
-    // This is artanh(a/R), computed from R − a so that no digits are lost.
+    // Half of the logarithm equals artanh(a/R). It is computed from R − a, so that no digits are lost.
     Ok(0.5 * a * libm::log1p(2.0 * a / (radius - a)))
 }
 

@@ -21,21 +21,22 @@ use std::f64::consts::PI;
 use crate::PressError;
 use crate::half_space::Spheroidal;
 
-/// Displacement of a point if a contact that sticks to the skin moves by 1.
+/// Displacement of a point of the skin if a contact that sticks to the skin moves by a unit length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct StuckShift {
-    /// Component along the shift.
+    /// Component of the displacement along the shift.
     pub(crate) along: f64,
-    /// Component along the skin perpendicular to the shift, in the direction of increasing azimuth.
+    /// Component of the displacement along the skin and perpendicular to the shift, in the direction of increasing
+    /// azimuth.
     pub(crate) across: f64,
-    /// Component inward, along the normal of the skin.
+    /// Component of the displacement inward, along the normal of the skin.
     pub(crate) normal: f64,
 }
 
-/// Displacement of the skin if a contact of this radius moves by 1 without slip. The point is at the depth `depth >=
-/// 0`, at the distance `r >= 0` from the middle of the contact, and at `azimuth` (radians, relative to the direction of
-/// the shift). At the surface, all points of the contact move by 1. Far away, the displacement equals that of a point
-/// force (Cerruti).
+/// Displacement of the skin if a contact of this radius moves by 1 without slip. The point is at the depth `depth >= 0`
+/// and at the distance `r >= 0` from the middle of the contact. Its `azimuth` is relative to the direction of the
+/// shift, in radians. At the surface, all points of the contact move by 1. Far away, the displacement equals that of a
+/// point force (Cerruti).
 ///
 /// # Errors
 /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5], a `depth` or `distance` that is not from 0 to 1e50, a
@@ -80,7 +81,7 @@ struct Waves {
 impl Waves {
     fn new(z: f64, place: Spheroidal) -> Self {
         let Spheroidal { xi, eta, r, .. } = place;
-        // In these coordinates, ρ = ξ − iη and ζ = z − i.
+        // In the spheroidal coordinates ξ and η, ρ = ξ − iη and ζ = z − i.
         let (real, imaginary) = (xi + z, eta + 1.0);
         let share = r / (real * real + imaginary * imaginary);
         let t = [share * real, share * imaginary];

@@ -4,7 +4,7 @@ use nalgebra::{UnitVector3, Vector2, Vector3};
 
 use crate::{Body, Contact, ContactRegime, EllipticContact, PressError, within_object};
 
-/// Allowed lengths: products of a few such lengths are within the range of doubles.
+/// Range of allowed lengths. It is limited, so that products of a few lengths are within the range of doubles.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
 /// The skin of a sensor: a sphere, with coordinates relative to its apex.
@@ -85,8 +85,8 @@ impl Skin {
         }
     }
 
-    /// Coordinates of a place on the skin, from a vector from the sensor's centre of any length. If the vector is 0 or
-    /// not finite, the result is the apex.
+    /// Coordinates of a place on the skin. `direction` is a vector of any length from the sensor's centre to the place.
+    /// If it is 0 or not finite, the result is the apex.
     pub(crate) fn chart(&self, direction: &Vector3<f64>) -> [f64; 2] {
         let largest = direction.amax();
         let is_one = largest > 0.0 && direction.iter().all(|part| part.is_finite());
@@ -151,7 +151,7 @@ impl Skin {
         Ok(contact)
     }
 
-    /// The contact at this relative curvature.
+    /// The contact of the skin with an object at this relative curvature.
     pub(crate) fn press<'b>(
         &self,
         body: &'b Body,
@@ -164,7 +164,7 @@ impl Skin {
         Ok(contact)
     }
 
-    /// Sum of the curvatures of the skin and the object; an error if they do not touch at a single point.
+    /// Sum of the curvatures of the skin and the object. Returns an error if they do not touch at a single point.
     fn relative_curvature(&self, object_curvature: f64) -> Result<f64, PressError> {
         let relative_curvature = self.curvature() + object_curvature;
         match ContactRegime::of(self.curvature(), object_curvature) {
@@ -176,7 +176,7 @@ impl Skin {
         }
     }
 
-    /// An error if the indentation reaches the centre of the sensor.
+    /// Returns an error if the indentation reaches the centre of the sensor.
     fn holds_indentation(&self, indentation: f64) -> Result<(), PressError> {
         if indentation >= self.radius {
             return Err(PressError::TooDeep {
@@ -188,7 +188,7 @@ impl Skin {
         Ok(())
     }
 
-    /// An error if the contact is wider than the sensor.
+    /// Returns an error if the contact is wider than the sensor.
     pub(crate) fn holds_contact(&self, radius: f64) -> Result<(), PressError> {
         if radius >= self.radius {
             return Err(PressError::TooWide {
@@ -200,8 +200,9 @@ impl Skin {
         Ok(())
     }
 
-    /// Direction from the sensor's centre to the point that is reached from a place by moving along the skin by the
-    /// lengths `along` and `across` in the axes at the place. The lengths must not both be zero.
+    /// Direction from the sensor's centre to another point of the skin. The point is reached from `place` by a movement
+    /// along the skin, by the lengths `along` and `across` in the axes at this place. The lengths must not both be
+    /// zero.
     pub(crate) fn beyond(&self, place: &Place, along: f64, across: f64) -> Vector3<f64> {
         let tangent = place.x_axis * along + place.y_axis * across;
         let angle = tangent.norm() / self.radius;

@@ -6,15 +6,15 @@ use crate::Measured;
 use crate::cholesky::solve;
 use crate::state::State;
 
-/// Number of fit parameters.
+/// Number of fit parameters of a press.
 pub(crate) const UNKNOWNS: usize = 6;
-/// Index of the logarithm of the relative curvature.
+/// Index of the logarithm of the relative curvature in the fit parameters.
 pub(crate) const CURVATURE: usize = 0;
 /// Index of the contact's displacement along the first axis at its place.
 pub(crate) const ALONG: usize = 1;
 /// Index of the contact's displacement along the second axis at its place.
 pub(crate) const ACROSS: usize = 2;
-/// Index of the indentation.
+/// Index of the indentation in the fit parameters.
 pub(crate) const INDENTATION: usize = 3;
 /// Index of the first of the two fit parameters that depend on the kind of fit.
 pub(crate) const OTHERS: usize = 4;
@@ -22,22 +22,22 @@ pub(crate) const OTHERS: usize = 4;
 pub(crate) type Unknowns = SVector<f64, UNKNOWNS>;
 pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// If the standard deviation of a prior is smaller than this value, relative to the size of the unknown, the unknown
+/// If the ratio of a prior's standard deviation to the size of the fit parameter is below this value, the parameter
 /// counts as exact, because of rounding errors.
 pub(crate) const EXACT: f64 = 1e-10;
 
 /// The parameters that are fitted, and their normal priors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fitted {
-    /// Whether each unknown is fitted.
+    /// Whether each fit parameter is fitted; `false` for exact ones.
     pub(crate) sought: [bool; UNKNOWNS],
-    /// Prior of each unknown; `None` if it has no prior.
+    /// Prior of each fit parameter; `None` for parameters without a prior.
     priors: [Option<Measured>; UNKNOWNS],
 }
 
 impl Fitted {
-    /// All fit parameters are fitted, except an exact indentation. `others` are the priors of the last two fit
-    /// parameters.
+    /// All fit parameters are fitted, except an exact indentation. `others` are the priors of the two fit parameters
+    /// that depend on the kind of fit.
     pub(crate) fn new(indentation: Option<Measured>, others: [Option<Measured>; 2]) -> Self {
         let (mut sought, mut priors) = ([true; UNKNOWNS], [None; UNKNOWNS]);
         sought[INDENTATION] = indentation.is_none_or(|known| known.std > EXACT * known.value);
@@ -71,7 +71,7 @@ impl Fitted {
     }
 }
 
-/// Chi-squared with its derivatives.
+/// Chi-squared with its derivatives with respect to the fit parameters.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     /// Chi-squared, including the deviations from the priors.
@@ -93,7 +93,7 @@ impl Sums {
         }
     }
 
-    /// The sums for a fit in which one unknown is held constant.
+    /// The sums for a fit in which the fit parameter with the index `held` is held constant.
     pub(crate) fn holding(mut self, held: usize) -> Self {
         self.gradient[held] = 0.0;
         self.hessian.row_mut(held).fill(0.0);
@@ -111,8 +111,8 @@ impl Sums {
         solve(&damped, &-self.gradient)
     }
 
-    /// Derivative of all fit parameters with respect to the logarithm of the curvature, if the other fit parameters
-    /// always minimise chi-squared.
+    /// Derivatives of all fit parameters with respect to the logarithm of the curvature. For each curvature, the other
+    /// fit parameters minimise chi-squared.
     pub(crate) fn ridge(&self) -> Unknowns {
         let across = -self.hessian.column(CURVATURE);
         let mut along = solve(&self.holding(CURVATURE).hessian, &across).unwrap_or_default();
@@ -120,14 +120,15 @@ impl Sums {
         along
     }
 
-    /// Adds the deviation of an unknown from its prior, which has this standard deviation.
+    /// Adds the deviation `off` of a fit parameter from its prior with the standard deviation `std`.
     fn add_prior(&mut self, unknown: usize, off: f64, std: f64) {
         self.chi_squared += (off / std) * (off / std);
         self.gradient[unknown] += off / (std * std);
         self.hessian[(unknown, unknown)] += 1.0 / (std * std);
     }
 
-    /// Adds an observation with this residual (in standard deviations) and these derivatives of its prediction.
+    /// Adds an observation. `residual` is its residual in standard deviations, and `slopes` are the derivatives of its
+    /// prediction.
     #[inline]
     pub(crate) fn add(&mut self, residual: f64, weight: f64, slopes: &Unknowns) {
         for row in 0..UNKNOWNS {
@@ -139,7 +140,7 @@ impl Sums {
         }
     }
 
-    /// Completes the Hessian, and removes the parameters that are not fitted.
+    /// Fills the symmetric half of the Hessian, and removes the parameters that are not fitted.
     pub(crate) fn only(&mut self, sought: &[bool; UNKNOWNS]) {
         for row in 0..UNKNOWNS {
             for column in 0..row {

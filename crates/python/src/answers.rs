@@ -1,5 +1,5 @@
-//! Answers to questions about sensors and their use, found by Monte Carlo simulation. Also the scores of the papers'
-//! claims, and the meanings of words.
+//! Answers questions about sensors and their use by Monte Carlo simulation. Also scores the papers' claims, and
+//! explains words.
 
 mod answer_display;
 pub(crate) mod design;

@@ -10,7 +10,7 @@ use pyo3::types::{PyFloat, PyList};
 use crate::error;
 
 /// Array of an argument, stored so that the last axis varies fastest. If the caller's array has this layout, its memory
-/// is used, otherwise a copy.
+/// is used without a copy; otherwise the array is copied.
 pub(crate) struct Numbers<'py> {
     name: &'static str,
     data: Data<'py>,
@@ -61,7 +61,7 @@ impl<'py> Numbers<'py> {
         }
     }
 
-    /// Rows of `D` numbers along the last axis. All other axes are joined to one, in their order.
+    /// Rows of `D` numbers along the last axis. All other axes are combined into one axis, in their order.
     pub(crate) fn rows<const D: usize>(&self) -> &[[f64; D]] {
         self.flat().as_chunks::<D>().0
     }
@@ -76,7 +76,8 @@ impl<'py> Numbers<'py> {
         }
     }
 
-    /// Rows of one set of readings. If the array has no axis for sets, these are all rows.
+    /// Rows of the set of readings with the number `set`. If the array has no axis for sets, these are all rows of the
+    /// array.
     pub(crate) fn set<const D: usize>(&self, set: usize) -> &[[f64; D]] {
         match *self.shape() {
             [_, rows, _] => &self.rows()[set * rows..][..rows],

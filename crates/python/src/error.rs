@@ -1,4 +1,4 @@
-//! Exceptions of the package, and conversion of the library's errors to them.
+//! Defines the exceptions of the package, and converts the library's errors to exceptions.
 
 use std::fmt::Display;
 
@@ -89,7 +89,8 @@ pub(crate) fn shape(name: &str, wanted: &str, found: &[usize]) -> PyErr {
     argument(name, &[], None, message)
 }
 
-/// Settings whose argument has another name: pairs of a setting's key and the name of the argument.
+/// Settings whose argument in Python has another name. Each pair has the key of the setting and the name of the
+/// argument.
 const RENAMED: [(&str, &str); 3] = [
     ("kind", "method"),
     ("from", "source"),
@@ -113,7 +114,7 @@ pub(crate) fn text(error: &impl Display) -> String {
     rename_settings(&error.to_string(), |key| name(key).to_owned())
 }
 
-/// Error in readings.
+/// Converts an error in readings to an exception.
 pub(crate) fn recorded(error: RecordedError) -> PyErr {
     let message = text(&error);
     match error {
@@ -127,17 +128,17 @@ pub(crate) fn recorded(error: RecordedError) -> PyErr {
     }
 }
 
-/// Error that occurs while a study runs.
+/// Converts an error that occurs while a study runs to an exception.
 pub(crate) fn run(error: impl Display) -> PyErr {
     RunError::new_err(error.to_string())
 }
 
-/// Error in settings.
+/// Converts an error in a setting to an exception.
 pub(crate) fn setting(error: SettingError) -> PyErr {
     argument(name(&error.key), &[], error.value, text(&error))
 }
 
-/// Error in a config.
+/// Converts an error in a config to an exception.
 pub(crate) fn config(error: BadConfig) -> PyErr {
     let path = error.path().to_owned();
     let error = ConfigError::new_err(error.to_string());

@@ -1,4 +1,4 @@
-//! Estimates from arrays of readings.
+//! Computes estimates from arrays of readings.
 
 mod batch;
 mod glide;

@@ -1,4 +1,4 @@
-//! Figures.
+//! Defines the figures that functions of the package return.
 
 use pyo3::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Images as arrays of pixels.
+//! Converts images to arrays of pixels, and back.
 
 use image::RgbImage;
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyUntypedArrayMethods, get_array_module};

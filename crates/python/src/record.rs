@@ -1,4 +1,4 @@
-//! Results with named fields.
+//! Defines results with named fields.
 
 use std::sync::Arc;
 
@@ -12,12 +12,12 @@ use serde::Serialize;
 
 use crate::json::to_python;
 
-/// Value of the library that a result contains. The fields of the result are computed only when Python reads them.
+/// Value of the library from which a result computes its fields. A field is computed only when Python reads it.
 pub(crate) trait Made: Send + Sync {
     /// Fields of the result as plain values, which the command line prints as JSON.
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>>;
 
-    /// A field that can be computed alone, in much less time than all fields together.
+    /// Computes a field alone, if this takes much less time than computing all fields; otherwise returns `None`.
     fn alone(&self, _: &str) -> Option<Alone> {
         None
     }
@@ -33,7 +33,7 @@ pub(crate) trait Made: Send + Sync {
     }
 }
 
-/// A value needs no JSON for its numbers.
+/// A number of the library with its standard deviation. Its fields `value` and `std` can be read alone.
 impl Made for Value {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, self)
@@ -122,7 +122,7 @@ impl Record {
         value.map(field).transpose()
     }
 
-    /// Those fields that the JSON does not contain and that were computed already.
+    /// Fields that the JSON does not contain and that are already computed.
     fn made_arrays<'py>(&self, py: Python<'py>) -> &Bound<'py, PyDict> {
         let arrays = self.arrays.get_or_init(py, || PyDict::new(py).unbind());
         arrays.bind(py)

@@ -1,4 +1,4 @@
-//! Studies: their configs, plans and runs.
+//! Defines studies, with their configs, plans and runs.
 
 mod results;
 mod runs;
@@ -97,7 +97,7 @@ impl Study {
     }
 }
 
-/// Fields with their values, from a dictionary and from keyword arguments.
+/// Collects fields with their values from a dictionary and from keyword arguments.
 fn fields(
     fields: Option<&Bound<'_, PyDict>>,
     more: Option<&Bound<'_, PyDict>>,

@@ -1,4 +1,4 @@
-//! Tables of results, column by column.
+//! Converts tables of results to Python, column by column.
 
 use numpy::PyArray1;
 use palpate::config::LengthUnit;
@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 
 use crate::error;
 
-/// A `palpate.Table`, made from CSV text whose lengths are in this unit.
+/// Makes a `palpate.Table` from CSV text, whose lengths are in the unit `unit`.
 pub(crate) fn table<'py>(
     py: Python<'py>,
     csv: &str,
@@ -37,7 +37,7 @@ pub(crate) fn table<'py>(
     class.call1((arrays, units, csv))
 }
 
-/// A `palpate.Table`, made from rows whose lengths are in this unit.
+/// Makes a `palpate.Table` from rows, whose lengths are in the unit `unit`.
 pub(crate) fn table_of<'py>(
     py: Python<'py>,
     rows: &Table,

@@ -14,7 +14,7 @@ use crate::error;
 /// Time between two checks for signals, and between two calls of `progress`.
 const CHECK_INTERVAL: Duration = Duration::from_millis(40);
 
-/// State of the work that runs: whether it must stop, and how much of it is done.
+/// State of running work: whether the work must stop, and how much of it is finished.
 #[derive(Default)]
 pub(crate) struct Watch {
     pub(crate) cancelled: AtomicBool,
@@ -32,8 +32,8 @@ impl Watch {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Sets the amount of finished work. If the work is cancelled, this function unwinds, because nothing else would
-    /// end the work.
+    /// Sets the amount of finished work. If the work is cancelled, this function panics on purpose, because nothing
+    /// else would end the work.
     pub(crate) fn reach(&self, done: u64) {
         let before = self.reached.swap(done, Ordering::Relaxed);
         self.add(done.saturating_sub(before));
@@ -99,7 +99,7 @@ pub(crate) fn watched<T: Send + 'static>(
     }
 }
 
-/// Largest number of threads. Starting more threads would only take time.
+/// Largest number of threads of a call.
 const MAX_THREADS: usize = 256;
 
 /// Number of threads from an argument.
@@ -112,7 +112,7 @@ pub(crate) fn threads(threads: Option<usize>) -> PyResult<Option<NonZeroUsize>> 
     Ok(number.flatten())
 }
 
-/// Starts the threads for one call. They end with the call, so that a program may fork later.
+/// Starts the threads for one call. The threads end with the call, so that a Python program may fork afterwards.
 pub(crate) fn pool(threads: Option<usize>) -> PyResult<ThreadPool> {
     let threads = self::threads(threads)?.map_or(0, NonZeroUsize::get);
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();

@@ -15,7 +15,7 @@ SET = {"scene.motion.arc_length": 2.0}
 
 
 def test_a_design_is_that_of_the_command_line(cli, tmp_path):
-    # Without a budget of time that matters, so that both end where all is known.
+    # The time budget is so long that it does not end the search, so both searches test the same values.
     found = palpate.design(PADS, TARGET, {"scene.sensor.pitch": (0.05, 2.0)}, set=SET, gap=0.3, budget=3600.0)
     said = cli(
         "design", EXAMPLES / "pads-for-a-ball.toml", "--target", TARGET, "--vary", "scene.sensor.pitch=0.05..2",
@@ -25,7 +25,7 @@ def test_a_design_is_that_of_the_command_line(cli, tmp_path):
     assert found.table.to_csv() == (tmp_path / "design.csv").read_text()
     assert found.figure.svg == (tmp_path / "design.svg").read_text()
     assert f"{found.answer}\n{chr(10).join(found.lines)}\n" == (tmp_path / "design.txt").read_text()
-    # What meets the target ends where what misses it begins, but for the gap that was asked for.
+    # The values that meet the target and the values that miss it are separated by at most the requested gap.
     (meets,), (misses,) = found.meets, found.misses
     assert 0.05 <= meets.from_ < meets.to < misses.from_ < 1.36 * meets.to
     again = pickle.loads(pickle.dumps(found))
@@ -47,7 +47,7 @@ def test_a_region_is_that_of_the_command_line(cli, tmp_path):
     assert found.runs.to_csv() == (tmp_path / "region.csv").read_text()
     assert found.figure.svg == (tmp_path / "design.svg").read_text()
     assert f"{found.answer}\n{chr(10).join(found.lines)}\n" == (tmp_path / "design.txt").read_text()
-    # The sharper ball bears the coarser pads.
+    # On the ball with the smaller radius, coarser pads meet the target.
     at = [column.at["scene.object.radius"] for column in found.columns]
     ends = [column.meets[-1].to for column in found.columns]
     assert at == ["20", "30"] and ends[0] > ends[1]
@@ -172,5 +172,5 @@ def test_ctrl_c_ends_a_design():
                 study, "relative_rms_error(mean_curvature) <= 2 %",
                 {"scene.noise.angular_velocity.fraction": (0.001, 0.5)}, budget=None, gap=1e-4,
             )
-    # 0.1 s, and as much again for a machine that does other things.
+    # Ctrl-C must stop the work within 0.1 s. Allow 0.3 s, because the machine may be busy.
     assert time.perf_counter() - late[0] < 0.3

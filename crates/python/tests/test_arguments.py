@@ -287,7 +287,7 @@ def test_extreme_numbers_return_results_or_errors(rolls, glides, presses):
             else:
                 text = repr(found)
                 assert "nan" not in text and " inf" not in text, text
-    # Arbitrary bit patterns.
+    # Use numbers with arbitrary bit patterns.
     for _ in range(300):
         bits = random.integers(0, 2**64, (6, 2), dtype=np.uint64).view(float)
         try:

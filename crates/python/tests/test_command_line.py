@@ -52,7 +52,7 @@ def test_estimates_of_presses_match(cli, presses, settings):
     ]
     file = EXAMPLES / "press-readings.csv"
     said = cli("estimate", "press", file, "--sensor-radius", 20, "--depth", 2, *flags)
-    # Warnings of files name their lines.
+    # Warnings about files contain line numbers, which arrays do not have.
     for one in (found, said):
         one["warnings"] = len(one["warnings"])
     assert found == said

@@ -17,7 +17,8 @@ def test_rolls_match_least_squares_of_numpy():
         rotations = random.normal(0, 0.2, (probes, 2))
         drives = np.stack([-rotations[:, 1], rotations[:, 0]], axis=1)
         shifts = drives @ np.linalg.inv(relative) + random.normal(0, 0.01, (probes, 2))
-        # The unknowns are the three entries of a symmetric mobility; each probe adds two equations.
+        # The unknowns are the three entries of the symmetric mobility matrix, which maps rotations to shifts. Each
+        # probe adds two equations.
         design = np.zeros((2 * probes, 3))
         design[0::2, 0], design[0::2, 1] = drives.T
         design[1::2, 1], design[1::2, 2] = drives.T
@@ -26,7 +27,8 @@ def test_rolls_match_least_squares_of_numpy():
         form = np.linalg.inv(mobility) - np.eye(2) / radius
         std = np.sqrt(square / (2 * probes - 3))
         of_mobility = np.linalg.inv(design.T @ design) * std**2
-        # Derivatives of the entries (uu, vv, uv) of the inverse by those of the mobility.
+        # Derivatives of the entries (uu, vv, uv) of the inverse matrix with respect to the entries of the mobility
+        # matrix.
         jacobian = []
         for step in ([[1, 0], [0, 0]], [[0, 1], [1, 0]], [[0, 0], [0, 1]]):
             inverse = np.linalg.inv(mobility)
@@ -49,7 +51,7 @@ def test_rolls_match_least_squares_of_numpy():
 @pytest.mark.parametrize("smoothing", [0.3, 3.0, 30.0])
 def test_the_first_pass_matches_fitpack(smoothing):
     random = np.random.default_rng(5)
-    # Symmetric in x and in y, so the frame of the patch is that of the axes.
+    # The contacts are symmetric in x and in y, so the frame of the patch is the coordinate frame.
     quarter = [
         (x, y, 0.1 * x * x - 0.08 * y * y + random.normal(0, 0.03))
         for y in (0.5, 1.5)
@@ -117,7 +119,7 @@ def test_the_half_space_matches_a_hankel_integral(poisson):
     ]
     found = truth["normal_displacement"][near]
     np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9)
-    # The inverse: estimate the object from these displacements.
+    # Solve the inverse problem: estimate the object from these displacements.
     layout = palpate.Layout(20.0)
     away = np.hypot(*layout.positions.T)
     moved = [displacement(radius, 2.0, contact, 1.2, poisson) for radius in away]
@@ -152,7 +154,7 @@ def test_a_batch_equals_single_estimates(rolls):
                     probe_radius=10,
                     **given,
                 )
-                # To the last bit.
+                # These fields must be equal to the last bit.
                 for name in (
                     "normal_curvature_u", "normal_curvature_v", "gaussian_curvature", "mean_curvature"
                 ):

@@ -6,13 +6,13 @@ import re
 import palpate
 import pytest
 
-# Options for files and the terminal only.
+# Command-line options that concern only files and the terminal, so Python has no such arguments.
 OF_FILES = {
     "columns", "decimal", "delimiter", "error-format", "force", "format", "json", "map", "markdown", "out", "quiet", "restart",
     "shard",
 }
 
-# Names that Python reserves, or that are clearer in a call.
+# Options with another name in Python: Python reserves the name, or another name is clearer in a call.
 RENAMED = {
     ("estimate glide", "normals"): "tangent_normals",
     ("sensor calibrate", "from"): "source",
@@ -24,7 +24,7 @@ COMMANDS = {
     "estimate roll": [palpate.estimate_roll],
     "estimate glide": [palpate.estimate_glide],
     "estimate press": [palpate.estimate_press],
-    # Settings of an estimate are passed on.
+    # `track` passes the settings of an estimate on to `estimate_press`.
     "sensor track": [palpate.track, palpate.estimate_press],
     "sensor calibrate": [palpate.calibrate, palpate.calibrate_frames, palpate.calibrate_camera],
     "sensor pattern": [palpate.pattern],
@@ -68,5 +68,6 @@ def test_every_other_command_has_no_function(cli):
     names = set(re.findall(r"^  ([a-z]+) {2,}", text.split("Commands:")[1].split("Options:")[0], re.M))
     known = {command.split()[0] for command in COMMANDS}
     assert known <= names
-    # Figures and the schema are properties; the other commands merge or manage runs in files.
+    # These commands are not in `COMMANDS`: figures belong to results, the schema is a dictionary, and the other
+    # commands manage runs in files.
     assert names - known <= {"plot", "schema", "merge", "status", "submit", "help"}

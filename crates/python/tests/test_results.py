@@ -154,7 +154,7 @@ def test_points_of_round_tips():
         estimate = palpate.estimate_glide(points, normals, fingers, tip_radius=tip, reports=reports)
         assert estimate.mean_curvature.value == pytest.approx(of_contacts.mean_curvature.value, rel=1e-9)
     assert of_contacts.mean_curvature.value == pytest.approx(1 / ball, rel=1e-2)
-    # If the tip radius is ignored, the surface is a larger ball.
+    # If the tip radius is ignored, the estimated surface is a ball whose radius is larger by the tip radius.
     alone = palpate.estimate_glide(centres, normals, fingers).mean_curvature.value
     assert alone == pytest.approx(1 / (ball + tip), rel=1e-2)
 
@@ -307,7 +307,7 @@ def test_a_memory_leak_is_detected(once):
     assert memory_growth(leak) > MAX_GROWTH
 
 
-# MB in 200 runs: allocators may hide a leak of some 10 kB per run.
+# Largest growth of memory in 200 runs, MB. The allocator may hide a leak of about 10 kB per run.
 MAX_GROWTH = 1
 
 MEMORY = """
@@ -327,5 +327,5 @@ def test_arrays_are_copied_only_if_their_layout_differs():
     for order in "CF":
         done = subprocess.run([sys.executable, "-c", MEMORY, order], capture_output=True, text=True, check=True)
         grown[order] = float(done.stdout)
-    # The array has 160 MB. The estimates keep their readings, 320 MB.
+    # The array needs 160 MB of memory. The estimates keep a copy of their readings, which needs 320 MB.
     assert grown["F"] > grown["C"] + 120, grown

@@ -48,7 +48,7 @@ def test_two_frames_determine_the_object():
     frames, depths = [], [0.3, 0.6, 0.9, 1.2]
     for depth in depths:
         frames.append(plane.with_(**{"scene.motion.indentation": depth}).trace(0, 0))
-    # Displacement of the marker under the contact; at its depth this is less than the indentation.
+    # Displacement of the marker under the contact. Because of the marker's depth, it is smaller than the indentation.
     inward = [float(np.max(one.contacts["normal_displacement"])) for one in frames]
     focal = 0.5 * scene["sensor"]["size_px"] / np.radians(scene["sensor"]["field_deg"])
     calibration = palpate.calibrate_frames(

@@ -16,17 +16,17 @@ use super::reading_table::{ReadingTable, header};
 use super::source;
 use super::text_table::TextTable;
 
-/// A calibration point, with its place in the file.
+/// A calibration point, with its series and line in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Located<P> {
     point: P,
     /// Number of the series in the file; `None` if the file has no column `series`.
     series: Option<u64>,
-    /// Line of the file.
+    /// Line of the point in the file; `None` if the point does not come from a file.
     line: Option<usize>,
 }
 
-/// Stated displacements of markers, and the measured changes of the markers' images.
+/// Calibration points: stated displacements of markers, and the measured changes of the markers' images.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CalibrationPoints {
     /// Name of the file, for messages.
@@ -43,9 +43,9 @@ pub struct CalibrationPoints {
 pub struct CalibrateOptions {
     /// Feature of a marker's image (hue, size or both) from which normal displacements are computed.
     pub from: NormalFrom,
-    /// Whether a marker for which a slope of its own was calibrated uses this slope.
+    /// Whether markers use their own calibrated slopes. A marker without a slope of its own uses the common slope.
     pub per_marker: bool,
-    /// Number of markers in the frame at rest; `None` if it is not available.
+    /// Number of markers in the frame at rest; `None` if there is no such frame.
     pub markers: Option<usize>,
     /// Unit of lengths, used if the headers do not state it.
     pub length_unit: Option<LengthUnit>,
@@ -232,7 +232,7 @@ pub fn frame_calibration_points(
     Ok((points, markers))
 }
 
-/// A calibration point that was measured in a frame, so that it has no line in a file.
+/// A calibration point that was measured in a frame and therefore has no line in a file.
 const fn located<P>(point: P) -> Located<P> {
     Located {
         point,
@@ -241,7 +241,7 @@ const fn located<P>(point: P) -> Located<P> {
     }
 }
 
-/// Size of a marker's change. The marker under the contact changes most.
+/// Size of a marker's change. The marker under the contact is the marker with the largest change.
 fn strength(change: &Change, known: &KnownDisplacements) -> f64 {
     match (&known.normal, known.from) {
         (None, _) => libm::hypot(change.shift_px[0], change.shift_px[1]),
@@ -287,8 +287,8 @@ pub fn calibrate(
     })
 }
 
-/// Number of points that repeat an earlier point, for the normal or the tangential points, whichever are more. A kind
-/// of which less than half of the points are repeated counts as 0.
+/// Number of points that repeat an earlier point: the larger of the numbers for normal and for tangential points. A
+/// kind of points counts as 0 if less than half of them are repeated.
 fn copies(normal: &Pooled<'_, NormalPoint>, lateral: &Pooled<'_, LateralPoint>) -> usize {
     let of_normal = normal.copies(|point| {
         let marker = point.marker.map_or(0.0, |marker| marker as f64);
@@ -301,7 +301,8 @@ fn copies(normal: &Pooled<'_, NormalPoint>, lateral: &Pooled<'_, LateralPoint>) 
     of_normal.max(of_lateral)
 }
 
-/// The unit of lengths that headers or the setting `length_unit` state. An error if they state different units.
+/// The unit of lengths that the headers of the files or the setting `length_unit` state. Returns an error if they state
+/// different units.
 fn agreed_unit(
     points: &[CalibrationPoints],
     options: &CalibrateOptions,
@@ -320,7 +321,7 @@ fn agreed_unit(
     Ok(stated.map(|(unit, _)| unit).unwrap_or_default())
 }
 
-/// Rejects files that lack a column of the feature `from`.
+/// Returns an error for a file that lacks a column of the feature `from`.
 fn check_features(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), RecordedError> {
     for one in points.iter().filter(|one| !one.normal.is_empty()) {
         let missing = match from {
@@ -356,8 +357,7 @@ impl<'a, P: Copy + 'a> Pooled<'a, P> {
     }
 
     /// Number of points, without the points at rest, whose `numbers` repeat an earlier point of the same series; 0 if
-    /// less than half of all points are repeated. A point is at rest if its first four numbers are 0; the fifth number
-    /// does not matter for this.
+    /// less than half of all points are repeated. A point counts as at rest if its first four numbers are 0.
     fn copies(&self, numbers: impl Fn(&P) -> [f64; 5]) -> usize {
         let all = self.points.iter().zip(&self.sources);
         let moved = all.filter_map(|(point, (_, series, _))| {
@@ -404,7 +404,7 @@ impl<'a, P: Copy + 'a> Pooled<'a, P> {
         series.iter().map(fitted).collect()
     }
 
-    /// The error of a fit, with the file and the line of the wrong point.
+    /// Converts the error of a fit to an error that states the file and the line of the wrong point.
     fn refused(&self, all: &[CalibrationPoints], error: &CalibrationError) -> RecordedError {
         if let CalibrationError::NotFinite { point } = error
             && let Some((file, _, Some(line))) = self.sources.get(*point)

@@ -39,7 +39,7 @@ struct NormalPart {
     from: NormalFrom,
     hue_weight: f64,
     nearness_weight: f64,
-    /// Smallest and largest displacement among the points of the fit.
+    /// Smallest and largest displacement among the points that were fitted.
     range: [f64; 2],
     per_marker: bool,
     line: Line,
@@ -121,7 +121,7 @@ mod tests {
         parse_calibration(&RecordedFile::new("calibration.toml", text.into()))
     }
 
-    /// A calibration that has all optional parts.
+    /// Example of a calibration that has all optional parts.
     fn full() -> Calibration {
         let steps = || (0..8).map(|step| 0.1 * f64::from(step));
         let normal = |marker: usize| {

@@ -8,7 +8,7 @@ use super::source::COPIES;
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
-/// A calibration, and the straight lines fitted to each series alone.
+/// A calibration of all points, and straight lines that were fitted to each series separately.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationReport {
     /// The calibration fitted to all points together.
@@ -28,7 +28,7 @@ pub struct CalibrationReport {
 pub(super) struct Fitted {
     /// Line through the state at rest, without an intercept. Displacements are computed from this line.
     through_rest: Line,
-    /// Line with an intercept, as in the 2020 paper; `None` if it could not be fitted.
+    /// Line with an intercept, which the 2020 paper uses; `None` if it could not be fitted.
     with_intercept: Option<Line>,
 }
 
@@ -48,13 +48,14 @@ impl Fitted {
     }
 }
 
-/// Largest residual, as a share of the largest displacement, without a warning.
+/// Largest accepted residual of a calibration, relative to the largest displacement. A larger residual causes a
+/// warning.
 const MAX_RESIDUAL: f64 = 0.1;
 
-/// Largest increase of R² by an intercept without a warning.
+/// Largest accepted increase of R² if the fitted line may have an intercept. A larger increase causes a warning.
 const MAX_GAIN_OF_INTERCEPT: f64 = 0.3;
 
-/// Largest relative difference between the slopes of the series without a warning.
+/// Largest accepted relative difference between the slopes of the series. A larger difference causes a warning.
 const MAX_SPREAD: f64 = 0.2;
 
 impl CalibrationReport {
@@ -104,7 +105,7 @@ impl CalibrationReport {
         lines
     }
 
-    /// Warnings about the calibration.
+    /// Warnings about the data and the result of the calibration.
     pub fn warnings(&self) -> Vec<Warning> {
         let unit = self.length_unit.as_str();
         let normal = self.calibration.normal_part();
@@ -202,7 +203,7 @@ const fn feature(from: NormalFrom) -> &'static str {
     }
 }
 
-/// Words with which the report describes fitted lines.
+/// Words for the description of fitted lines in the report.
 struct Words {
     title: String,
     /// Unit of the signal with a slash, such as `turns/`; empty if the signal is a length.

@@ -12,18 +12,18 @@ use super::layout_matching::Matched;
 use super::nominal_sensor::{NominalSensor, TERM_STDS};
 use super::study_options::press_of;
 
-/// Smallest usable green level of the background, of 255.
+/// Smallest green level of the background with which a frame can be used; the maximum is 255.
 const MIN_GROUND: u8 = 40;
-/// Largest usable share of the central pixels whose green level is 255.
+/// Largest share of saturated pixels (green level 255) in the centre of a frame with which it can be used.
 const MAX_SATURATED: f64 = 0.5;
-/// Largest standard error of an odd term of the lens that counts as determined by the frame, as a share of the prior
-/// standard deviation.
+/// An odd term of the lens counts as determined by the frame if the ratio of its standard error to its prior standard
+/// deviation is at most this value.
 const MAX_TERM_SHARE: f64 = 0.5;
 
 /// Fits a camera to the markers of a frame at rest. The study (or grid point of a study) must be a press with a camera;
 /// it states the layout, the discs, the frame size, the lens and the nominal camera pose. The odd terms of the lens, k3
-/// and then k5, are fitted only if their standard errors are at most half of their prior standard deviations; otherwise
-/// the values of the study are used.
+/// and then k5, are fitted only if the frame determines them: their standard errors must be at most half of their prior
+/// standard deviations. Otherwise the values of the study are used.
 ///
 /// # Errors
 /// [`RecordedError::Readings`] if the study has no camera, or if the frame has another size or other colours, lacks
@@ -55,7 +55,7 @@ pub(super) struct MarkersAtRest {
     pub(super) camera: CameraEstimate,
     /// Warning if markers are missing.
     pub(super) missing: Option<Warning>,
-    /// Image of each marker of the layout; `None` if the frame does not contain the whole marker.
+    /// Image of each marker of the layout; `None` if it is not completely in the frame.
     pub(super) pictures: Vec<Option<Seen>>,
     /// Index of each marker of the layout in the list of markers found in the frame; `None` if it was not found.
     pub(super) found: Vec<Option<usize>>,
@@ -92,7 +92,7 @@ impl MarkersAtRest {
     }
 }
 
-/// Rejects frames that have another size than the camera, and frames that are too dark or too bright to distinguish
+/// Returns an error for a frame that has another size than the camera, or that is too dark or too bright to distinguish
 /// colours.
 pub(super) fn usable(frame: &Frame, camera: &CameraConfig) -> Result<(), String> {
     let (width, height) = frame.image.dimensions();

@@ -19,11 +19,11 @@ pub struct CameraEstimate {
     /// Position of the camera relative to the sensor's centre, length: two coordinates parallel to the chart axes at
     /// the apex, and one toward the apex.
     pub place: [f64; 3],
-    /// Standard errors of `place`.
+    /// Standard errors of the camera's position `place`, length.
     pub place_std: [f64; 3],
-    /// Turn of the camera about the same three axes, degrees.
+    /// Rotation of the camera about the same three axes as in `place`, degrees.
     pub turn_deg: [f64; 3],
-    /// Standard errors of `turn_deg`.
+    /// Standard errors of the camera's rotation `turn_deg`, degrees.
     pub turn_std_deg: [f64; 3],
     /// Focal length f of the fisheye lens, px per radian: a ray at the angle θ to the camera's axis meets the image at
     /// f (θ + k3 θ³ + k5 θ⁵) px from the image centre.
@@ -44,8 +44,9 @@ pub struct CameraEstimate {
     pub k5_std: Option<f64>,
     /// Image centre, px: the point where the camera's axis meets the image.
     pub centre_px: [f64; 2],
-    /// Covariance of the parameters, in this order: both coordinates of the image centre, px; px per radian, relative;
-    /// `place`, length; turn, rad; odd terms of the lens that the frame determines.
+    /// Covariance of the camera's parameters. The order is: both coordinates of the image centre (px), pixels per
+    /// radian (relative), `place` (length), `turn_deg` (in rad), and the odd terms of the lens that the frame
+    /// determines.
     pub covariance: Vec<Vec<f64>>,
     /// Root mean square distance of the markers' centroids from their expected positions, px.
     pub residual_px: f64,
@@ -104,7 +105,7 @@ impl CameraEstimate {
 pub struct Residual {
     /// Index of the marker in the layout, from 0.
     pub marker: usize,
-    /// The distance, px.
+    /// Distance between the observed and the predicted centroid, px.
     pub px: f64,
 }
 
@@ -139,8 +140,8 @@ pub(super) fn is_camera(text: &str) -> bool {
     keys.all(|key| table.contains_key(*key))
 }
 
-/// Largest relative difference between a stated standard error and the one that follows from the covariance. Small
-/// differences occur, because the covariance divides `px_per_rad` by a slightly different scale.
+/// Largest accepted relative difference between a stated standard error and the standard error that follows from the
+/// covariance. Small differences occur, because the covariance divides `px_per_rad` by a slightly different scale.
 const ROUNDING: f64 = 0.1;
 
 fn check(camera: &CameraEstimate) -> Result<(), String> {

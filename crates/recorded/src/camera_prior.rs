@@ -17,12 +17,12 @@ use palpate_estimators::departure_stds;
 const MAX_PULL: f64 = 6.0;
 /// Joint χ² of all parameters above which the camera contradicts the frame.
 const MAX_CHI_SQUARED: f64 = 200.0;
-/// Joint χ² of 9, 10 and 11 parameters above which a warning is given. By chance, 1 frame in 10,000 exceeds it.
+/// Joint χ² of 9, 10 and 11 parameters above which a warning is given. If the camera is correct, χ² exceeds it with a
+/// probability of 1/10,000.
 const WARNING_CHI_SQUARED: [f64; 3] = [33.7, 35.6, 37.4];
 /// Number of camera parameters without the two odd terms of the lens, which a frame may not determine.
 const WITHOUT_TERMS: usize = 9;
-/// Largest accepted standard error of a calibrated parameter, relative to its standard deviation before the
-/// calibration.
+/// Largest accepted ratio of a parameter's standard error after the calibration to its prior standard deviation.
 const MAX_STD_RATIO: f64 = 10.0;
 /// Names of the camera parameters, and their units; `None` is the unit of length.
 const NAMES: [(&str, Option<&str>); CAMERA.len()] = [
@@ -42,7 +42,7 @@ const NAMES: [(&str, Option<&str>); CAMERA.len()] = [
 /// A camera with the uncertainty of its parameters.
 pub(super) struct CameraPrior<'a> {
     pub(super) geometry: CameraGeometry,
-    /// Prior standard deviation of each sensor parameter in a `Departure`.
+    /// Prior standard deviation of each sensor parameter, in the order of the entries of a `Departure`.
     pub(super) stds: [f64; Departure::NUMBERS],
     /// Differences of the camera's parameters from their nominal values, with their joint covariance from a
     /// calibration; `None` without a calibration.
@@ -113,7 +113,7 @@ impl<'a> CameraPrior<'a> {
         })
     }
 
-    /// Warning if the camera estimated from the frame at rest differs from this one.
+    /// Returns a warning if the camera estimated from the frame at rest differs from this camera.
     ///
     /// # Errors
     /// [`RecordedError::Readings`] if the difference is too large. The message states the parameter with the largest
@@ -126,7 +126,7 @@ impl<'a> CameraPrior<'a> {
         let (own, found) = (numbers(&self.geometry), numbers(&geometry_of(at_rest)));
         let scales = scales(at_rest);
         let found_covariance = at_rest.covariance();
-        // Odd terms that the frame does not determine are not compared.
+        // Odd terms of the lens that the frame does not determine are not compared.
         let count = found_covariance.nrows();
         let own_covariance = self.covariance().resize(count, count, 0.0);
         let std = |covariance: &DMatrix<f64>, entry: usize| {
@@ -139,7 +139,7 @@ impl<'a> CameraPrior<'a> {
         let is_alone = pull(worst) > MAX_PULL;
         let (name, unit) = NAMES[worst];
         let unit = unit.unwrap_or(self.unit);
-        // Both values are rounded to a tenth of their difference; with coarser rounding they could look equal.
+        // Both values are rounded to a tenth of their difference, because with coarser rounding they could look equal.
         let digit = 0.1 * (own[worst] - found[worst]);
         let with_std = |value: f64, std: f64| {
             let value = Number::known_to(value, digit);
@@ -162,8 +162,8 @@ impl<'a> CameraPrior<'a> {
         let apart = DVector::from_fn(count, |entry, _| {
             (own[entry] - found[entry]) / scales[entry]
         });
-        // Each of several correlated parameters may agree with the frame although together they contradict it;
-        // therefore all parameters are also tested jointly.
+        // Each parameter may agree with the frame although all parameters together contradict it, because they are
+        // correlated. Therefore a joint test follows.
         let square = both
             .cholesky()
             .map(|factor| apart.dot(&factor.solve(&apart)));
@@ -225,8 +225,8 @@ fn numbers(geometry: &CameraGeometry) -> [f64; CAMERA.len()] {
     [x, y, geometry.px_per_rad, a, b, c, d, e, f, k3, k5]
 }
 
-/// Factors that convert the entries of a `Departure` to camera parameters: an entry of the scale is relative to
-/// `px_per_rad`, and entries of angles are in rad.
+/// Factors that convert the entries of a `Departure` to camera parameters. In a `Departure`, the scale is relative to
+/// `px_per_rad`, and angles are in rad.
 fn scales(camera: &CameraEstimate) -> [f64; CAMERA.len()] {
     let mut scales = [1.0; CAMERA.len()];
     scales[2] = camera.px_per_rad;

@@ -1,4 +1,5 @@
-//! Readings of a camera sensor from two frames, and the press estimated from them by either of two methods.
+//! Displacements of markers from two frames of a camera sensor. A press is estimated from the displacements or from the
+//! images.
 
 use std::collections::BTreeMap;
 
@@ -30,8 +31,8 @@ pub enum FrameReader {
         calibration: Box<Calibration>,
         /// Unit of all lengths, also of the lengths in the calibration.
         unit: LengthUnit,
-        /// Pixels per radian of the camera; with `None`, the calibration's px per length times the markers' distance
-        /// from the centre of the sensor.
+        /// Scale of the camera, pixels per radian. With `None`, it is the calibration's pixels per length, multiplied
+        /// by the markers' distance from the centre of the sensor.
         px_per_rad: Option<f64>,
         /// Options of the estimate.
         options: Box<PressOptions>,
@@ -45,7 +46,7 @@ pub enum FrameReader {
 pub struct FrameReading {
     /// Table of displacements, one row per tracked marker.
     pub readings: Table,
-    /// Table of the displacements interpolated on a regular grid.
+    /// Table of the displacements, interpolated at the points of a regular grid.
     pub field: Table,
     /// Estimate of the press, or the error if there is none.
     pub estimate: Result<TrackedPress, RecordedError>,
@@ -98,7 +99,7 @@ impl FrameReader {
     }
 }
 
-/// Largest relative standard error of the calibrated slope without a warning.
+/// Largest accepted relative standard error of the calibrated slope. A larger error causes a warning.
 const MAX_SLOPE_SHARE: f64 = 0.05;
 
 /// Relative standard error of a calibration's slope of normal displacements; 0 if the calibration does not state it.
@@ -108,7 +109,8 @@ fn slope_share(calibration: &Calibration) -> f64 {
         .unwrap_or(0.0)
 }
 
-/// Largest ratio of the stated to the calibrated scale of a camera, or of its inverse, without a warning.
+/// Largest accepted ratio of the stated to the calibrated scale of a camera, and of its inverse. A larger ratio causes
+/// a warning.
 const MAX_SCALE_RATIO: f64 = 1.25;
 
 /// Displacements of the tracked markers.
@@ -126,7 +128,7 @@ pub(super) struct CameraReading {
     slope_share: f64,
 }
 
-/// Output of `sensor track`.
+/// Output of the command `sensor track`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrackedPress {
     frames: TrackCounts,
@@ -230,7 +232,7 @@ impl CameraReading {
         })
     }
 
-    /// The table row of a tracked marker, counted from 0.
+    /// The table row of the tracked marker with the index `marker`, counted from 0.
     pub(super) fn row(&self, marker: usize) -> Row {
         Row {
             row: marker + 1,
@@ -239,7 +241,8 @@ impl CameraReading {
         }
     }
 
-    /// Warning about a misfit of the press. If the misfit is an outlier, the warning states its row.
+    /// Warning about a misfit of the press. If the misfit is an outlier, the warning states the row of the marker in
+    /// the table.
     pub(super) fn warning(&self, misfit: &Misfit) -> Warning {
         misfit_warning(misfit, &self.source, self.unit)
     }
@@ -290,7 +293,7 @@ impl CameraReading {
         displaced.place.map(|angle| self.radius * angle)
     }
 
-    /// Warning if the standard error of the calibrated slope exceeds the estimator's setting `gain_std`.
+    /// Returns a warning if the standard error of the calibrated slope exceeds the estimator's setting `gain_std`.
     fn gain(&self, options: &PressOptions) -> Option<Warning> {
         let stated = options.estimator.priors().gain_std?;
         (self.slope_share > MAX_SLOPE_SHARE.max(stated)).then(|| {

@@ -25,14 +25,14 @@ pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
 /// Detects the decimal sign of the numbers in a table.
 #[derive(Debug, Default)]
 pub(super) struct DecimalSign {
-    /// First number whose comma can only be a decimal comma.
+    /// The first number in the table whose comma can only be a decimal comma; `None` if there is none.
     comma: Option<String>,
-    /// First number with a decimal point.
+    /// The first number in the table with a decimal point; `None` if there is none.
     point: Option<String>,
 }
 
 impl DecimalSign {
-    /// Examines the number in a field.
+    /// Checks which decimal sign the number in a field has.
     pub(super) fn add(&mut self, text: &str) {
         let first = match () {
             () if text.contains('.') => &mut self.point,
@@ -42,7 +42,8 @@ impl DecimalSign {
         first.get_or_insert_with(|| text.to_owned());
     }
 
-    /// The decimal sign of the table; an error if it is ambiguous. `odd` is a number with a comma, for the message.
+    /// The decimal sign of the table. Returns an error if it is ambiguous; `odd` is a number with a comma for its
+    /// message.
     pub(super) fn decimal(&self, odd: &str) -> Result<Decimal, String> {
         match (&self.comma, &self.point) {
             (Some(_), None) => Ok(Decimal::Comma),
@@ -64,7 +65,7 @@ impl DecimalSign {
     }
 }
 
-/// Whether the commas of a number may separate thousands, as in `1,234`.
+/// Whether the commas of a number may separate thousands: in `1,234` they may, in `1,5` they may not.
 fn may_be_grouped(text: &str) -> bool {
     let digits = text.trim_start_matches(['+', '-']);
     let mut groups = digits.split(',');

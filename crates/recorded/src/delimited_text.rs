@@ -184,7 +184,7 @@ pub(super) fn tidy(field: &str) -> &str {
     unquoted.unwrap_or(field)
 }
 
-/// The delimiter, recognised from the header and the rows. A table without a delimiter has one column.
+/// The delimiter that the header and the rows have. A table without a delimiter has one column.
 fn recognised(text: Text<'_>, header: &str, header_line: usize) -> Result<Delimiter, String> {
     let fields = |line: &str, delimiter| split(text, line, delimiter).len();
     let rows = || text.rows_after(header_line).map(|(row, _)| row);
@@ -251,7 +251,7 @@ fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
     is_row.then_some(units)
 }
 
-/// First line, from 1, with a quotation mark that does not belong to a pair around a field.
+/// Number of the first line (counted from 1) with a quotation mark that does not belong to a pair around a field.
 fn unclosed_quote(text: Text<'_>, delimiter: Delimiter) -> Option<usize> {
     #[derive(PartialEq)]
     enum At {

@@ -3,15 +3,16 @@
 use nalgebra::Point3;
 use palpate_statistics::Number;
 
-/// Shortest step between contacts that may lead to another finger, in median steps.
+/// Smallest length of a step that may lead from one finger to the next, relative to the median length of all steps.
 const MIN_JUMP: f64 = 3.0;
-/// Smallest ratio of the shortest step between fingers to the longest step within a finger.
+/// Smallest accepted ratio of the shortest step between two fingers to the longest step within a finger.
 const MIN_JUMP_RATIO: f64 = 1.5;
-/// Advice for the case that the assignment is wrong.
+/// Advice for messages, for the case that contacts are assigned to the wrong fingers.
 const REMEDY: &str = "separate the fingers by blank lines or add a column `finger`";
 
-/// Finger of each contact, and a note on how it was found. If the file has blank lines (before the rows `after_gaps`),
-/// they separate the fingers. Otherwise, steps that are much longer than all others separate the fingers.
+/// Returns the finger of each contact, and a note on how the fingers were determined. If the file has blank lines
+/// (before the rows `after_gaps`), they separate the fingers. Otherwise, steps that are much longer than all other
+/// steps separate the fingers.
 pub(super) fn assign_fingers(
     places: &[Point3<f64>],
     after_gaps: &[usize],
@@ -64,8 +65,8 @@ pub(super) fn assign_fingers(
     }
 }
 
-/// For each of `rows` rows, the index of the part to which the row belongs; and the number of parts. Parts begin at the
-/// rows `starts`.
+/// Assigns `rows` rows to parts that begin at the rows `starts`. Returns the index of the part of each row, and the
+/// number of parts.
 pub(super) fn parted(rows: usize, starts: &[usize]) -> (Vec<usize>, usize) {
     let mut part = 0;
     let mut starts = starts.iter().filter(|&&start| start > 0).peekable();
@@ -91,7 +92,7 @@ mod tests {
 
     #[test]
     fn contacts_without_jumps_are_of_one_finger() {
-        // The steps grow gradually, so that no clear limit separates long steps from short ones.
+        // In this example, the steps grow gradually. Therefore no limit separates long steps from short ones.
         let (found, note) = fingers(&[0.0, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0]);
         assert_eq!(found, [0; 7]);
         assert!(note.contains("one finger"), "{note}");

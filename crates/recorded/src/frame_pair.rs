@@ -124,12 +124,12 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
 pub struct FramePair {
     /// Tracks of the markers at rest, from the middle of the frame outward, followed by tracks of new markers.
     pub tracks: Vec<Track>,
-    /// Markers at rest that the rim of the frame cuts off; they are not tracked.
+    /// Markers at rest that are only partly in the frame; they are not tracked.
     pub cut: Vec<Marker>,
     /// Centre of the image circle, px. It is the apex's position in the frame at rest if the camera looks straight at
     /// the apex.
     pub centre_px: [f64; 2],
-    /// Markers of both frames, with their measurement errors.
+    /// Markers found in the frame at rest and in the pressed frame, with their measurement errors.
     pub(super) found: [Found; 2],
     files: [String; 2],
 }
@@ -149,15 +149,15 @@ pub struct TrackCounts {
     pub split: usize,
     /// Markers in the pressed frame without a counterpart at rest.
     pub new: usize,
-    /// Markers at rest that the rim of the frame cuts off; they are left out.
+    /// Markers at rest that are only partly in the frame; they are not tracked.
     pub cut_at_rest: usize,
 }
 
-/// Largest share of markers that were not found again without a warning.
+/// Largest accepted share of markers that were not found again. A larger share causes a warning.
 const MAX_LOST: f64 = 0.1;
 
 impl TrackCounts {
-    /// Whether enough markers were found again for both frames to come from one sensor.
+    /// Whether enough markers were found again, so that both frames can come from one sensor.
     const fn are_of_one_sensor(&self) -> bool {
         2 * self.tracked >= self.at_rest
     }
@@ -178,14 +178,15 @@ impl TrackCounts {
     }
 }
 
-/// Smallest median shift, px, for the warning that all markers moved in the same way.
+/// Smallest median shift of the markers, px, for the warning that all markers moved in the same way.
 const MIN_COMMON_PX: f64 = 0.5;
-/// Smallest ratio of the median shift to the scatter about it, for the same warning.
+/// Smallest ratio of the median shift of the markers to the scatter around it, for the warning that all markers moved
+/// in the same way.
 const MIN_COMMON_RATIO: f64 = 2.5;
-/// Smallest number of markers from which a common motion is computed.
+/// Smallest number of markers from which a motion common to all markers is computed.
 const MIN_MARKERS: usize = 8;
 
-/// Difference of green levels, of 255, that has the full colour in a difference image.
+/// Difference of green levels (of 255) that is drawn in the full colour in a difference image.
 const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
 
 /// The markers of a frame.
@@ -247,13 +248,13 @@ impl FramePair {
         }
     }
 
-    /// Number of markers that are completely inside of the frame at rest.
+    /// Number of markers that are completely in the frame at rest.
     pub(super) fn at_rest(&self) -> usize {
         let at_rest = self.tracks.iter().filter(|track| track.rest.is_some());
         at_rest.count()
     }
 
-    /// Index of the marker whose image changed most, and its change, by the absolute value of `strength`.
+    /// Index and change of the marker whose image changed most, that is, with the largest absolute value of `strength`.
     pub(super) fn strongest(
         &self,
         strength: impl Fn(&Track) -> Option<f64>,
@@ -324,7 +325,8 @@ impl FramePair {
         self.tracks.iter().filter_map(Track::change)
     }
 
-    /// The median shift, and the distance between neighbouring markers, if the shift exceeds a quarter of the distance.
+    /// The median shift of the markers, and the distance between neighbouring markers; `None` unless the shift exceeds
+    /// a quarter of the distance.
     fn moved_together(&self) -> Option<(f64, f64)> {
         let shifts = self.changes().map(|change| {
             let [x, y] = change.shift_px;
@@ -384,8 +386,8 @@ impl FramePair {
         })
     }
 
-    /// Growth (change of the logarithm of the diameter) of the marker whose size changed most, if it shrank by more
-    /// than the scatter of the others. The two frames may then be swapped.
+    /// Change of the logarithm of the diameter of the marker whose size changed most. `None` unless this marker shrank
+    /// by more than the scatter of the other markers; the two frames may then be swapped.
     fn swapped(&self) -> Option<f64> {
         let (_, growth) = self.strongest(|track| Some(track.change()?.growth))?;
         let scatter = median(self.changes().map(|change| change.growth.abs()))?;

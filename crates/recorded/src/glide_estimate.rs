@@ -45,7 +45,7 @@ pub fn estimate_glide(
 pub struct GlideFitResult<'r> {
     recorded: Cow<'r, GlideRecording>,
     given: GlideOptions,
-    /// The options `given`, with the position noise converted to a length.
+    /// The options that the user gave, with the position noise converted to a length.
     options: GlideOptions,
     unit: LengthUnit,
     used: UsedContacts,
@@ -61,13 +61,13 @@ pub struct GlideFitResult<'r> {
 #[derive(Clone, Debug)]
 struct UsedContacts {
     contacts: Vec<Contact>,
-    /// Index of each contact's row in the recording.
+    /// Row number in the recording of each contact, counted from 0.
     rows: Vec<usize>,
     outliers: Vec<Outlier>,
     readings: EffectiveReadings,
 }
 
-/// Number of contacts from which the bias of a spline on simple shapes may be larger than its noise.
+/// With more contacts than this number, the bias of a spline on simple shapes may be larger than its noise.
 const MANY_CONTACTS: usize = 60;
 
 /// The fitted surface: a graph over a patch, or a simple shape.
@@ -141,7 +141,7 @@ impl<'r> GlideFitResult<'r> {
                 let rows: Vec<usize> = rows.collect();
                 let contacts: Vec<Contact> = rows.iter().map(|&row| all[row]).collect();
                 let stroke = stroke_curvature(&contacts, &outward);
-                // With normals, even a single stroke determines a stated shape.
+                // If the contacts have normals and the shape is stated, a single stroke is enough to determine it.
                 let is_determined = settings.shape.is_some() && recorded.has_normals();
                 let is_plane = settings.shape == Some(Shape::Plane);
                 let stroke = stroke.filter(|_| !is_determined && !is_plane);
@@ -460,7 +460,7 @@ fn with_length_noise(
 const ONE_FINGER: &str = "all contacts belong to one finger, so there is no distance between \
      fingers";
 
-/// The error of a fit, with the line of the contact that caused it, if there is one.
+/// Converts the error of a fit to an error that states the line of the wrong contact, if a contact caused it.
 fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedError {
     let contact = match error {
         Ep2Error::NotFinite { contact }
@@ -483,7 +483,7 @@ fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedError {
     }
 }
 
-/// The error, with the index of the row in the recording instead of the index of the contact.
+/// The same error, with the row number in the recording instead of the index of the contact.
 fn of_row(error: Ep2Error, rows: &[usize]) -> Ep2Error {
     match error {
         Ep2Error::Folded { contact, angle_deg } => Ep2Error::Folded {
@@ -494,7 +494,7 @@ fn of_row(error: Ep2Error, rows: &[usize]) -> Ep2Error {
     }
 }
 
-/// The error of a fit, with the curvature along the contacts if they form a single stroke.
+/// Converts the error of a fit. If the contacts form a single stroke, the message states the curvature along it.
 fn stroke_refused(
     recorded: &GlideRecording,
     error: &Ep2Error,
@@ -511,7 +511,7 @@ fn stroke_refused(
     }
 }
 
-/// The error of a shape fit, with the rows of the readings.
+/// Converts the error of a shape fit to an error that states the rows of the readings.
 fn shape_refused(recorded: &GlideRecording, error: &ShapeError) -> RecordedError {
     match error {
         ShapeError::Contacts(error) => refused(recorded, error),
@@ -523,7 +523,7 @@ fn shape_refused(recorded: &GlideRecording, error: &ShapeError) -> RecordedError
     }
 }
 
-/// Message of the error, with the setting that can solve the problem, if there is one.
+/// Message of the error. If a setting can solve the problem, the message names this setting.
 fn remedied(error: &Ep2Error, fingers: usize) -> String {
     match error {
         Ep2Error::BadSetting(bad) if bad.setting == "unit_length" && bad.value == 0.0 => {
@@ -546,8 +546,8 @@ fn remedied(error: &Ep2Error, fingers: usize) -> String {
     }
 }
 
-/// The thresholds of the 1996 paper, 0.005 and 0.03 on a patch of 3 × 3, scaled to this patch by the mean length of its
-/// sides. `None` if they exceed the range of doubles.
+/// The thresholds of the 1996 paper (0.005 and 0.03 for a patch of 3 × 3), scaled to a patch with these side lengths by
+/// their mean. `None` if they exceed the range of doubles.
 fn of_size([u, v]: [f64; 2]) -> Option<ShapeThresholds> {
     let paper_units = 3.0 / (0.5 * u + 0.5 * v);
     ShapeThresholds::new(0.005 * paper_units * paper_units, 0.03 * paper_units).ok()

@@ -157,7 +157,7 @@ impl GlideOptions {
         })
     }
 
-    /// The round fingertip, if the readings state another point of it than the contact.
+    /// The round fingertip; `None` if the readings state contacts instead of points of the tip.
     pub(super) fn tip(&self) -> Option<RoundTip> {
         Some(RoundTip {
             radius: self.tip_radius?,
@@ -169,7 +169,7 @@ impl GlideOptions {
     }
 }
 
-/// The direction with these components, scaled so that its largest component is ±1.
+/// The direction with these components, divided by the largest absolute value of a component.
 fn direction(components: [f64; 3]) -> Result<[f64; 3], SettingError> {
     let largest = components
         .iter()

@@ -1,4 +1,4 @@
-//! Reads recorded glides.
+//! Reads files of recorded glides.
 
 use std::collections::HashMap;
 
@@ -20,13 +20,13 @@ pub struct GlideRecording {
     pub(super) source: ReadingSource,
     /// The contacts, in the order of the file.
     pub(super) contacts: Vec<Contact>,
-    /// Number of fingers.
+    /// Number of fingers in the recording.
     pub(super) fingers: usize,
     /// Unit of lengths that the header states; `None` if the header states none.
     pub unit: Option<LengthUnit>,
     /// Columns of the file that palpate does not use, one row per contact.
     pub(super) extras: ExtraColumns,
-    /// Note on how contacts were assigned to fingers; `None` if the file contains finger numbers.
+    /// Note on how the contacts were assigned to fingers; `None` if the file states the finger of each contact.
     pub(super) note: Option<String>,
 }
 

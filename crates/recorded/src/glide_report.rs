@@ -42,10 +42,10 @@ pub(super) struct PatchRegion {
     pub(super) area: Value,
     pub(super) gaussian_curvature: Value,
     pub(super) mean_curvature: Value,
-    /// Mean direction of the largest curvature of the region's points; the opposite direction is equivalent. `null` if
-    /// there is none.
+    /// Mean direction of the largest curvature in the region, over its points; the opposite direction is equivalent.
+    /// `null` if there is none.
     pub(super) direction_of_max: Option<[f64; 3]>,
-    /// Degree to which the points agree on `direction_of_max`, from 0 to 1.
+    /// Degree to which the points of the region have the same direction `direction_of_max`, from 0 to 1.
     pub(super) coherence: f64,
 }
 
@@ -58,7 +58,7 @@ pub(super) enum GlideRadius {
     OfShape(Option<Value>),
 }
 
-/// Output of `estimate glide`. Curvature, class and directions are those in the middle of the patch.
+/// Output of the command `estimate glide`. Curvature, class and directions are those in the middle of the patch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GlideEstimate {
     pub(super) format_version: u32,
@@ -92,8 +92,8 @@ pub struct GlideEstimate {
     pub(super) thresholds: Thresholds,
     /// Noise of the contacts; `null` if the method does not estimate noise.
     pub(super) noise: Option<PatchNoise>,
-    /// Whether two-pass reached the sums of squares to which it smooths; `null` for other methods. If it did not
-    /// (`knots-exhausted`, `unsettled`), do not use the curvatures.
+    /// Whether the method two-pass reached the sums of squares that it aims at; `null` for other methods. If it did not
+    /// reach them (`knots-exhausted`, `unsettled`), do not use the curvatures.
     pub(super) status: Option<&'static str>,
     /// Effective degrees of freedom of the fit.
     pub(super) effective_unknowns: f64,
@@ -101,12 +101,12 @@ pub struct GlideEstimate {
     pub(super) grid: usize,
     /// Connected parts of the map in which all points have the same class, the largest first.
     pub(super) regions: Vec<PatchRegion>,
-    /// p-value of the goodness of fit: the probability that noise of the stated size gives a worse fit if the model is
-    /// right. `null` if the noise is estimated, and for two-pass.
+    /// P-value of the goodness of fit: the probability that noise of the stated size causes a worse fit if the model is
+    /// right. `null` if the noise is estimated, and for the method two-pass.
     pub(super) p_value: Option<f64>,
-    /// Number of independent contacts, which is reduced by copies, rests and correlated noise.
+    /// Number of independent contacts. Repeated contacts, rests of a finger and correlated noise reduce it.
     pub(super) effective_contacts: f64,
-    /// Number of contacts after copies and rests were merged.
+    /// Number of contacts after repeated contacts and contacts of a resting finger were merged.
     pub(super) distinct_contacts: usize,
     /// Number of consecutive positions that count as one because their noise is correlated.
     pub(super) correlated_contacts: f64,

@@ -11,13 +11,14 @@ use super::glide_options::GlideOptions;
 use super::misfit_warning::ReadingWords;
 use super::source::ReadingSource;
 
-/// Largest ratio of the stated to the measured distance between fingers, or of its inverse, without a warning.
+/// Largest accepted ratio of the stated to the measured distance between fingers, and of its inverse. A larger ratio
+/// causes a warning.
 const MAX_SPACING_RATIO: f64 = 3.0;
 
-/// Smallest factor by which a contact's distance from its nearest neighbour must exceed this distance for every other
-/// contact, for a warning about an outlier.
+/// A contact may be an outlier if its distance from its nearest neighbour is larger than that of every other contact by
+/// at least this factor. Then a warning is given.
 const MAX_DISTANCE_RATIO: f64 = 3.0;
-/// Largest number of contacts for which distances are compared.
+/// Largest number of contacts for which the distances between contacts are compared.
 const MAX_COMPARED: usize = 3000;
 
 /// Warning if the stated distance between fingers differs from the distance measured in the readings.
@@ -34,8 +35,8 @@ pub(super) fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -
     })
 }
 
-/// Warning about a contact that is far from all others. The fitted surface passes through such a contact even if it is
-/// wrong.
+/// Warning about a contact that is far from all other contacts. The fitted surface passes through such a contact even
+/// if it is wrong.
 pub(super) fn distant(
     contacts: &[Contact],
     unit: LengthUnit,
@@ -64,12 +65,12 @@ pub(super) fn distant(
     })
 }
 
-/// Largest ratio of the estimated to the stated noise, or of its inverse, without a warning. Beyond it, the intervals
-/// are wrong.
+/// Largest accepted ratio of the estimated to the stated noise, and of its inverse. A larger ratio causes a warning,
+/// because the intervals are wrong.
 const MAX_NOISE_RATIO: f64 = 1.5;
 
 /// Warnings if the stated noise of the contacts differs from the noise that the same method estimates. `ratios` are the
-/// standard deviations of the patch's positions and normals, divided by those of one contact.
+/// standard deviations of the patch's positions and normals, divided by the standard deviations of one contact.
 pub(super) fn stated_noise(
     patch: &Patch,
     estimator: &GlideEstimatorConfig,
@@ -92,7 +93,7 @@ pub(super) fn stated_noise(
         Some(found.position_std / ratios[0]),
         found.normal_std_rad.map(|std| std.to_degrees() / ratios[1]),
     ];
-    // Share of the readings that remains as degrees of freedom.
+    // Ratio of the degrees of freedom to the number of readings.
     let left = 1.0 - unknowns / patch.equations() as f64;
     let kinds = [("positions", unit.as_str(), 1), ("normals", "degrees", 2)];
     let all = stated.into_iter().zip(found).zip(kinds);
@@ -165,14 +166,15 @@ pub(super) fn normals(contacts: &[Contact]) -> impl Iterator<Item = Warning> {
 /// Smallest number of contacts for which signs and columns of the normals are checked.
 const MIN_CONTACTS: usize = 8;
 
-/// Smallest factor by which a change of components must reduce the error of the fit for a warning.
+/// Smallest factor by which the fit's error must decrease if components of the normals are swapped or reversed. Only
+/// then a warning is given.
 const MIN_RATIO: f64 = 2.0;
 
-/// Largest error of a fit that is consistent with the contacts and their normals.
+/// Largest error of a quadric fit for which contacts and normals count as consistent.
 const MAX_ERROR: f64 = 0.1;
 
-/// Likely mistake of signs or columns in the normals, as text: a quadric through the contacts fits the normals much
-/// better after their components are changed.
+/// Likely mistake of signs or columns in the normals, as text. It is reported if a quadric through the contacts fits
+/// the normals much better after a change of their components.
 pub(super) fn directions(contacts: &[Contact]) -> Option<String> {
     let has_normals = contacts.iter().all(|contact| contact.normal.is_some());
     if !has_normals || contacts.len() < MIN_CONTACTS {
@@ -213,8 +215,8 @@ fn fit_error(contacts: &[Contact], change: &Matrix3<f64>) -> f64 {
     error.unwrap_or(f64::INFINITY)
 }
 
-/// Possible mistakes in the normals: two components swapped, or the sign of one component reversed. A common sign of
-/// all components does not matter.
+/// Possible mistakes in the normals: two components are swapped, or the sign of one component is reversed. The common
+/// sign of all components does not matter.
 fn changes() -> [(Matrix3<f64>, &'static str); 6] {
     let signs = |x, y, z| Matrix3::from_diagonal(&Vector3::new(x, y, z));
     let swap = |one: usize, other: usize| {
@@ -239,8 +241,8 @@ mod tests {
 
     use super::*;
 
-    /// Contacts with normals on a ball with a radius of 30 mm, on lines `apart` mm apart; the noise is 0.02 mm and 1
-    /// degree.
+    /// Contacts with normals on a ball with a radius of 30 mm. They lie on lines that are `apart` mm apart; the noise
+    /// is 0.02 mm for positions and 1 degree for normals.
     fn on_a_ball(apart: f64) -> Vec<Contact> {
         let mut stream = Stream::new(1996, 0, Channel::Position);
         let mut noise = |std: f64| Vector3::from_fn(|_, _| std * stream.standard_normal());

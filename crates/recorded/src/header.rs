@@ -31,7 +31,7 @@ impl<'a> Heading<'a> {
         }
     }
 
-    /// Splits a name such as `rotation.x` into the name of a quaternion and its component.
+    /// Splits a name such as `rotation.x` into the name of the quaternion (`rotation`) and its component (`x`).
     fn in_group(&self) -> Option<(&str, Column)> {
         QUATERNION.into_iter().find_map(|column| {
             let group = self.base.strip_suffix(&column.name[1..])?;
@@ -54,7 +54,7 @@ pub(super) fn bracketed(name: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// Index of a column in each row, and the unit in the column's name.
+/// Index of a column in the file, and the unit in the column's name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     pub(super) index: usize,
@@ -373,8 +373,8 @@ impl<'a> Header<'a> {
     }
 }
 
-/// Whether the column's unit may be missing. Lengths then have the unit of other columns or of an option; times are
-/// only compared with each other.
+/// Whether the unit of such a column may be missing. Lengths then have the unit of other columns or of an option. Times
+/// need no unit, because they are only compared with each other.
 const fn has_no_need(measure: Measure) -> bool {
     matches!(measure, Measure::Length | Measure::Time | Measure::Plain)
 }
@@ -395,7 +395,7 @@ fn unknown_unit(name: &str, unit: &str, measure: Measure) -> String {
     )
 }
 
-/// Unit at the end of a name that is not one of palpate's, such as `pos_x_mm`.
+/// Unit at the end of a column name, such as `mm` in `pos_x_mm`. The name is not one of palpate's names.
 fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, String> {
     let Some((_, last)) = heading.base.rsplit_once('_') else {
         return Ok(None);
@@ -422,8 +422,8 @@ fn is_quaternion(heading: &Heading<'_>) -> bool {
     heading.part.is_some() || heading.base.contains("quat") || matches!(number, Some(Ok(0..=4)))
 }
 
-/// Whether a name in the file may denote the column. It must have a unit of the column's quantity or no unit, and it
-/// must contain all words of the column's name, or its quantity and axis.
+/// Whether a name in the file may denote the column. It must have a unit of the column's quantity or no unit. It must
+/// also contain all words of the column's name, or its quantity and axis.
 pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
     // A component of a quaternion is not an angle.
     let is_angle =
@@ -494,7 +494,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
     };
     let letters: &[&str] = match quantity {
         "" => {
-            // A single letter other than p denotes another quantity than a position.
+            // A single letter other than p denotes another quantity, not a position.
             let is_place = |word: &&str| word.len() > 1 || *word == "p";
             return !OTHERS.into_iter().any(says)
                 && rest.iter().all(is_place)

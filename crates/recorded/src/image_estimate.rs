@@ -108,13 +108,13 @@ pub(super) fn estimate_images(
 struct Matched {
     /// For each marker of the layout, the index of its track; `None` if it has none.
     tracks: Vec<Option<usize>>,
-    /// Markers of the layout that were found in both frames, in the order of their tracks.
+    /// Indices, in the layout, of the markers that were found in both frames. They are in the order of the tracks.
     rows: Vec<usize>,
 }
 
 impl Matched {
-    /// The first tracks belong to the markers at rest, in the order of these markers, so that indices of markers are
-    /// also indices of tracks.
+    /// The first tracks belong to the markers at rest, in the same order. Therefore the indices of these markers are
+    /// also the indices of their tracks.
     fn of(tracks: Vec<Option<usize>>, tracked: &FramePair) -> Self {
         let is_tracked = |marker: &usize| {
             let track = tracks[*marker].and_then(|track| tracked.tracks.get(track));
@@ -153,7 +153,7 @@ impl Scene<'_> {
         }
     }
 
-    /// The error of a fit. If the markers scatter at rest, the message names this as a possible cause.
+    /// Converts the error of a fit. If the markers scatter at rest, the message names this scatter as a possible cause.
     fn refused(&self, error: &PressError, scatter: f64) -> RecordedError {
         let [rest, pressed] = self.frames;
         let message = match error {
@@ -241,7 +241,7 @@ impl Scene<'_> {
         let is_layer = options.thickness().is_some();
         let large = large_contact(estimate, self.nominal.sphere.radius, is_layer);
         let in_row = |misfit: &Misfit| match *misfit {
-            // There is a separate warning about the scatter of the markers.
+            // A poor fit needs no warning here, because there is a separate warning about the scatter of the markers.
             Misfit::PoorFit { .. } => None,
             Misfit::Outlier { reading, p_value } => Some(Misfit::Outlier {
                 reading: row(&reading)?,
@@ -275,17 +275,18 @@ impl Scene<'_> {
     }
 }
 
-/// A fit of a press to images of the markers. If the residuals are larger than the stated errors of the markers
-/// explain, these errors are multiplied by the ratio, which is called the scatter.
+/// A fit of a press to images of the markers. If the residuals are larger than the stated errors explain, the stated
+/// errors are multiplied by a factor, which is called the scatter.
 struct ScaledFit {
     method: ImageEstimator,
     pictures: MarkerImages,
-    /// The estimate. Its goodness of fit uses errors multiplied by the scatter at rest only.
+    /// The estimate. For its goodness of fit, the stated errors are only multiplied by the scatter at rest.
     estimate: PressEstimate,
-    /// Contradictions between the images and the model, computed with the same errors.
+    /// Contradictions between the images and the model. For these tests, the stated errors are only multiplied by the
+    /// scatter at rest.
     misfits: Vec<Misfit>,
-    /// Scatter of the markers at rest and pressed, relative to the stated errors; 1 if the stated errors explain the
-    /// scatter.
+    /// Scatter of the markers at rest and pressed, which is a factor relative to the stated errors; 1 if the stated
+    /// errors explain the residuals.
     scatter: [f64; 2],
 }
 
@@ -293,7 +294,7 @@ impl ScaledFit {
     /// Fits the press to the markers at rest and pressed.
     ///
     /// # Errors
-    /// The error of the fit, with the scatter at rest.
+    /// The error of the fit, together with the scatter at rest.
     fn of(
         fit: ImageFit<ImageModel>,
         rest: &[Option<Seen>],
@@ -376,7 +377,7 @@ impl ScaledFit {
     }
 }
 
-/// Question in the warning that markers scatter at rest.
+/// Question about the possible cause, for the warning that markers scatter at rest.
 const OF_REST: &str = "do the camera and the discs match the sensor?";
 
 fn scattered(frame: &Frame, scatter: f64) -> String {

@@ -42,21 +42,21 @@ const ROUGH_SHARES: [f64; 2] = [0.5, 0.5];
 const MAX_HUE_DIFFERENCE: f64 = 0.06;
 /// Reduced χ² above which the frame contradicts the layout.
 pub(super) const CONTRADICTION: f64 = 25.0;
-/// Reduced χ² above which uncertainties are multiplied by its square root.
+/// Reduced χ² of the fit. Above this value, the uncertainties are multiplied by its square root.
 const MAX_REDUCED_CHI_SQUARED: f64 = 1.5;
-/// Further start values of the camera's height for the fit, as differences from the nominal height, in prior standard
-/// deviations.
+/// Further start values of the camera's height in the fit. They are differences from the nominal height, in prior
+/// standard deviations.
 const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// Index of the camera's height in a [`Departure`].
 const HEIGHT: usize = 9;
-/// Text with possible causes if the layout is not found in a frame.
+/// Possible causes, for the message that the layout is not found in a frame.
 const CAUSES: &str = "is it from another layout or camera, are its pixels encoded by sRGB (setting `srgb`), does the camera differ from `place`, `turn_deg` and `field_deg` of the study's `scene.sensor`, or are its discs misaligned by more than `scene.probe.discs.misalignment`?";
-/// Largest number of repetitions of the fit, each of which starts at the result of the last.
+/// Maximum number of fits. Each fit starts at the result of the previous fit.
 const MAX_FITS: usize = 12;
-/// Decrease of χ² below which the fit is not repeated.
+/// If χ² decreases by less than this value, the fit is not repeated.
 const MIN_DECREASE: f64 = 1e-3;
 
-/// For each marker of the layout: its index in the list of found markers, and its image.
+/// For each marker of the layout: its index in the list of found markers, and its image. `None` if it was not found.
 type Matches = (Vec<Option<usize>>, Vec<Option<Seen>>);
 
 /// Markers found in a frame, in the order of the layout.
@@ -71,8 +71,8 @@ pub(super) struct Matched {
 
 impl Matched {
     /// Matches the markers, starting from the nominal optics and from higher and lower camera positions. Returns the
-    /// best match with its optics. From a wrong height, a fit may end in a local minimum, because scale and lens can
-    /// compensate a wrong height.
+    /// best match with its optics. Several heights are tried, because scale and lens can compensate a wrong height, so
+    /// that a fit ends in a local minimum.
     pub(super) fn of(
         nominal: &NominalSensor<'_>,
         optics: &Optics,
@@ -97,7 +97,7 @@ impl Matched {
             })
     }
 
-    /// Matches the markers, starting from `optics`, in several rough rounds and a final round.
+    /// Matches the markers in several rough rounds and a last round, starting from `optics`.
     fn about(
         nominal: &NominalSensor<'_>,
         optics: Optics,
@@ -165,7 +165,7 @@ impl Matched {
         ["places", "hues", "sizes"][most.unwrap_or(0)]
     }
 
-    /// The fitted camera.
+    /// The camera that was fitted to the markers.
     pub(super) fn camera(
         &self,
         nominal: &NominalSensor<'_>,
@@ -259,7 +259,7 @@ impl Matched {
         })
     }
 
-    /// χ² per degree of freedom.
+    /// χ² of the fit divided by its degrees of freedom.
     fn reduced(&self) -> f64 {
         self.rest.chi_squared / self.rest.freedom.max(1) as f64
     }
@@ -274,7 +274,7 @@ impl Matched {
         })
     }
 
-    /// Covariance of the camera parameters; standard errors are multiplied by `widened`.
+    /// Covariance of the camera parameters, computed with standard errors that are multiplied by `widened`.
     fn covariance(
         &self,
         nominal: &NominalSensor<'_>,
@@ -295,7 +295,8 @@ impl Matched {
     }
 }
 
-/// Scatter relative to the noise: the square root of a reduced χ² above `MAX_REDUCED_CHI_SQUARED`, otherwise 1.
+/// Factor by which the stated errors are multiplied: the square root of the reduced χ² if this is above
+/// `MAX_REDUCED_CHI_SQUARED`, otherwise 1.
 pub(super) fn scatter(reduced: f64) -> f64 {
     match reduced > MAX_REDUCED_CHI_SQUARED {
         true => reduced.sqrt(),
@@ -303,7 +304,7 @@ pub(super) fn scatter(reduced: f64) -> f64 {
     }
 }
 
-/// Repeats the fit, each time around the optics that the last fit found. Because odd terms, scale and camera height
+/// Repeats the fit, each time starting from the optics of the previous fit. Because odd terms, scale and camera height
 /// almost compensate each other, a single fit from distant start values stops before it reaches the smallest χ².
 fn settled(
     nominal: &NominalSensor<'_>,
@@ -363,7 +364,7 @@ fn of_camera(rest: &Rest) -> Result<Departure, String> {
     Ok(Departure::of(numbers))
 }
 
-/// A marker's image with larger errors, which allow for misaligned discs.
+/// A marker's image with larger standard errors, which allow for misaligned discs.
 fn roughly(image: Seen) -> Seen {
     let mut covariance = image.covariance;
     for (number, std) in ROUGH_STDS.into_iter().enumerate() {
@@ -380,8 +381,8 @@ fn centroids(pictures: &[Option<[f64; 4]>]) -> Vec<Option<[f64; 2]>> {
     pictures.iter().map(centroid).collect()
 }
 
-/// Number of missing markers. An error if too many markers are missing, if there are too many additional markers, or if
-/// the colours differ.
+/// Number of missing markers. Returns an error if too many markers are missing, if too many additional markers were
+/// found, or if the colours differ.
 fn missing_markers(
     expected: &[Option<[f64; 4]>],
     images: &[Option<Seen>],
@@ -411,7 +412,7 @@ fn missing_markers(
             Number::rounded(median)
         ));
     }
-    // Markers that the rim of the frame cuts off do not count as missing.
+    // Markers that are only partly in the frame do not count as missing.
     let centroids = centroids(expected);
     let cut = found.cut.iter().filter_map(|cut| closest(&centroids, cut));
     let cut = cut.filter(|(at, _)| images[*at].is_none()).count();

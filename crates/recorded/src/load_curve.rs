@@ -19,10 +19,11 @@ use super::source::ReadingSource;
 use super::text_table::TextTable;
 use super::value::{FORMAT_VERSION, Value, finite};
 
-/// Smallest standard deviation of the forces, relative to the largest force. Rounding errors are larger.
+/// Lower limit of the forces' standard deviation, relative to the largest force. A smaller value would be below the
+/// rounding errors.
 const LEAST_NOISE: f64 = 1e-10;
 
-/// Probability with which readings of a Hertzian contact cause no warning about another exponent.
+/// Probability that readings of a Hertzian contact cause no warning about another exponent.
 const LEVEL: f64 = 0.995;
 
 /// A recorded load curve.
@@ -80,21 +81,22 @@ impl LoadOptions {
     }
 }
 
-/// Estimate from a load curve.
+/// Result of an estimate from a load curve.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LoadEstimate {
     format_version: u32,
     readings: usize,
     length_unit: &'static str,
-    /// The product E*√R.
+    /// The product E*√R, with the modulus E* = E/(1 − ν²) and the effective radius R.
     stiffness: Value,
     /// Effective radius R; `None` without Young's modulus.
     effective_radius: Option<Value>,
-    /// Curvature 1/R minus the curvature of the sensor; `None` without Young's modulus or the radius of the sensor.
+    /// Object curvature: 1/R minus the curvature of the sensor, with the effective radius R. `None` without Young's
+    /// modulus or the radius of the sensor.
     object_curvature: Option<Value>,
-    /// Exponent of the indentation that fits the readings best, to first order. By Hertz, it is 3/2.
+    /// Exponent of the indentation with which a power law fits the forces best, to first order. By Hertz, it is 3/2.
     exponent: Value,
-    /// Standard deviation of each force, N, stated or estimated.
+    /// Standard deviation of the noise of each force, N; stated, or estimated from the residuals.
     force_std_n: f64,
     /// p-value of the goodness of fit; `None` if the noise is not stated.
     p_value: Option<f64>,
@@ -150,8 +152,8 @@ pub fn estimate_force(
             pressed.len()
         ));
     }
-    // In units of the largest indentation and the largest force, F = q u with u = δ^(3/2); before the first touch, u =
-    // 0.
+    // The indentation δ and the force F are divided by their largest values. Then F = q u with u = δ^(3/2); before the
+    // first touch, u = 0.
     let scaled = curve.readings.iter().map(|[indentation, force]| {
         let depth = (indentation / deepest).max(0.0);
         [depth * depth.sqrt(), depth, force / strongest]
@@ -176,8 +178,8 @@ pub fn estimate_force(
     };
     let slope_std = std / information.sqrt();
 
-    // The exponent follows from the derivative of q δ^n with respect to n, without the part of this derivative that is
-    // proportional to δ^(3/2).
+    // The exponent n follows from the derivative of q δ^n with respect to n. The part of this derivative that is
+    // proportional to δ^(3/2) is removed.
     let log = |[load, depth, _]: &[f64; 3]| match *depth > 0.0 {
         true => load * libm::log(*depth),
         false => 0.0,

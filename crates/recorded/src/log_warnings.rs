@@ -13,14 +13,15 @@ use super::glide_recording::GlideRecording;
 
 /// Largest number of rows that a message lists.
 const LISTED_ROWS: usize = 10;
-/// Smallest number of consecutive contacts that count as one for which a warning is given.
+/// A warning is given if at least this number of consecutive contacts count as one contact, because their noise is
+/// correlated.
 const MIN_CORRELATION: f64 = 1.5;
-/// Probability of the chosen shape below which a warning mentions another shape.
+/// If the probability of the chosen shape is below this value, a warning mentions another shape.
 const MIN_PROBABILITY: f64 = 0.9;
-/// Number of iterations that divide contacts into two groups.
+/// Number of iterations in which contacts are divided into two groups.
 const GROUP_ITERATIONS: usize = 5;
 
-/// A text with the first of these rows.
+/// A text that lists the first of these rows.
 pub(super) fn listed(rows: impl ExactSizeIterator<Item = String>) -> String {
     let more = rows.len().saturating_sub(LISTED_ROWS);
     let mut listed: Vec<String> = rows.take(LISTED_ROWS).collect();
@@ -73,7 +74,7 @@ pub(super) fn across(stroke: &StrokeCurvature, unit: LengthUnit) -> Warning {
     Warning::new("not-resolved-across", text, [])
 }
 
-/// Warning if the contacts form two groups whose distance is larger than the width of each group.
+/// Warning if the contacts form two groups, and the distance between the groups is larger than the width of each group.
 pub(super) fn two_groups(contacts: &[Contact], unit: LengthUnit) -> Option<Warning> {
     let place = |contact: &Contact| contact.position.coords;
     let farthest = |from: Vector3<f64>| {

@@ -8,14 +8,14 @@ use palpate_study::Warning;
 pub(super) struct ReadingWords<'w> {
     /// Name of a reading, by its index from 0.
     pub(super) reading: &'w dyn Fn(usize) -> String,
-    /// Plural name of the readings with the stated noise, for example shifts.
+    /// Plural noun for the readings to which the stated noise refers, for example `shifts`.
     pub(super) noise_of: &'w str,
     /// Unit of the stated quantities.
     pub(super) unit: &'w str,
 }
 
 impl ReadingWords<'_> {
-    /// Warning about a misfit.
+    /// Warning about a contradiction between the readings and the model.
     pub(super) fn warning(&self, misfit: &Misfit) -> Warning {
         let p_value = misfit.p_value();
         let shown = Number::rounded(p_value);

@@ -18,13 +18,13 @@ const CAMERA_STDS: [f64; 4] = [0.5, 0.1, 0.1, 5.0];
 /// Prior standard deviations of the odd terms of a lens, k3 and k5. The terms of all usual fisheye projections, from
 /// orthographic to stereographic, are within two of these standard deviations.
 pub(super) const TERM_STDS: [f64; 2] = [0.1, 0.05];
-/// Indices of the odd terms of the lens in a [`Departure`].
+/// Indices of the odd terms k3 and k5 of the lens in a [`Departure`].
 pub(super) const TERMS: [usize; 2] = [19, 20];
 /// Prior standard deviations of disc parameters, used if the study states none: depth (as a share of the sensor's
 /// radius), diameter (relative) and colours (relative).
 const DISC_STDS: [f64; 3] = [0.002, 0.02, 0.03];
-/// Number of frames over which the effect of uneven light and blur on markers' images is averaged. The average reduces
-/// the influence of pixel noise.
+/// Number of simulated frames over which the effect of uneven light and blur on markers' images is averaged. The
+/// average reduces the influence of pixel noise.
 const BLEMISHED_FRAMES: u64 = 4;
 
 /// The nominal sensor, as the study states it.
@@ -38,7 +38,7 @@ pub(super) struct NominalSensor<'a> {
     misalignment_std: f64,
     /// Standard deviation of the noise of a pixel, levels of 255.
     pixel_std: f64,
-    /// Change of each marker's image at rest by uneven light and blur; empty if the sensor has neither.
+    /// Change of each marker's image at rest that uneven light and blur cause; empty if the sensor has neither.
     blemished: Vec<[f64; 4]>,
 }
 
@@ -134,7 +134,7 @@ impl<'a> NominalSensor<'a> {
                 };
                 let mut off: [f64; 4] =
                     std::array::from_fn(|number| blemished[number] - clear[number]);
-                // Hues are in turns; their difference is reduced to at most half a turn.
+                // Hues are in turns, so their difference is reduced to at most half a turn.
                 off[2] -= (off[2] + 0.5).floor();
                 for (change, off) in change.iter_mut().zip(off) {
                     *change += off / BLEMISHED_FRAMES as f64;
@@ -148,7 +148,7 @@ impl<'a> NominalSensor<'a> {
     }
 
     /// Images of the markers at rest in several simulated frames with these `blemishes`. The noise of each frame's
-    /// pixels does not depend on the blemishes, so that two results can be compared.
+    /// pixels does not depend on the blemishes, so that results with different blemishes can be compared.
     fn pictures(&self, blemishes: Blemishes) -> Result<Vec<Vec<Option<[f64; 4]>>>, FieldError> {
         let optics = self.optics_with(&self.geometry()?, blemishes)?;
         let still = vec![Some(MarkerMotion::default()); self.places.len()];
@@ -182,7 +182,7 @@ impl<'a> NominalSensor<'a> {
         !self.blemished.is_empty()
     }
 
-    /// A marker's image, corrected for the effect that light and blur have at rest.
+    /// A marker's image, corrected for the effect that uneven light and blur have at rest.
     pub(super) fn clear(&self, marker: usize, image: Seen) -> Seen {
         let change = self.blemished.get(marker).copied().unwrap_or_default();
         Seen {
@@ -265,7 +265,7 @@ impl<'a> NominalSensor<'a> {
                 optics: optics.clone(),
             },
             markers: self.markers.clone(),
-            // At rest, the bodies do not affect the images.
+            // The images at rest do not depend on the bodies, so both can be equal.
             bodies: [body()?, body()?],
             deeper: None,
             departure_prior: None,

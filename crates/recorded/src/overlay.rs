@@ -5,13 +5,13 @@ use palpate_tracking::{Marker, Status};
 
 use super::frame_pair::FramePair;
 
-/// Smallest side length of the drawing, px. Smaller frames are enlarged, so that numbers are legible.
+/// Smallest length of the drawing's longer side, px. Smaller frames are enlarged, so that numbers are legible.
 const SIDE: u32 = 1000;
 
 /// Ratio of an arrow's length to the length of the shift that it shows.
 const ARROW_SCALE: f64 = 5.0;
 
-/// Smallest diameter of a marker with a number, in pixels of the drawing.
+/// Smallest diameter of a marker, in pixels of the drawing, for which a number is drawn.
 const LEGIBLE: f64 = 12.0;
 
 const CUT: Colour = [120, 120, 120];
@@ -29,7 +29,7 @@ const fn colour(status: Status) -> Colour {
 
 /// The pressed frame with a circle and a number at each marker, and an arrow along its shift from rest, drawn 5 times
 /// as long as the shift. The colour of a circle shows the status of the marker: blue tracked, red lost, orange merged,
-/// violet split, cyan new, grey cut off by the rim at rest. Small frames are enlarged by an integer factor.
+/// violet split, cyan new, grey only partly in the frame at rest. Small frames are enlarged by an integer factor.
 pub fn overlay(pressed: &RgbImage, frames: &FramePair) -> RgbImage {
     let mut canvas = Canvas::new(pressed, SIDE);
     for marker in &frames.cut {
@@ -54,7 +54,7 @@ pub fn overlay(pressed: &RgbImage, frames: &FramePair) -> RgbImage {
     canvas.into_picture()
 }
 
-/// Radius of a circle that is slightly larger than a round marker, px.
+/// Radius, px, of a circle that surrounds the marker with a small distance.
 fn radius(marker: &Marker) -> f64 {
     let area = f64::from(marker.pixels).max(4.0);
     1.2 * (area / std::f64::consts::PI).sqrt()
@@ -63,7 +63,7 @@ fn radius(marker: &Marker) -> f64 {
 /// A colour as red, green and blue levels.
 type Colour = [u8; 3];
 
-/// An image to draw on. Each pixel of the frame is `scale` pixels wide in it.
+/// An image to draw on. `scale` is the width of one pixel of the frame, in pixels of this image.
 struct Canvas {
     picture: RgbImage,
     scale: u32,
@@ -97,7 +97,7 @@ impl Canvas {
         self.picture
     }
 
-    /// Position on the canvas of a point in the frame. The centre of the frame's first pixel is (0, 0).
+    /// Position on the canvas of a point in the frame. In the frame, (0, 0) is the centre of the first pixel.
     fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let scale = f64::from(self.scale);
         [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5]

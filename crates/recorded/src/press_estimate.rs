@@ -57,7 +57,7 @@ pub fn estimate_press(
     })?;
     let misfits = fit.misfits(&reading, &estimate).map_err(refused)?;
     let misfits: Vec<Misfit> = contradiction.into_iter().chain(misfits).collect();
-    // If there is already a warning that names the cause, a contact that is too wide is not an error.
+    // A contact that is too wide is an error only if no other warning names its cause.
     if misfits.is_empty() && estimate.only_marker.is_none() {
         estimate.within_object().map_err(refused)?;
     }
@@ -92,8 +92,8 @@ pub fn estimate_press(
     })
 }
 
-/// The requested fit, and a fit that estimates the indentation from the readings alone. If the requested fit is a
-/// Gaussian, the second fit uses the sensor's elastic body instead.
+/// Returns two fits: the requested fit, and a fit that estimates the indentation from the readings alone. If the
+/// requested fit is a Gaussian, the second fit uses the sensor's elastic body instead.
 fn fits(options: &PressOptions, markers: &Markers) -> Result<[ForwardFit; 2], PressError> {
     let model = options.model.reference();
     let body = sensor_body(&model, options.depth(), Body::bonded_layer)?;
@@ -149,12 +149,12 @@ pub(super) fn force_and_pressure(
     Ok([force, pressure.map(|one| Value::bare(one, "unit of young"))])
 }
 
-/// Advice if the readings do not determine a press.
+/// Advice for the message that the readings do not determine a press.
 pub(super) const GIVE_INDENTATION: &str =
     "state setting `indentation` if the indentation is measured";
 
-/// The error of a fit, with the line of the marker that caused it, if there is one, and with a possible cause: a stated
-/// indentation that the readings contradict, or a likely mistake of sign or unit.
+/// Converts the error of a fit. The message states the line of the wrong marker, if there is one, and a possible cause.
+/// Possible causes are a stated indentation that the readings contradict, and a likely mistake of sign or unit.
 fn refused(
     recorded: &PressRecording,
     options: &PressOptions,

@@ -84,7 +84,7 @@ impl PressOptions {
         }
     }
 
-    /// Radius of the skin, length; 0, which every estimate rejects, if it is not stated.
+    /// Radius of the skin, length. If it is not stated, the result is 0, which every estimate rejects.
     pub(super) fn radius(&self) -> f64 {
         self.sensor_radius.unwrap_or_default()
     }
@@ -183,7 +183,7 @@ impl PictureOptions {
         })
     }
 
-    /// Thickness of the soft layer; `None` if the body is a half-space.
+    /// Thickness of the soft layer, length; `None` if the body is a half-space.
     pub(super) fn thickness(&self) -> Option<f64> {
         self.press.estimator.layer(self.press.model.thickness())
     }
@@ -311,7 +311,7 @@ fn estimator(
     Ok((estimator, model))
 }
 
-/// Rejects given settings that the estimator does not use, and missing settings that it needs.
+/// Returns an error for settings that the estimator does not use, and for settings that it needs but that are missing.
 fn check_effect(given: &Map<String, Json>, options: &PressOptions) -> Result<(), SettingError> {
     check_indentation_std(given, options.indentation)?;
     if given.get("noise").is_some_and(|word| word == "found") {
@@ -345,7 +345,7 @@ fn check_effect(given: &Map<String, Json>, options: &PressOptions) -> Result<(),
     Err(SettingError::new(key, reason))
 }
 
-/// Rejects `indentation_std` if no indentation is given.
+/// Returns an error if `indentation_std` is given but no indentation.
 fn check_indentation_std(
     given: &Map<String, Json>,
     indentation: Option<f64>,
@@ -357,7 +357,7 @@ fn check_indentation_std(
     Ok(())
 }
 
-/// Rejects lengths that do not fit into the sensor.
+/// Returns an error for lengths that do not fit into the sensor.
 fn check_lengths(options: &PressOptions) -> Result<(), SettingError> {
     let refuse = |key: &str, value: f64, bound: &str, (other, limit): (&str, f64)| {
         let expected = format!("{bound} setting `{other}`, {}", Number(limit));

@@ -1,4 +1,4 @@
-//! Reads recorded presses.
+//! Reads files of recorded presses.
 
 use super::RecordedFile;
 use super::error::RecordedError;
@@ -16,7 +16,7 @@ pub struct PressRecording {
     pub(super) places: Vec<[f64; 2]>,
     /// Inward displacement of each marker.
     pub(super) normal: Vec<f64>,
-    /// Displacement of each marker along the skin; `None` if it was not sensed.
+    /// Displacement of each marker along the skin; `None` if it was not measured.
     pub(super) tangential: Option<Vec<[f64; 2]>>,
     /// Unit of lengths that the header states; `None` if the header states none.
     pub unit: Option<LengthUnit>,

@@ -15,10 +15,11 @@ pub(super) struct Radius {
     /// The radius, negative if the object is concave; `null` if it is flat.
     value: Option<f64>,
     std: Option<f64>,
-    /// 95 % interval of the magnitude of the radius, if the object is convex. An end is `null` if the object may be
-    /// flat. The interval is `null` if the object cannot be convex.
+    /// 95 % interval of the radius's magnitude for a convex object. An end is `null` if the object may be flat. The
+    /// interval is `null` if the object cannot be convex.
     convex95: Option<[Option<f64>; 2]>,
-    /// 95 % interval of the magnitude of the radius, if the object is concave, in the same form.
+    /// 95 % interval of the radius's magnitude for a concave object. An end is `null` if the object may be flat. The
+    /// interval is `null` if the object cannot be concave.
     concave95: Option<[Option<f64>; 2]>,
     unit: &'static str,
 }
@@ -31,7 +32,7 @@ pub(super) struct Principal {
     /// Angle from the x axis to the direction of the smaller curvature (for a cylinder, its axis), degrees, from −90 to
     /// 90.
     axis_deg: f64,
-    /// Standard error of `axis_deg`, degrees; at most 52, the value for an axis of which nothing is determined.
+    /// Standard error of `axis_deg`, degrees. It is at most 52, which is the value for a completely unknown axis.
     axis_std_deg: f64,
     /// Semi-axes of the contact, length, the longer one first.
     semi_axes: [f64; 2],
@@ -55,14 +56,14 @@ pub(super) struct PressNoise {
     normal_std: Value,
     /// Standard deviation of the tangential displacements; `null` if no tangential displacements are used.
     tangential_std: Option<Value>,
-    /// Reduced χ² of the fit: about 1 if the residuals are as large as the noise.
+    /// Reduced χ² of the fit. It is about 1 if the residuals are as large as the noise.
     reduced_chi_squared: f64,
     /// p-value of the goodness of fit by the stated noise; `null` for a Gaussian, and if the noise is estimated from
     /// the residuals.
     p_value: Option<f64>,
 }
 
-/// Output of `estimate press`.
+/// Output of the command `estimate press`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PressReport {
     pub(super) format_version: u32,
@@ -72,7 +73,7 @@ pub struct PressReport {
     pub(super) markers: usize,
     pub(super) with_tangential: bool,
     pub(super) length_unit: &'static str,
-    /// Relative curvature 1/R_s + 1/R_o.
+    /// Relative curvature 1/R_s + 1/R_o, with the radius R_s of the sensor and R_o of the object.
     pub(super) relative_curvature: Value,
     /// Inverse of the relative curvature.
     pub(super) effective_radius: Value,
@@ -83,7 +84,7 @@ pub struct PressReport {
     /// Principal curvatures of the object, only by method `elliptic`; `object_curvature` is then their mean.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) principal: Option<Principal>,
-    /// Contact regime of the estimate.
+    /// Contact regime for the estimated curvature of the object.
     pub(super) regime: &'static str,
     /// Shape of the object by the interval of its curvature: `convex`, `concave`, `flat-within-noise` or
     /// `not-resolved`.
@@ -102,7 +103,7 @@ pub struct PressReport {
     /// Factor on normal displacements (for a Gaussian, the ratio of its amplitude to the indentation); `null` if it is
     /// not fitted.
     pub(super) gain: Option<Value>,
-    /// Readings that contradict the others and were left out of the fit.
+    /// Markers whose readings contradict the others and were left out of the fit.
     pub(super) wrong_markers: Vec<Row>,
     pub(super) noise: PressNoise,
     /// Share of the variance of the normal displacements that the fit explains.
@@ -168,7 +169,8 @@ impl PressReport {
 }
 
 impl Radius {
-    /// The radius that is the inverse of a mean curvature. It has an interval if the noise is known.
+    /// The radius that is the inverse of a mean curvature. Without a standard error of the curvature, it has no
+    /// interval.
     pub(super) fn of_mean(curvature: &Value, length: LengthUnit) -> Self {
         let [low, high] = curvature.interval95.unwrap_or_default();
         let radius = Self::of(

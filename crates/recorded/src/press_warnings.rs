@@ -12,7 +12,7 @@ use super::press_recording::PressRecording;
 use super::press_report::Row;
 use super::source::ReadingSource;
 
-/// Standard deviation that is assumed for a stated indentation, as a share of the indentation.
+/// Standard deviation that is assumed for a stated indentation, relative to the indentation.
 const INDENTATION_SHARE: f64 = 0.02;
 
 /// The stated indentation with its standard deviation, and a warning if the standard deviation is an assumption.
@@ -31,7 +31,8 @@ pub(super) fn stated_indentation(value: f64, std: f64, unit: &str) -> (Measured,
     (Measured { value, std }, Some(warning))
 }
 
-/// Splits the result of the check of a stated indentation into a misfit and a warning that the check was impossible.
+/// Converts the result of the check of a stated indentation: to a misfit, or to a warning that the check was
+/// impossible.
 pub(super) fn indentation_check(
     checked: Result<Option<Misfit>, PressError>,
 ) -> (Option<Misfit>, Option<Warning>) {
@@ -90,7 +91,7 @@ pub(super) fn left_out(
     (count > 0).then(|| Warning::new("wrong-markers", text, numbers))
 }
 
-/// Warnings about the estimate of a press from displacements, except those about misfits.
+/// Warnings about the estimate of a press from displacements, without the warnings about misfits.
 pub(super) fn of_estimate(
     recorded: &PressRecording,
     options: &PressOptions,
@@ -154,17 +155,19 @@ pub(super) fn large_contact(
     )
 }
 
-/// Smallest share of the variance that a fit must explain to have no warning.
+/// Smallest accepted share of the variance that a fit explains. A smaller share causes a warning.
 const MIN_R_SQUARED: f64 = 0.5;
 
 /// Smallest displacement whose sign is checked, as a share of the largest displacement.
 const MIN_SIGNED: f64 = 0.2;
-/// Smallest share of outward displacements, among those whose sign is checked, for a warning.
+/// Smallest share of outward displacements that causes a warning. Only displacements whose sign is checked are counted.
 const MIN_OUTWARD: f64 = 0.9;
 
-/// Smallest extent of all markers without a warning about units, as a share of the sensor's radius.
+/// Smallest accepted extent of the markers, relative to the sensor's radius. A smaller extent causes a warning about
+/// units.
 const MIN_EXTENT: f64 = 5e-3;
-/// Smallest value of the largest displacement without a warning about units, as a share of the sensor's radius.
+/// Smallest accepted value of the largest displacement, relative to the sensor's radius. A smaller value causes a
+/// warning about units.
 const MIN_DISPLACEMENT: f64 = 1e-4;
 
 /// Likely mistake of sign or unit in the readings, as text.
@@ -207,17 +210,18 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
     Some(text)
 }
 
-/// Smallest factor by which a change of columns must reduce the mean square residual for a warning.
+/// Smallest factor by which the mean square residual must decrease if columns are swapped or reversed. Only then a
+/// warning is given.
 const MIN_IMPROVEMENT: f64 = 4.0;
-/// Largest estimated noise along the skin for which columns are not checked, as a share of the largest displacement
-/// along the skin.
+/// Largest estimated noise along the skin, relative to the largest displacement along the skin. If the noise is at most
+/// this value, columns are not checked.
 const MAX_NOISE: f64 = 0.2;
 
-/// Swaps the components of a displacement along the skin, or changes their signs.
+/// Function that swaps the components of a displacement along the skin, or changes their signs.
 type Change = fn([f64; 2]) -> [f64; 2];
 
-/// Likely mistake of signs or columns in the displacements along the skin, as text. They are checked only if the fit
-/// has misfits or large residuals.
+/// Likely mistake of signs or columns in the displacements along the skin, as text. Displacements are checked only if
+/// the fit has misfits or large residuals.
 pub(super) fn swapped_columns(
     fit: &ForwardFit,
     reading: &Reading<'_>,

@@ -34,8 +34,8 @@ pub(super) struct ReadingTable {
 }
 
 impl ReadingTable {
-    /// Reads the `columns` of a table, which may be in any order and among other columns. All `columns` are required;
-    /// if some are missing, the error also names the optional columns, `may`.
+    /// Reads the `columns` of a table, which may be in any order and among other columns. All `columns` are required.
+    /// If some are missing, the error also names the optional columns `may`.
     pub(super) fn read(
         table: &TextTable<'_>,
         columns: &[Column],
@@ -86,7 +86,7 @@ impl ReadingTable {
                     continue;
                 }
                 let read = number(tidy(&record.fields[place.index]), decimal).and_then(|number| {
-                    // If the factor is 1, the number is not multiplied, so that it stays exact.
+                    // If the factor is 1, the number is not multiplied, so that no rounding error occurs.
                     let converted = if factor == 1.0 {
                         number
                     } else {
@@ -172,7 +172,7 @@ impl ReadingTable {
 struct Labels(HashMap<String, usize>);
 
 impl Labels {
-    /// Number of a name, from 0; `None` if the field is empty, or if the first row had no name.
+    /// Index of a name, counted from 0. `None` if the field is empty, or if the first row had no name.
     fn place(&mut self, text: &str, row: usize) -> Option<f64> {
         let is_word = !text.is_empty() && text.parse::<f64>().is_err();
         if self.0.is_empty() && !(row == 0 && is_word) {
@@ -188,7 +188,7 @@ impl Labels {
     }
 }
 
-/// Header of a table. An error if the setting `columns` renames a column that is not in `columns`.
+/// Header of a table. Returns an error if the setting `columns` assigns a name to a column that is not in `columns`.
 pub(super) fn header<'a>(
     table: &'a TextTable<'_>,
     columns: &[Column],
@@ -282,7 +282,8 @@ fn decimal_of(
     let mut odd: Option<(usize, usize, String)> = None;
     let mut sign = DecimalSign::default();
     table.each(|record| {
-        // Rows with too few or too many fields are rejected later, when numbers are read.
+        // Only rows with the correct number of fields are used here. Other rows are rejected later, when numbers are
+        // read.
         let is_whole = record.fields.len() == table.header.len();
         for place in places.iter().filter(|_| is_whole) {
             let field = tidy(&record.fields[place.index]);
@@ -332,7 +333,7 @@ impl ExtraColumns {
         self.text.len() + self.ends.len()
     }
 
-    /// The columns with only these rows.
+    /// The same columns, restricted to these rows.
     pub(super) fn selected(&self, rows: &[usize]) -> Self {
         let mut selected = Self::new(self.names.clone());
         for &row in rows {

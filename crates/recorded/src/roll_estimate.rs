@@ -45,12 +45,12 @@ pub struct RollEstimate {
     /// from the residuals; `None` without such noise.
     covariance: Option<[[f64; 3]; 3]>,
     residual: f64,
-    /// Half-width of the 95 % intervals, in standard errors.
+    /// Half-width of the 95 % intervals, as a number of standard errors.
     half_width: f64,
     std_from: &'static str,
     /// Warning about rolls that were left out because they repeat other rolls; `None` if there are none.
     pub(super) repeated: Option<String>,
-    /// Number of recorded rolls.
+    /// Number of rolls in the recording.
     probes: usize,
 }
 
@@ -73,19 +73,20 @@ pub struct RollValues {
     pub principal_curvature_max: Value,
     /// Direction of the largest curvature, degrees, from +u towards +v of the readings.
     pub principal_direction_max_deg: f64,
-    /// Standard error of `principal_direction_max_deg`, degrees; at most 52, the value for a direction of which nothing
-    /// is determined. `null` if there is no estimate of the noise.
+    /// Standard error of `principal_direction_max_deg`, degrees; at most 52, which is the value for a completely
+    /// unknown direction. `null` if there is no estimate of the noise.
     pub principal_direction_max_std_deg: Option<f64>,
-    /// Factor by which a relative error of the readings along u is amplified in the curvature: 1 + 1/RCR, where RCR is
-    /// the relative curvature ratio; `null` if the object is flat.
+    /// Factor by which a relative error of the readings along u is amplified in the curvature. It is 1 + 1/RCR, where
+    /// RCR is the relative curvature ratio; `null` if the object is flat.
     pub amplification_u: Option<f64>,
-    /// Amplification factor of a relative error along v.
+    /// Factor by which a relative error of the readings along v is amplified in the curvature; `null` if the object is
+    /// flat.
     pub amplification_v: Option<f64>,
     /// Root mean square of the residuals, over all components of the shifts.
     pub residual_rms: Value,
 }
 
-/// Output of `estimate roll`.
+/// Output of the command `estimate roll`.
 #[derive(Serialize)]
 struct RollReport {
     /// Version of this format, [`FORMAT_VERSION`].
@@ -94,7 +95,7 @@ struct RollReport {
     probes: usize,
     #[serde(flatten)]
     values: RollValues,
-    /// Radius, the inverse of the mean curvature.
+    /// Radius of the object, which is the inverse of the mean curvature.
     radius: Radius,
     /// Text that states the source of the standard errors.
     std_from: &'static str,
@@ -304,11 +305,11 @@ pub fn estimate_roll(
     })
 }
 
-/// Largest number of degrees of freedom for which the half-width is computed only once and then stored.
+/// Largest number of degrees of freedom for which the half-width of an interval is stored after its first computation.
 const MAX_CACHED: usize = 64;
 
-/// Half-width of the 95 % interval in standard errors, for this number of degrees of freedom. The result is stored,
-/// because the computation takes longer than the estimate from a few rolls.
+/// Half-width of the 95 % interval, as a number of standard errors, for this number of degrees of freedom. The result
+/// is stored, because its computation takes longer than the estimate from a few rolls.
 fn student_95(freedom: usize) -> f64 {
     static CACHE: [OnceLock<f64>; MAX_CACHED] = [const { OnceLock::new() }; MAX_CACHED];
     let compute = || student_half_width(0.95, freedom);

@@ -1,4 +1,4 @@
-//! Reads recorded rolls.
+//! Reads files of recorded rolls.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -36,7 +36,7 @@ pub struct RollRecording {
     pub(super) rows: Vec<usize>,
     /// Columns of the file that palpate does not use, row by row.
     pub(super) extras: ExtraColumns,
-    /// Note on how the rows were assigned to probes; `None` if the file contains probe numbers.
+    /// Note on how the rows were assigned to probes; `None` if the file states the probe of each row.
     pub(super) note: Option<String>,
 }
 
@@ -405,7 +405,8 @@ impl Kind {
     }
 }
 
-/// Number of the probe of each row in a table without a column `probe`, and a note on how it was found.
+/// Number of the probe of each row, for a table without a column `probe`. Also returns a note on how the probes were
+/// determined.
 fn counted(sheet: &ReadingTable, is_series: bool) -> (Vec<u64>, String) {
     let rows = sheet.source.lines.len();
     if !is_series {

@@ -11,17 +11,18 @@ use super::misfit_warning::ReadingWords;
 use super::roll_estimate::RollEstimate;
 use super::roll_recording::RollRecording;
 
-/// Largest ratio of a probe's rotation to its rotation on a plane, 1 + R_probe/R_object, without a warning. If the
-/// ratio is larger, the rotations are likely in degrees.
+/// Largest accepted ratio of a probe's rotation to its rotation on a plane, which is 1 + R_probe/R_object. If the ratio
+/// is larger, a warning is given, because the rotations are probably in degrees.
 const MAX_TURN_RATIO: f64 = 25.0;
-/// Smallest ratio without a warning. If the ratio is smaller, the rotations are likely in rad although the header
-/// states degrees; only a dish that is hardly wider than the probe has so small a ratio.
+/// Smallest accepted ratio of a probe's rotation to its rotation on a plane. If the ratio is smaller, a warning is
+/// given: the rotations are probably in rad although the header states degrees. Only a dish that is hardly wider than
+/// the probe has so small a ratio.
 const MIN_TURN_RATIO: f64 = 1.0 / 30.0;
 
-/// Smallest shift that pads can report, as a share of the pitch. The distance between pads is hardly ever below 0.8
+/// Smallest shift that pads can report, relative to the pitch. The distance between pads is hardly ever below 0.8
 /// pitches.
 const MIN_SHIFT: f64 = 0.5;
-/// Largest shift that counts as a rounded zero, as a share of the pitch.
+/// Largest shift that counts as a rounded zero, relative to the pitch.
 const ROUNDING: f64 = 1e-9;
 
 impl RollEstimate {
@@ -52,7 +53,7 @@ impl RollEstimate {
         let principal = self.estimate.curvature.principal();
         let sharper = principal.k_min.abs().max(principal.k_max.abs());
         let std = rounding_std(self.options.probe_radius, sharper);
-        // A warning is given if the rounding error exceeds a thousandth of the curvature.
+        // A warning is given if the rounding error exceeds 1/1000 of the curvature.
         (sharper < 1e3 * std).then(|| {
             format!(
                 "the object is too flat for double precision: the rounding error of a curvature \

@@ -1,5 +1,5 @@
-//! Report of a plane, a sphere or a cylinder that was fitted to recorded contacts, of a single stroke, and of contacts
-//! that were left out.
+//! Reports about recorded contacts: about a plane, a sphere or a cylinder that was fitted to them, about a single
+//! stroke, and about contacts that were left out.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use super::value::{Value, finite};
 use palpate_study::Unit;
 use palpate_study::config::LengthUnit;
 
-/// A contact that is left out.
+/// A contact that was left out of the fit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct LeftOut {
     /// Number of the row in the readings, from 1.
@@ -34,9 +34,9 @@ impl LeftOut {
 pub(super) struct StrokeReport {
     /// Normal curvature along the stroke, > 0 if convex.
     curvature_along: Value,
-    /// Normal curvature across the stroke, which the stroke does not determine.
+    /// Normal curvature across the stroke. The contacts of the stroke do not determine it.
     curvature_across: Value,
-    /// Unit vector along the stroke, of either sign.
+    /// Unit vector along the stroke. The opposite vector is equivalent.
     direction: [f64; 3],
 }
 
@@ -61,7 +61,8 @@ impl StrokeReport {
 pub(super) struct ShapeReport {
     /// Name of the shape: `plane`, `sphere`, `cylinder` or `none`.
     shape: &'static str,
-    /// Probabilities of each shape and of none of these; `null` if the shape was stated.
+    /// Probability of each shape, and probability that the surface has none of these shapes; `null` if the shape was
+    /// stated.
     shape_probabilities: Option<BTreeMap<&'static str, f64>>,
     /// Radius of the most probable shape; `None` for a plane.
     #[serde(skip)]
@@ -77,7 +78,7 @@ pub(super) struct ShapeReport {
     axis_std_deg: Option<f64>,
     /// Root mean square distance of the contacts from the shape.
     rms_misfit: Value,
-    /// Probability of a worse fit by chance, if the contacts lie on this shape.
+    /// P-value of the shape: the probability of a worse fit if the contacts lie on this shape.
     shape_p_value: f64,
 }
 

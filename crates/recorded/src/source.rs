@@ -13,7 +13,7 @@ use super::error::RecordedError;
 pub(super) struct ReadingSource {
     pub(super) name: String,
     pub(super) lines: Vec<usize>,
-    /// Index of each reading's row, from 0; empty if no row was left out.
+    /// Row number of each reading, counted from 0; empty if no row was left out.
     pub(super) rows: Vec<usize>,
     /// Warnings of columns that were found without their names, or are not read.
     pub(super) notes: Vec<Warning>,
@@ -45,14 +45,14 @@ impl ReadingSource {
         self.rows.get(reading).copied().unwrap_or(reading) + 1
     }
 
-    /// Name of a reading's row in messages.
+    /// Text that names the row of a reading in messages.
     pub(super) fn row(&self, reading: usize) -> String {
         let line = self.line(reading);
         let line = line.map_or(String::new(), |line| format!(", line {line}"));
         format!("row {}{line}", self.row_number(reading))
     }
 
-    /// A source with only the readings in these rows.
+    /// The source of only those readings that are in these rows.
     pub(super) fn selected(&self, rows: &[usize]) -> Self {
         let lines = rows.iter().filter_map(|&row| self.line(row)).collect();
         Self {
@@ -94,8 +94,8 @@ impl ReadingSource {
         }
     }
 
-    /// Text of a warning if readings repeat all numbers of an earlier reading, and if these readings are at least the
-    /// share `share` of all readings.
+    /// Text of a warning about readings that repeat all numbers of an earlier reading. `None` if their share of all
+    /// readings is below `share`.
     pub(super) fn repeated<const N: usize>(
         &self,
         what: &str,
@@ -115,13 +115,13 @@ impl ReadingSource {
     }
 }
 
-/// Consequence of repeated readings, for warnings.
+/// Text that states the consequence of repeated readings, for warnings.
 pub(super) const COPIES: &str =
     "copies are not new readings, and make the stated uncertainty too small";
 
 /// Indices of the readings that repeat all numbers of an earlier reading.
 pub(super) fn copies<const N: usize>(readings: impl Iterator<Item = [f64; N]>) -> Vec<usize> {
-    // The sum of −0 and 0 is 0, so that −0 and 0 count as equal.
+    // The sum of −0 and 0 is 0, so −0 and 0 count as equal.
     let bits = |numbers: [f64; N]| numbers.map(|number| (number + 0.0).to_bits());
     let mut earlier = HashSet::new();
     let is_copy = |(place, numbers)| (!earlier.insert(bits(numbers))).then_some(place);

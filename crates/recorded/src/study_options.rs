@@ -105,8 +105,9 @@ impl RollOptions {
 }
 
 impl GlideOptions {
-    /// Options with the estimator, the inter-finger distance and the thresholds of a study, and with its fingertip if
-    /// the readings state the lowest point of the tip. Lengths are converted to `unit`.
+    /// Options with the estimator, the inter-finger distance and the thresholds of a study. If the readings state the
+    /// lowest point of a round tip, the options also contain the fingertip of the study. Lengths are converted to
+    /// `unit`.
     ///
     /// # Errors
     /// [`StudyMismatch`] if the scene is of another kind, if the unit cannot be converted, and if the thresholds

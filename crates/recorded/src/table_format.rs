@@ -13,9 +13,9 @@ use super::roll_rotation::RotationFrame;
 pub struct Form {
     /// Names of columns in the file that differ from palpate's names. Keys are palpate's names, with or without a unit.
     pub columns: ColumnNames,
-    /// Character between fields.
+    /// Character that separates the fields of a row.
     pub delimiter: Option<Delimiter>,
-    /// Decimal sign of numbers.
+    /// Decimal sign of the numbers in the table.
     pub decimal: Option<Decimal>,
     /// Unit of lengths. Lengths with another unit in the header are converted to it; lengths without a unit are assumed
     /// to be in it.

@@ -27,7 +27,7 @@ pub(super) struct Record<'a> {
     pub(super) fields: &'a StringRecord,
 }
 
-/// Result of a function that reads one row.
+/// Result of a function that processes one row.
 pub(super) type RowResult = Result<(), RecordedError>;
 
 /// Format of a table. Each format has its own source file, which reads the header and the rows.
@@ -259,7 +259,7 @@ impl<'a> TextTable<'a> {
     }
 }
 
-/// A text and its line terminator.
+/// A text and the terminator of its lines.
 #[derive(Clone, Copy)]
 pub(super) struct Text<'a> {
     pub(super) all: &'a str,
@@ -276,7 +276,7 @@ impl<'a> Text<'a> {
     }
 
     /// The text from its header on, and the delimiter stated in a line `sep=`, which Excel writes before the header.
-    /// Lines that begin with # are comments. If numbers follow, however, the last comment is the header, as NumPy
+    /// Lines that begin with # are comments. If numbers follow these lines, the last comment is the header, as NumPy
     /// writes it.
     fn begun(self) -> (Self, Option<Delimiter>) {
         let (mut start, mut comment, mut stated) = (0, None, None);

@@ -41,7 +41,7 @@ impl Value {
         }
     }
 
-    /// A value that the readings do not determine.
+    /// A value whose number is missing, because the readings do not determine it.
     pub(super) fn open(power: Unit, length: LengthUnit) -> Self {
         Self {
             value: None,

@@ -55,7 +55,8 @@ pub struct Score {
     pub measured: String,
     /// Verdict on the claim.
     pub verdict: Verdict,
-    /// Bounds on which the verdict is based, and further remarks. If the claim is not testable, the reason.
+    /// Bounds on which the verdict is based, and further remarks. If the claim is not testable, the text states the
+    /// reason.
     pub why: String,
 }
 

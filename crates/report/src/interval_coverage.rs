@@ -4,7 +4,7 @@ use crate::records::by_key;
 use crate::{Study, Table};
 use palpate_study::Statistic;
 
-/// The coverage statistics of the table, each with the coverage that its intervals are stated to have.
+/// The coverage statistics of the table, each with the nominal coverage of its intervals.
 pub(crate) const STATED: [(Statistic, f64); 3] = [
     (Statistic::Coverage50, 0.50),
     (Statistic::Coverage80, 0.80),
@@ -71,13 +71,13 @@ fn name(study: &Study, row: usize) -> Option<String> {
     Some(format!("{scene}: {}", others.join(", ")))
 }
 
-/// The `kind` of a part of the row's scene. If this part is swept, its label.
+/// The `kind` of a part of the row's scene. If this part is swept, the label of the part is returned instead.
 fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
     let kind = study.text(row, &format!("{path}.kind"));
     kind.or_else(|| study.text(row, path))
 }
 
-/// Mean over the rows of each of the three shares.
+/// Means over the rows: one mean for each of the three coverages.
 pub(crate) fn mean_shares<'a>(rows: impl Iterator<Item = &'a Coverage> + Clone) -> [f64; 3] {
     let count = rows.clone().count().max(1) as f64;
     [0, 1, 2].map(|at| rows.clone().map(|row| row.shares[at]).sum::<f64>() / count)

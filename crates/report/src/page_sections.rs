@@ -13,7 +13,7 @@ use palpate_study::label::{self, with_unit};
 use palpate_study::number::{self, finite, grouped};
 use palpate_study::{Quantity, Statistic};
 
-/// Coverage of 95 % intervals below which they are reported as too narrow.
+/// If the coverage of 95 % intervals is below this value, the intervals are reported as too narrow.
 const MIN_COVERAGE: f64 = 0.90;
 
 /// Section on the coverage of the intervals of each estimator; `None` if the studies have no intervals.
@@ -56,8 +56,8 @@ fn estimator(estimator: &Estimator, studies: &[Study]) -> Value {
     context! { name => &estimator.name, studies => of_studies, ..counted(&rows) }
 }
 
-/// Numbers for the template: the number of rows, their mean coverage, and the number of rows whose intervals are too
-/// narrow.
+/// Numbers for the template: the number of rows, the mean coverage of their intervals, and the number of rows whose
+/// intervals are too narrow.
 fn counted(rows: &[&Coverage]) -> Value {
     let shares = mean_shares(rows.iter().copied()).map(percent);
     let short = rows
@@ -154,7 +154,7 @@ fn answer(answer: &Answer) -> Value {
 /// Header and rows of a table.
 type Parts = (Vec<String>, Vec<Vec<String>>);
 
-/// The table of `peers.csv`, with the verdicts as its second column. Also the name of the machine, if it is the same in
+/// The table of `peers.csv`, with the verdicts as its second column, and the name of the machine if it is the same in
 /// all rows.
 fn peers(folder: &Files) -> Result<Value, ReportError> {
     let mut parts = Records::read(folder, "peers.csv", &[])?.into_parts();

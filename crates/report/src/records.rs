@@ -69,7 +69,8 @@ impl Records {
     }
 
     /// Reads a file like [`Self::read`]. The first `ordered` columns must also be in the order of `names`. The order
-    /// matters because the sweep's columns are between `cell` and `quantity`, and the statistics follow `unit`.
+    /// matters because all columns between `cell` and `quantity` are read as swept fields, and all columns after `unit`
+    /// as statistics.
     pub(crate) fn read_in_order(
         files: &Files,
         file: &str,
@@ -84,7 +85,7 @@ impl Records {
         }
     }
 
-    /// The table, or an error if it has no rows.
+    /// Returns this table, or an error if it has no rows.
     pub(crate) fn filled(self) -> Result<Self, ReportError> {
         match self.rows.is_empty() {
             true => Err(self.error(EMPTY.to_owned())),

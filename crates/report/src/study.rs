@@ -196,7 +196,7 @@ impl Study {
         keys.try_fold(first, |value, key| value.as_table()?.get(key))
     }
 
-    /// The table that a sweep sets at `path`, found by its `label`, or by its `kind` if it has no label.
+    /// The table that a sweep sets at `path` and that has this label. If a table has no label, its `kind` is its label.
     fn labelled(&self, path: &str, label: &str) -> Option<&toml::Table> {
         let sweeps = self.config.get("sweep")?.as_array()?.iter();
         let mut tables = sweeps

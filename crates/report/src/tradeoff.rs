@@ -193,7 +193,8 @@ fn answers(files: &Files) -> Result<Vec<(Key, Answer)>, ReportError> {
 }
 
 /// Result of the check of the model `auto` on random scenes of one kind. The check has two conditions: the model's
-/// error is within the tolerance, and its cost is not much higher than the cost of the cheapest sufficient model.
+/// error is within the tolerance, and its cost is not much higher than the cost of the cheapest model within the
+/// tolerance.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AutoModel {
     pub(crate) kind: String,
@@ -202,8 +203,8 @@ pub(crate) struct AutoModel {
     pub(crate) successes: usize,
     /// Number of scenes on which a model other than the chosen one also meets the tolerance.
     pub(crate) with_rivals: usize,
-    /// Largest ratio of two numbers of instructions: those of the chosen model, and those of the cheapest sufficient
-    /// model.
+    /// Largest ratio of the chosen model's number of instructions to the number of instructions of the cheapest model
+    /// within the tolerance.
     pub(crate) largest_ratio: Option<f64>,
 }
 

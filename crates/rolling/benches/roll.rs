@@ -1,7 +1,7 @@
 //! Benchmarks of the rungs of the forward law: a long roll (6 rad) to 1e-12 and a short roll (0.1 rad) to 1e-13.
 //!
-//! Before an integrator is timed, its error is checked against the bound of the case. Each uses the largest tolerance
-//! that meets the bound.
+//! Before an integrator is timed, its error is checked against the bound of the case. Each integrator uses the largest
+//! tolerance that meets this bound.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use std::hint::black_box;
@@ -18,7 +18,7 @@ struct Case {
     theta_rad: f64,
     /// Largest error allowed in any coordinate of the contact on either body.
     bound: f64,
-    /// Tolerances of DOP853, chart-free and in charts.
+    /// Tolerances of DOP853 for the chart-free equations and for the equations in charts.
     tolerances: [f64; 2],
 }
 
@@ -55,7 +55,7 @@ fn benches(criterion: &mut Criterion) {
         };
         let name = format!("{} {} rad", case.object.name(), case.theta_rad);
 
-        // The closed form, or the meridian.
+        // The cheapest exact model: the closed form or the meridian model.
         let exact = roller(Model::Auto {
             tolerance: 1e-13,
             chart: Chart::Free,

@@ -24,10 +24,10 @@ use crate::{Contact, Motion};
 /// j, k` from the contact frame to the body frame; z of `x₁`; z of the contact; the arc length; and an unused component
 /// (an even number is faster).
 const STATE: usize = 12;
-/// Number of leading components that the derivative needs on a general surface.
+/// Number of leading state components that the derivative needs on a general surface.
 pub(crate) const OF_SPACE: usize = 10;
-/// Number of leading components that the derivative needs on a graph. On a graph, the derivative does not depend on the
-/// height.
+/// Number of leading state components that the derivative needs on a graph. There, the derivative does not depend on
+/// the height.
 pub(crate) const OF_GRAPHS: usize = 9;
 
 pub(crate) struct ChartFree<'a, S, const READ: usize> {
@@ -95,7 +95,8 @@ impl<S: Surface, const READ: usize> System<STATE> for ChartFree<'_, S, READ> {
         let y = x.cross(&object.gradient);
         let c = contact_velocity(self.probe_curvature, &object, &self.drive)?;
         let velocity = x * c.x + y * c.y;
-        // The component of ẋ along the gradient is such that x stays tangent to the object.
+        // The component of the axis's derivative ẋ along the gradient is chosen such that the axis x stays tangent to
+        // the object.
         let per_square = 1.0 / object.steepness_squared;
         let x_dot = y * (self.spin * object.steepness * per_square)
             - object.gradient * (object.xx * per_square * c.x + object.xy * per_square * c.y);

@@ -18,15 +18,17 @@ const PER_RADIUS: f64 = 48.0;
 const TILE: i64 = 32;
 /// Largest accepted overlap of probe and object, relative to the probe's radius.
 const TOLERANCE: f64 = 5e-7;
-/// Distance from the contact, relative to the probe's radius, below which a closest point counts as the contact itself.
+/// If the closest point is nearer to the contact than this distance, it counts as the contact itself; relative to the
+/// probe's radius.
 const CONTACT: f64 = 1e-4;
-/// Longest path of the probe's centre between two samples, relative to the radius. Longer paths are always bisected.
+/// Longest path of the probe's centre between two samples, relative to the probe's radius. A longer path is always
+/// bisected.
 const LONGEST: f64 = 0.25;
-/// Path between two samples, relative to the radius, below which it is never bisected.
+/// Shortest path of the probe's centre between two samples that may be bisected, relative to the probe's radius.
 const SHORTEST: f64 = 1e-3;
-/// Slope between neighbouring samples above which there is a wall between them.
+/// If the slope between two neighbouring samples is larger than this, there is a wall between the two samples.
 const STEEP: f64 = 2.0;
-/// Number of bisections that locate a wall between two neighbouring samples.
+/// Number of bisections with which a wall between two neighbouring samples is located.
 const HALVINGS: usize = 40;
 
 /// Heights of the object below a path of the probe, sampled on a square lattice. The samples are stored in square
@@ -114,12 +116,12 @@ impl Terrain {
         for (index, &[column, row]) in places.iter().enumerate() {
             let (height, square) = (heights[index], squares[index]);
             // At the edge of the sampled window, this index may refer to a sample of another row. This does no harm,
-            // because samples at the edge are beyond the reach.
+            // because samples at the edge of the window are too far from the centre to be used.
             let beside =
                 |right: i64, down: i64| (index as i64 + right + down * side as i64) as usize;
             let mut around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down)));
             let is_nearer = |(right, down): (i64, i64)| {
-                // A neighbour without a sample does not count as nearer than the sample.
+                // A neighbour without a sample does not count as nearer to the centre than the sample.
                 squares
                     .get(beside(right, down))
                     .is_none_or(|other| other.is_nan() || *other >= square)
@@ -171,7 +173,7 @@ fn crossing(
     Some(low)
 }
 
-/// Distance from the probe's centre within which the object is examined.
+/// Distance from the probe's centre within which parts of the object are examined.
 fn reach(radius: f64, margin: f64) -> f64 {
     radius * (1.0 + LONGEST) + margin
 }
@@ -208,7 +210,7 @@ impl Roller {
 
     /// Smallest distance (length) during a roll by `motions` between the probe and the parts of the object beside the
     /// contact. Only parts within a distance of `margin` plus a quarter of the probe's radius are tested, so the result
-    /// is at most this sum.
+    /// is at most this distance.
     ///
     /// # Errors
     /// [`RollError`] if the roll ends early. The fault is [`RollFault::Overlapping`] if the object extends into the
@@ -223,13 +225,14 @@ impl Roller {
         let duration_s: f64 = motions.iter().map(|motion| motion.duration_s).sum();
         let mut before = self.sample(motions, 0.0, terrain, margin)?;
         let mut least = before.clearance;
-        // Samples that have not been compared with the sample before them yet. The next sample is the last element.
+        // Samples that have not been compared with the sample before them yet. The next sample to compare is the last
+        // element.
         let mut ahead = vec![self.sample(motions, duration_s, terrain, margin)?];
         while let Some(after) = ahead.last().copied() {
             let way = after.way - before.way;
             let nearer = before.clearance.min(after.clearance) / radius;
-            // The clearance changes by at most the distance that the centre moves. So if the clearance is large, no
-            // finer samples are needed.
+            // If the clearance is large, no finer samples are needed, because the clearance changes by at most the
+            // distance that the centre moves.
             let is_cut = way > LONGEST || (way > SHORTEST && nearer < way);
             let middle = 0.5 * (before.time_s + after.time_s);
             if is_cut && before.time_s < middle && middle < after.time_s {
@@ -258,8 +261,8 @@ impl Roller {
         for start in terrain.starts(self.object(), &centre, reach) {
             let Start { place, is_on_wall } = start;
             let descended = self.object().closest_point_from(&centre, place);
-            // On a wall, the start itself is tested too. It is also used if the search fails, as between two points
-            // that are equally close.
+            // If the start of the search is on a wall, the start itself is tested too. It is also tested if the search
+            // fails, for example between two points that are equally close.
             let itself = (is_on_wall || descended.is_err())
                 .then(|| self.object().contact_at(place.x, place.y));
             for closest in descended.into_iter().chain(itself.into_iter().flatten()) {
@@ -300,7 +303,7 @@ impl Roller {
     }
 }
 
-/// The parts of the motions before `time_s`.
+/// The motions up to `time_s`; the motion at this time is shortened.
 fn until(motions: &[Motion], time_s: f64) -> Vec<Motion> {
     let mut left = time_s;
     let cut = motions.iter().map(|motion| {

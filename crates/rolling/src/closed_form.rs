@@ -2,7 +2,7 @@
 //!
 //! On these objects, the shape operator is constant in a parallel-transported basis. Therefore a steady motion without
 //! spin moves the contact at constant speed along a geodesic of the object and along a great circle of the probe. The
-//! contact frame on the object moves like a screw.
+//! contact frame on the object moves like a screw, that is, with constant rates of rotation and translation.
 
 use nalgebra::{Matrix2, UnitQuaternion, Vector2, Vector3};
 use palpate_geometry::{CurvatureForm, TangentForm};
@@ -11,10 +11,11 @@ use crate::contact_equations::contact_velocity;
 use crate::error::RollFault;
 use crate::{Contact, Motion};
 
-/// A contact with a homogeneous surface: the curvatures in the contact frame do not change.
+/// A contact with a homogeneous surface. During a roll, the curvatures in the contact frame do not change.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClosedForm {
-    /// The matrix `(K₁ + K̃₂)⁻¹`. It maps `[−ω_y, ω_x]` to the velocity of the contact on the probe.
+    /// The matrix `(K₁ + K̃₂)⁻¹`. This matrix maps the angular velocity `[−ω_y, ω_x]` to the velocity of the contact on
+    /// the probe.
     pub(crate) mobility: Matrix2<f64>,
     /// The object's curvature form `K̃₂` in the probe's contact frame.
     object: Matrix2<f64>,
@@ -39,8 +40,8 @@ impl ClosedForm {
         let y_axis = from.y_axis();
         let displacement = from.x_axis * along.x + y_axis * along.y;
         let tilt = self.object * along;
-        // The angular velocity of the frame is normal × (x tilt.x + y tilt.y). The z axis of this frame points into the
-        // object.
+        // The angular velocity of the contact frame is normal × (x tilt.x + y tilt.y). It equals x tilt.y − y tilt.x,
+        // because the z axis of the frame points into the object.
         let turn = from.x_axis * tilt.y - y_axis * tilt.x;
         let screw = Screw::new(turn);
         Contact {
@@ -65,7 +66,7 @@ pub(crate) fn roll_on_probe(
 }
 
 /// A rotation at a constant rate during unit time. It can also compute the displacement of a point whose velocity
-/// vector rotates in the same way.
+/// vector rotates at the same rate.
 struct Screw {
     axis: Vector3<f64>,
     /// sin θ, 1 − cos θ, sin θ/θ and (1 − cos θ)/θ, where θ is the angle of rotation.

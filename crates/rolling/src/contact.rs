@@ -49,7 +49,7 @@ impl Contact {
     pub(crate) fn first<S: Surface>(surface: &S, x: f64, y: f64) -> Result<Self, SurfaceError> {
         let on_object = surface.contact_at(x, y)?;
         let normal = surface.level_set(&on_object)?.normal;
-        // The axis is +x, projected onto the tangent plane. On a wall whose normal is along x, it is +y.
+        // The axis is +x, projected onto the tangent plane. On a wall whose normal is along x, the axis is +y instead.
         let along = [Vector3::x(), Vector3::y()]
             .into_iter()
             .map(|axis| axis - normal * normal.dot(&axis))
@@ -87,7 +87,8 @@ impl Contact {
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        // If a term is not finite, the sum is not finite. A sum of finite terms overflows only for extreme sizes.
+        // It is enough to check the sum, because it is not finite if a term is not finite. A sum of finite terms
+        // overflows only for extreme sizes.
         let vectors = self.on_object.coords + self.normal + self.x_axis;
         let turn = self.body_from_contact.coords.sum();
         (vectors.sum() + turn + self.arc_length).is_finite()
@@ -129,7 +130,7 @@ fn logarithm(direction: &Vector3<f64>) -> Vector2<f64> {
 }
 
 impl Shift {
-    /// The shift after rolling along a great circle by `path` on a probe of `radius`.
+    /// The shift of a contact that has moved by `path` (length) along a great circle of a probe of `radius`.
     ///
     /// ```
     /// use std::f64::consts::PI;

@@ -19,7 +19,8 @@ pub enum Chart {
 /// The frame in which a motion is steady.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum HeldAxis {
-    /// The frame that is parallel-transported along the path: "a fixed axis in the instantaneous contact frame".
+    /// The frame that is parallel-transported along the path. In this frame, a steady motion is a rotation about "a
+    /// fixed axis in the instantaneous contact frame".
     #[default]
     Transported,
     /// The Gauss frame of the probe's chart. It rotates about the normal relative to the transported frame. Along a
@@ -41,12 +42,12 @@ impl Chart {
 pub(crate) trait ContactEquations<const N: usize>: System<N> {
     fn contact(&self, state: &[f64; N]) -> Result<Contact, RollFault>;
 
-    /// The contact point on the object. It is also defined for states in which `contact` fails.
+    /// The contact point on the object. This method also returns a point for states in which `contact` fails.
     fn place(&self, state: &[f64; N]) -> Option<Point3<f64>>;
 }
 
-/// The velocity c of the contact on the object, in the tangent basis `(x, y)` of `object`. In orthonormal axes, it
-/// solves `(K₁ + K₂) c = drive`.
+/// The velocity c of the contact on the object, in the tangent basis `(x, y)` of `object`. In orthonormal axes, c is
+/// the solution of `(K₁ + K₂) c = drive`, where K₁ and K₂ are the curvature forms of probe and object.
 ///
 /// With `W = |∇F|`, the equations are multiplied by `W` along `x` and by `W²` along `y`:
 ///
@@ -65,7 +66,8 @@ pub(crate) fn contact_velocity(
     let a22 = probe_curvature * ww * w + object.yy;
     let a12 = object.xy;
     let determinant = a11 * a22 - a12 * a12;
-    // The matrix must be positive definite. Its determinant must be larger than the rounding errors of the sums.
+    // The matrix must be positive definite. To ensure this, its determinant must be larger than the rounding errors of
+    // the sums.
     let floor = 4.0 * f64::EPSILON * probe_curvature * w * (a11 * ww + a22);
     if !(a11 > 0.0 && determinant > floor) {
         return Err(conforming(probe_curvature, *object, determinant));

@@ -38,7 +38,7 @@ pub enum RollFault {
         /// Number of steps, including rejected steps.
         steps: usize,
     },
-    /// The step of the integrator has become too short, because the motion is singular here.
+    /// The step of the integrator has become too short, because the motion is singular at this place.
     #[error("the motion is singular")]
     Singular,
     /// A number has overflowed or is NaN.

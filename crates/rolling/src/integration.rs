@@ -25,7 +25,7 @@ pub(crate) struct Integration {
 }
 
 impl Integration {
-    /// The contact after `motion`, and the number of evaluations of the derivative that were needed.
+    /// Returns the contact after `motion`, and the number of evaluations of the derivative that the integrator needed.
     pub(crate) fn advance(
         &self,
         bodies: &Bodies<'_, Shape>,
@@ -97,7 +97,8 @@ impl Integration {
     }
 }
 
-/// One motion in the chart-free equations. The code is compiled separately for each type of surface.
+/// One motion that is integrated with the chart-free equations. The code is compiled separately for each type of
+/// surface.
 struct Free<'a> {
     integration: &'a Integration,
     bodies: &'a Bodies<'a, Shape>,

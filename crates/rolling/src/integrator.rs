@@ -11,7 +11,7 @@ use crate::error::RollFault;
 /// An autonomous system of `N` ordinary differential equations.
 pub(crate) trait System<const N: usize> {
     /// Number of leading components of the state that the derivative needs. The other components are integrals along
-    /// the path. They are meaningless in the states of intermediate stages.
+    /// the path. These other components are meaningless in the states of intermediate stages.
     const READ: usize = N;
 
     /// Writes `dy/dt` at `state` to `rate`.
@@ -38,7 +38,7 @@ pub(crate) struct Integrated<const N: usize> {
 /// An integration that stopped early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stopped<const N: usize> {
-    /// Reason for which the integration stopped.
+    /// Reason why the integration stopped.
     pub(crate) fault: RollFault,
     /// Time since the start.
     pub(crate) time_s: f64,
@@ -48,7 +48,8 @@ pub(crate) struct Stopped<const N: usize> {
 
 /// The state `y + h Σ aⱼ kⱼ` of an intermediate stage. Only the components that the derivative needs are computed.
 ///
-/// Add the newest slope last, so that the processor can compute the rest of the sum before this slope is available.
+/// The newest slope is added last, so that the processor can compute the rest of the sum before this slope is
+/// available.
 #[inline(always)]
 fn stage<const N: usize, const T: usize, S: System<N>>(
     _: &S,
@@ -68,7 +69,7 @@ fn stage<const N: usize, const T: usize, S: System<N>>(
     state
 }
 
-/// Component `i` of the sum `Σ aⱼ kⱼ`.
+/// Component `i` of the weighted sum of slopes, `Σ aⱼ kⱼ`.
 #[inline(always)]
 fn weighted<const N: usize>(i: usize, a: &[f64], k: &[&[f64; N]]) -> f64 {
     let mut sum = a[0] * k[0][i];

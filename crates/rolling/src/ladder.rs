@@ -15,7 +15,8 @@ use crate::{Chart, Choice, Contact, InvalidRoll, Model, Rolls};
 pub(crate) const CLOSED_FORM_ERROR: f64 = 1e-14;
 /// Error bound of the meridian model, relative to the contact's length scale.
 pub(crate) const MERIDIAN_ERROR: f64 = 1e-13;
-/// Tolerance of a step, relative to the tolerance of a roll. It is smaller because errors may grow during a roll.
+/// Tolerance of a step, relative to the tolerance of a roll. It is smaller than 1 because the errors of steps may grow
+/// during a roll.
 const STEP_SHARE: f64 = 0.1;
 /// Smallest tolerance of a step.
 const MIN_STEP_TOLERANCE: f64 = 1e-15;
@@ -33,7 +34,7 @@ pub(crate) enum Rung {
     Integrated(Integration),
 }
 
-/// The situation for which a model is chosen: the bodies and their first contact.
+/// Everything on which the choice of a model depends: the bodies and their first contact.
 pub(crate) struct Setting<'a> {
     pub(crate) bodies: Bodies<'a, Shape>,
     pub(crate) first: Contact,
@@ -82,7 +83,7 @@ pub(crate) const fn rk4_method(steps: usize) -> Method {
     Method::Rk4(Rk4 { steps })
 }
 
-/// DOP853 with the step tolerance that rolls with this tolerance need.
+/// DOP853 with the step tolerance that is needed for rolls with this tolerance.
 pub(crate) const fn dop853_method(tolerance: f64) -> Method {
     Method::Dop853(Dop853 {
         tolerance: (STEP_SHARE * tolerance).max(MIN_STEP_TOLERANCE),
@@ -145,8 +146,8 @@ impl Setting<'_> {
         {
             return (rung, self.closed_form_choice());
         }
-        // The meridian model is also correct if the motion is steady in the frame of the chart, because a meridian is a
-        // line of symmetry.
+        // The meridian model is also correct if the motion is steady in the frame of the chart. On a meridian, which is
+        // a line of symmetry, both frames are equal.
         if tolerance >= MERIDIAN_ERROR
             && let Ok(rung) = self.meridian(rolls)
         {
@@ -159,7 +160,7 @@ impl Setting<'_> {
                          measured";
                     dop853(tolerance, chart, reason.to_owned(), Some(tolerance))
                 }
-                // Errors add up along the path, so the tolerance is divided by the number of turns.
+                // The tolerance is divided by the number of turns, because errors add up along the path.
                 Unmeasured::TooLong => {
                     let reason = "no closed form; the rolls are too long to try other models";
                     let finer = finer(tolerance / rolls.turns().max(1.0));

@@ -11,16 +11,18 @@ const MARGIN: f64 = 1.25;
 const REFERENCE_SHARE: f64 = 1e-3;
 /// Number of evaluations of the contact equations per step of DOP853.
 const STAGES: usize = 12;
-/// Cost of an evaluation in DOP853, relative to its cost in RK4. It includes the step control. In processor
-/// instructions, the measured value is 2.1 on a saddle, 1.5 on an ellipsoid, and less on a height field from a formula.
+/// Cost of an evaluation in DOP853, including the step control, relative to the cost of an evaluation in RK4. In
+/// processor instructions, the measured value is 2.1 on a saddle, 1.5 on an ellipsoid, and less on a height field from
+/// a formula.
 const RELATIVE_COST: f64 = 1.5;
 /// Numbers of RK4 steps that are tried, cheapest first.
 const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
 
-/// Maximum number of evaluations in one integration of all rolls during the choice of a model, if the rolls have few
-/// motions.
+/// Largest number of evaluations of the contact equations in one integration of all rolls during the choice of a model.
+/// It applies if the rolls have few motions.
 const MAX_EVALUATIONS: usize = 20_000;
-/// Maximum number of these evaluations per motion, if the rolls have many motions. The larger limit applies.
+/// Largest number of these evaluations per motion, if the rolls have many motions. The larger of the two limits
+/// applies.
 const MAX_EVALUATIONS_PER_MOTION: usize = 60;
 /// Tolerances of the DOP853 models in the list that [`Roller::ladder`] returns.
 const LADDER_TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
@@ -33,7 +35,7 @@ pub struct MeasuredRung {
     /// Name of the model with its setting, as it is displayed.
     pub name: String,
     /// The largest error of a contact at the end of a roll, relative to the contact's length scale. The reference is
-    /// DOP853 at the smallest tolerance. If the model cannot compute these rolls, the reason.
+    /// DOP853 at the smallest tolerance. `Err` contains the reason if the model cannot compute these rolls.
     pub outcome: Result<f64, String>,
     /// Number of evaluations of the contact equations in all rolls. It is 0 for the closed form and the meridian model.
     pub evaluations: usize,
@@ -101,9 +103,9 @@ impl Roller {
 /// Reasons why no model can be measured on the rolls without noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unmeasured {
-    /// A roll cannot begin, or ends before its motions do.
+    /// A roll cannot begin, or it ends before all of its motions are complete.
     Ends,
-    /// The rolls need more evaluations of the contact equations than the choice may use.
+    /// The rolls need more evaluations of the contact equations than are allowed during the choice of a model.
     TooLong,
 }
 
@@ -121,8 +123,8 @@ pub(crate) fn finer(tolerance: f64) -> f64 {
 }
 
 impl Method {
-    /// This integrator, with a limit on the number of evaluations. RK4 does not change, because its number of
-    /// evaluations is fixed.
+    /// This integrator, with a limit on the number of evaluations. An RK4 integrator does not change, because its
+    /// number of evaluations is fixed by its number of steps.
     fn within(self, evaluations: usize) -> Self {
         match self {
             Self::Rk4(_) => self,
@@ -135,8 +137,8 @@ impl Method {
 }
 
 impl Setting<'_> {
-    /// The integrator with its cheapest setting that meets the tolerance on the rolls without noise. If no setting
-    /// meets the tolerance, its most accurate setting.
+    /// The cheapest integrator with a setting that meets the tolerance on the rolls without noise. If no setting meets
+    /// the tolerance, it is returned with its most accurate setting.
     ///
     /// For DOP853, the largest tolerance that is small enough is also the cheapest, even for rolls with noise.
     pub(crate) fn cheapest_integrator(
@@ -175,8 +177,8 @@ impl Setting<'_> {
             if (4 * steps * motions) as f64 >= RELATIVE_COST * evaluations as f64 {
                 break;
             }
-            // If the integration fails, these steps may be too long for the surface. More and shorter steps may still
-            // work.
+            // An integration may fail because its steps are too long for the surface. Therefore more and shorter steps
+            // are tried.
             let Ok(ends) = self.ends(rolls, rk4_method(steps), chart) else {
                 continue;
             };

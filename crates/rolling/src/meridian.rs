@@ -1,8 +1,8 @@
 //! Rolling from an apex in a symmetry plane of the object, for example along the meridians of a surface of revolution.
 //!
 //! The contact moves along a meridian of the object and along a great circle of the probe. If the object's normal has
-//! turned by the angle α along the arc length s, the probe has turned by `θ = α + s/R₁`. This equation is solved for
-//! the parameter of the meridian.
+//! turned by the angle α along the arc length s, the probe has turned by `θ = α + s/R₁`. Here R₁ is the radius of the
+//! probe. This equation is solved for the parameter of the meridian.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -15,8 +15,9 @@ use crate::{Contact, Motion, Shift};
 
 /// Maximum number of iterations of Newton's or Halley's method, including bisections. Usually 3 iterations are enough.
 const MAX_ITERATIONS: usize = 200;
-/// Largest relative difference of the arguments at which Carlson's series is used. Before that, each duplication makes
-/// the difference four times smaller. The error of the series is proportional to the sixth power of the difference.
+/// Carlson's series is used if the relative difference of its arguments is at most this value. Until then, each
+/// duplication makes the difference four times smaller. The error of the series is proportional to the sixth power of
+/// the difference.
 const MAX_DIFFERENCE: f64 = 1.5e-3;
 /// Maximum number of duplications. Arguments with a ratio of 1e300 need about 260.
 const MAX_DUPLICATIONS: usize = 300;
@@ -43,12 +44,14 @@ impl MeridianRung {
         }
     }
 
-    /// Whether the object is a surface of revolution about the apex, so that every roll from there follows a meridian.
+    /// Whether the object is a surface of revolution about the apex, so that every roll from the apex follows a
+    /// meridian.
     pub(crate) const fn is_revolved(&self) -> bool {
         self.revolved.is_some()
     }
 
-    /// The section along which a motion without spin and sliding leads from the apex; `None` if there is none.
+    /// The section along which a motion without spin and sliding leads from the apex; `None` if there is no such
+    /// section.
     #[inline]
     pub(crate) fn section(&self, motion: &Motion) -> Option<&Meridian> {
         let aside = match motion.drive() {
@@ -97,7 +100,8 @@ impl MeridianRung {
         let point = section.at(t);
         let direction: Vector2<f64> = turn / theta;
         let outward = apex.x_axis * direction.x + apex.y_axis() * direction.y;
-        // The frame turns about the tangent that is perpendicular to the meridian, by the angle of the normal.
+        // The contact frame turns by the slope angle of the normal, about the tangent that is perpendicular to the
+        // meridian.
         let [sin, cos] = point.normal;
         let along = outward * (1.0 - cos) + apex.normal * sin;
         Ok(Contact {
@@ -110,8 +114,8 @@ impl MeridianRung {
     }
 }
 
-/// Parameter and arc length at which a probe on an ellipse has turned by `theta > 0`, by Newton's method. Because the
-/// relative curvature is positive, θ increases with the parameter.
+/// Parameter and arc length at which a probe on an ellipse has turned by `theta > 0`, by Newton's method. The method
+/// converges because the relative curvature is positive, so the angle increases with the parameter.
 fn along_ellipse(a: f64, c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
     let ellipse = Meridian::Spheroid { a, c };
     let apex = ellipse.slope(0.0);
@@ -124,7 +128,8 @@ fn along_ellipse(a: f64, c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> 
         let excess = point.slope_rad + arc / radius - theta;
         let slope = point.slope_per_parameter + point.arc_per_parameter / radius;
         root.step(excess, excess / slope);
-        // Convergence is quadratic, so the next correction would be smaller than rounding errors.
+        // Stop here: Newton's method converges quadratically, so the next correction would be smaller than the rounding
+        // errors.
         if (root.at - t).abs() <= 1e-8 * t {
             return Some((root.at, arc + (root.at - t) * point.arc_per_parameter));
         }
@@ -154,7 +159,7 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
         let q = root.at;
         let ww = 1.0 + q * q;
         let w = ww.sqrt();
-        // The value of asinh q, computed from the square root above.
+        // The value of asinh q for the slope q, computed from the square root above.
         let asinh = libm::log1p(q + q * q / (1.0 + w));
         let arc = 0.5 * (q * w + asinh);
         let excess = sign * libm::atan(q) + a * arc - theta;
@@ -162,7 +167,8 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
         let bend = q * (a / w - 2.0 * sign / (ww * ww));
         let newton = excess / slope;
         root.step(excess, newton / (1.0 - 0.5 * newton * bend / slope));
-        // Halley's method converges cubically, so the next correction would be smaller than the rounding errors.
+        // Stop if the step is small: Halley's method converges cubically, so the next correction would be smaller than
+        // the rounding errors.
         let step = root.at - q;
         if step.abs() <= 3e-6 * q {
             let arc = arc + step * (w + 0.5 * step * q / w);
@@ -184,7 +190,8 @@ fn first_slope(sign: f64, a: f64, theta: f64) -> f64 {
         let quintic = square * square * (sign / 5.0 - a / 40.0) / rate;
         return linear * (1.0 - cubic + 3.0 * cubic * cubic - quintic);
     }
-    // For large q, the arc-length function S(q) approaches q²/2, and atan q is about 1.2 rad or more.
+    // For large slopes q, the arc-length function S(q) approaches q²/2, and atan q is about 1.2 rad or more. Therefore
+    // θ is about 1.2 σ + a q²/2.
     let y = ((theta - 1.2 * sign) / a).max(linear.min(1.0));
     y / libm::hypot(0.5 * y, 1.0).sqrt()
 }
@@ -311,8 +318,8 @@ mod tests {
 
     use super::*;
 
-    /// The larger of two relative errors: the error of θ relative to the terms of its equation, and the error of the
-    /// arc length.
+    /// The larger of two relative errors: the error of the angle, relative to the terms of its equation, and the error
+    /// of the arc length.
     fn error(c: f64, theta: f64) -> f64 {
         let (r, arc) = along_parabola(c, 1.0, theta).unwrap();
         let slope = 2.0 * c * r;
@@ -379,8 +386,8 @@ mod tests {
         for t in [1e-300, 1e-9, 0.3, 1.5, 1.6, 3.0, 4.0, 1e3] {
             assert_relative_eq!(arc_length(2.0, 2.0, t), 2.0 * t, max_relative = 2e-15);
         }
-        // 2 E(3/4) is a quarter of the perimeter of an ellipse with the half-axes 2 and 1. The order of the half-axes
-        // does not matter.
+        // A quarter of the perimeter of an ellipse with the half-axes 2 and 1 is 2 E(3/4). It does not depend on the
+        // order of the half-axes.
         let quarter = 2.0 * 1.211_056_027_568_459_5;
         assert_relative_eq!(
             arc_length(2.0, 1.0, FRAC_PI_2),
@@ -401,8 +408,8 @@ mod tests {
 
     #[test]
     fn a_quarter_of_a_flat_or_long_ellipse_is_its_longer_half_axis() {
-        // For very different half-axes a > b, the length of a quarter of the ellipse tends to a + (b²/a)(ln(4a/b) −
-        // ½)/2.
+        // If the half-axes a > b are very different, the length of a quarter of the ellipse is approximately a +
+        // (b²/a)(ln(4a/b) − ½)/2.
         for (a, c) in [(1.0, 1e-9), (1e-9, 1.0), (1e9, 1e-9), (1e-150, 1.0)] {
             let arc = arc_length(a, c, FRAC_PI_2);
             assert_relative_eq!(arc, f64::max(a, c), max_relative = 2e-14);

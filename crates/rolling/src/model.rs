@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::{Chart, Motion, RollFault};
 
-/// Tolerances among which a sufficient one is searched, largest first.
+/// Tolerances that are tried in the search for a sufficiently small tolerance, largest first.
 pub const TOLERANCES: [f64; 14] = [
     1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14,
 ];
@@ -42,7 +42,7 @@ pub enum Model {
 }
 
 impl Model {
-    /// Smallest allowed tolerance. Rounding errors are about this large.
+    /// Smallest allowed tolerance. Rounding errors are about as large as this tolerance.
     pub const SMALLEST_TOLERANCE: f64 = 1e-14;
     /// Largest allowed tolerance. A larger error would not be useful.
     pub const LARGEST_TOLERANCE: f64 = 0.1;

@@ -32,7 +32,8 @@ impl Motion {
     pub fn rolling(direction_rad: f64, rate_rad_per_s: f64, duration_s: f64) -> Self {
         let (sin, cos) = sin_cos_exact(direction_rad);
         Self {
-            // Both signs are negative, because y₁ = −n × x₁.
+            // Both signs are negative, because the second axis of the contact frame is y₁ = −n × x₁, where n is the
+            // object's normal.
             angular_velocity: Vector3::new(-sin, -cos, 0.0) * rate_rad_per_s,
             sliding: Vector2::zeros(),
             duration_s,
@@ -55,8 +56,8 @@ impl Motion {
         self.drive() + self.sliding / radius
     }
 
-    /// The motion with the same displacements in a duration of 1 s. The squares of its rates do not overflow, even if
-    /// the original rate and duration are extreme.
+    /// The motion with the same rotation and sliding distance in a duration of 1 s. The squares of its rates do not
+    /// overflow, even if the original rate and duration are extreme.
     pub(crate) fn in_unit_time(&self) -> Self {
         Self {
             angular_velocity: self.angular_velocity * self.duration_s,
@@ -80,10 +81,11 @@ impl Motion {
     }
 }
 
-/// Sine and cosine of an angle, exact at multiples of a quarter turn, so that a roll along an axis does not deviate
+/// Sine and cosine of an angle, exact at multiples of a quarter turn. Therefore a roll along an axis does not deviate
 /// from the axis.
 fn sin_cos_exact(angle_rad: f64) -> (f64, f64) {
-    /// Largest number of quarter turns that is recognised as a whole number. Its rounding error is below 1e-12.
+    /// Largest number of quarter turns that is recognised as a whole number. Up to this number, its rounding error is
+    /// below 1e-12.
     const COUNTABLE: f64 = 1000.0;
     let quarters = angle_rad / std::f64::consts::FRAC_PI_2;
     let (sin, cos) = libm::sincos(angle_rad);

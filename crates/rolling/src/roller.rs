@@ -9,8 +9,8 @@ use crate::contact_equations::contact_velocities;
 use crate::ladder::{FALLBACK, Rung, Setting};
 use crate::{Choice, Contact, InvalidRoll, Model, Motion, RollError, RollFault, Rolls, Shift};
 
-/// Relative curvature, divided by the probe's curvature, below which a singular motion is reported as a fault of
-/// conforming bodies.
+/// Limit of the relative curvature, divided by the probe's curvature. Below this limit, a singular motion is reported
+/// as a fault of conforming bodies.
 const CONFORMING_CURVATURE: f64 = 1e-3;
 
 /// A spherical fingertip.
@@ -57,8 +57,8 @@ impl<'a, S> Bodies<'a, S> {
 }
 
 impl<S: Surface> Bodies<'_, S> {
-    /// The cause of a fault. If the bodies conform, the speed of the contact has no limit, so the motion becomes
-    /// singular too. The cause is then that the bodies conform.
+    /// The cause of a fault. If the bodies conform, the speed of the contact has no limit, so the integrator reports a
+    /// singular motion. The reported cause must then be that the bodies conform.
     pub(crate) fn cause(&self, fault: RollFault, last: Result<Contact, RollFault>) -> RollFault {
         if fault == RollFault::Singular
             && let Ok(contact) = last
@@ -243,8 +243,8 @@ impl Roller {
     }
 
     /// The matrix that maps the rotation `[−Δθ_y, Δθ_x]` (rad) of a steady roll without spin or sliding to the
-    /// contact's path on the probe (length). `None` for all models except the closed form, because no other model is
-    /// linear.
+    /// contact's path on the probe (length). `None` for all models except the closed form, because in no other model
+    /// the path is a linear function of the rotation.
     pub const fn linear(&self) -> Option<&Matrix2<f64>> {
         match &self.rung {
             Rung::ClosedForm(closed_form) => Some(&closed_form.mobility),
@@ -278,7 +278,8 @@ impl Roller {
                 ..*motion
             }]);
             let next = match reached {
-                // The path is so short that its squared length underflows to zero, so the first estimate is exact.
+                // If the path is so short that its squared length underflows to zero, the first estimate of the
+                // duration is exact.
                 Ok(contact) if contact.arc_length == 0.0 => return Ok(duration_s),
                 Ok(contact) => {
                     let excess = contact.arc_length - arc_length;
@@ -290,7 +291,7 @@ impl Roller {
                     let rate = speed(&contact).map_err(|fault| at(fault, duration_s))?;
                     duration_s - excess / rate
                 }
-                // If a roll needs too many steps, other durations would not help.
+                // If a roll needs too many steps, do not try other durations, because they would not help.
                 Err(error) if matches!(error.fault, RollFault::TooManySteps { .. }) => {
                     return Err(error);
                 }

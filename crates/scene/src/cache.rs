@@ -1,4 +1,4 @@
-//! A cache of values that are computed once, and the models that presses share.
+//! A cache of values that are computed only once, and the models of presses that several scenes share.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -37,8 +37,8 @@ impl<K: PartialEq, V: Clone> Cache<K, V> {
         }
     }
 
-    /// Returns the value for `key`. If it is not cached, `make` computes it, from the key alone. `size` is the size of
-    /// the value.
+    /// Returns the value for `key`. A value that is not cached is computed by `make` from the key alone. `size` is the
+    /// size of the value.
     fn get(&self, key: K, size: usize, make: impl FnOnce() -> V) -> V {
         let value = {
             let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
@@ -192,7 +192,7 @@ mod tests {
         let made = |key| of_size(key, 2);
         assert!([1, 2, 3].into_iter().all(&made));
         assert!(!made(1));
-        // Value 2 is the least recently used and is removed.
+        // The value 2 is the least recently used value, so it was removed from the cache.
         assert!(made(4));
         assert!(!made(1) && !made(3) && !made(4));
         assert!(made(2));

@@ -11,12 +11,12 @@ use palpate_statistics::Number;
 use palpate_study::FieldError;
 use palpate_study::config::{self, ObjectConfig};
 
-/// Error of a setting that is out of its range.
+/// Error for a setting whose value is out of its range.
 pub(crate) fn range_error(path: &str, expected: impl Display, value: f64) -> FieldError {
     FieldError::at(path, format!("must be {expected}, is {}", Number(value)))
 }
 
-/// Error of a sensor parameter whose config field is in `table`.
+/// Error for a sensor parameter whose config field is in the table `table`.
 pub(crate) fn sensor_error(table: &str, error: InvalidSensor) -> FieldError {
     let path = format!("{table}.{}", error.setting);
     range_error(&path, error.expected, error.value)

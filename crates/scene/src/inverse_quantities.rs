@@ -3,13 +3,13 @@
 use palpate_study::Quantity;
 use palpate_sweep::Summary;
 
-/// Smallest distance of the inverted quantity from 0, in standard deviations, at which moments of the inverse are
-/// reported. If the estimates are Gaussian, one in 30,000 then has the wrong sign.
+/// Moments of an inverse quantity are reported only if the inverted quantity is at least this number of standard
+/// deviations from 0. If the estimates are Gaussian, one in 30,000 then has the wrong sign.
 const MIN_DEVIATIONS: f64 = 4.0;
 
 /// Removes means and standard deviations of inverse quantities, such as radii, if the trials do not determine the sign
 /// of the inverted quantity. The inverse of a Gaussian number has no moments: its mean would depend on the few trials
-/// nearest to 0. Quantiles are kept.
+/// nearest to 0. Quantiles of the inverse are kept.
 pub fn drop_undefined_moments(quantities: &[Quantity], summaries: &mut [Summary]) {
     for (place, quantity) in quantities.iter().enumerate() {
         let Some(of) = quantity.inverse_of() else {

@@ -26,9 +26,9 @@ use palpate_study::config::ModelConfig;
 pub struct Ladder {
     /// The models, the fastest first, including models that cannot simulate the scene.
     pub rungs: Vec<Rung>,
-    /// Index of the model used, which the config names or `auto` chose.
+    /// Index of the model that is used. Either the config names this model or `auto` chose it.
     pub taken: usize,
-    /// Index of the model with which all others are compared; `None` if there is no common reference.
+    /// Index of the model with which all other models are compared; `None` if there is no common reference.
     pub reference: Option<usize>,
     /// Reason for which the model is used.
     pub reason: String,
@@ -39,7 +39,7 @@ pub struct Ladder {
 /// A model that can compute the true values of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rung {
-    /// Name of the model, with its setting (such as a tolerance).
+    /// Name of the model, with its setting (such as a tolerance) if it has one.
     pub name: String,
     /// The model in the form of a config; it is never `auto`.
     pub model: ModelConfig,
@@ -49,7 +49,7 @@ pub struct Rung {
     pub accuracy: Accuracy,
 }
 
-/// Accuracy of a model.
+/// Accuracy with which a model computes the true values of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Accuracy {
     /// The model simulates the scene with this relative error.
@@ -75,7 +75,7 @@ impl From<Result<f64, String>> for Accuracy {
 }
 
 impl Ladder {
-    /// Builds a ladder in which the model `taken` is used. The models have no common reference.
+    /// Builds the ladder of models in which the model `taken` is used. The models have no common reference.
     pub(crate) fn new(
         rungs: Vec<Rung>,
         taken: &ModelConfig,

@@ -1,5 +1,5 @@
-//! Simulated trials, in which a true scene is read by a sensor and estimated from the readings; and the models that a
-//! scene needs.
+//! Simulates trials, in which a sensor reads a true scene, and true values are estimated from the readings. Also
+//! chooses the models that a scene needs.
 //!
 //! Only this crate compares the true values of a trial with its estimate. [`Scenes`] builds the [`Scene`] of a cell of
 //! a study, whose [`Scene::trial`] simulates a contact, reads it with a sensor and estimates from the reading;

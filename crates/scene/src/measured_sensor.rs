@@ -13,7 +13,7 @@ use crate::scene::{Need, Trials};
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredSensor {
     quantities: &'static [Quantity],
-    /// Value of each quantity; `None` if the marker is not entirely in the camera's field of view.
+    /// Value of each quantity; `None` for the marker area if the marker is not entirely in the camera's field of view.
     values: Vec<Option<f64>>,
     needs: Vec<Need>,
 }
@@ -115,7 +115,7 @@ fn area(
     };
     let camera = Camera::new(lens, config.sensor.size_px, config.sensor.field_deg)
         .map_err(|error| optics_error(&error))?;
-    // This fails if the skin cannot contain such discs.
+    // This call returns an error if the skin cannot contain such discs.
     sphere.array(&[[0.0; 2]])?;
     let angle = |diameter: f64, depth: f64| libm::atan2(0.5 * diameter, sphere.radius - depth);
     let larger = f64::max(

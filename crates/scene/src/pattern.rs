@@ -151,7 +151,8 @@ fn pattern_error(error: &PatternError) -> FieldError {
     FieldError::at(path, error)
 }
 
-/// Number of steps in the table of strains, both from the middle meridian to the edge and from the equator to the apex.
+/// Number of steps in each direction of the table of strains: from the middle meridian to the edge, and from the
+/// equator to the apex.
 const STEPS: u32 = 18;
 
 fn strain_over_gore(gores: u32) -> Result<Table, PatternError> {

@@ -73,8 +73,8 @@ pub fn quantities_of(config: &SceneConfig) -> &'static [Quantity] {
     }
 }
 
-/// Empty table for the maps of the scene in a config, the same as [`Trials::map_table`] returns, without building the
-/// scene; `None` if the scene has no maps.
+/// Empty table for the maps of the scene in a config, the same as [`Trials::map_table`] returns. The scene is not
+/// built. `None` if the scene has no maps.
 pub fn map_table_of(config: &SceneConfig, unit: LengthUnit) -> Option<MapTable> {
     match config {
         SceneConfig::Glide(_) => Some(map_table(unit, true)),
@@ -125,7 +125,7 @@ impl Scene {
     }
 }
 
-/// Scenes of a study's cells.
+/// Builds the scenes of a study's cells.
 pub trait Scenes {
     /// Builds the scene of a cell.
     ///
@@ -153,7 +153,7 @@ pub trait Scenes {
         models: &SharedModels,
     ) -> Result<Scene, ConfigError>;
 
-    /// Builds the scene of a cell, but with the model of `rung`.
+    /// Builds the scene of a cell, but with the model of `rung` instead of the model in the config.
     ///
     /// # Errors
     /// The errors of [`Scenes::scene`]. The error is at `scene.model` if the model cannot simulate the scene.
@@ -214,7 +214,7 @@ impl Scenes for Study {
     }
 }
 
-/// An error of a scene, with its place in the text of the config.
+/// Converts an error of a scene to an error with its place in the text of the config.
 fn located(study: &Study, cell: usize, error: FieldError) -> ConfigError {
     match error.part {
         Some(part) => study.error_in_text(cell, &error.path, part, error.message),
@@ -291,8 +291,8 @@ pub trait Trials {
     /// True value of the quantity with this index; `None` if it is not the same everywhere.
     fn truth(&self, quantity: usize) -> Option<f64>;
 
-    /// Name of the shape class that more than half of the points of a patch truly have; `None` if there is no such
-    /// class, and for other scenes.
+    /// Name of the true shape class of more than half of a patch's points. `None` if there is no such class, and for
+    /// scenes without a patch.
     fn true_class(&self) -> Option<&'static str> {
         None
     }

@@ -12,12 +12,12 @@ use crate::scene::Scene;
 pub struct SceneTrial {
     /// The scene whose trials are run.
     pub scene: Scene,
-    /// Vector instructions for batches of trials. No result depends on them.
+    /// Vector instructions with which batches of trials run. They do not affect any result.
     pub arch: Arch,
 }
 
 impl SceneTrial {
-    /// Trials of a scene, with the widest vectors of the processor.
+    /// Trials of a scene, which use the widest vectors of the processor.
     pub fn new(scene: Scene) -> Self {
         Self {
             scene,

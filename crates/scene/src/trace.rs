@@ -20,7 +20,7 @@ pub struct Trace {
     pub readings: Table,
     /// Camera readings of a press; `None` without a camera.
     pub camera: Option<CameraTrace>,
-    /// Summary of the simulation, such as "404 contacts of 4 probes".
+    /// Summary of the simulation as text, such as "404 contacts of 4 probes".
     pub what: String,
 }
 
@@ -37,7 +37,7 @@ pub struct CameraTrace {
 /// Reason for which a simulation was not completed.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TraceError {
-    /// A roll ended early.
+    /// The simulation of a roll ended early.
     #[error("probe {probe}: {error}")]
     Roll {
         /// Index of the probe, from 0.
@@ -45,7 +45,7 @@ pub enum TraceError {
         /// Reason for the early end, with the time and the position.
         error: RollError,
     },
-    /// The sensor cannot read a contact.
+    /// The sensor cannot read the contact of a probe.
     #[error("probe {probe}: {error}")]
     Sensor {
         /// Index of the probe, from 0.
@@ -56,12 +56,12 @@ pub enum TraceError {
     /// The press is impossible, or the camera cannot image it.
     #[error(transparent)]
     Press(#[from] PressFailure),
-    /// The scene has no contact.
+    /// The object and the sensor have no contact in this scene.
     #[error("the scene has no contact, so there is no trial to trace")]
     Untouched,
 }
 
-/// A number with its noun, such as "2 probes"; `noun` is in the singular.
+/// A number with its noun as text, such as "2 probes"; `noun` is in the singular.
 pub(crate) fn counted(count: usize, noun: &str) -> String {
     let plural = if count == 1 { "" } else { "s" };
     format!("{count} {noun}{plural}")

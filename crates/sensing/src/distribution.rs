@@ -12,7 +12,7 @@ pub enum Distribution {
 }
 
 impl Distribution {
-    /// Draws an error of size 1.
+    /// Draws a random error of size 1.
     #[inline(always)]
     pub fn draw(self, stream: &mut Stream) -> f64 {
         match self {
@@ -21,7 +21,7 @@ impl Distribution {
         }
     }
 
-    /// Standard deviation of an error with this size.
+    /// Standard deviation of an error whose stated size is `size`.
     pub(crate) fn std(self, size: f64) -> f64 {
         match self {
             Self::Uniform => size / 3.0_f64.sqrt(),
@@ -79,7 +79,7 @@ impl GaussianError {
         self.std
     }
 
-    /// The error of the mean of `readings` readings. 0 readings count as 1.
+    /// The error of the mean of `readings` readings. If `readings` is 0, it counts as 1.
     #[must_use]
     pub fn averaged(&self, readings: u32) -> Self {
         Self {
@@ -88,12 +88,13 @@ impl GaussianError {
         }
     }
 
-    /// Whether readings draw random numbers. If not, the error of every reading is the bias.
+    /// Whether the error is random. If it is not, no random numbers are drawn, and the error of every reading is the
+    /// bias.
     pub fn is_random(&self) -> bool {
         self.std > 0.0
     }
 
-    /// Draws the error of one reading with one random number, or with none if the standard deviation is 0.
+    /// Draws the error of one reading. This takes one random number, or none if the standard deviation is 0.
     #[inline]
     pub fn draw(&self, stream: &mut Stream) -> f64 {
         if !self.is_random() {

@@ -30,7 +30,7 @@ pub use uniform_lattice::UniformLattice;
 pub use wrist::Wrist;
 
 /// A named source of noise. Each channel has its own stream of random numbers, so a new channel does not change the
-/// numbers of the others.
+/// numbers of the existing channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u64)]
 pub enum Channel {

@@ -3,24 +3,25 @@
 //!
 //! A pair of normal numbers is r cos θ and r sin θ. Here −r²/2 is the logarithm of a uniform number, and θ is a uniform
 //! angle. Logarithm, sine and cosine are computed with additions, multiplications, divisions and roots only, so the
-//! results are the same for any vector width. `rand_distr` draws one number at a time. It needs nearly twice the time,
-//! or more on processors with wide vectors.
+//! results are the same for any vector width. The library `rand_distr` draws one number at a time. It needs nearly
+//! twice the time, and even more on processors with wide vectors.
 
 use std::f32::consts::{FRAC_PI_2, LN_2, SQRT_2};
 
 /// Number of pairs of normal numbers that are computed together.
 pub(crate) const PAIRS: usize = 8;
 
-/// Coefficients of the powers of θ² in cos θ. The first omitted term is below 1e-8 at 90°.
+/// Coefficients of the powers of θ² in cos θ. The first omitted term is below 1e-8 at θ = 90°.
 const COSINE: [f32; 7] = alternating(0);
 
-/// Coefficients of the powers of θ² in sin θ / θ. The first omitted term is below 4e-8 at 90°.
+/// Coefficients of the powers of θ² in sin θ / θ. The first omitted term is below 4e-8 at θ = 90°.
 const SINC: [f32; 6] = alternating(1);
 
-/// Coefficients of the powers of x² in artanh x / x. The first omitted term is below 3e-9 at (√2 − 1) / (√2 + 1).
+/// Coefficients of the powers of x² in artanh x / x. The first omitted term is below 3e-9 at the largest value of x,
+/// (√2 − 1) / (√2 + 1).
 const ARTANH: [f32; 5] = [1.0, 1.0 / 3.0, 1.0 / 5.0, 1.0 / 7.0, 1.0 / 9.0];
 
-/// Coefficients (−1)^k / (2k + odd)!
+/// Coefficients (−1)^k / (2k + odd)! of the series of cos θ (`odd` is 0) and of sin θ / θ (`odd` is 1).
 const fn alternating<const TERMS: usize>(odd: usize) -> [f32; TERMS] {
     let mut coefficients = [1.0; TERMS];
     let (mut term, mut divisor) = (1, 1);
@@ -34,7 +35,7 @@ const fn alternating<const TERMS: usize>(odd: usize) -> [f32; TERMS] {
     coefficients
 }
 
-/// The sum Σ coefficients[k] · number^k.
+/// The value of a power series: the sum Σ coefficients[k] · number^k.
 #[inline(always)]
 fn series<const TERMS: usize>(coefficients: [f32; TERMS], number: f32) -> f32 {
     let mut sum = coefficients[TERMS - 1];
@@ -44,12 +45,12 @@ fn series<const TERMS: usize>(coefficients: [f32; TERMS], number: f32) -> f32 {
     sum
 }
 
-/// Radius √(−2 ln u) for the uniform number u = (k + ½) / 2³¹.
+/// Length √(−2 ln u) of a pair of normal numbers, for the uniform number u = (k + ½) / 2³¹.
 #[inline(always)]
 fn radius(k: u32) -> f32 {
-    // Convert a signed integer, because this takes only one instruction.
+    // Convert k as a signed integer, because this conversion takes only one instruction.
     let bits = (k as i32 as f32 + 0.5).to_bits() as i32;
-    // Decomposition k + ½ = 2^power (1 + x) / (1 − x), where the fraction (1 + x) / (1 − x) is between √½ and √2.
+    // Decompose the number: k + ½ = 2^power (1 + x) / (1 − x). The fraction (1 + x) / (1 − x) is between √½ and √2.
     let power = (bits - (0.5 * SQRT_2).to_bits() as i32) >> 23;
     let fraction = f32::from_bits((bits - (power << 23)) as u32);
     let x = (fraction - 1.0) / (fraction + 1.0);
@@ -59,7 +60,7 @@ fn radius(k: u32) -> f32 {
 /// Independent normal numbers from random words. The cosines of all pairs come first, then the sines.
 #[inline(always)]
 pub(crate) fn normals(words: [u64; PAIRS]) -> [f32; 2 * PAIRS] {
-    // The halves of the words are in separate arrays, so that compilers can use vector instructions.
+    // Store the two halves of each word in separate arrays, so that compilers can use vector instructions.
     let (mut lengths, mut angles) = ([0; PAIRS], [0; PAIRS]);
     for (pair, word) in words.into_iter().enumerate() {
         lengths[pair] = (word >> 32) as u32;
@@ -68,7 +69,7 @@ pub(crate) fn normals(words: [u64; PAIRS]) -> [f32; 2 * PAIRS] {
     let mut normals = [0.0; 2 * PAIRS];
     let (cosines, sines) = normals.split_at_mut(PAIRS);
     for pair in 0..PAIRS {
-        // The angle is between −90° and 90°. The random sign of the radius supplies the other half of the circle.
+        // The angle is between −90° and 90°. The radius has a random sign, which supplies the other half of the circle.
         let angle = angles[pair] as i32 as f32 * (FRAC_PI_2 / 2_147_483_648.0);
         let square = angle * angle;
         let length = radius(lengths[pair] >> 1).to_bits();
@@ -95,8 +96,8 @@ mod tests {
         [radius * cosine, radius * sine]
     }
 
-    /// Largest error of the numbers, divided by the error that single precision allows. If the radius of a pair is
-    /// small, its error is larger, because single precision stores u near 1 with only 24 bits.
+    /// Largest error of the numbers, divided by the error that single precision allows. For a pair with a small radius,
+    /// the error is larger, because single precision stores its uniform number u near 1 with only 24 bits.
     fn largest_error(words: [u64; PAIRS]) -> f64 {
         let normals = normals(words);
         let errors = words.iter().enumerate().flat_map(|(pair, &word)| {
@@ -119,8 +120,8 @@ mod tests {
         for _ in 0..100_000 {
             let words: [u64; PAIRS] = std::array::from_fn(|_| next());
             assert!(largest_error(words) < 1.0, "{words:x?}");
-            // The radius of a pair is large if its first uniform number is small. The shifts make small numbers more
-            // frequent, without a change of the angles.
+            // The radius of a pair is large if its first uniform number is small. The shifts of the words make small
+            // numbers more frequent and do not change the angles.
             let far = |pair: usize| words[pair] >> (pair * 4) | words[pair] & 0xFFFF_FFFF;
             let far = std::array::from_fn(far);
             assert!(largest_error(far) < 1.0, "{far:x?}");

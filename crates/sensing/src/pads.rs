@@ -9,7 +9,8 @@ use crate::{
     BeyondPads, InvalidSensor, Stream, UniformLattice, direction_at, displacement_between,
 };
 
-/// Smallest pitch, relative to the fingertip's radius. Doubles do not resolve positions on smaller pads.
+/// Smallest pitch, relative to the fingertip's radius. It is limited because doubles do not resolve positions on
+/// smaller pads.
 const FINEST: f64 = 1e-15;
 
 /// The pattern in which pads tile the fingertip.
@@ -134,12 +135,12 @@ impl Pads {
         self.pitch
     }
 
-    /// Rounding error of one end of a shift, relative to the error with square pads of the same pitch: its standard
-    /// deviation per axis, and its largest size along an axis.
+    /// Rounding error of one end of a shift, relative to the rounding error with square pads of the same pitch. The
+    /// first number is for the standard deviation per axis, the second for the largest error along an axis.
     pub fn rounding(&self) -> [f64; 2] {
         match self.tiling {
-            // The second moment of a hexagon is 5/72 pitch², and that of a square is 1/12 pitch². The corners of a
-            // hexagon are 1/√3 pitch from its middle.
+            // The second moment of the area per axis is 5/72 pitch² for a hexagon and 1/12 pitch² for a square. The
+            // corners of a hexagon are 1/√3 pitch from its middle.
             Tiling::Hexagonal => [(5.0_f64 / 6.0).sqrt(), 2.0 / 3.0_f64.sqrt()],
             Tiling::Square | Tiling::Uniform(_) => [1.0; 2],
         }
@@ -158,7 +159,8 @@ impl Pads {
         }
     }
 
-    /// Places the array of pads under a first contact. Random numbers are drawn only if the offset is random.
+    /// Places the array of pads under a first contact. Random numbers are drawn only if the position of the first
+    /// contact on the pads is random.
     pub fn place(&self, stream: &mut Stream) -> PadPlacement {
         PadPlacement(match (&self.tiling, self.offset) {
             (Tiling::Square, PadOffset::Centred) => Placement::Square(Vector2::zeros()),
@@ -181,7 +183,8 @@ impl Pads {
             }
             (Tiling::Uniform(lattice), PadOffset::Random | PadOffset::RandomPerTrial) => {
                 // The first contact is drawn uniformly from a disc with a radius of four pitches. The lattice is not
-                // periodic, but over several pads every position within a pad is equally likely.
+                // periodic, but because the disc covers several pads, every position within a pad is about equally
+                // likely.
                 let reach = (4.0 * self.pitch / self.radius).min(0.5);
                 let (distance, azimuth, turn) = (
                     reach * (0.5 + 0.5 * stream.symmetric_uniform()).sqrt(),
@@ -202,8 +205,9 @@ impl Pads {
         })
     }
 
-    /// The displacement (length) from the centre of the pad at the first contact to the centre of the pad at the
-    /// contact after `displacement`. It is in the tangent basis at the first contact.
+    /// The reading of the pads for a true `displacement` of the contact: the displacement (length) from the centre of
+    /// the pad at the first contact to the centre of the pad at the last contact. It is in the tangent basis at the
+    /// first contact.
     ///
     /// On a square grid, the largest error is half a pitch along each axis if the first contact is centred, and
     /// otherwise one pitch. On hexagons, it is 0.58 pitches for each end that is not centred. On a uniform lattice, it
@@ -255,8 +259,8 @@ impl Pads {
 }
 
 impl Placement {
-    /// Offset of the first contact from the centre of the nearest pad on a square grid, in pitches. For a uniform
-    /// lattice, the result is zero.
+    /// Offset of the first contact from the centre of the nearest pad on a square grid, in pitches. For hexagonal pads
+    /// and for a uniform lattice, the result is zero.
     fn offset(&self) -> Vector2<f64> {
         match self {
             Self::Square(offset) => *offset,

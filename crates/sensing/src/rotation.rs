@@ -39,7 +39,7 @@ impl Encoder {
         rotation.map(|angle| {
             let start = 0.5 * stream.symmetric_uniform();
             let reported = ((angle / self.step_rad + start).round() - start) * self.step_rad;
-            // If the number of steps overflows, the steps are so small that the reading is exact.
+            // If the number of steps overflows, the reading is exact, because the steps are extremely small.
             if reported.is_finite() {
                 reported
             } else {
@@ -48,7 +48,7 @@ impl Encoder {
         })
     }
 
-    /// Standard deviation of the error of a component, rad.
+    /// Standard deviation of the error of each component of a reported rotation, rad.
     pub fn std_rad(&self) -> f64 {
         self.step_rad / 12.0_f64.sqrt()
     }
@@ -85,7 +85,7 @@ impl AngularVelocityError {
         self.fraction
     }
 
-    /// Standard deviation of each component, relative to the angular speed |ω|.
+    /// Standard deviation of the error of each component of the angular velocity, relative to the angular speed |ω|.
     pub fn relative_std(&self) -> f64 {
         self.distribution.std(self.fraction)
     }

@@ -18,8 +18,8 @@ pub fn direction_at(displacement: &Vector2<f64>) -> Vector3<f64> {
 /// The great-circle displacement (logarithm map, radians) from direction `from` to direction `to`, both unit vectors.
 /// The tangent basis at `from` is (x, y) at +z, moved there by the shortest rotation.
 ///
-/// If `from` is +z, the error is at most 1e-15 of the displacement, otherwise 1e-15 radians. Between opposite
-/// directions there are many great circles of the same length; the result is then along x.
+/// If `from` is +z, the error is at most 1e-15 of the displacement, otherwise 1e-15 radians. Opposite directions are
+/// connected by many great circles of the same length. In this case, the result is along x.
 ///
 /// ```
 /// use std::f64::consts::FRAC_PI_2;
@@ -49,7 +49,7 @@ pub fn displacement_between(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector2<f
 }
 
 /// The direction that is reached from a unit `direction` along a great circle by `displacement` (in radians). The
-/// tangent basis is arbitrary, so the function may only be used for displacements without a preferred direction.
+/// tangent basis is arbitrary, so the function may only be used for displacements whose direction is random.
 pub(crate) fn moved_along(direction: &Vector3<f64>, displacement: &Vector2<f64>) -> Vector3<f64> {
     let x = direction.cross(&Vector3::y()).try_normalize(1e-6);
     let x = x.unwrap_or_else(|| direction.cross(&Vector3::x()).normalize());

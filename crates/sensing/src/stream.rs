@@ -10,10 +10,10 @@ use crate::normal_deviates::{PAIRS, normals};
 
 /// The random numbers of one channel in one trial. They depend only on seed, trial and channel.
 ///
-/// The generator is SplitMix64 (Steele, Lea and Flood, 2014), started from a hashed key. Word k is `mix(key + k STEP)`,
-/// so words can be computed in parallel. All streams are parts of one cycle of 2^64 words. Streams of one seed and
-/// channel start at different words. Among n streams of w words, some two overlap with a probability of about `n² w /
-/// 2^64`: 1e-4 for ten million trials of 16 words.
+/// The generator is SplitMix64 (Steele, Lea and Flood, 2014), whose start is a hash of seed, trial and channel. Word k
+/// is `mix(key + k STEP)`, so words can be computed in parallel. All streams are parts of one cycle of 2^64 words.
+/// Streams of one seed and channel start at different words. Among n streams of w words, some two overlap with a
+/// probability of about `n² w / 2^64`: 1e-4 for ten million trials of 16 words.
 ///
 /// ```
 /// use palpate_sensing::{Channel, Stream};
@@ -29,7 +29,7 @@ pub struct Stream {
     state: u64,
 }
 
-/// The odd number nearest to 2^64 divided by the golden ratio.
+/// The odd number that is nearest to 2^64 divided by the golden ratio.
 const STEP: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// A bijection of 64-bit words in which every input bit affects all output bits (the finaliser of SplitMix64).
@@ -60,20 +60,21 @@ impl Stream {
     /// A uniform number in [−1, 1), in steps of 2^−51.
     #[inline(always)]
     pub fn symmetric_uniform(&mut self) -> f64 {
-        // The bits form a double in [2, 4). Subtracting the middle of this range gives a number in [−1, 1).
+        // The random bits form a double in [2, 4). Subtracting the middle of this range gives a number in [−1, 1).
         f64::from_bits(self.next_word() >> 12 | 2_f64.to_bits()) - 3.0
     }
 
-    /// Chooses `count` different numbers out of `0..of`, each with equal probability. If `count` exceeds `of`, returns
-    /// all of them in random order. The function needs memory for `of` numbers and draws one random number per chosen
-    /// number.
+    /// Chooses `count` different numbers out of `0..of`, each with equal probability. If `count` exceeds `of`, the
+    /// function returns all numbers in random order. The function needs memory for `of` numbers and draws one random
+    /// number per chosen number.
     pub fn choose(&mut self, count: usize, of: usize) -> Vec<usize> {
         let mut items: Vec<usize> = (0..of).collect();
         let count = count.min(of);
         for place in 0..count {
             let share = 0.5 * (self.symmetric_uniform() + 1.0);
             let left = of - place;
-            // `share` is below 1, but `share` times `left` may be rounded up to `left`.
+            // The minimum is needed because `share` times `left` may be rounded up to `left`, although `share` is below
+            // 1.
             let offset = ((share * left as f64) as usize).min(left - 1);
             items.swap(place, place + offset);
         }
@@ -229,8 +230,8 @@ mod tests {
             let expected = 0.5 * libm::erfc(-draw * std::f64::consts::FRAC_1_SQRT_2);
             (expected - f64::from(rank) / f64::from(DRAWS)).abs()
         });
-        // Kolmogorov–Smirnov test: for a correct distribution, the distance exceeds 1.95/√n with a probability of
-        // 0.001.
+        // This is a Kolmogorov–Smirnov test. For a correct distribution, the distance exceeds 1.95/√n with a
+        // probability of 0.001.
         assert!(distance.fold(0.0, f64::max) < 1.95e-3);
     }
 
@@ -273,7 +274,8 @@ mod tests {
                 for (i, own) in own.iter().enumerate() {
                     for (j, other) in other.iter().enumerate() {
                         products[i][j] += own * other;
-                        // Products of squares reveal a dependence even if the draws themselves are uncorrelated.
+                        // Also sum the products of the squares, because these reveal a dependence even if the draws
+                        // themselves are uncorrelated.
                         squares[i][j] += (own * own - 1.0 / 3.0) * (other * other - 1.0 / 3.0);
                     }
                 }
@@ -319,7 +321,8 @@ mod tests {
             assert!(chosen[0] != chosen[1] && chosen[1] != chosen[2] && chosen[2] != chosen[0]);
             chosen.iter().for_each(|&one| counts[one] += 1);
         }
-        // The expected count is 30,000, and its standard deviation is sqrt(70,000 · 3/7 · 4/7) = 131.
+        // Each of the seven numbers is expected 30,000 times in 70,000 choices of three. The standard deviation of this
+        // count is sqrt(70,000 · 3/7 · 4/7) = 131.
         assert!(
             counts.iter().all(|count| count.abs_diff(30_000) < 600),
             "{counts:?}"

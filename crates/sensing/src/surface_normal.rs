@@ -78,7 +78,8 @@ mod tests {
                 0.05 * 2.0_f64.sqrt(),
                 max_relative = 0.02
             );
-            // For small angles, the covariance is isotropic, σ² (I − n nᵀ), to second order.
+            // For a small standard deviation σ of the tilt, the covariance of the normal n is isotropic to second
+            // order: σ² (I − n nᵀ).
             let expected = nalgebra::Matrix3::identity() - normal * normal.transpose();
             assert!((square / count / 0.0025 - expected).amax() < 0.03);
         }
@@ -94,7 +95,8 @@ mod tests {
             assert!((read.norm() - 1.0).abs() < 1e-15);
             mean += read / 1e4;
         }
-        // The mean cosine of a Rayleigh-distributed angle is 1 − √2 σ D(σ/√2), with Dawson's integral D; here σ = 3.
+        // The tilt angle has a Rayleigh distribution with σ = 3. The mean of its cosine is 1 − √2 σ D(σ/√2), with
+        // Dawson's integral D.
         let expected = Vector3::x() * -0.1795;
         assert!((mean - expected).norm() < 0.03, "{mean}");
     }

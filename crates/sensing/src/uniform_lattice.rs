@@ -71,7 +71,7 @@ impl UniformLattice {
         let count = self.pads as f64;
         let sine_squared = direction.x * direction.x + direction.y * direction.y;
         // Index of a pad at the depth `1 − z` below the pole. The depth is computed from z or from the sine of the
-        // polar angle, whichever loses fewer digits.
+        // polar angle: the formula is used that loses fewer digits.
         let depth = if direction.z > 0.0 {
             sine_squared / (1.0 + direction.z)
         } else {
@@ -91,8 +91,8 @@ impl UniformLattice {
         let basis = Matrix2::new(signed_azimuth(f0 as u64), signed_azimuth(f1 as u64), f0, f1);
         let mut best = Nearest::new(direction);
         if let Some(inverse) = basis.try_inverse() {
-            // Numbers of steps along the two basis vectors. They are counted from pad 0, which lies at azimuth 0 and
-            // depth 0.
+            // Numbers of steps along the two basis vectors. The steps are counted from pad 0, which lies at azimuth 0
+            // and depth 0.
             let steps = inverse * Vector2::new(azimuth_here, depth);
             let corner = steps.map(f64::floor);
             for along in -1..=2 {
@@ -112,8 +112,8 @@ impl UniformLattice {
                 }
             }
         }
-        // Near the poles, the lattice does not resemble a plane lattice. Only a few pads are there, so compare all of
-        // them.
+        // Near the poles, the lattice does not resemble a plane lattice. There are only a few pads near a pole, so all
+        // of them are compared.
         const POLAR: u64 = 12;
         if depth < POLAR as f64 {
             (0..(2 * POLAR).min(self.pads)).for_each(|index| best.consider(index, self));

@@ -21,7 +21,7 @@ impl Wrist {
     pub fn new(std: f64, radius: f64) -> Result<Self, InvalidSensor> {
         let holds = std >= 0.0 && std.is_finite();
         InvalidSensor::unless(holds, "std", std, "finite and at least 0")?;
-        // Up to this radius, half the circumference is a finite length.
+        // The limit ensures that half the circumference of the fingertip is a finite length.
         let holds = radius > 0.0 && radius <= 1e300;
         InvalidSensor::unless(holds, "radius", radius, "above 0 and at most 1e300")?;
         let holds = std / radius <= 1e150;

@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::Number;
 
-/// A setting that is out of its range. `Words` is the type of the text that states the allowed values.
+/// A setting that is out of its range. `Words` is the type of text in which the allowed values are stated.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error("{setting} is {value}; it must be {expected}", value = Number(*value))]
 pub struct BadSetting<Words = &'static str> {

@@ -12,9 +12,9 @@ pub struct GoodnessOfFit {
     pub chi_squared: f64,
     /// Degrees of freedom: the number of readings and priors that the fit uses, minus the number of fitted parameters.
     pub freedom: usize,
-    /// Probability of a chi-squared at least as large, if the model is correct and the noise is normal with the stated
-    /// size. In this case, the p-value is distributed uniformly from 0 to 1. A small p-value means that the readings
-    /// contradict the model or the stated noise. Without degrees of freedom, the p-value is 1.
+    /// Probability of a chi-squared that is at least as large as this one, if the model is correct and the noise is
+    /// normal with the stated size. In this case, the p-value is distributed uniformly from 0 to 1. A small p-value
+    /// means that the readings contradict the model or the stated noise. Without degrees of freedom, the p-value is 1.
     pub p_value: f64,
 }
 
@@ -29,8 +29,8 @@ impl GoodnessOfFit {
     }
 
     /// Whether the p-value is below [`SIGNIFICANCE_LEVEL`]. If it is, patterns in the residuals must be compared with
-    /// the scatter of the residuals instead of the stated noise. Otherwise, if the stated noise is too small, every
-    /// pattern would be significant.
+    /// the scatter of the residuals instead of the stated noise. In comparison with a stated noise that is too small,
+    /// every pattern would be significant.
     pub fn is_poor(&self) -> bool {
         self.p_value < SIGNIFICANCE_LEVEL
     }

@@ -2,8 +2,8 @@
 
 use crate::{GoodnessOfFit, SIGNIFICANCE_LEVEL};
 
-/// A way in which readings contradict the fitted model. Each p-value is the probability of a contradiction that is at
-/// least as large, if the model is correct.
+/// A way in which readings contradict the fitted model. Each p-value is the probability of a contradiction at least as
+/// large as the observed one, if the model is correct.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Misfit {
     /// The residuals are larger than the noise can explain.
@@ -50,7 +50,7 @@ pub enum StatedQuantity {
     Indentation,
     /// Distance between neighbouring pads.
     Pitch,
-    /// A length that determines the scale of the readings, for example the distance between fingers.
+    /// A length with which all lengths in the readings scale, for example the distance between fingers.
     Scale,
 }
 
@@ -73,8 +73,8 @@ impl Misfit {
         (p_value < level).then_some(Self::PoorFit { p_value })
     }
 
-    /// Returns [`Misfit::Outlier`] for the reading with the smallest of these p-values, if this p-value is significant
-    /// after a correction for the number of p-values (Bonferroni).
+    /// Returns [`Misfit::Outlier`] for the reading with the smallest of these p-values. `None` if this p-value is not
+    /// significant after a correction for the number of p-values (Bonferroni).
     ///
     /// ```
     /// use palpate_statistics::Misfit;
@@ -106,7 +106,7 @@ impl Misfit {
         }
     }
 
-    /// The p-value: the probability of a contradiction that is at least as large, if the model is correct.
+    /// The p-value: the probability of a contradiction at least as large as this one, if the model is correct.
     pub const fn p_value(&self) -> f64 {
         match self {
             Self::PoorFit { p_value }

@@ -19,8 +19,8 @@ pub fn normal_tail(score: f64) -> f64 {
     0.5 * libm::erfc(score * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// The score that a standard normal variable exceeds with this probability. Its absolute error is at most 1e-12. It is
-/// at most [`CERTAIN`]. For a probability that rounds to 1, and for NaN, it is −[`CERTAIN`].
+/// The score that a standard normal variable exceeds with this probability. The absolute error of the score is at most
+/// 1e-12. The score is at most [`CERTAIN`]. For a probability that rounds to 1, and for NaN, it is −[`CERTAIN`].
 ///
 /// ```
 /// assert!((palpate_statistics::score_of_tail(0.025) - 1.959964).abs() < 1e-6);
@@ -54,7 +54,7 @@ mod tests {
         }
     }
 
-    /// The expected probabilities are from mpmath with 50 digits.
+    /// The expected probabilities were computed by mpmath with 50 digits.
     #[test]
     fn far_tails_keep_their_digits_and_no_probabilities_have_the_last_scores() {
         for (score, due) in [

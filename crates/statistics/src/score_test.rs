@@ -1,4 +1,4 @@
-//! Rao's score test. It computes how much chi-squared would decrease if patterns in the residuals were fitted in
+//! Rao's score test. The test computes how much chi-squared would decrease if patterns in the residuals were fitted in
 //! addition to the parameters of the model.
 
 use nalgebra::{DMatrix, DVector};
@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::{chi_squared_tail, ratio_tail};
 
 /// Smallest share of a pattern that the fitted parameters must leave unexplained. Patterns with a smaller share are
-/// skipped, because what is left of them may be due to the model's nonlinearity. Noisy patterns need a larger share.
+/// skipped, because their unexplained part may be due to the model's nonlinearity. Noisy patterns need a larger share.
 pub const LEFT: f64 = 0.02;
 
 /// Decrease of chi-squared, to first order, if patterns were fitted in addition to the parameters of the model.
@@ -22,8 +22,8 @@ impl Explained {
     /// The decrease of chi-squared by some patterns. All patterns are in standard deviations of the readings. `squares`
     /// are the squared norms of the patterns. `left` are the inner products between the parts of the patterns that the
     /// fitted parameters do not explain, and `by_residuals` are the inner products of these parts with the residuals.
-    /// Directions whose unexplained share is smaller than `least` (usually [`LEFT`]) are skipped. If a number is not
-    /// finite, all patterns are skipped.
+    /// Combinations of patterns whose unexplained share is smaller than `least` (usually [`LEFT`]) are skipped. If a
+    /// number is not finite, all patterns are skipped.
     pub fn by(
         squares: &[f64],
         left: &DMatrix<f64>,
@@ -65,8 +65,8 @@ impl Explained {
         chi_squared_tail(self.fall, self.freedom)
     }
 
-    /// P-value of the decrease if the standard deviation of the noise is estimated from the residuals. The residuals
-    /// have this `chi_squared` and these degrees of freedom.
+    /// P-value of the decrease if the standard deviation of the noise is estimated from the residuals. `chi_squared`
+    /// and `freedom` are the chi-squared and the degrees of freedom of the fit without the patterns.
     pub fn p_value_beside(self, chi_squared: f64, freedom: usize) -> f64 {
         let rest = freedom.saturating_sub(self.freedom);
         let below = (chi_squared - self.fall).max(0.0);
@@ -75,8 +75,8 @@ impl Explained {
 }
 
 /// The number of the alternative with the smallest p-value, and this p-value after a correction for the number of
-/// alternatives (Bonferroni). The number may be, for example, the number of a probe. Without alternatives, the result
-/// is (0, 1).
+/// alternatives (Bonferroni). The alternatives may be, for example, the probes that could be outliers. Without
+/// alternatives, the result is (0, 1).
 ///
 /// ```
 /// let found = palpate_statistics::least_likely([(3, 0.5), (7, 0.01)].into_iter());
@@ -105,8 +105,8 @@ mod tests {
 
     #[test]
     fn patterns_that_the_unknowns_take_do_not_count() {
-        // The residuals (1, −1) remain after a mean is fitted. The mean explains the pattern (1, 1) completely, and the
-        // pattern (1, −1) not at all.
+        // A mean was fitted to two readings, and the residuals are (1, −1). The mean explains the pattern (1, 1)
+        // completely, and the pattern (1, −1) not at all.
         let left = DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 0.0, 2.0]);
         let explained = Explained::by(&[2.0, 2.0], &left, &DVector::from_vec(vec![0.0, 2.0]), LEFT);
         assert_eq!((explained.fall, explained.freedom), (2.0, 1));

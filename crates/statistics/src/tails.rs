@@ -23,7 +23,8 @@ pub fn chi_squared_tail(chi_squared: f64, freedom: usize) -> f64 {
     let is_odd = freedom % 2 == 1;
     let first = if is_odd { libm::erfc(half.sqrt()) } else { 0.0 };
     let log = libm::log(half);
-    // Use logarithms, because the powers and exponentials may overflow although their products do not.
+    // Compute the terms from logarithms, because the powers and exponentials may overflow although their products do
+    // not.
     let term = |count: usize| {
         let power = count as f64 + if is_odd { 0.5 } else { 0.0 };
         libm::exp(power * log - half - libm::lgamma(power + 1.0))
@@ -32,10 +33,11 @@ pub fn chi_squared_tail(chi_squared: f64, freedom: usize) -> f64 {
     (first + rest).min(1.0)
 }
 
-/// Largest number of degrees of freedom for which the exact series is summed up.
+/// Largest number of degrees of freedom for which the probability is computed by summing the exact series.
 const MOST_TERMS: usize = 1_000_000;
 
-/// The regularised upper incomplete gamma function Q(a, half) for large `a` (Temme's uniform expansion, DLMF 8.12.4).
+/// The regularised upper incomplete gamma function Q(a, half) for large `a`, computed by Temme's uniform expansion
+/// (DLMF 8.12.4).
 fn many_squares_tail(half: f64, a: f64) -> f64 {
     let beyond = (half - a) / a;
     let square = 2.0 * (beyond - libm::log1p(beyond)).max(0.0);
@@ -72,10 +74,10 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
     if !ratio.is_finite() {
         return 0.0;
     }
-    // The share of one chi-squared in the sum of both has a beta distribution.
+    // The first chi-squared, divided by the sum of both, has a beta distribution.
     let (share, rest) = (ratio / (1.0 + ratio), 1.0 / (1.0 + ratio));
     let [a, b] = [many_below, many_above].map(|freedom| 0.5 * freedom as f64);
-    // Two forms are equivalent. Use the form whose continued fraction converges.
+    // The probability can be computed in two equivalent forms. Use the form whose continued fraction converges fast.
     if rest < (a + 1.0) / (a + b + 2.0) {
         incomplete_beta([rest, share], a, b)
     } else {
@@ -84,8 +86,8 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
     .clamp(0.0, 1.0)
 }
 
-/// Largest number of degrees of freedom that is used. With a larger number, the powers of the ratio lose too many
-/// digits.
+/// Largest number of degrees of freedom that is used. Larger numbers are replaced by this one, because the powers of
+/// the ratio would lose too many digits.
 const MOST_FREEDOM: usize = 1_000_000_000;
 
 /// Half-width of the interval that contains the true value with this probability, in standard errors (Student's t
@@ -110,7 +112,8 @@ pub fn student_half_width(probability: f64, freedom: usize) -> f64 {
         let per_probability = 0.5 * count.sqrt() * libm::exp(log_beta(0.5, 0.5 * count));
         return probability * per_probability;
     }
-    // The square of Student's t is an F-distributed ratio with one degree of freedom in the numerator.
+    // The tail of the F distribution is used, because the square of Student's t has an F distribution with one degree
+    // of freedom in the numerator.
     let is_inside =
         |width: f64| ratio_tail(width * width, 1, freedom as f64, freedom) > 1.0 - probability;
     let mut high = 1.0;
@@ -129,8 +132,8 @@ pub fn student_half_width(probability: f64, freedom: usize) -> f64 {
     high
 }
 
-/// Probability up to which the density of Student's t is treated as constant over the interval. The relative error is
-/// then at most 1e-11.
+/// For probabilities up to this value, the density of Student's t is treated as constant over the interval. The
+/// relative error is then at most 1e-11.
 const STRAIGHT: f64 = 1e-6;
 
 /// The continued fraction has converged if the next factor differs from 1 by less than this value.
@@ -172,8 +175,8 @@ fn incomplete_beta([x, rest]: [f64; 2], a: f64, b: f64) -> f64 {
     front * value
 }
 
-/// Number from which on the logarithm of the gamma function is computed with Stirling's series. The series avoids the
-/// cancellation of large logarithms.
+/// For arguments above this number, the logarithm of the gamma function is computed with Stirling's series. The series
+/// avoids the cancellation of large logarithms.
 const LARGE: f64 = 20.0;
 
 /// Logarithm of the beta function.
@@ -203,7 +206,8 @@ fn rest_of_stirling(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Percentage points of chi-squared from published tables (Abramowitz and Stegun, table 26.8).
+    /// Percentage points of chi-squared from published tables (Abramowitz and Stegun, table 26.8): degrees of freedom,
+    /// chi-squared, and tail probability.
     const POINTS: [(usize, f64, f64); 7] = [
         (1, 3.841_459, 0.05),
         (2, 9.210_340, 0.01),
@@ -225,7 +229,8 @@ mod tests {
         }
     }
 
-    /// Percentage points of F from published tables (Abramowitz and Stegun, table 26.9).
+    /// Percentage points of F from published tables (Abramowitz and Stegun, table 26.9): both degrees of freedom, F,
+    /// and tail probability.
     const RATIOS: [(usize, usize, f64, f64); 8] = [
         (1, 1, 161.447_6, 0.05),
         (1, 12, 4.747_225, 0.05),
@@ -248,7 +253,8 @@ mod tests {
         }
     }
 
-    /// Percentage points of Student's t from published tables (Abramowitz and Stegun, table 26.10).
+    /// Compares half-widths with percentage points of Student's t from published tables (Abramowitz and Stegun, table
+    /// 26.10).
     #[test]
     fn half_widths_are_those_of_tables() {
         for (freedom, probability, half_width) in [
@@ -270,7 +276,8 @@ mod tests {
         for probability in [0.0, -1.0, f64::NEG_INFINITY] {
             assert_eq!(student_half_width(probability, 3), 0.0);
         }
-        // The density of Student's t with 3 degrees of freedom has the value 2/(π√3) at 0.
+        // The half-width of a narrow interval follows from the density at 0. For Student's t with 3 degrees of freedom,
+        // it is 2/(π√3).
         let narrow = student_half_width(1e-9, 3);
         let due = 0.5e-9 * 0.5 * std::f64::consts::PI * 3_f64.sqrt();
         assert!((narrow - due).abs() < 1e-6 * due, "{narrow:e} {due:e}");
@@ -291,7 +298,7 @@ mod tests {
         for ratio in [1e-8, 0.3, 2.0, 70.0, 1e9] {
             let below = ratio_tail(ratio, 2, 2.0, 2);
             assert!((below * (1.0 + ratio / 2.0) - 1.0).abs() < 1e-12, "{below}");
-            // With 2 and n degrees of freedom, the probability P(F > f) is (1 + 2 f/n)^(−n/2).
+            // If F has 2 and n degrees of freedom, the probability that it exceeds f is (1 + 2 f/n)^(−n/2).
             let of_many = ratio_tail(2.0 * ratio, 2, 7.0, 7);
             let exact = libm::exp(-3.5 * libm::log1p(2.0 * ratio / 7.0));
             assert!((of_many / exact - 1.0).abs() < 1e-10, "{of_many} {exact}");
@@ -317,7 +324,7 @@ mod tests {
         }
     }
 
-    /// The expected probabilities are from mpmath with 50 digits.
+    /// The expected probabilities were computed by mpmath with 50 digits.
     #[test]
     fn far_tails_and_many_degrees_keep_their_digits() {
         let is_near = |found: f64, due: f64, bound: f64, what: &str| {
@@ -336,7 +343,7 @@ mod tests {
             let found = chi_squared_tail(sum, freedom);
             is_near(found, due, 1e-12 * due, "chi-squared");
         }
-        // Degrees of freedom just below and above `MOST_TERMS`, and the largest `usize`.
+        // The tested degrees of freedom are just below and above `MOST_TERMS`, and the largest `usize`.
         for (freedom, due) in [
             (999_999, 0.499_811_936_709_362_8),
             (1_000_001, 0.499_811_936_897_426_03),
@@ -362,7 +369,8 @@ mod tests {
             let bound = (1e-14 * below.min(MOST_FREEDOM) as f64).max(1e-10);
             is_near(found, due, bound, "ratio");
         }
-        // Two quantiles have closed forms: with a tangent for one degree of freedom, with a square root for two.
+        // The quantiles of Student's t have closed forms for one degree of freedom (with a tangent) and for two (with a
+        // square root).
         for (probability, of_one, of_two) in [
             (
                 1e-300,

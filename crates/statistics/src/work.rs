@@ -1,8 +1,8 @@
 //! Counters of the computational work of a scene. Tests use them to check, for example, that a scene without noise
 //! draws no random numbers.
 //!
-//! Work is counted for each thread, and only with the feature `count`. Without this feature, every function here is
-//! empty.
+//! Work is counted separately for each thread, and only with the feature `count`. Without this feature, every function
+//! here is empty.
 
 /// Counts of the work on one thread, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,13 +72,13 @@ macro_rules! counters {
 counters! {
     /// Counts random words that were drawn.
     drew => draws;
-    /// Counts motions for which the contact was computed.
+    /// Counts motions of a probe for which the contact was computed.
     rolled => rolls;
-    /// Counts evaluations of derivatives by an integrator.
+    /// Counts evaluations of the contact equations by an integrator.
     derived => derivatives;
     /// Counts searches for the contact of a round tip.
     searched => searches;
-    /// Counts contacts with a layer that were solved.
+    /// Counts contacts with an elastic layer that were solved.
     solved_layer => layers;
     /// Counts images of markers that were computed without pixels.
     projected => projections;

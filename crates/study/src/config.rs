@@ -1,4 +1,4 @@
-//! Study configs: from a TOML text to validated cells.
+//! Reads the configs of studies: from a TOML text to validated cells.
 //!
 //! A config is read in four steps, each in its own file:
 //!

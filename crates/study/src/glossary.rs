@@ -1,4 +1,4 @@
-//! Terms that palpate prints or accepts, with their meanings.
+//! Explains the terms that palpate prints or accepts.
 
 use crate::quantity::Quantity;
 use crate::readings::spelt;
@@ -281,8 +281,8 @@ subjects! {
     }
 }
 
-/// The term, quantity or statistic with this name. Upper and lower case count as equal, and so do hyphens, underscores
-/// and spaces.
+/// Returns the term, quantity or statistic with this name. Upper and lower case count as equal, and so do hyphens,
+/// underscores and spaces.
 ///
 /// ```
 /// use palpate_study::glossary::meaning;

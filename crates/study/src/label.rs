@@ -1,4 +1,4 @@
-//! Names of columns, quantities and units in the words that figures and messages show.
+//! Converts the names of columns, quantities and units to the words that figures and messages show.
 
 use crate::number;
 use crate::quantity::Quantity;
@@ -15,7 +15,7 @@ use crate::quantity::Quantity;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Label {
-    /// The words, without the unit.
+    /// Name of the column in words, without the unit.
     pub words: String,
     /// The unit in the usual notation; empty for a pure number.
     pub unit: String,
@@ -43,7 +43,7 @@ impl Label {
         }
     }
 
-    /// Words and unit together, as on an axis.
+    /// Words and unit together, as in the label of an axis.
     pub fn text(&self) -> String {
         with_unit(&self.words, &self.unit)
     }
@@ -69,7 +69,7 @@ impl Label {
     }
 }
 
-/// The words for the quantity with this name. For an unknown name, this is the name with spaces instead of underscores.
+/// Name in words of the quantity `name`. For an unknown name, this is the name with spaces instead of underscores.
 ///
 /// ```
 /// use palpate_study::label;

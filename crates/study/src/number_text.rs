@@ -4,7 +4,8 @@ use std::fmt;
 
 use palpate_statistics::Number;
 
-/// The shortest text that parses back to the same number, as in tables. A negative zero is written without its sign.
+/// The shortest text that parses to the same number; tables contain this text. A negative zero is written without its
+/// sign.
 ///
 /// ```
 /// use palpate_study::number;
@@ -33,8 +34,8 @@ impl fmt::Display for Shortest {
     }
 }
 
-/// The shortest text that parses back to the same number. Numbers whose magnitude is at least 1e16 or below 1e-4 have
-/// an exponent.
+/// The shortest text that parses to the same number. Numbers whose magnitude is at least 1e16 or below 1e-4 have an
+/// exponent.
 pub fn exact(value: f64) -> String {
     Number(value).to_string()
 }

@@ -66,7 +66,7 @@ impl Unit {
 pub enum QuantityKind {
     /// Estimate from readings, which has an error.
     Estimated,
-    /// Value that is measured or counted. It is not an estimate, so its mean is not called a mean estimate.
+    /// Value that is measured or counted. Such a value is not an estimate, so its mean is not called a mean estimate.
     Measured,
     /// Share of points of a patch, from 0 to 1, at which an estimate is correct.
     Share,
@@ -177,9 +177,8 @@ quantities! {
 }
 
 impl Quantity {
-    /// The curvature, if this quantity is a radius, that is, the inverse of a curvature that can be positive or
-    /// negative. If the trials do not determine the sign of the curvature, the radius has quantiles, but no mean and no
-    /// standard deviation.
+    /// If this quantity is a radius, returns the curvature whose inverse it is; otherwise `None`. If the trials do not
+    /// determine the sign of the curvature, the radius has quantiles, but no mean and no standard deviation.
     pub fn inverse_of(self) -> Option<Self> {
         (self == Self::OBJECT_RADIUS).then_some(Self::OBJECT_CURVATURE)
     }

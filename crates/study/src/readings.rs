@@ -40,8 +40,9 @@ pub enum ColumnUnit {
 }
 
 impl ColumnUnit {
-    /// Factor from this unit to `length`. For a unit that is not a length, this is the factor to the base unit of the
-    /// measure. `None` between the unspecified length `unit` and a metric length, in both directions.
+    /// Factor that converts this unit to the unit `length`. For a unit that is not a length, this is the factor to the
+    /// base unit of the measure. Returns `None` if one of the units is the unspecified length `unit` and the other unit
+    /// is metric.
     pub fn to(self, length: LengthUnit) -> Option<f64> {
         let of_metres = |metres: f64| LengthUnit::M.to(length).map(|factor| factor * metres);
         match self {
@@ -82,7 +83,7 @@ impl Measure {
             (Self::Length, "m" | "metre" | "metres" | "meter" | "meters") => Length(LengthUnit::M),
             (Self::Length, "cm") => Length(LengthUnit::Cm),
             (Self::Length, "mm") => Length(LengthUnit::Mm),
-            // Accept both characters, because the micro sign and the Greek letter mu are different characters.
+            // Accept the micro sign and the Greek letter mu, which look alike but are different characters.
             (Self::Length, "um" | "\u{b5}m" | "\u{3bc}m") => Length(LengthUnit::Um),
             (Self::Length, "nm") => Nanometre,
             (Self::Length, "in" | "inch" | "inches") => Inch,
@@ -122,7 +123,7 @@ impl Measure {
         }
     }
 
-    /// Unit with which the names of columns of this measure end.
+    /// Unit at the end of the column names of this measure; `None` if the names contain no unit.
     const fn in_name(self) -> Option<&'static str> {
         match self {
             Self::Length | Self::Plain => None,
@@ -183,7 +184,7 @@ pub fn spelt(name: &str) -> String {
     words.join("_").to_lowercase()
 }
 
-/// Columns of rolls in tables with one row per probe.
+/// Columns of tables with readings of rolls, one row per probe.
 pub const ROLLS: [Column; 5] = [
     Column::of("probe", Measure::Plain),
     Column::of("rotation_x_rad", Measure::Angle),
@@ -248,7 +249,7 @@ pub fn quaternion_part(name: &str) -> Option<Column> {
     })
 }
 
-/// Columns of rolls in tables that contain a time series for each probe.
+/// Columns of tables with readings of rolls that contain a time series for each probe.
 pub const ROLL_SERIES: [Column; 6] = [
     Column::of("probe", Measure::Plain),
     Column::of("t_s", Measure::Time),
@@ -258,7 +259,7 @@ pub const ROLL_SERIES: [Column; 6] = [
     Column::of("pad_v", Measure::Length),
 ];
 
-/// Columns of glides in tables with one row per contact. The last three columns may be missing.
+/// Columns of tables with readings of glides, one row per contact. The last three columns may be missing.
 pub const GLIDES: [Column; 7] = [
     Column::of("finger", Measure::Plain),
     Column::of("x", Measure::Length),
@@ -269,7 +270,7 @@ pub const GLIDES: [Column; 7] = [
     Column::of("normal_z", Measure::Plain),
 ];
 
-/// Columns of presses in tables with one row per marker. The last two columns may be missing.
+/// Columns of tables with readings of presses, one row per marker. The last two columns may be missing.
 pub const PRESSES: [Column; 5] = [
     Column::of("x", Measure::Length),
     Column::of("y", Measure::Length),
@@ -302,8 +303,8 @@ pub const CALIBRATIONS: [Column; 7] = [
     Column::of("marker", Measure::Plain),
 ];
 
-/// All columns that the readings of this kind of scene may have, each listed once; empty for a kind without tables of
-/// readings.
+/// All columns that the readings of this kind of scene may have, each listed once. The list is empty for a kind without
+/// tables of readings.
 pub fn columns_of(kind: &str) -> Vec<Column> {
     let all: &[&[Column]] = match kind {
         "roll" => &[
@@ -328,7 +329,8 @@ pub fn columns_of(kind: &str) -> Vec<Column> {
     columns
 }
 
-/// Names of the columns in a file, by palpate's names of these columns. Palpate's name may have a unit, such as `x_mm`.
+/// Map from palpate's names of columns to the names of these columns in a file. Palpate's name may have a unit, such as
+/// `x_mm`.
 pub type ColumnNames = BTreeMap<String, String>;
 
 /// Reason why the names of columns are invalid.

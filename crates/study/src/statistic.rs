@@ -14,7 +14,7 @@ use crate::quantity::{Quantity, QuantityKind};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Statistic {
-    /// True value.
+    /// True value of the quantity.
     Truth,
     /// Number of trials.
     Trials,
@@ -164,7 +164,7 @@ impl Statistic {
         }
     }
 
-    /// Whether the statistic has no unit, because it is a share or a count.
+    /// Whether the statistic is a share or a count, so that it has no unit.
     pub const fn is_number(self) -> bool {
         self.is_relative() || self.is_coverage() || matches!(self, Self::Trials | Self::Failures)
     }
@@ -194,7 +194,7 @@ impl Statistic {
         }
     }
 
-    /// Name in words, in which `{}` is replaced by the name of the quantity.
+    /// Name of the statistic in words. The name of the quantity replaces `{}`.
     const fn words(self) -> &'static str {
         match self {
             Self::Truth => "true {}",
@@ -240,8 +240,8 @@ impl Statistic {
         all.into_iter().find(|statistic| statistic.name() == name)
     }
 
-    /// Label of a statistic for one or more quantities. All quantities are of the same kind as the first one, and their
-    /// unit is `unit`, written as in the column `unit`.
+    /// Label of a statistic for one or more quantities. All quantities are of the same kind as the first quantity.
+    /// Their unit is `unit`, written as in the column `unit`.
     pub fn label(self, quantities: &[&str], unit: &str) -> Label {
         let first = quantities.first().and_then(|name| Quantity::named(name));
         let is_measured = first.is_some_and(|first| first.kind != QuantityKind::Estimated);
@@ -264,7 +264,7 @@ impl Statistic {
     }
 }
 
-/// The words at the end of the names that all quantities share, such as `strain of folding`.
+/// The last words that the names of all quantities have in common, such as `strain of folding`.
 fn in_common(quantities: &[&str]) -> String {
     let words: Vec<String> = quantities
         .iter()

@@ -12,8 +12,8 @@ use crate::quantity::Unit;
 /// Column of a table: its name, and the unit and type of its values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// Name in the table's header. It ends with the unit of the column. It has no unit if the numbers have none, or if
-    /// each row has its own unit.
+    /// Name in the table's header. The name ends with the unit of the column, unless the numbers have no unit or each
+    /// row has its own unit.
     pub name: String,
     /// Unit of all numbers of the column: `1` for pure numbers; [`Column::UNIT_OF_ROW`] if each row has its own unit.
     /// `None` for texts, and for parameters of a formula, because the unit of a parameter depends on the formula.
@@ -81,7 +81,7 @@ impl Column {
 }
 
 impl From<String> for Column {
-    /// Column with this name. It may contain numbers or texts, and its unit is unknown.
+    /// Column with this name. The column may contain numbers or texts, and its unit is unknown.
     fn from(name: String) -> Self {
         Self::new(&name, None, ColumnType::Number)
     }
@@ -105,8 +105,8 @@ impl Table {
         }
     }
 
-    /// Adds a row that begins with a whole number. The other numbers are written in the shortest form that parses to
-    /// the same number.
+    /// Adds a row that begins with the whole number `index`. The other numbers are written in the shortest form that
+    /// parses to the same number.
     pub fn push(&mut self, index: usize, numbers: impl IntoIterator<Item = f64>) {
         let index = std::iter::once(index.to_string());
         self.rows
@@ -210,14 +210,14 @@ fn push_field(text: &mut String, field: &str) {
 /// A map: a table with one point per row and the curvature at this point. It is filled field by field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapTable {
-    /// The rows that are finished so far.
+    /// The finished rows of the map.
     pub table: Table,
     /// Fields of the unfinished row.
     row: Vec<String>,
 }
 
 impl MapTable {
-    /// An empty map with these columns.
+    /// Makes an empty map with these columns.
     pub fn new(columns: impl IntoIterator<Item = Column>) -> Self {
         Self {
             table: Table::new(columns),

@@ -51,7 +51,7 @@ pub enum Bound {
 /// Reason why a text is not a target.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TargetError {
-    /// The limit, or the statistic before it, is missing.
+    /// The limit, or the statistic in front of the limit, is missing.
     #[error(
         "{0:?} is not of the form STATISTIC(QUANTITY) <= LIMIT, such as relative_rms_error(mean_curvature) <= 0.05"
     )]
@@ -103,7 +103,7 @@ pub enum TargetError {
     OutOfRange {
         /// Name of the statistic.
         statistic: &'static str,
-        /// Range of its possible values.
+        /// Range of the statistic's possible values.
         range: &'static str,
         /// The limit.
         limit: f64,
@@ -217,7 +217,7 @@ fn quantity_of(name: &str) -> Result<Quantity, TargetError> {
 }
 
 impl Bound {
-    /// The comparison sign that the text of a target has, `<=` or `>=`.
+    /// Comparison sign in the text of a target: `<=` or `>=`.
     pub(crate) fn sign(self) -> &'static str {
         match self {
             Self::AtMost => "<=",

@@ -13,8 +13,8 @@ use crate::runner::Runner;
 use crate::summary::CellStatistics;
 use crate::trial_record::Record;
 
-/// Number of batches. With 32 batches, Student's t distribution is nearly normal, and each batch contains some trials
-/// even if a cell has only 100 trials.
+/// Number of batches. With 32 batches, Student's t distribution of an estimate is nearly normal. On the other hand,
+/// each batch still contains some trials if a cell has only 100 trials.
 const BATCHES: u64 = 32;
 
 /// Statistics of the trials of one cell, in 32 batches of equal size.
@@ -76,7 +76,7 @@ pub struct Estimate {
     pub value: f64,
     /// Values over all trials except one batch, for each batch in turn; empty if the experiment is not random.
     without: Vec<f64>,
-    /// Standard deviation of an additional error that is the same in all batches.
+    /// Standard deviation of an additional error that has the same value in all batches.
     resolution: f64,
 }
 
@@ -91,8 +91,8 @@ impl Batches {
         }
     }
 
-    /// The same batches, but they store only these quantities, and quantiles only if `histograms` is true. This saves
-    /// memory.
+    /// The same batches, but they store only the quantities in `quantities`, and quantiles only if `histograms` is
+    /// true. Storing less saves memory.
     #[must_use]
     pub fn keeping(self, quantities: Vec<usize>, histograms: bool) -> Self {
         Self {
@@ -150,7 +150,7 @@ impl Batches {
 }
 
 impl Estimate {
-    /// The estimate of a function of the statistic; `None` if a value of the function is not finite.
+    /// The estimate of `function` of the statistic; `None` if one of the function's values is not finite.
     pub fn map(&self, function: impl Fn(f64) -> f64) -> Option<Self> {
         let finite = |value: f64| Some(function(value)).filter(|value| value.is_finite());
         let without: Option<Vec<f64>> = self.without.iter().map(|one| finite(*one)).collect();
@@ -161,8 +161,8 @@ impl Estimate {
         })
     }
 
-    /// The same estimate with an additional error of this standard deviation, such as the resolution of a histogram.
-    /// The jackknife cannot estimate this error, because it is the same in all batches.
+    /// This estimate with an additional error whose standard deviation is `resolution`, such as the resolution of a
+    /// histogram. The jackknife cannot estimate this error, because it has the same value in all batches.
     #[must_use]
     pub fn with_resolution(self, resolution: f64) -> Self {
         Self { resolution, ..self }
@@ -205,7 +205,7 @@ impl Estimate {
     }
 }
 
-/// Trials of one batch that must be run.
+/// Trials that must be added to one batch.
 struct Job<'a, T: ?Sized> {
     trial: &'a T,
     trials: Range<u64>,
@@ -231,7 +231,7 @@ impl<T: Trial + ?Sized> Job<'_, T> {
 }
 
 impl Stored {
-    /// Drops the statistics of quantities that are not stored.
+    /// Drops the statistics of quantities that these batches do not store.
     fn drop_others(&self, partial: &mut Partial) {
         for (place, accumulator) in partial.quantities.iter_mut().enumerate() {
             if !self.quantities.contains(&place) {

@@ -25,14 +25,15 @@ pub trait Trial: Sync {
     /// exactly the same numbers as [`Trial::run`], and all these trials must have succeeded. If it returns 0,
     /// [`Trial::run`] runs the next trial.
     ///
-    /// Implement this function if several trials together run faster than one after the other. The default
-    /// implementation returns 0.
+    /// Implement this function if several trials run faster when they are computed together than one after the other.
+    /// The default implementation returns 0.
     fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
         let _ = (trials, record);
         0
     }
 
-    /// Whether different trials of the experiment may have different results. If not, only one trial is run.
+    /// Whether different trials of the experiment may have different results. If all results are equal, only one trial
+    /// is run.
     fn is_random(&self) -> bool {
         true
     }
@@ -79,8 +80,8 @@ pub struct Task {
 
 /// Rule that ends the trials of a cell when a statistic is precise enough.
 ///
-/// The rule is applied after 1, 2, 4, 8 … blocks of trials, in the order of their numbers. So the end of a cell depends
-/// only on the trials, not on the threads.
+/// The rule is applied after 1, 2, 4, 8 … blocks of trials, in the order of their numbers. Therefore the end of a cell
+/// depends only on its trials, not on the number of threads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StoppingRule {
     /// Index of the quantity among the quantities of the trial.
@@ -90,7 +91,7 @@ pub struct StoppingRule {
     /// Relative standard error of the statistic at which the cell ends. It is computed from the scatter between trials,
     /// so several observations of one trial count as one.
     pub relative_standard_error: f64,
-    /// Number of trials before which the rule never ends the cell.
+    /// The rule never ends the cell before this number of trials.
     pub min_trials: u64,
 }
 
@@ -106,7 +107,7 @@ pub enum StoppingStatistic {
 }
 
 impl StoppingRule {
-    /// Whether the trials in `cell` are enough for the rule.
+    /// Whether `cell` contains enough trials for the rule to end the cell.
     pub(crate) fn is_met(&self, cell: &Partial) -> bool {
         let trials = cell.trials;
         trials.is_multiple_of(BLOCK)

@@ -19,7 +19,8 @@ pub(crate) fn student(margin: f64, std: f64, degrees: f64) -> f64 {
         return 0.0;
     }
     let shrunk = (8.0 * degrees + 1.0) / (8.0 * degrees + 3.0);
-    // `grown` is ln(1 + t²/ν). For large t it is computed without t², which may overflow.
+    // `grown` is ln(1 + t²/ν), where t is the margin in standard errors and ν the degrees of freedom. For large t it is
+    // computed without t², which may overflow.
     let grown = match t < 1e150 {
         true => libm::log1p(t * t / degrees),
         false => 2.0 * libm::log(t) - libm::log(degrees),
@@ -40,8 +41,8 @@ pub fn share_at_most(count: u64, of: u64, limit: f64) -> f64 {
     let (all, expected) = (of as f64, limit * of as f64);
     let side = if count as f64 <= expected { 1.0 } else { -1.0 };
     let corrected = count as f64 + 0.5 * side;
-    // If the count differs from the expected count by less than half a trial, the score is 0, because neither side is
-    // more likely.
+    // If the count differs from the expected count by less than half a trial, the score is 0, because the trials do not
+    // show on which side of the limit the probability lies.
     if of == 0 || (corrected - expected) * side >= 0.0 {
         return 0.0;
     }
@@ -64,7 +65,7 @@ pub(crate) fn wilson(share: f64, of: f64) -> (f64, f64) {
     let about = (share + squared / (2.0 * of)) / (1.0 + squared / of);
     let spread = share * (1.0 - share) / of + squared / (4.0 * of * of);
     let half = NORMAL_95 * spread.max(0.0).sqrt() / (1.0 + squared / of);
-    // Limit the interval so that it contains the share, because rounding could exclude it.
+    // Clamp the ends so that the interval contains the share, because rounding errors could exclude the share.
     (
         (about - half).clamp(0.0, share),
         (about + half).clamp(share, 1.0),
@@ -79,7 +80,8 @@ mod tests {
 
     #[test]
     fn students_t_has_the_normal_score_of_its_probability() {
-        // Probabilities P(T > t) of Student's distribution from published tables.
+        // Each entry contains the degrees of freedom, a number t, and the probability P(T > t) of Student's
+        // distribution from published tables.
         for (degrees, t, probability) in [
             (31.0, 1.695_519, 0.05),
             (31.0, 2.039_513, 0.025),

@@ -13,7 +13,7 @@ pub(crate) const UNREPORTED: f64 = -1.0;
 
 /// Observations of one quantity, in the order of the trials.
 ///
-/// If a trial makes several observations, they are summed up as soon as the trial has succeeded, to save memory.
+/// If a trial makes several observations, only their sums are stored after the trial has succeeded, to save memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Column {
     estimates: Vec<f64>,
@@ -31,12 +31,12 @@ pub(crate) struct Column {
     several: Vec<(usize, Sums)>,
     /// Histogram of the errors of the trials that made several observations.
     histogram: Histogram,
-    /// Buffer for errors.
+    /// Buffer for the errors of the observations, which is reused.
     errors: Vec<f64>,
 }
 
 impl Column {
-    /// Adds an observation of the running trial.
+    /// Adds an observation of the trial that is currently running.
     #[inline]
     pub(crate) fn push(&mut self, observation: &Observation) {
         if let Some(holds) = observation.interval_holds {
@@ -132,8 +132,8 @@ impl Column {
         sums
     }
 
-    /// Sums of observations of which each is from a different trial. The errors of the observations remain in
-    /// `self.errors`.
+    /// Sums of the observations with indices in `places`, each of which is from a different trial. After the call,
+    /// `self.errors` contains the errors of these observations.
     fn sums(&mut self, places: Range<usize>) -> Sums {
         let observed = Observed {
             estimates: &self.estimates[places.clone()],

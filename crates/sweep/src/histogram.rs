@@ -3,14 +3,14 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Number of bins per octave and sign, as an exponent of two. An octave is the range between two powers of two.
+/// Binary logarithm of the number of bins per octave and sign. An octave is the range between two powers of two.
 const BIN_BITS: u32 = 7;
 /// Number of stored bits of a float's significand.
 const SIGNIFICAND_BITS: u32 = f64::MANTISSA_DIGITS - 1;
 /// Number of bins per octave, for both signs together.
 const PLACES: usize = 1 << (BIN_BITS + 1);
-/// Up to this number of values, the histogram lists the bin of each value. A list needs less time and memory than
-/// counts per bin.
+/// Largest number of values for which the histogram lists the bin of each value. Such a list needs less time and memory
+/// than counts per bin.
 const FEW: usize = 512;
 /// Number of values whose bins are computed together with vector instructions.
 const CHUNK: usize = 64;
@@ -26,7 +26,7 @@ type Page = [u64; PLACES];
 /// subnormal numbers (below 2.3e-308) have the representative 0.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Histogram {
-    /// Bin of each value. Used while there are at most [`FEW`] values and no counts per bin.
+    /// Bin of each value. It is used while there are at most [`FEW`] values and no counts per bin.
     few: Vec<Bin>,
     /// Exponent bits of the first octave in `pages`.
     first: usize,
@@ -101,7 +101,7 @@ impl Histogram {
         self.pages[place].get_or_insert_with(|| Box::new([0; PLACES]))
     }
 
-    /// Adds the counts of `other`. The addition is exact, so the order does not matter.
+    /// Adds the counts of `other`. The addition is exact, so the order of merging does not matter.
     pub(crate) fn merge(&mut self, mut other: Self) {
         if self.is_listed() && self.few.is_empty() {
             *self = other;
@@ -137,7 +137,7 @@ impl Histogram {
     }
 }
 
-/// Numbers of a histogram, in ascending order.
+/// The numbers that a histogram contains, in ascending order.
 struct Ranked<'a> {
     /// Representatives of the listed bins, in ascending order.
     few: Vec<f64>,
@@ -210,7 +210,7 @@ impl<'a> Ranked<'a> {
     }
 }
 
-/// Adds numbers to the counts per bin, with vector instructions.
+/// Arguments of a function that adds numbers to the counts per bin with vector instructions.
 struct Count<'a> {
     histogram: &'a mut Histogram,
     values: &'a [f64],

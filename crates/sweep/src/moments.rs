@@ -2,10 +2,10 @@
 
 /// Count, mean and sum of squared deviations of some finite numbers.
 ///
-/// Deviations are measured from the first number, so that a small scatter around a large mean is not lost. Cancellation
-/// then multiplies the error at most by the count. Very large or very small numbers are stored in units of a power of
-/// two, so that their squares neither overflow nor underflow. Parts are merged by the formula of Chan, Golub and
-/// LeVeque (1983); the order of merging changes the last bits.
+/// Deviations are measured from the first number. Otherwise a small scatter around a large mean would be lost by
+/// rounding. The remaining rounding error grows at most in proportion to the count. Very large or very small numbers
+/// are stored in units of a power of two, so that their squares neither overflow nor underflow. Parts are merged by the
+/// formula of Chan, Golub and LeVeque (1983); the order of merging changes the last bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Moments {
     count: u64,
@@ -42,7 +42,7 @@ impl Moments {
     }
 
     /// Moments of finite `values`. `sums` contains the sum of the deviations from the first value, and the sum of the
-    /// squared deviations. They are used unless the values need scaling.
+    /// squared deviations. The function uses these sums unless the values are so large or small that they need scaling.
     pub(crate) fn with_sums(values: &[f64], sums: [f64; 2]) -> Self {
         match values.first() {
             Some(&first) if is_ordinary(sums[1]) => {
@@ -63,7 +63,8 @@ impl Moments {
         }
     }
 
-    /// Moments of the absolute values of the same numbers. `mean` is the mean of the absolute values.
+    /// Moments of the absolute values of the numbers whose moments these are. `mean` is the mean of the absolute
+    /// values.
     pub(crate) fn of_magnitudes(&self, mean: f64) -> Self {
         let (signed, mean) = (self.origin + self.mean, mean * power_of_two(-self.exponent));
         let excess = (signed - mean) * (signed + mean) * self.count as f64;
@@ -141,8 +142,8 @@ impl Moments {
 
 /// Number of partial sums that are computed independently, so that the compiler can use vector instructions.
 pub(crate) const LANES: usize = 8;
-/// Limit of the exponents of units. Within ±1000, units are normal floats, and no square of a scaled number overflows
-/// or underflows.
+/// Limit of the exponents of units. For exponents within ±1000, the units are normal floats, and no square of a scaled
+/// number overflows or underflows.
 const MAX_EXPONENT: i32 = 1000;
 /// Numbers from 2^−200 to 2^200 need no scaling. Their fourth powers, and sums of up to 2^60 fourth powers, are normal
 /// floats.

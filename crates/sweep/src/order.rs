@@ -33,8 +33,8 @@ pub struct Order {
 pub enum Repeats {
     /// The number of trials, estimated from groups of trials.
     Found(u64),
-    /// The approximate number of trials. It is computed from a normal distribution of the means, because there are too
-    /// few trials for groups of this size.
+    /// The approximate number of trials. The number is computed for normally distributed means, because there are too
+    /// few trials to form groups of this size.
     About(u64),
     /// No number of trials is enough: the means are in the wrong order, or all estimates are equal.
     Never,
@@ -44,8 +44,7 @@ pub enum Repeats {
 
 /// Smallest number of groups of trials from which a probability is estimated.
 const GROUPS: usize = 256;
-/// Number of uncertain trials at which an estimated variance has a weight of one half. [`interval`] defines which
-/// trials are uncertain.
+/// If this number of trials is uncertain (see [`interval`]), an estimated variance has a weight of one half.
 const HALF_WEIGHT: f64 = 20.0;
 /// Largest number of trials that is returned as an answer; a larger number is reported as unknown.
 const MOST_REPEATS: f64 = 1e9;
@@ -168,8 +167,8 @@ pub fn repeats(
     beyond(&one, &other, limit, confidence, most)
 }
 
-/// Number of trials to average if there are too few groups of trials to estimate it. It is computed from a normal
-/// distribution of the means.
+/// Number of trials to average, if there are too few groups of trials to estimate this number directly. It is computed
+/// for normally distributed means.
 fn beyond(
     one: &[Option<f64>],
     other: &[Option<f64>],
@@ -180,9 +179,9 @@ fn beyond(
     let (Some(one), Some(other)) = (Spread::of(one), Spread::of(other)) else {
         return Repeats::Never;
     };
-    // Each entry contains a distance, the standard deviation of a trial, and the standard error of the distance. It is
-    // the distance between the two means or, with a limit, from one mean to the limit. A distance is positive if the
-    // order is right.
+    // Each entry contains a distance, the standard deviation of a trial, and the standard error of the distance. The
+    // distance is measured between the two means or, with a limit, from one mean to the limit. A distance is positive
+    // if the order is right.
     let separations = match limit {
         None => vec![(
             other.mean - one.mean,
@@ -195,8 +194,8 @@ fn beyond(
     };
     let tail = match limit {
         None => 1.0 - confidence,
-        // Both means must be above the limit, so the probability that one of them is above must be the square root of
-        // the required probability.
+        // Both means must be above the limit. Therefore the probability that a single mean is above the limit must be
+        // the square root of the required probability.
         Some(_) => 1.0 - confidence.max(0.0).sqrt(),
     };
     let score = score_of_tail(tail);
@@ -253,7 +252,7 @@ fn estimates(means: &[TrialMeans]) -> Vec<Option<f64>> {
 
 /// Means of groups of `each` consecutive trials. Failed trials are left out of the means.
 fn means(values: &[Option<f64>], each: usize) -> Vec<Option<f64>> {
-    // An experiment that is not random has one trial.
+    // An experiment that is not random has only one trial, so its mean is the same for any group size.
     if each == 1 || values.len() == 1 {
         return values.to_vec();
     }
@@ -278,8 +277,8 @@ fn sorted(values: &[Option<f64>]) -> Vec<f64> {
 
 fn order(low: &[Option<f64>], high: &[Option<f64>]) -> Order {
     let (sorted_low, sorted_high) = (sorted(low), sorted(high));
-    // Returns two numbers: how many of the other experiment's trials are below `value` (a trial with an equal estimate
-    // counts as half), and how many trials it has.
+    // Returns two numbers for the other experiment: the number of its trials below `value`, and the number of all its
+    // trials. A trial that is equal to `value` counts as half.
     let half_and_above = |sorted: &[f64], value: f64| {
         let [below, up_to] = [
             sorted.partition_point(|other| *other < value),
@@ -344,9 +343,9 @@ fn mean_and_variance(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> (f6
     }
 }
 
-/// Probability with its 95 % interval. The inputs are the variance of the probability and the numbers of trials of both
-/// experiments. Each trial has a share of pairs that are in order. `uncertain` is the smaller of two counts: the trials
-/// with a share below 1, and the trials with a share above 0.
+/// Computes the 95 % interval of a probability from its variance and from the numbers of trials of both experiments.
+/// `uncertain` is the smaller of two numbers: the number of trials for which not all pairs are in order, and the number
+/// of trials for which at least one pair is in order.
 fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [usize; 2]) -> Order {
     let order = |probability: f64, (low, high): (f64, f64)| Order {
         probability,
@@ -361,7 +360,8 @@ fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [us
         return order(probability, (probability, probability));
     }
     // Number of independent trials that would have the same variance. It is at least the number of trials of the
-    // smaller random experiment. If only a few uncertain trials determine the variance, it is only slightly larger.
+    // smaller random experiment. If the variance comes from only a few uncertain trials, it is inaccurate, so the
+    // number is only slightly larger than this minimum.
     let fewest = match (one, other) {
         (1, random) | (random, 1) => random,
         (one, other) => one.min(other),

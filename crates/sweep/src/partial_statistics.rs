@@ -17,7 +17,8 @@ use crate::trial_record::{Record, TrialObservations};
 pub(crate) struct Accumulator {
     /// Histogram of the errors. It can be merged in any order without rounding errors.
     histogram: Histogram,
-    /// Sums of the blocks, in the order of the trials. [`Self::fold`] merges all of them into the first entry.
+    /// Sums of the blocks, in the order of the trials. [`Self::fold`] merges the sums of all blocks into the first
+    /// entry.
     blocks: Vec<Sums>,
 }
 
@@ -77,7 +78,7 @@ impl Partial {
     }
 
     /// Runs the next block, or a part of it if the run is cancelled.
-    #[inline(never)] // instruction counts are measured by its name
+    #[inline(never)] // This function is not inlined, because instructions are counted by its name.
     pub(crate) fn run_block(
         &mut self,
         trial: &dyn Trial,
@@ -161,7 +162,8 @@ impl Slice {
         }
     }
 
-    /// Adds this slice to `partial` as a complete block. The slice must contain all trials of the block.
+    /// Adds this slice as a complete block to `partial`, the statistics of the cell. The slice must contain all trials
+    /// of the block.
     pub(crate) fn end(mut self, partial: &mut Partial) {
         partial.trials += self.trials;
         partial.failures.merge(self.failures);

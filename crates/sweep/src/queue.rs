@@ -7,13 +7,13 @@ use std::time::Duration;
 use crate::cell::BLOCK;
 use crate::cell::Task;
 
-/// Intended time for the trials of a job. It is long compared with the overhead of the queue and short compared with a
-/// run.
+/// Intended time for the trials of a job. This time is long compared with the overhead of the queue and short compared
+/// with a whole run.
 pub const JOB: Duration = Duration::from_millis(4);
 /// Largest number of blocks in a job.
 const MAX_BLOCKS: u64 = 64;
-/// Number of jobs by which fast threads may be ahead of the slowest thread. It limits how many results wait in memory
-/// for the results before them.
+/// Number of jobs by which fast threads may be ahead of the slowest thread. This number limits how many results wait in
+/// memory until earlier results are complete.
 const AHEAD: u64 = 512;
 /// Number of jobs by which fast threads may be ahead, for cells that a rule may end early.
 const AHEAD_WITH_RULE: u64 = 128;
@@ -45,7 +45,7 @@ impl<T, E> Piece<T, E> {
     }
 }
 
-/// Queue of the tasks that still have trials to hand out.
+/// Queue that hands out the trials of the tasks to the threads.
 pub(crate) struct Queue<T, E, F> {
     tasks: u64,
     task: F,
@@ -139,14 +139,15 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         let end = task.trials;
         let fitting = match (has_clock, state.trial_s) {
             (false, _) => MAX_BLOCKS * BLOCK,
-            // The first job has a single trial, to measure the time per trial.
+            // The first job has only one trial. Its time is used to choose the sizes of the following jobs.
             (true, None) => 1,
             (true, Some(trial_s)) => (*left_s / trial_s).clamp(0.0, 1e18) as u64,
         };
         let block_end = (start - start % BLOCK).saturating_add(BLOCK).min(end);
         let to_block = block_end - start;
         // The queue cannot predict at which trial a rule will end a task. Therefore one thread runs all trials of such
-        // a task. Only the last task is shared by all threads, although some of its trials may then be beyond its end.
+        // a task. Only the last task is shared by all threads. Some of its trials may then be run in vain, because a
+        // rule ends the task before them.
         let is_last = has_clock && state.next + 1 == self.tasks;
         let is_whole = task.may_stop && !is_last && start == 0;
         let taken = if is_whole {
@@ -157,7 +158,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
             let blocks = (fitting / BLOCK).clamp(1, MAX_BLOCKS);
             (end - start).min(blocks * BLOCK)
         } else if is_first {
-            // The number of trials is a multiple of 8, because up to 8 trials are run together.
+            // Run a multiple of 8 trials, because up to 8 trials are computed together.
             let whole = if fitting > 8 {
                 fitting - fitting % 8
             } else {

@@ -15,8 +15,8 @@ use crate::cell::{Cell, Task, Trial};
 use crate::stream::{Sweep, SweepOutput};
 use crate::summary::CellStatistics;
 
-/// Returns the time since a computation began. The time must advance: with a clock that stands still, measurements
-/// never end.
+/// Returns the time since a computation began. The returned time must increase, because a measurement only ends after
+/// some time.
 pub type Clock<'a> = dyn Fn() -> Duration + 'a;
 
 /// Settings of a run. They do not change its results.
@@ -37,13 +37,13 @@ pub struct NoThreads {
     source: rayon::ThreadPoolBuildError,
 }
 
-/// Reason why a sweep stopped before its end. `E` is the type of error of setting up a cell.
+/// Reason why a sweep stopped before its end. `E` is the type of the error that occurs if a cell cannot be set up.
 #[derive(Debug, Error)]
 pub enum SweepError<E> {
     /// The operating system could not start the threads.
     #[error(transparent)]
     NoThreads(#[from] NoThreads),
-    /// A cell could not be set up. If this is so for several cells, the error is about the first of them.
+    /// A cell could not be set up. If several cells cannot be set up, this is the error of the first of them.
     #[error("{0}")]
     SetUp(E),
     /// The caller cancelled the run.
@@ -80,8 +80,8 @@ impl Runner {
         Ok(Self { pool, whole_blocks })
     }
 
-    /// Runs all trials of all cells, and returns the statistics of each cell, in order. Each thread calls `progress`
-    /// after each block, with the number of trials in it.
+    /// Runs all trials of all cells, and returns the statistics of each cell, in the order of the cells. After each
+    /// block, the thread that has run it calls `progress` with the number of trials in the block.
     ///
     /// # Panics
     /// Panics if a trial or `progress` panics.
@@ -106,8 +106,8 @@ impl Runner {
         NonZeroUsize::new(threads).unwrap_or(NonZeroUsize::MIN)
     }
 
-    /// Calls `check` on these threads with each number below `count`. If some calls fail, returns the error of the call
-    /// with the smallest number.
+    /// Calls `check` on the worker threads with each number below `count`. If some calls fail, returns the error of the
+    /// call with the smallest number.
     ///
     /// ```
     /// use palpate_sweep::{RunOptions, Runner};
@@ -131,7 +131,8 @@ impl Runner {
         error.map_or(Ok(()), Err)
     }
 
-    /// Calls `of` on these threads with each number below `count`. Returns the results in the order of the numbers.
+    /// Calls `of` on the worker threads with each number below `count`. Returns the results in the order of the
+    /// numbers.
     ///
     /// ```
     /// use palpate_sweep::{RunOptions, Runner};
@@ -150,7 +151,7 @@ impl Runner {
         self.pool.is_some() && !self.whole_blocks
     }
 
-    /// Calls `work` once on each thread.
+    /// Calls `work` once on each worker thread.
     pub(crate) fn everywhere(&self, work: impl Fn() + Sync) {
         match &self.pool {
             Some(pool) => {
@@ -160,7 +161,7 @@ impl Runner {
         }
     }
 
-    /// Calls `work` on one of these threads, so that parallel iterators in `work` use all of these threads.
+    /// Calls `work` on one of the worker threads, so that parallel iterators in `work` use all worker threads.
     pub(crate) fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         match &self.pool {
             Some(pool) => pool.install(work),

@@ -1,6 +1,7 @@
 //! Sums over the observations of a quantity, with the widest vector instructions of the processor.
 //!
-//! Every sum consists of [`LANES`] partial sums. Therefore vectors of any width give the same result to the last bit.
+//! On every processor, a sum is computed from the same [`LANES`] partial sums. Therefore the result is the same to the
+//! last bit for any width of the vectors.
 
 use palpate_statistics::HALF_WIDTHS;
 use pulp::{Arch, Simd, WithSimd, bytemuck};
@@ -9,7 +10,7 @@ use crate::column::UNREPORTED;
 use crate::moments::LANES;
 
 /// Whether all observations are valid: the errors of the estimates are finite, and the standard deviations are finite
-/// and at least 0. The result may be `false` for valid observations if their sum overflows.
+/// and at least 0. The result may be `false` although all observations are valid, namely if their sum overflows.
 pub(crate) fn are_sound(estimates: &[f64], truth: f64, stds: &[f64]) -> bool {
     Arch::new().dispatch(AreSound {
         estimates,
@@ -118,7 +119,8 @@ struct Parts<S: Simd> {
     square: S::f64s,
     half_widths: [S::f64s; 3],
     sums: [[S::f64s; LANES]; SUMS],
-    /// Smallest values so far: of the true values, and of the errors. The next field has the largest values.
+    /// Smallest values so far: the first entry is for the true values, the second for the errors. The next field
+    /// contains the largest values.
     low: [[S::f64s; LANES]; 2],
     high: [[S::f64s; LANES]; 2],
 }
@@ -203,7 +205,7 @@ impl<S: Simd> Parts<S> {
     }
 
     fn totals(&self) -> Totals {
-        // Add 0.0, because this converts −0 to 0.
+        // Adding 0.0 converts −0 to 0.
         let range = |place: usize| {
             let fold = |lanes: &[S::f64s; LANES], of: fn(f64, f64) -> f64| {
                 lanes_of::<S>(lanes).into_iter().reduce(of).unwrap_or(0.0) + 0.0

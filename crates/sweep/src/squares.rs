@@ -25,8 +25,8 @@ pub(crate) struct TrialSquares {
 }
 
 impl TrialSquares {
-    /// Squared errors, each from a different trial. The errors are finite. `plain` contains the sum of (error² − first
-    /// error²), and the sum of the squares of these differences.
+    /// Squared errors of observations that are each from a different trial. The errors must be finite. `plain` contains
+    /// the sum of (error² − first error²) over the observations, and the sum of the squares of these differences.
     pub(crate) fn of_each(errors: &[f64], plain: [f64; 2]) -> Self {
         let Some(&first) = errors.first() else {
             return Self::default();
@@ -163,7 +163,7 @@ mod tests {
         let together = of_trials(&thrice, places).std_of_rms().unwrap();
         assert_relative_eq!(together, once, max_relative = 1e-14);
         assert!(each(&thrice).std_of_rms().unwrap() < 0.6 * once);
-        // These trials differ only in the number of their observations, so the mean square has no scatter.
+        // These trials differ only in the number of their observations, so the standard error of the mean square is 0.
         let alike = of_trials(&[2.0; 9], [0..1, 1..4, 4..5, 5..9]);
         assert!(alike.std_of_rms().unwrap() < 1e-15, "{alike:?}");
     }

@@ -180,7 +180,7 @@ struct Line<'a, S: Sweep> {
     /// Number of the job whose results will be passed on next.
     head: u64,
     open: Option<Open>,
-    /// Number of tasks whose results were passed on.
+    /// Number of tasks whose results have been passed to `take`.
     tasks: u64,
     failed: Option<S::Error>,
     take: &'a mut (dyn FnMut(u64, SweepOutput<S::Result>) -> ControlFlow<()> + Send),
@@ -242,7 +242,8 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
                 None => break,
             }
         }
-        // This thread drops its results, and other threads may wait for these results, so the queue must be stopped.
+        // This thread drops its results. The queue must be stopped, because other threads may wait until these results
+        // have been passed on.
         if self.is_cancelled() {
             self.queue.stop();
         }
@@ -252,7 +253,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Runs the trials of a job. Returns `None` if the run was cancelled before their end.
+    /// Runs the trials of a job. Returns `None` if the run was cancelled before all trials were complete.
     fn run(&self, job: Job<S::Trial, S::Error>, record: &mut Record) -> Option<Vec<Ran<S>>> {
         let mut all = Vec::with_capacity(job.pieces.len());
         let mut trials = 0;
@@ -391,7 +392,7 @@ impl<S: Sweep> Line<'_, S> {
         if self.failed.is_some() {
             return ControlFlow::Break(());
         }
-        // These trials are beyond the end of their task, which a rule has ended already.
+        // The trials of an earlier task are not used, because a rule has ended this task before them.
         if ran.number < self.tasks {
             return ControlFlow::Continue(());
         }

@@ -4,8 +4,8 @@ use crate::moments::Moments;
 use crate::simd_sums::{Observed, Totals, is_covered};
 use crate::squares::TrialSquares;
 
-/// Sums over the observations of one quantity. All statistics except the quantiles are computed from them. They are
-/// merged in the order of the trials.
+/// Sums over the observations of one quantity. All statistics except the quantiles are computed from them. The sums of
+/// several parts are merged in the order of the trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sums {
     /// Smallest and largest true value.
@@ -17,7 +17,8 @@ pub(crate) struct Sums {
     /// Mean absolute error.
     magnitude: f64,
     pub(crate) squares: TrialSquares,
-    /// Two kinds of moments over the trials: of each trial's mean estimate, and of each trial's mean absolute error.
+    /// Moments over the trials. The first entry is for each trial's mean estimate, the second for each trial's mean
+    /// absolute error.
     pub(crate) by_trial: [Moments; 2],
     /// Number of observations with a standard deviation. The next field is the mean of these standard deviations.
     reported: u64,
@@ -63,7 +64,7 @@ impl Sums {
         }
     }
 
-    /// The same sums, if one trial made all of these observations.
+    /// The same sums for the case that a single trial made all of these observations.
     pub(crate) fn of_trial(self) -> Self {
         let means = [self.estimates.mean(), Some(self.magnitude)];
         Self {
@@ -115,7 +116,7 @@ impl Sums {
         }
     }
 
-    /// The true value; `None` if it varies or there are no observations.
+    /// The true value; `None` if it varies between observations or if there are no observations.
     pub(crate) fn truth(&self) -> Option<f64> {
         let [least, most] = self.truths;
         (self.errors.count() > 0 && least == most).then_some(least)
@@ -144,8 +145,8 @@ impl Sums {
     }
 }
 
-/// Mean of numbers. If the usual mean `plain` is finite, it is returned. Otherwise the mean is the sum of number /
-/// count, which cannot overflow except by rounding.
+/// Mean of numbers. If the usual mean `plain` is finite, it is returned. Otherwise the mean is `of_shares`, the sum of
+/// each number divided by the count. This sum cannot overflow except by rounding.
 fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
     match plain.is_finite() {
         true => plain,

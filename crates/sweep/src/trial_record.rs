@@ -86,7 +86,7 @@ impl Observations<'_> {
         self.estimates.len().min(stds)
     }
 
-    /// Number of valid observations before the first invalid one, at most `count`.
+    /// Number of observations before the first invalid observation, at most `count`.
     pub(crate) fn sound(&self, count: usize) -> usize {
         let estimates = &self.estimates[..count];
         let stds = self.stds.map_or(&[][..], |stds| &stds[..count]);
@@ -135,8 +135,9 @@ impl TrialObservations<'_> {
 impl Record {
     /// Records an observation of a quantity in `0..Trial::quantities()`. A trial may record any number of observations.
     ///
-    /// The trial fails as `not-finite` if the error or standard deviation is not finite, as `negative-std` if the standard
-    /// deviation is negative, and as `unknown-quantity` if the quantity is out of range.
+    /// An invalid observation makes the trial fail. The kind of failure is `not-finite` if the error or standard
+    /// deviation is not finite, `negative-std` if the standard deviation is negative, and `unknown-quantity` if the
+    /// quantity is out of range.
     ///
     /// ```
     /// use palpate_sweep::{Cell, Observation, Record, RunOptions, Runner, Trial};
@@ -236,7 +237,7 @@ impl Record {
     }
 
     /// Passes the observations of each trial to `read`. `before` contains the lengths of the columns before the first
-    /// of these trials. All these trials made the same number of observations.
+    /// of the trials. All of the trials made the same number of observations.
     pub(crate) fn pass_on(
         &self,
         trials: Range<u64>,

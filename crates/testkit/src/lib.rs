@@ -18,7 +18,7 @@ pub struct Truth {
     pub centroid_px: [f64; 2],
     /// True hue of the marker, turns.
     pub hue_turns: f64,
-    /// Size in a bright frame, px²; 0 in a dark frame.
+    /// True size of the marker in a bright frame, px²; 0 in a dark frame.
     pub size_px2: f64,
 }
 
@@ -100,7 +100,7 @@ fn covered(disc: [f64; 2], radius: f64, size: usize) -> Vec<(usize, usize, f64)>
     pixels
 }
 
-/// Converts an image to bytes, and adds normal noise with the standard deviation `noise`, in grey levels of 255.
+/// Converts an image to bytes, and adds normal noise. Its standard deviation is `noise` of the 255 grey levels.
 fn bytes(plane: &[[f64; 3]], size: usize, noise: f64, random: &mut Random) -> RgbImage {
     let mut frame = RgbImage::new(size as u32, size as u32);
     for (pixel, colour) in frame.pixels_mut().zip(plane) {
@@ -111,7 +111,7 @@ fn bytes(plane: &[[f64; 3]], size: usize, noise: f64, random: &mut Random) -> Rg
 }
 
 /// A frame of 77 discs of random hues on a dark background with uneven illumination. The noise has a standard deviation
-/// of 3 grey levels, of 255. Outside of a circle around the middle with the radius 0.48 × `size`, there is random
+/// of 3 of the 255 grey levels. Outside a circle around the middle, whose radius is 0.48 × `size`, there is random
 /// clutter.
 pub fn dark(size: usize, seed: u64) -> (RgbImage, Vec<Truth>) {
     let mut random = Random(seed);
@@ -158,13 +158,13 @@ pub struct Bright {
     pub size: usize,
     /// Diameter of a disc, px.
     pub disc_px: f64,
-    /// Distance between the two discs of a marker, in diameters of a disc.
+    /// Distance between the centres of the two discs of a marker, in disc diameters.
     pub apart: f64,
     /// Standard deviation of the blur, px.
     pub blur_px: f64,
     /// Share of light that is lost at the rim of the image.
     pub falloff: f64,
-    /// Standard deviation of the noise, in grey levels of 255.
+    /// Standard deviation of the noise, in grey levels from 0 to 255.
     pub noise: f64,
 }
 

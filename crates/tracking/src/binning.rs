@@ -2,7 +2,7 @@
 
 use image::RgbImage;
 
-/// Largest side of a bin, px. The sum of 16² bytes still fits into 16 bits.
+/// Largest side of a bin, px. The limit ensures that the sum over a bin fits into 16 bits.
 pub(crate) const LARGEST_BIN: usize = 16;
 
 /// Sums of red, green and blue over bins of `bin` by `bin` pixels, row by row. Pixels at the right and at the bottom
@@ -34,7 +34,8 @@ impl BinnedFrame {
                 }
             }
             match bin {
-                // The size of the bin is a compile-time constant, because the loop over a bin is then faster.
+                // Call a function for each size, because the loop over a bin is faster if the size is a compile-time
+                // constant.
                 1 => add_row::<1>(&self.columns, &mut self.sums),
                 2 => add_row::<2>(&self.columns, &mut self.sums),
                 3 => add_row::<3>(&self.columns, &mut self.sums),

@@ -42,9 +42,8 @@ impl Calibration {
     /// A calibration for normal displacements, for tangential displacements, or for both. `markers` is the number of
     /// markers that the sensor shows at rest; `None` if it is not known.
     ///
-    /// # Errors
-    /// [`CalibrationError::TooFewPoints`] if both parts are missing; [`CalibrationError::OutOfRange`] for a number that
-    /// is not finite, or for a slope of 0.
+    /// # Errors [`CalibrationError::TooFewPoints`] if both calibrations are missing; [`CalibrationError::OutOfRange`]
+    /// for a number that is not finite, or for a slope of 0.
     pub fn new(
         normal: Option<NormalCalibration>,
         lateral: Option<LateralCalibration>,
@@ -80,8 +79,8 @@ impl Calibration {
     }
 
     /// Checks the number of markers that a sensor shows at rest. It may differ by 10 % from the number in the
-    /// calibration, because some markers may be hidden. If markers have their own slopes, it must be equal, because
-    /// these slopes are stored by marker index.
+    /// calibration, because some markers may be hidden. If markers have their own slopes, the two numbers must be
+    /// equal, because these slopes are stored by marker index.
     ///
     /// # Errors
     /// [`CalibrationError::AnotherLayout`] if the number of markers does not fit.
@@ -104,8 +103,9 @@ impl Calibration {
     }
 
     /// The displacement of a marker along the skin (length). `normal` is the marker's inward displacement. `shift_px`
-    /// is the shift of its image along the axes at the marker's place, that is, the focal length f times the angle of
-    /// the shift, px. `None` without a calibration for tangential displacements, or if a number is not finite.
+    /// is the shift of the marker's image along the axes at its place, px. It is the focal length (px per radian)
+    /// multiplied by the angle of the shift. `None` without a calibration for tangential displacements, or if a number
+    /// is not finite.
     pub fn tangential(&self, shift_px: [f64; 2], normal: f64) -> Option<[f64; 2]> {
         self.lateral.as_ref()?.read(shift_px, normal)
     }

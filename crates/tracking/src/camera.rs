@@ -6,8 +6,9 @@ use nalgebra::Vector3;
 
 use crate::{CalibrationError, Change, Marker, Track};
 
-/// An equidistant fisheye camera in the centre of a spherical sensor, with its axis through the apex. It images a polar
-/// angle θ at the distance r = f θ from the image's centre; with odd terms, at r = f (θ + k3 θ³ + k5 θ⁵).
+/// An equidistant fisheye camera in the centre of a spherical sensor, with its axis through the apex. A direction at
+/// the angle θ from the axis is imaged at the distance r = f θ from the image's centre, where f is the focal length.
+/// With odd terms, r = f (θ + k3 θ³ + k5 θ⁵).
 ///
 /// A place is a direction from the centre. Its two coordinates are the logarithm map from the apex, in radians: √(x² +
 /// y²) is the angle from the apex, and (x, y) points from the apex to the place. Image columns increase along x, and
@@ -61,8 +62,8 @@ impl Equidistant {
         Err(CalibrationError::out_of_range(what, value, needed))
     }
 
-    /// This camera with odd terms in its lens, r = f (θ + k3 θ³ + k5 θ⁵). Image points beyond the angle at which r
-    /// stops increasing are not valid places.
+    /// This camera with odd terms in its lens, r = f (θ + k3 θ³ + k5 θ⁵). Here r is the distance from the image's
+    /// centre. Image points beyond the angle at which r stops increasing are not valid places.
     ///
     /// # Errors
     /// [`CalibrationError::OutOfRange`] unless `k3` and `k5` lie between -100 and 100.
@@ -109,8 +110,8 @@ impl Equidistant {
     /// Great-circle displacement from one image point to another, rad, along the axes at the first place; 0 if a point
     /// is not a valid place.
     ///
-    /// The distance in pixels divided by f equals this displacement only along the radius of the image. Perpendicular
-    /// to the radius, the image is stretched by the factor θ/sin θ.
+    /// The distance in pixels divided by the focal length equals this displacement only along the radius of the image.
+    /// Perpendicular to the radius, the image is stretched by the factor θ/sin θ.
     fn shift(&self, rest_px: [f64; 2], pressed_px: [f64; 2]) -> [f64; 2] {
         match (self.finite_place(rest_px), self.finite_place(pressed_px)) {
             (Some(rest), Some(pressed)) => great_circle(rest, pressed),
@@ -118,8 +119,9 @@ impl Equidistant {
         }
     }
 
-    /// Change of a tracked marker, corrected for the distortion of the image. The shift is f times the angle of the
-    /// displacement. The growth is half the change of the logarithm of the marker's solid angle.
+    /// Change of a tracked marker, corrected for the distortion of the image. The shift is the focal length (px per
+    /// radian) multiplied by the angle of the displacement. The growth is half the change of the logarithm of the
+    /// marker's solid angle.
     pub fn change(&self, track: &Track) -> Option<Change> {
         let (rest, pressed) = (track.rest?, track.pressed?);
         let change = track.change()?;
@@ -148,7 +150,7 @@ impl Equidistant {
     }
 }
 
-/// Factor θ/sin θ by which an equidistant image enlarges an area at this angle from the camera's axis. Beyond a right
+/// Factor θ/sin θ by which an equidistant image enlarges an area at this angle θ from the camera's axis. Beyond a right
 /// angle, the factor stays constant.
 fn stretching(angle: f64) -> f64 {
     let angle = angle.min(FRAC_PI_2);
@@ -181,7 +183,7 @@ fn frame([x, y]: [f64; 2]) -> [Vector3<f64>; 3] {
 pub(crate) fn great_circle(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     let [start, x_axis, y_axis] = frame(from);
     let [end, ..] = frame(to);
-    // Use the chord, because it is accurate even if it is short.
+    // Compute the angle from the chord between the two places, because this is accurate even for short chords.
     let chord = end - start;
     let [x, y] = [chord.dot(&x_axis), chord.dot(&y_axis)];
     let across = libm::hypot(x, y);
@@ -204,7 +206,7 @@ const MAX_STEPS: usize = 64;
 struct OddTerms {
     k3: f64,
     k5: f64,
-    /// Largest angle, at most half a turn, up to which r increases.
+    /// Largest angle, at most half a turn, up to which the distance from the image's centre increases.
     max_angle: f64,
 }
 
@@ -222,8 +224,8 @@ impl OddTerms {
         }
     }
 
-    /// Largest angle up to which the slope is at least [`MIN_SLOPE`]. It follows from the smallest positive root of 5
-    /// k5 u² + 3 k3 u + 1 − `MIN_SLOPE`, where u = θ².
+    /// Largest angle θ up to which the relative slope of the lens is at least [`MIN_SLOPE`]. It follows from the
+    /// smallest positive root of 5 k5 u² + 3 k3 u + 1 − `MIN_SLOPE`, where u = θ².
     fn first_root(self) -> f64 {
         let (square, linear, constant) = (5.0 * self.k5, 3.0 * self.k3, 1.0 - MIN_SLOPE);
         let inside = linear * linear - 4.0 * square * constant;
@@ -236,8 +238,8 @@ impl OddTerms {
         positive.fold(PI * PI, f64::min).sqrt().min(PI)
     }
 
-    /// The ratios r / (f θ) and r′ / f at an angle θ, where r is the distance from the image's centre and r′ its
-    /// derivative.
+    /// The ratios r / (f θ) and r′ / f at an angle θ from the axis. Here r is the distance from the image's centre, r′
+    /// its derivative with respect to θ, and f the focal length.
     fn stretches(self, angle: f64) -> [f64; 2] {
         let square = angle.min(self.max_angle).powi(2);
         let term =
@@ -245,7 +247,8 @@ impl OddTerms {
         [term(1.0, 1.0), term(3.0, 5.0)]
     }
 
-    /// The angle θ at which r / f equals `scaled`; `None` beyond the largest distance of a valid place.
+    /// The angle from the axis at which the distance from the image's centre, divided by the focal length, is `scaled`.
+    /// `None` beyond the largest distance of a valid place.
     fn angle(self, scaled: f64) -> Option<f64> {
         let (mut low, mut high) = (0.0, self.max_angle);
         let distance = |angle: f64| angle * self.stretches(angle)[0];
@@ -328,8 +331,8 @@ mod tests {
         assert_eq!(camera().with_odd_terms([0.0; 2]).expect("none"), camera());
         assert!(camera().with_odd_terms([f64::NAN, 0.0]).is_err());
         assert!(camera().with_odd_terms([0.0, 1e9]).is_err());
-        // The slope 1 − 3 θ² decreases to 0.01 at θ = 0.574 rad, where r is 0.385 f. Points farther from the middle are
-        // not valid places.
+        // The relative slope 1 − 3 θ² of this lens decreases to 0.01 at the angle θ = 0.574 rad. There, the distance
+        // from the middle of the image is 0.385 focal lengths. Points farther from the middle are not valid places.
         let folded = camera()
             .with_odd_terms([-1.0, 0.0])
             .expect("terms in range");

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::camera::great_circle;
 
-/// A place on the skin and its displacement.
+/// A place on the skin, and the displacement of the skin there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Displaced {
     /// The place at rest: its logarithm map from the apex, rad.
@@ -216,7 +216,7 @@ impl Field {
         let middle = 0.5 * (low + high);
         match count {
             1 => vec![middle],
-            // This form of linear interpolation returns both ends exactly.
+            // Use this form of linear interpolation, because it returns both ends of the range exactly.
             _ => (0..count)
                 .map(|step| step as f64 / (count as f64 - 1.0))
                 .map(|share| low * (1.0 - share) + high * share)
@@ -246,8 +246,8 @@ impl Field {
     }
 
     /// Mean displacement of the skin away from the centre of the contact. The centre is the marker with the largest
-    /// normal displacement. The mean is over the other markers, weighted by their inward displacement. If the skin
-    /// moves outward during a press, it slips on the object, or the object pushes it aside. `None` if no other marker
+    /// normal displacement. The mean is over the other markers, weighted by their inward displacement. A positive
+    /// result means that the skin slips on the object, or that the object pushes it aside. `None` if no other marker
     /// was displaced inward.
     pub fn outward(&self) -> Option<f64> {
         let normals = self.markers.iter().map(|marker| marker.normal).enumerate();
@@ -273,7 +273,8 @@ impl Field {
     }
 }
 
-/// A place as a point of the triangulation. Very small coordinates become 0, because the triangulation rejects them.
+/// A place as a point of the triangulation. Very small coordinates are replaced by 0, because the triangulation rejects
+/// them.
 fn site(place: [f64; 2]) -> Point2<f64> {
     let [x, y] = place.map(|one| if one.abs() < 1e-30 { 0.0 } else { one });
     Point2::new(x, y)
@@ -284,7 +285,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// A 5 x 5 grid of places without displacement.
+    /// The places of a 5 x 5 grid, all without displacement.
     fn still() -> Vec<Displaced> {
         let place = |index: i32| [index % 5, index / 5].map(|step| f64::from(step) * 0.1 - 0.2);
         (0..25)

@@ -41,9 +41,9 @@ impl Found {
 const MIN_SIDE: u32 = 16;
 /// Largest width and height of a frame, px.
 const MAX_SIDE: u32 = 32_768;
-/// Number of bins across the image circle that is enough to find markers.
+/// Number of bins across the image circle. This number is enough to find markers.
 const SQUARES_PER_CIRCLE: f64 = 256.0;
-/// Largest number of shapes in a frame.
+/// Largest number of connected shapes that are accepted in a frame.
 const MAX_SHAPES: usize = 16_384;
 
 /// Finds the markers of frames. The diameter of a marker may be from 1/50 to 1/8 of the image circle's diameter. The
@@ -74,8 +74,8 @@ pub struct Finder {
 impl Finder {
     /// A finder for this image circle and this background. If an argument is `None`, it is estimated from the frame.
     /// The circle is fitted to the rim, which is where the colour of the frame's corners ends. If the rim is not
-    /// approximately a circle, the whole frame is used. The background counts as bright if the darkest green and blue
-    /// values are farther from the median than the brightest values are.
+    /// approximately a circle, the whole frame is used. The background counts as bright if, in green and blue, the
+    /// darkest values are farther from the median than the brightest values.
     pub fn new(circle: Option<Mask>, ground: Option<Ground>) -> Self {
         Self {
             circle,
@@ -133,7 +133,7 @@ impl Finder {
         Ok(found)
     }
 
-    /// Half the side of the structuring element of the top-hat transform, in bins.
+    /// Half the side of the square of the top-hat transform, in bins.
     fn half(&self, mask: &Mask, frame: &RgbImage) -> usize {
         let circle = (2.0 * mask.radius_px).min(f64::from(frame.width().min(frame.height())));
         let half = (circle / 16.0 / self.mask.frame.bin as f64).ceil() as usize;
@@ -149,7 +149,7 @@ impl Finder {
         )
     }
 
-    /// Measures the selected shapes, and keeps only those that are markers.
+    /// Measures the selected shapes, and returns only those that are markers.
     fn measure(
         &mut self,
         frame: &RgbImage,
@@ -201,7 +201,7 @@ impl Finder {
     }
 }
 
-/// Side of a bin for the search, px.
+/// Side of the bins with which markers are searched in a circle of this diameter, px.
 fn bin(circle_px: f64) -> usize {
     ((circle_px / SQUARES_PER_CIRCLE) as usize)
         .clamp(1, LARGEST_BIN.min(circle_px as usize / 16).max(1))

@@ -1,5 +1,5 @@
-//! The background of a frame at lower resolution. It consists of the bins that show the sensor, the top-hat transform
-//! of the frame, and the bins that show the background between the markers.
+//! The background of a frame at lower resolution. The module finds the bins that show the sensor, computes the top-hat
+//! transform of the frame, and finds the bins that show the background between the markers.
 
 use crate::Mask;
 use crate::binning::BinnedFrame;
@@ -63,7 +63,7 @@ impl GroundMask {
     pub(crate) fn estimate_ground(&self) -> Ground {
         let (mut dark, mut bright) = ([0; 256], [0; 256]);
         let share = share_of(self.frame.pixels());
-        // Every third bin is enough for the estimate.
+        // Use only every third bin, because these are enough for the estimate.
         let squares = self.frame.sums.iter().zip(&self.inside).step_by(3);
         for (colour, _) in squares.filter(|(_, inside)| **inside) {
             let [red, green, blue] = colour.map(&share);
@@ -174,14 +174,14 @@ impl GroundMask {
     }
 }
 
-/// Returns a function that divides a sum over `pixels` bytes by their number.
+/// Returns a function that divides a sum over `pixels` bytes by the number of bytes.
 fn share_of(pixels: usize) -> impl Fn(u16) -> u8 {
     let scale = 65_536_u32.div_ceil(pixels as u32);
     move |sum| ((u32::from(sum) * scale) >> 16).min(255) as u8
 }
 
-/// For each brightness of the background, the factor that converts a difference to a share of the background's light,
-/// in units of 1/65,536. The factor is 0 if the background is too dark.
+/// For each brightness of the background, a factor in units of 1/65,536. It converts a brightness difference to a share
+/// of the background's light. The factor is 0 if the background is too dark.
 fn scales() -> [u32; 256] {
     std::array::from_fn(|light| {
         if light < MIN_GROUND_BRIGHTNESS {
@@ -192,7 +192,7 @@ fn scales() -> [u32; 256] {
     })
 }
 
-/// Two classes of pixels, background and markers, and the limit that separates them.
+/// Two classes of pixels, background and markers, and the brightness limit that separates them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Classes {
     /// Limit between the classes. Pixels above this value belong to markers.
@@ -206,8 +206,8 @@ pub(crate) struct Classes {
 }
 
 impl Classes {
-    /// The two classes for which the variance between the classes is largest (Otsu, 1979). The limit is then moved to
-    /// the middle between their means. `None` if all values are equal.
+    /// Divides the pixels into two classes such that the variance between the classes is largest (Otsu, 1979). The
+    /// limit is then moved to the middle between the means of the classes. `None` if all values are equal.
     pub(crate) fn of(histogram: &[u32; 256]) -> Option<Self> {
         let count: f64 = histogram.iter().map(|&count| f64::from(count)).sum();
         let sum: f64 = weighted(histogram);

@@ -17,12 +17,13 @@ const MIN_POINTS_ON_CIRCLE: f64 = 0.5;
 /// Smallest share of the circle along which the rim must be visible. Parts of the circle outside of the frame do not
 /// count.
 const MIN_VISIBLE: f64 = 0.8;
-/// Length of the steps along the circle, in bins. A step counts as visible if it contains a point of the rim.
+/// Length of the steps along the circle, in bins. The rim counts as visible along a step that contains a point of the
+/// rim.
 const STEP: f64 = 4.0;
-/// Largest distance of a point from its circle. It is the first number, in bins, plus the second number times the
-/// radius.
+/// Largest distance of a point of the rim from its circle: the first number (in bins) plus the second number multiplied
+/// by the radius of the circle.
 const MAX_DISTANCE: [f64; 2] = [1.5, 0.01];
-/// Number of circles that are tried. Each goes through three points of the rim.
+/// Number of circles that are tried. Each circle goes through three points of the rim.
 const TRIES: usize = 64;
 /// Largest number of rim points that are used.
 const MAX_POINTS: usize = 256;
@@ -53,8 +54,8 @@ impl Mask {
         }
     }
 
-    /// First column and end column (exclusive) of the pixels of a row that are inside the circle, in a frame of `width`
-    /// columns. The radius of the circle is reduced by `less` px.
+    /// First column (inclusive) and end column (exclusive) of the pixels of a row that are inside the circle. The frame
+    /// has `width` columns. The radius of the circle is reduced by `less` px.
     pub(crate) fn columns(&self, row: f64, less: f64, width: usize) -> (usize, usize) {
         let radius = self.radius_px - less;
         let across = radius * radius - (row - self.centre_px[1]).powi(2);
@@ -211,8 +212,8 @@ impl Circle {
     }
 }
 
-/// The rim of the visible part of the sensor: in each row and in each column, the first and the last bin whose colour
-/// differs from the frame's corners.
+/// The rim of the visible part of the sensor. For each row and each column, it contains the first and the last bin
+/// whose colour differs from the colour of the frame's corners.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rim {
     rows: Vec<Option<[usize; 2]>>,
@@ -221,7 +222,8 @@ pub(crate) struct Rim {
 
 /// Largest colour difference between the corners, in grey levels; full light is 255.
 const MAX_CORNER_DIFFERENCE: f64 = 16.0;
-/// Smallest difference at which a colour counts as another colour, in grey levels; full light is 255.
+/// Smallest difference from the colour of the corners at which a bin counts as part of the sensor, in grey levels; full
+/// light is 255.
 const MIN_DIFFERENCE: f64 = 8.0;
 
 impl Rim {
@@ -255,7 +257,7 @@ impl Rim {
         beyond(&self.rows[y], x) || beyond(&self.columns[x], y)
     }
 
-    /// Points of the rim, in bins. Where the frame's border cuts off the rim, there are no points.
+    /// Points of the rim, in bins. There are no points where the border of the frame cuts off the rim.
     pub(crate) fn points(&self) -> Vec<[f64; 2]> {
         let across = self.rows.iter().enumerate().filter_map(|(y, ends)| {
             let [left, right] = ends.as_ref()?;
@@ -283,7 +285,8 @@ impl Rim {
     }
 }
 
-/// The colour of the corners, as sums over bins. Also the largest difference between a corner bin and this colour.
+/// The colour of the corners, as sums over bins, and the largest difference between the colour of a corner bin and this
+/// colour.
 fn corner_colour(binned: &BinnedFrame) -> Option<([f64; 3], f64)> {
     let (width, height) = (binned.width, binned.height);
     let side = (width.min(height) / 40).max(2);
@@ -331,7 +334,7 @@ fn mean(values: &[[f64; 3]]) -> [f64; 3] {
         .map(|colour| values.iter().map(|value| value[colour]).sum::<f64>() / values.len() as f64)
 }
 
-/// The largest of the absolute differences in red, green and blue.
+/// The largest of the absolute differences between two colours in red, green and blue.
 fn away(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a.iter()
         .zip(b)

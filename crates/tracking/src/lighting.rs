@@ -51,13 +51,14 @@ pub(crate) struct Lighting {
 pub(crate) struct Local {
     value: f64,
     slope: [f64; 2],
-    /// Second derivatives with respect to xx, xy and yy. The derivatives xx and yy are halved.
+    /// Second derivatives: half the derivative with respect to x twice, the mixed derivative, and half the derivative
+    /// with respect to y twice.
     bend: [f64; 3],
 }
 
 impl Local {
-    /// The polynomial in x along the row that is `dy` rows below the place: its constant, linear and quadratic
-    /// coefficients.
+    /// The brightness along the row that is `dy` rows below the place, as a polynomial in x: its constant, linear and
+    /// quadratic coefficients.
     pub(crate) fn row(&self, dy: f64) -> [f32; 3] {
         [
             (self.value + dy * (self.slope[1] + dy * self.bend[2])) as f32,
@@ -157,7 +158,7 @@ impl Lighting {
             .sums
             .chunks_exact(binned.width)
             .zip(ground.chunks_exact(binned.width));
-        // Every second row is enough for the fit.
+        // Use only every second row of bins, because these are enough for the fit.
         for (y, (colours, ground)) in rows.enumerate().skip(1).step_by(2) {
             let stripes = colours
                 .chunks(PATCH)
@@ -224,7 +225,7 @@ impl Lighting {
         }
     }
 
-    /// Deviation of a patch from the fitted light, in standard deviations of the patch's mean.
+    /// Deviation of a patch's mean colour from the fitted light, in standard deviations of this mean.
     fn deviation(&self, patch: &Patch) -> f64 {
         let square: f64 = [0, 1, 2]
             .map(|colour| (self.terms[colour].dot(&patch.terms) - patch.colour[colour]).powi(2))

@@ -14,10 +14,10 @@ pub struct Marker {
     /// Mean of the HSV hues of the marker's pixels, in turns. It is not cyclic: the hue of red is both 0 and 1. Only
     /// pixels with a saturation above 1/4 count; if there are none, the mean is `hue_turns`.
     pub mean_hue_turns: f64,
-    /// Size: the total contrast to the background, px². On a bright background, it is the sum over all pixels of the
-    /// absorbed share of green light plus the absorbed share of blue light. The size of a disc that absorbs all light
-    /// of one colour equals its area. On a dark background, it is the sum of the light that the marker adds to its
-    /// strongest colour, as a share of full scale.
+    /// Size: the total contrast to the background, px². On a bright background, each pixel contributes the absorbed
+    /// share of green light plus the absorbed share of blue light. The size of a disc that absorbs all light of one
+    /// colour equals its area. On a dark background, it is the sum of the light that the marker adds to its strongest
+    /// colour, as a share of full scale.
     pub size_px2: f64,
     /// Number of pixels of the marker's shape.
     pub pixels: u32,

@@ -15,10 +15,11 @@ const MIN_CHROMA: f64 = 0.2;
 /// assigned to its middle. The value was measured on discs of 8 to 26 px radius, with pixels that integrate the light
 /// over their area.
 const EDGE_PX: f64 = 0.067;
-/// Share of the variance of edge pixels that all colours have in common.
+/// Share of the variance of edge pixels that comes from an error which is the same in all colours.
 const COMMON_SHARE: f64 = 0.5;
 
-/// The marker with these sums; `None` if its hue is not that of a marker or a number is out of range.
+/// The marker that follows from these sums; `None` if its hue is outside the range of markers or a number is out of
+/// range.
 pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marker> {
     let weights = weights(sums, ground);
     let light = dot(weights, sums.light);
@@ -48,7 +49,7 @@ pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marke
 pub(crate) fn weights(sums: &Sums, ground: Ground) -> [f64; 3] {
     match ground {
         Ground::Bright => [0.0, 1.0, 1.0],
-        // If all pixels have the same noise, weights that are proportional to the light are optimal.
+        // Weights that are proportional to the light are optimal, because all pixels have the same noise.
         Ground::Dark => sums.light.map(|light| light.max(0.0)),
     }
 }
@@ -149,7 +150,7 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
         add(2, 2, turn * turn * one);
         add(2, 3, turn * size * one);
         add(3, 3, size * size * one);
-        // The error that all pixels of the window have in common.
+        // Effect of the error that all pixels of the window have in common.
         let all = [numbers[0], numbers[1], turn * count, size * count];
         for row in 0..4 {
             for column in row..4 {
@@ -172,7 +173,7 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
     MarkerErrors { covariance }
 }
 
-/// Mean share of light that each pixel of a marker of this radius absorbs or adds.
+/// Mean share of light that a pixel of a marker of this radius absorbs or adds. `light` is the sum over the marker.
 fn share(light: f64, radius_px: f64) -> f64 {
     (light / (std::f64::consts::PI * radius_px * radius_px)).clamp(-1.0, 1.0)
 }

@@ -1,19 +1,19 @@
 //! Matches the markers of a rest frame with the markers of a pressed frame.
 //!
 //! The method uses that neighbouring markers move similarly. In the first step, two markers are matched if each is the
-//! nearest marker to the other, and their distance is below half the distance to the next marker. In the second step,
-//! matches are removed whose displacement differs from the displacement of their neighbours, and each marker is
-//! searched where its matched neighbours predict it. The second step is repeated until nothing changes.
+//! nearest marker to the other, and their distance is below half the distance to the next marker. The second step
+//! removes matches whose displacement differs from the displacement of their neighbours. It then searches each marker
+//! at the place that its matched neighbours predict. The second step is repeated until nothing changes.
 
 use crate::{Marker, Status, Track};
 
-/// Largest distance of a first match, relative to the distance to the next marker.
+/// Largest distance of a match in the first step, relative to the distance to the next marker.
 const FIRST_GATE: f64 = 0.5;
 /// Largest distance of a marker from its predicted place, relative to the distance to the next marker.
 const GATE: f64 = 0.3;
 /// Number of neighbours that predict a marker's place.
 const PREDICTORS: usize = 6;
-/// Largest number of iterations.
+/// Largest number of repetitions of the second step of the method.
 const MAX_ITERATIONS: usize = 8;
 /// Largest relative difference between the size of a merged marker and the sum of the sizes of its parts.
 const SIZE_GATE: f64 = 0.3;
@@ -61,7 +61,7 @@ struct Matching<'a> {
     spacing: Vec<f64>,
     /// Neighbours of each marker of the rest frame, nearest first.
     around: Vec<Vec<usize>>,
-    /// For each marker of the rest frame, the index of the pressed marker that is matched to it.
+    /// For each marker of the rest frame, the index of the matched pressed marker; `None` without a match.
     pairs: Vec<Option<usize>>,
 }
 
@@ -100,7 +100,8 @@ impl<'a> Matching<'a> {
     }
 
     /// Matches markers of the rest frame with pressed markers. Each marker is expected at its place in `places`, and
-    /// may be matched within `gate` times its spacing.
+    /// may be matched with a pressed marker whose distance from this place is at most `gate` times the marker's
+    /// spacing.
     fn pair(&mut self, places: &[[f64; 2]], gate: f64) {
         let away = |at: usize, other: usize| distance(places[at], self.pressed[other].centroid_px);
         let closest = |count: usize, away: &dyn Fn(usize) -> f64| {
@@ -268,7 +269,8 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Whether the size of `whole` equals the total size of the two parts, and its centroid their common centroid.
+    /// Whether the size of `whole` is approximately the total size of the two parts, and its centroid is approximately
+    /// their common centroid.
     fn is_sum(&self, parts: &[([f64; 2], f64); 2], whole: &Marker, spacing: f64) -> bool {
         let size = parts[0].1 + parts[1].1;
         let centre = [0, 1]

@@ -10,11 +10,11 @@ use crate::shapes::{Shape, Window};
 
 /// Width of the ring in which the background is measured, px. The ring surrounds the window of a marker.
 const RING_PX: i32 = 4;
-/// Share of the markers' mean signal. A marker ends where its signal falls below this share.
+/// Signal at which a marker ends, as a share of the mean signal of the markers.
 const END_SIGNAL: f64 = 0.004;
-/// Largest distance between a shape and a saturated pixel that belongs to its marker, px.
+/// Largest distance from a shape at which a saturated pixel still counts as part of the shape's marker, px.
 const HUE_REACH_PX: i32 = 2;
-/// Number of markers with which the program measures how far markers extend beyond their shape.
+/// Number of markers that are used to measure how far markers extend beyond their shapes.
 const SAMPLE_SIZE: usize = 12;
 /// Smallest brightness of the background by which light is divided, in grey levels; full light is 255.
 const MIN_BRIGHTNESS: f32 = 8.0;
@@ -30,10 +30,11 @@ pub(crate) struct Sums {
     pub(crate) count: f64,
     /// Sum of the offsets of the pixels from the point `middle`, px.
     pub(crate) place: [f64; 2],
-    /// Sum of each colour over the pixels. On a bright background, it is the absorbed share of the background's light;
-    /// on a dark background, the added light as a share of full scale.
+    /// Sum over the pixels of the light of each colour. On a bright background, this light is the absorbed share of the
+    /// background's light. On a dark background, it is the added light as a share of full scale.
     pub(crate) light: [f64; 3],
-    /// First moment of each colour about the point `middle`, px, that is, the sum of the shares times the offsets.
+    /// First moment of each colour about the point `middle`, px, that is, the sum of each pixel's light multiplied by
+    /// its offset.
     pub(crate) moment: [[f64; 2]; 3],
     /// Sums of red, green and blue over the pixels that determine the hue. On a bright background, these are all pixels
     /// of the window. On a dark background, they are the pixels of the shape, because the other pixels only add noise.
@@ -102,8 +103,8 @@ struct Offset {
 }
 
 impl Scene<'_> {
-    /// Sums over the window of each shape. They are corrected for the difference between the background around the
-    /// shape and the fitted light.
+    /// Sums over the window of each shape. The sums are corrected for the difference between the fitted light and the
+    /// actual background around the shape.
     pub(crate) fn measure(&self, shapes: &[Shape]) -> Vec<Sums> {
         let mut patches: Vec<Patch> = shapes.iter().map(|shape| self.patch(shape)).collect();
         let reach = self.reach(&mut patches);
@@ -267,8 +268,8 @@ impl Scene<'_> {
         }
     }
 
-    /// For each of red, green and blue, the share of the background's light that a pixel absorbs, or the light that it
-    /// adds as a share of full scale.
+    /// For each of red, green and blue: on a bright background, the share of the background's light that a pixel
+    /// absorbs; on a dark background, the light that it adds, as a share of full scale.
     fn shares(&self, value: [u8; 3], light: &[[f32; 3]; 3], dx: f32) -> [f32; 3] {
         let ground = light.map(|[constant, linear, square]| constant + dx * (linear + dx * square));
         match self.ground {
@@ -341,7 +342,7 @@ impl Scene<'_> {
         (count > 0.0).then(|| sum / count)
     }
 
-    /// Sums of the colours over the pixels of the shape alone, without its surroundings. Also the number of these
+    /// Sums of the colours over the pixels of the shape alone, without its surroundings, and the number of these
     /// pixels.
     fn core(&self, patches: &[Patch], at: usize) -> ([f64; 3], f64) {
         let mut sums = [0.0f32; 4];
@@ -361,8 +362,8 @@ impl Scene<'_> {
         ([red, green, blue], count)
     }
 
-    /// Difference between the fitted light and the background in the ring around a window. A second pass rejects pixels
-    /// that differ too much from the mean of the first pass.
+    /// Difference between the fitted light and the background in the ring around a window. The difference is computed
+    /// twice: the second time, pixels are rejected that differ too much from the first mean.
     fn offset(&self, patches: &[Patch], at: usize) -> Offset {
         let patch = &patches[at];
         let mut ring: Vec<[f32; 3]> = Vec::new();
@@ -414,7 +415,7 @@ impl Scene<'_> {
     }
 
     fn errors(&self, patch: &Patch, offset: &Offset) -> PixelErrors {
-        // The noise cannot be less than the rounding error of whole levels, whose variance is 1/12.
+        // Use at least the rounding error of whole levels, whose variance is 1/12, because the noise cannot be smaller.
         let noise = self.lighting.noise.max(1.0 / 12.0_f64.sqrt());
         PixelErrors {
             window: patch.window.moments(patch.middle),
@@ -461,8 +462,9 @@ impl Patch {
     }
 }
 
-/// Multiplies each difference by the ratio of its true variance to its total variance (empirical Bayes shrinkage). The
-/// reason is that in an evenly lit frame, the fitted light is much more accurate than a few pixels.
+/// Multiplies each difference by the ratio of its true variance to its total variance (empirical Bayes shrinkage). This
+/// is useful because, in an evenly lit frame, the fitted light is much more accurate than the mean of the few pixels
+/// around a marker.
 fn shrink(offsets: &mut [Offset]) {
     for colour in 0..3 {
         let (mut square, mut noise, mut count) = (0.0, 0.0, 0.0);

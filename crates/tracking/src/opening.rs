@@ -14,8 +14,8 @@ pub(crate) struct Opening {
 
 impl Opening {
     /// The opening of the grey image `plane`, whose rows have `width` bytes, by a square of `2 half + 1` pixels a side.
-    /// The middle of the square is only placed where `middles` is true. Pixels for which `inside` is false do not limit
-    /// the square, and the result there is meaningless.
+    /// The middle of the square is only placed where `middles` is true. Pixels for which `inside` is false are ignored,
+    /// and the result at these pixels is meaningless.
     pub(crate) fn open(
         &mut self,
         plane: &[u8],
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     /// The opening by its definition. At each place, it is the maximum over all squares that have an allowed middle and
-    /// contain the place. The value of a square is the minimum inside it.
+    /// contain the place. The value of a square is the smallest brightness inside the square.
     fn by_definition(
         plane: &[u8],
         width: usize,

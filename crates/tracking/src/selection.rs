@@ -19,13 +19,14 @@ const MIN_AREA: usize = 9;
 const AREAS: [f64; 2] = [0.3, 3.0];
 /// Smallest visible area of a cut-off marker, relative to the area of a typical marker.
 const MIN_CUT_AREA: f64 = 0.1;
-/// Area relative to a typical marker above which a shape is split, if possible.
+/// Area above which a shape is split into several markers if possible, relative to the area of a typical marker.
 const SPLIT_AREA: f64 = 1.6;
 /// Largest ratio of a marker's length to its width.
 const MAX_ELONGATION: f64 = 3.0;
 /// Smallest ratio of a marker's area to the area of the ellipse with the same second moments.
 const MIN_FILL: f64 = 0.7;
-/// Share of the 90 % quantile of a shape's values. Pixels above it belong to markers; pixels below it may be shade.
+/// Limit for the pixels of markers, relative to the 90 % quantile of a shape's values. Pixels below this limit may be
+/// shade.
 const STEEP: f64 = 0.6;
 
 impl Selection {
@@ -48,8 +49,8 @@ pub(crate) fn select(
         .into_iter()
         .filter(sized)
         .partition(|shape| is_cut(shape, width, inside));
-    // Near the rim, the light often decreases steeply. The shade there connects several markers to one shape, so use
-    // only the steep parts of such shapes.
+    // Near the rim, the light often decreases steeply. The shade there connects several markers to one shape. Therefore
+    // only the steep parts of such shapes are used.
     let steep: Vec<Shape> = dim
         .iter()
         .flat_map(|shape| steep(shape, top_hat, width))
@@ -87,8 +88,8 @@ pub(crate) fn select(
     }
 }
 
-/// Typical area of a marker. It is the median area of the shapes that may be markers, weighted by area so that specks
-/// have little influence.
+/// Typical area of a marker. It is the median area of the shapes that may be markers, weighted by area. Because of
+/// these weights, specks have little influence.
 fn typical_area(shapes: &[Shape]) -> Option<f64> {
     let mut areas: Vec<usize> = shapes
         .iter()
@@ -127,8 +128,8 @@ fn is_cut(shape: &Shape, width: usize, inside: &[bool]) -> bool {
 }
 
 /// Splits a shape into the pieces that remain above a higher limit and have at least `least` pixels each. Pixels
-/// between the pieces are assigned to the nearest piece. If no limit separates the shape into several pieces, returns
-/// the shape itself.
+/// between the pieces are assigned to the nearest piece. If no limit separates the shape into several pieces, the
+/// function returns the shape itself.
 fn split(shape: Shape, plane: &[u8], width: usize, limit: u8, least: usize) -> Vec<Shape> {
     let greatest = shape.values(plane, width).max().unwrap_or(0);
     let step = (greatest.saturating_sub(limit) / 16).max(1);

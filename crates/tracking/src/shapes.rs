@@ -60,7 +60,7 @@ impl Shape {
             area += length;
             x += length * middle;
             y += length * row;
-            // Second moment of a run of pixels, where each pixel is a square of side 1.
+            // Add the second moment of a run of pixels. Each pixel is a square of side 1.
             xx += length * (middle * middle + length * length / 12.0);
             xy += length * middle * row;
             yy += length * (row * row + 1.0 / 12.0);
@@ -131,8 +131,8 @@ pub(crate) fn join(runs: &[Run], most: usize) -> Option<Vec<Shape>> {
     let mut parents: Vec<usize> = (0..runs.len()).collect();
     let mut above = 0;
     for (at, run) in runs.iter().enumerate() {
-        // `above` never decreases, because a run of the row above that ends left of this run also ends left of all
-        // later runs in this row.
+        // `above` never decreases. If a run of the row above ends left of this run, it also ends left of all later runs
+        // in this row.
         while above < at
             && (runs[above].row + 1 < run.row
                 || runs[above].row + 1 == run.row && runs[above].last + 1 < run.first)

@@ -1,5 +1,5 @@
-//! Builds the programs that palpate is compared with: a virtual Python environment, and compiled programs under the
-//! target directory.
+//! Builds the programs with which palpate is compared: a virtual Python environment for scripts, and compiled programs
+//! under the target directory.
 
 use std::env;
 use std::ffi::OsString;
@@ -12,7 +12,7 @@ use xshell::{Shell, cmd};
 use super::peer_table::Figure;
 use crate::python;
 
-/// List of the Python packages of the peers.
+/// File that lists the Python packages of the peers.
 const REQUIREMENTS: &str = "xtask/peers/requirements.txt";
 /// Environment variables that keep libraries from using several cores.
 const ONE_THREAD: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"];
@@ -36,7 +36,8 @@ pub(crate) struct PeerPrograms<'s> {
     shell: &'s Shell,
     sources: PathBuf,
     directory: PathBuf,
-    /// The Python interpreter with the pinned packages, or the reason why there is none.
+    /// The Python interpreter of an environment with the pinned packages, or the reason why this environment is
+    /// missing.
     python: Result<PathBuf, String>,
 }
 

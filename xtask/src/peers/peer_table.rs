@@ -1,4 +1,4 @@
-//! Times and errors of palpate and of the other programs, and the table that compares them.
+//! Makes the table that compares times and errors of palpate and of the other programs.
 
 use std::fmt;
 
@@ -25,8 +25,7 @@ impl Figure {
     }
 }
 
-/// Median time and median error of each program on each task. They are in the order in which programs and tasks first
-/// appear.
+/// Median time and median error of each program on each task, in the order in which programs and tasks first appear.
 pub(crate) fn medians(figures: Vec<Figure>) -> Vec<Figure> {
     let mut medians: Vec<Figure> = Vec::new();
     for figure in &figures {
@@ -123,7 +122,7 @@ pub(crate) fn rows(
     rows
 }
 
-/// The rows as text for a terminal.
+/// The rows of the table as text for a terminal.
 pub(crate) fn render(rows: &[Row]) -> String {
     let mut text = String::new();
     let mut task = "";
@@ -234,7 +233,7 @@ mod tests {
         assert_eq!(verdict(figure("a", 0.1, 0.1001), 0.0), Verdict::ErrsMore);
         assert_eq!(verdict(figure("a", 0.1, 0.1001), 0.01), Verdict::Met);
         assert_eq!(verdict(figure("a", 0.1, 0.1011), 0.01), Verdict::ErrsMore);
-        // NaN counts as a larger error than any number.
+        // An error of NaN counts as larger than any number, so palpate with such an error fails the comparison.
         assert_eq!(verdict(figure("a", 0.1, f64::NAN), 0.0), Verdict::ErrsMore);
     }
 

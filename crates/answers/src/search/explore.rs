@@ -29,14 +29,15 @@ pub enum EndReason {
 const EXPLORATION_SHARE: f64 = 0.6;
 /// Factor by which the number of trials at an undecided value is increased.
 const GROWTH: f64 = 4.0;
-/// Largest such factor at a crossing of the limit.
+/// Largest factor by which the number of trials is increased at a crossing of the limit.
 const MOST_GROWTH: f64 = 16.0;
-/// Smallest factor. If there is not enough time, the factor is halved down to this value.
+/// Smallest factor by which the number of trials is increased. If the time is not enough for a larger factor, the
+/// factor is halved repeatedly, down to this value.
 const LEAST_GROWTH: f64 = 1.5;
-/// Largest distance between neighbouring values within a crossing, as a share of the crossing's width. If the distance
-/// is larger, a value between them is tested.
+/// Largest distance between neighbouring values within a crossing, as a share of the crossing's width. If two
+/// neighbours are farther apart, a value between them is tested.
 const MAX_SPACING: f64 = 0.34;
-/// Intended width of the range of values that remain undecided, relative to the allowed gap.
+/// Intended width of the range of undecided values within a crossing, as a share of the allowed gap.
 const UNDECIDED_SHARE: f64 = 0.6;
 
 /// Tests values until the crossings of the limit are located accurately enough.
@@ -99,7 +100,7 @@ pub(super) fn explore<C: Curves + ?Sized>(
     }
 }
 
-/// Requests the scores of some cells and values, and stores them.
+/// Requests the scores of some cells at some values, and stores the scores.
 fn request<C: Curves + ?Sized>(
     curves: &mut C,
     points: &mut Points,
@@ -123,9 +124,9 @@ fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
         })
 }
 
-/// Tested values in a row that need more tests.
+/// A sequence of consecutive tested values that needs more tests.
 enum Stretch {
-    /// The first and the last of several consecutive undecided values. The decided values on both sides of them are on
+    /// The first and the last of several consecutive undecided values. The decided values next to this sequence are on
     /// the same side of the target, or the range ends there.
     Open(usize, usize),
     /// Two values on different sides of the target; all tested values between them are undecided.
@@ -194,8 +195,8 @@ fn round(points: &Points, among: SearchRange, rules: &Rules, growth: f64) -> Vec
     asks
 }
 
-/// Adds requests within a crossing. If neighbouring values are too far apart, these are values between them. Otherwise,
-/// they are more trials at the undecided values.
+/// Adds requests within a crossing. If neighbouring values are too far apart, the requests are for values between them.
+/// Otherwise, the requests are for more trials at the undecided values.
 fn closer(
     crossing: &[Point],
     span: &Span,
@@ -233,8 +234,9 @@ fn closer(
     let (Some(first), Some(last)) = (open.first(), open.last()) else {
         return;
     };
-    // Factor on the number of trials that makes the undecided range small enough for the gap. The width of the
-    // undecided range is inversely proportional to the square root of the number of trials.
+    // The number of trials must be multiplied by this factor to make the undecided range small enough for the gap. The
+    // factor is a square, because the width of the undecided range is inversely proportional to the square root of the
+    // number of trials.
     let spacing = wide / (crossing.len() - 1) as f64;
     let open_wide = share(last) - share(first) + spacing;
     let gap = wide * rules.gap / span.gap(low.value, high.value);

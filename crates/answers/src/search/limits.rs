@@ -5,8 +5,8 @@ use std::time::Duration;
 use palpate_statistics::score_of_tail;
 use palpate_sweep::Clock;
 
-/// Share of the error probability for the exploration. The exploration decides about values between the verified ends
-/// of ranges.
+/// Share of the allowed error probability that is used for the exploration. The exploration decides on the values
+/// between the verified ends of ranges.
 const EXPLORATION_SHARE: f64 = 0.2;
 /// Largest number of tests of values in a search.
 pub(super) const MAX_LOOKS: usize = 400;
@@ -14,7 +14,7 @@ pub(super) const MAX_LOOKS: usize = 400;
 pub(super) const SCANNED: usize = 17;
 /// Number of trials of each cell in the first test of a value.
 pub(super) const FIRST: u64 = 64;
-/// Maximum number of attempts to verify an end of a range.
+/// Largest number of attempts to verify an end of a range.
 pub(super) const ATTEMPTS: u32 = 5;
 /// Number of trials in a verification, as a multiple of the number of trials with which the search found the value.
 pub(super) const FRESH: f64 = 2.0;
@@ -22,7 +22,7 @@ pub(super) const FRESH: f64 = 2.0;
 /// Scores and numbers of trials that a search requires.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rules {
-    /// Probability that any part of the answer is wrong.
+    /// Allowed probability that any part of the answer is wrong.
     wrong: f64,
     /// Largest gap that may remain between values that meet the target and values that miss it.
     pub(super) gap: f64,
@@ -30,13 +30,15 @@ pub(super) struct Rules {
     pub(super) most_trials: u64,
     /// Score that all cells must reach at a value that meets the target.
     pub(super) meets: f64,
-    /// Negative score. A value misses the target if the score of one condition in one cell is below it.
+    /// A negative score. A value misses the target if the score of at least one condition in one cell is below this
+    /// score.
     pub(super) misses: f64,
 }
 
 impl Rules {
     pub(super) fn new(gap: f64, most_trials: u64, wrong: f64, cells: usize) -> Self {
-        // If the probability is NaN, 0 or negative, no score is high enough.
+        // If the allowed error probability is NaN, 0 or negative, it is replaced by 0, and then no score is high
+        // enough.
         let wrong = if wrong > 0.0 { wrong.min(1.0) } else { 0.0 };
         let of_look = EXPLORATION_SHARE * wrong / MAX_LOOKS as f64;
         let conditions = 2 * cells.max(1);
@@ -49,8 +51,8 @@ impl Rules {
         }
     }
 
-    /// Score that verifies one end of a range, if `sides` ends must be verified. Attempts are counted from 0. Each
-    /// attempt has half the error probability of the previous attempt.
+    /// Score that fresh trials must reach to verify one end of a range, if `sides` ends must be verified in total.
+    /// Attempts are counted from 0. Each attempt has half the error probability of the previous attempt.
     pub(super) fn verifies(&self, sides: usize, attempt: u32) -> f64 {
         let wrong = (1.0 - EXPLORATION_SHARE) * self.wrong / sides.max(1) as f64;
         let half = (0..=attempt).fold(wrong, |wrong, _| 0.5 * wrong);
@@ -58,11 +60,11 @@ impl Rules {
     }
 }
 
-/// The time and the trials that a search has used so far, and its time budget.
+/// The time and the number of trials that a search has used so far, and its time budget.
 pub(super) struct Effort<'a> {
     clock: &'a Clock<'a>,
     budget: Option<Duration>,
-    /// Duration of the last round, and number of its trials.
+    /// Duration of the last round of trials, and number of trials in this round.
     last: (Duration, u64),
 }
 
@@ -96,7 +98,7 @@ impl<'a> Effort<'a> {
         })
     }
 
-    /// Share of `trials` for which the remaining time is enough, at most 1.
+    /// Part of `trials` for which the remaining time is enough, as a share of at most 1.
     pub(super) fn part(&self, trials: u64) -> f64 {
         self.budget.map_or(1.0, |budget| {
             let left = budget.saturating_sub((self.clock)()).as_secs_f64();

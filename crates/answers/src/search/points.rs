@@ -42,7 +42,7 @@ impl CellScores {
 }
 
 impl Point {
-    /// Index of the cell, and index of the condition, that have the smallest score.
+    /// Indices of the cell and of the condition that have the smallest score of all.
     pub(super) fn worst(&self) -> (usize, usize) {
         let all = self.cells.iter().enumerate().flat_map(|(cell, look)| {
             let scores = look.scores.into_iter().enumerate();
@@ -52,7 +52,7 @@ impl Point {
         least.map_or((0, 0), |(place, _)| place)
     }
 
-    /// Smallest score of all cells.
+    /// Smallest score of all cells and conditions.
     pub(super) fn score(&self) -> f64 {
         let scores = self.cells.iter().map(CellScores::score);
         scores.fold(f64::INFINITY, f64::min)

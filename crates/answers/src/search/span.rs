@@ -50,7 +50,8 @@ impl Span {
         if gap.is_nan() { 0.0 } else { gap }
     }
 
-    /// Position of a value in the range, from 0 (lower end) to 1 (upper end).
+    /// Position of a value in the range, from 0 (lower end) to 1 (upper end). If values are spaced by ratios, positions
+    /// are logarithmic.
     pub(super) fn share(&self, value: f64) -> f64 {
         let share = match self.is_log {
             true => libm::log(value / self.from) / libm::log(self.to / self.from),
@@ -64,7 +65,7 @@ impl Span {
         }
     }
 
-    /// Value at a position from 0 to 1. It is rounded to as many digits as gaps of size `gap` need.
+    /// Value at a position from 0 to 1. It is rounded to a step that is small compared with a gap of size `gap`.
     pub(super) fn at(&self, share: f64, gap: f64) -> f64 {
         let mix = |a: f64, b: f64| a * (1.0 - share) + b * share;
         let value = match self.is_log {
@@ -114,8 +115,8 @@ impl Span {
         values
     }
 
-    /// Value in the middle between two values, rounded to as many digits as gaps of size `gap` need. `None` if no
-    /// rounded value lies between them.
+    /// Value in the middle between two values, rounded to a step that is small compared with a gap of size `gap`.
+    /// `None` if no rounded value lies between `low` and `high`.
     pub(crate) fn between(&self, low: f64, high: f64, gap: f64) -> Option<f64> {
         let middle = 0.5 * self.share(low) + 0.5 * self.share(high);
         Some(self.at(middle, gap)).filter(|value| low < *value && *value < high)

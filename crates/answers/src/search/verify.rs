@@ -27,8 +27,8 @@ struct Candidate {
 struct End {
     run: usize,
     kind: Kind,
-    /// Indices of the values that are tried one after the other. The first one is next to the crossing, and the others
-    /// are further inside the range.
+    /// Indices of the values that are tried one after the other. The first value is next to the crossing of the limit,
+    /// and the others are farther inside the range.
     places: Vec<usize>,
     attempt: u32,
     /// Index of the value at which the end was verified.
@@ -111,12 +111,13 @@ fn place_of(end: &End) -> usize {
     end.places[end.attempt as usize]
 }
 
-/// Requests for the verification of an end. If the range meets the target, all cells are requested, otherwise only the
-/// cell with the smallest score.
+/// Requests for trials that verify an end of a range. If the range meets the target, scores of all cells are requested,
+/// otherwise only the score of the cell with the smallest score.
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];
-    // The value with the smallest score cannot be moved, so the next attempt tests it with more trials.
+    // A range without ends is verified at the value with the smallest score. The next attempt tests the same value with
+    // more trials, because there is no better place.
     let again = match end.kind {
         Kind::Weakest => FRESH * f64::from(end.attempt + 1),
         Kind::Low | Kind::High => FRESH,
@@ -133,8 +134,8 @@ fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<Sc
     }
 }
 
-/// The ranges of neighbouring values on the same side of the target. Listed values have no neighbours, so each of them
-/// is a range of its own.
+/// The ranges of neighbouring values on the same side of the target. Listed values have no neighbours, so each listed
+/// value forms its own range.
 fn candidates(points: &Points, among: SearchRange, rules: &Rules) -> Vec<Candidate> {
     let mut found: Vec<Candidate> = Vec::new();
     for (place, side) in points.sides(rules).into_iter().enumerate() {
@@ -172,7 +173,7 @@ fn ends(points: &Points, found: &[Candidate], among: SearchRange, rules: &Rules)
             continue;
         };
         let value = |place: usize| points.points[place].value;
-        // Consecutive values to try are at least half a gap apart.
+        // Try only values that are at least half a gap apart.
         let apart = |places: &mut dyn Iterator<Item = usize>| {
             let mut kept: Vec<usize> = Vec::new();
             for place in places {

@@ -72,7 +72,7 @@ impl Trial for Noisy {
 /// Scale of the errors and share of failures, as a function of the searched value.
 type Curve = fn(f64) -> (f64, f64);
 
-/// Curve of the rms error of such trials. The target is an rms error of at most 1 with at most 5 % failures.
+/// Curve of the rms error of [`Noisy`] trials. The target is an rms error of at most 1 with at most 5 % failures.
 struct Noise<'a> {
     runner: &'a Runner,
     seed: u64,
@@ -189,7 +189,7 @@ fn a_crossing_is_bracketed_closely_and_rightly() {
         most = most.max(curve.trials);
     }
     assert!(right >= 29, "{right} of 30 are right");
-    // If many ranges had to be narrowed, the search would decide too early during its exploration.
+    // Few ranges may be narrowed: if many were, the search would decide too early during its exploration.
     assert!(narrowed <= 6, "{narrowed} of 30 were narrowed");
     assert!(most < 2_000_000, "{most} trials");
 }
@@ -228,7 +228,7 @@ fn every_crossing_is_found() {
 #[test]
 fn failures_belong_to_the_target() {
     let runner = runner(2);
-    // The errors are always small, so that only failures can cause a miss of the target.
+    // The errors are always small. Therefore a value can only miss the target because of its failures.
     let curve: Curve = |x| (0.1, x);
     let mut curve = Noise::new(&runner, 2, &[curve]);
     let found = searched(&mut curve, span(0.001, 1.0), MOST);
@@ -312,7 +312,8 @@ fn whole_numbers_and_lists() {
 
 #[test]
 fn fresh_trials_that_disagree_narrow_the_answer() {
-    /// Fresh trials meet the target at values below `fresh_below`, all other trials at values below 1.
+    /// Scores that contradict each other: fresh trials meet the target at values below `fresh_below`, all other trials
+    /// at values below 1.
     struct Disagreeing {
         fresh_below: f64,
     }
@@ -344,7 +345,8 @@ fn fresh_trials_that_disagree_narrow_the_answer() {
     let moved = found(0.9);
     assert_eq!((moved.narrowed, moved.runs.len()), (1, 2));
     assert!(moved.runs[0].to < 0.9 && moved.runs[1].from < 1.05);
-    // Fresh trials meet the target at no value, so that the search drops the range of values that seemed to meet it.
+    // Fresh trials meet the target at no value, so the search drops the range of values that met the target in its
+    // exploration.
     let lost = found(0.0);
     assert_eq!((lost.narrowed, lost.runs.len()), (1, 1));
     assert_eq!(lost.runs[0].side, Side::Misses);
@@ -353,7 +355,7 @@ fn fresh_trials_that_disagree_narrow_the_answer() {
 #[test]
 fn a_budget_ends_the_search_and_leaves_time_to_verify() {
     let runner = runner(1);
-    // Each trial takes one microsecond.
+    // The clock of this test advances by one microsecond per trial.
     let trials = AtomicU64::new(0);
     struct Timed<'a>(Noise<'a>, &'a AtomicU64);
     impl Curves for Timed<'_> {

@@ -14,7 +14,7 @@ use crate::timing::Evaluation;
 pub const SCENES: u64 = 50;
 /// Largest allowed ratio of the chosen model's cost to the cost of the cheapest model within the tolerance.
 pub(super) const MAX_COST_RATIO: f64 = 2.0;
-/// Ratio of evaluations of the contact equations above which one roll certainly costs more than another.
+/// One roll certainly costs more than another if it evaluates the contact equations more than this many times as often.
 const MAX_EVALUATION_RATIO: usize = 3;
 
 /// A random scene with the model that `auto` chose, and the models that it could have chosen.
@@ -129,7 +129,7 @@ impl AutoChoice {
     }
 }
 
-/// A computation that can be repeated. It returns its number of contacts or markers.
+/// A computation that can be repeated. It returns the number of contacts or markers that it has computed.
 type Computation = Box<dyn FnMut() -> Result<usize>>;
 
 /// The computation of the true values of the first cell's scene with the model `rung`. It contains no other work.

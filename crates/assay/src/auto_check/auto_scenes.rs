@@ -45,7 +45,7 @@ pub fn config_text(kind: Kind, number: u64) -> String {
     )
 }
 
-/// An object that a probe of radius `r` touches at one point, as config text. Also the largest allowed distance of a
+/// An object that a probe of radius `r` touches at one point, as config text, and the largest allowed distance of a
 /// contact from the object's middle.
 fn object(draws: &mut Draws, kind: usize, r: f64) -> (String, f64) {
     let size = r * draws.log_between(0.5, 30.0);
@@ -151,8 +151,8 @@ fn glide(mut draws: Draws) -> String {
     )
 }
 
-/// Config of a press. For some presses, on thick layers, the cheapest model is accurate enough. For others, the rigid
-/// base of a thin layer dominates the contact.
+/// Config of a press. Some presses are on layers so thick that the cheapest model is accurate enough. Others are on
+/// layers so thin that their rigid base dominates the contact.
 fn press(mut draws: Draws) -> String {
     let radius = draws.log_between(1.0, 1e2);
     let size = radius * draws.log_between(1.0, 30.0);

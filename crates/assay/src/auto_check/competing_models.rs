@@ -1,5 +1,5 @@
-//! Models that `auto` could have chosen, and their errors relative to independent references. There are more settings
-//! than in the list of models of `palpate check`.
+//! Models that `auto` could have chosen, and their errors relative to independent references. They have more different
+//! settings than the models that `palpate check` lists.
 
 use anyhow::{Result, bail};
 use nalgebra::Point3;
@@ -16,13 +16,13 @@ use palpate_study::config::{
 use crate::contact_reference::{tip_on_ellipsoid, tip_on_quadric, tip_on_waves};
 use crate::paraboloid_reference::{Body, ParaboloidPress};
 
-/// Numbers of steps of RK4 that are compared.
+/// Numbers of steps for which models with RK4 are compared.
 const STEPS: [u32; 19] = [
     1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 32, 40, 48, 56, 64,
 ];
-/// Negative decimal exponents of the tolerances of DOP853 and of Newton's method: 1 means 0.1.
+/// Negative decimal exponents of the compared tolerances of DOP853 and of Newton's method; 1 means a tolerance of 0.1.
 const TOLERANCES: std::ops::RangeInclusive<i32> = 1..=13;
-/// Difference below which two distances from the contact count as equal, relative to the sensor's radius.
+/// Largest difference at which two distances from the contact count as equal, relative to the sensor's radius.
 const DISTANCE_TOLERANCE: f64 = 1e-9;
 
 /// A model that `auto` could have chosen.
@@ -98,7 +98,8 @@ fn roll_models(study: &Study) -> Result<CompetingModels> {
 }
 
 /// Reference for rolls. It uses Montana's equations in the charts of both bodies, with coordinates, metrics and
-/// Christoffel symbols. The models under test use other quantities: a normal and a shape operator in 3D.
+/// Christoffel symbols. The reference is independent, because the models under test use other quantities: a normal and
+/// a shape operator in 3D.
 const TRUE_ROLL: Model = Model::Dop853 {
     tolerance: Model::SMALLEST_TOLERANCE,
     chart: Chart::Montana(HeldAxis::Transported),
@@ -116,7 +117,8 @@ fn ends(roller: &Roller, model: Model, rolls: Rolls<'_>) -> Result<Vec<Point3<f6
     Ok(ends)
 }
 
-/// Length scale of the contact: the smallest initial displacement of the contact per radian of rolling.
+/// Length scale of the contact: the distance that the contact moves per radian at the start of a roll, in the direction
+/// in which this distance is smallest.
 fn length_scale(roller: &Roller) -> Result<f64> {
     let first = roller.first_contact();
     let (_, curvature) = roller
@@ -127,14 +129,14 @@ fn length_scale(roller: &Roller) -> Result<f64> {
     Ok(1.0 / (1.0 / roller.probe().radius() + sharpest))
 }
 
-/// The largest distance between the two points of a pair.
+/// The largest distance between two points that form a pair.
 fn farthest<'a>(pairs: impl Iterator<Item = (&'a Point3<f64>, &'a Point3<f64>)>) -> f64 {
     pairs.fold(0.0, |most: f64, (one, other)| {
         most.max((one - other).norm())
     })
 }
 
-/// Config of a model of rolls.
+/// The config of a roll model.
 fn named(model: Model) -> Result<RollModelConfig> {
     let chart = config::Chart::Free;
     Ok(match model {
@@ -149,8 +151,8 @@ fn named(model: Model) -> Result<RollModelConfig> {
     })
 }
 
-/// Models of a glide. The reference for Newton's method is the offset surface or the closed form. The reference for the
-/// closed form is Newton's method.
+/// Models of a glide. Newton's method is compared with the closed form of the offset surface or of the model. The
+/// closed form of the model is compared with Newton's method.
 fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels> {
     let newton = |tolerance| GlideModelConfig::Newton { tolerance };
     let mut models = vec![GlideModelConfig::ClosedForm {}];
@@ -237,7 +239,7 @@ fn true_touches(config: &GlideConfig, tip: f64) -> Option<Vec<Point3<f64>>> {
     Some(centres.map(|centre| Point3::from(touch(centre))).collect())
 }
 
-/// Models of a press. The reference for all of them is a quadrature.
+/// Models of a press. All of them are compared with a quadrature over wavenumbers.
 fn press_models(config: &PressConfig, ladder: &Ladder) -> Result<CompetingModels> {
     let PressProbeConfig::MarkerSphere {
         radius,

@@ -9,10 +9,10 @@ use super::random_scene::RandomScene;
 /// Kind of error of a press whose readings the assumed soft body cannot explain. It counts as a warning.
 const REJECTED: &str = "other-body";
 
-/// Number of trials for each kind of warning or error.
+/// For each kind of warning or error, the number of trials with it.
 type NameCounts = BTreeMap<&'static str, f64>;
 
-/// Counts over the trials of a scene.
+/// Counts of warnings, errors and intervals that contain the true value, over the trials of a scene.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SceneCoverage {
     trials: f64,
@@ -179,8 +179,8 @@ mod tests {
         scene.count(Err("other-body"), &[]);
         scene.count(Err("no-contact"), &[]);
         let score = Score::new(&[scene]);
-        // The second quantity has the lower coverage. In four trials it has two estimates, and one of their 95 %
-        // intervals contains the true value.
+        // The score is the coverage of the second quantity, because it is lower. Of four trials, two have an estimate
+        // of this quantity, and only one 95 % interval contains the true value, so the coverage is 1/4.
         assert_eq!((score.coverage, score.lowest), ([0.0, 0.0, 0.25], 0.25));
         assert_eq!((score.failed, score.warned), (0.5, 0.667));
         assert_eq!(score.failures, "no-contact 0.25 other-body 0.25");

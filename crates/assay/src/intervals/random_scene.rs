@@ -12,8 +12,8 @@ use serde_json::json;
 
 use crate::random_draws::Draws;
 
-/// Name of the field that limits the curvature of random surfaces: of surfaces with waves or, if its range contains
-/// negative values, of balls and dishes.
+/// Name of the field for the curvature of random surfaces. If its range contains negative values, the surfaces are
+/// balls and dishes. Otherwise they have waves, and the range limits their curvature.
 const CURVATURE: &str = "scene.object.curvature";
 /// Fields whose values are integers.
 const INTEGERS: [&str; 2] = ["scene.motion.contacts_per_finger", "scene.sensor.size_px"];
@@ -31,7 +31,8 @@ pub(super) struct RandomScene {
 }
 
 impl RandomScene {
-    /// The scene with this number of a family. `cells` are the columns and cells of the family's row in the table.
+    /// Draws the scene of a family that has this number. `cells` are the columns and cells of the family's row in the
+    /// table.
     pub(super) fn new(cells: &[(&str, &str)], seed: u64, number: u64) -> Result<Self> {
         let mut draws = Draws(Stream::new(seed, number, Channel::PadOffset));
         let mut max_curvature = None;
@@ -106,7 +107,8 @@ fn press_flaw(flaw: &str, scene: &SceneConfig) -> PressFlaw {
     }
 }
 
-/// Random value of a field. Positive numbers, and curvatures relative to the probe's, have a uniform logarithm.
+/// Random value of a field. Positive numbers have a uniform logarithm. For curvatures relative to the probe's
+/// curvature, 1 plus the curvature has a uniform logarithm.
 fn value(draws: &mut Draws, field: &str, [low, high]: [f64; 2]) -> f64 {
     match field {
         _ if INTEGERS.contains(&field) => draws.between(low, high + 1.0).floor(),

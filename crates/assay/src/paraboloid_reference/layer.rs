@@ -22,26 +22,28 @@ pub(super) struct Layer {
     pub(super) thickness: f64,
     /// Radius α of the contact area.
     pub(super) contact: f64,
-    /// Indentation divided by relative curvature; its symbol is D.
+    /// Indentation divided by relative curvature; its symbol in the equations is D.
     indentation: f64,
     nodes: Vec<Node>,
 }
 
-/// A node of the quadrature over the contact, at the position t.
+/// A node of the quadrature over the contact area, at the distance t from its middle.
 #[derive(Debug)]
 struct Node {
     place: f64,
-    /// Weight in the quadrature.
+    /// Weight of the node in the quadrature.
     weight: f64,
     phi: f64,
 }
 
 impl Layer {
-    /// The contact for this ratio D of indentation to relative curvature. The arguments are in the same unit of length.
+    /// The contact for which indentation divided by relative curvature is `indentation_over_curvature`. The thickness
+    /// of the layer must be in the same unit of length.
     pub(super) fn at_indentation(thickness: f64, indentation_over_curvature: f64) -> Result<Self> {
         let wanted = indentation_over_curvature / (thickness * thickness);
         let solve = |contact: f64| Self::with_radius(thickness, contact);
-        // Use logarithms in the secant method, because log D is almost a linear function of log α.
+        // Use logarithms in the secant method. The logarithm of D (indentation divided by relative curvature) is almost
+        // a linear function of the logarithm of the contact radius α.
         let [mut before, mut here] = [solve(wanted.sqrt())?, solve(1.2 * wanted.sqrt())?];
         for _ in 0..MAX_STEPS {
             let slope = libm::log(here.contact / before.contact)
@@ -59,7 +61,7 @@ impl Layer {
         }
     }
 
-    /// The contact for this radius α.
+    /// The contact with a contact area of radius α = `contact`, in units of the layer's thickness.
     fn with_radius(thickness: f64, contact: f64) -> Result<Self> {
         let intervals = 2 * (12.0 + 8.0 * contact).ceil() as usize;
         let places: Vec<[f64; 2]> = over(0.0, contact, intervals).collect();
@@ -103,7 +105,8 @@ impl Layer {
             .sum()
     }
 
-    /// The function φ at the position t. It is interpolated by the polynomial through the Chebyshev nodes.
+    /// The function φ at the position t. The value is interpolated by the polynomial through the values at the
+    /// Chebyshev nodes.
     fn phi(&self, t: f64) -> f64 {
         let last = self.nodes.len() - 1;
         let (mut sum, mut weights) = (0.0, 0.0);
@@ -124,8 +127,9 @@ impl Layer {
         sum / weights
     }
 
-    /// Inward (normal) and outward (radial) displacements per unit of relative curvature, for each of these distances.
-    /// Each is the displacement of a half-space under the same pressure, plus the effect of the rigid core.
+    /// Inward (normal) and outward (radial) displacements per unit of relative curvature, for each of these distances
+    /// from the middle of the contact. Each displacement is the displacement of a half-space under the same pressure,
+    /// plus the effect of the rigid core.
     pub(super) fn field(&self, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
         let waves = |k: f64| core_effect(k, depth).map(|share| share * self.transform(k));
         let reach = NEGLIGIBLE / (2.0 - depth);
@@ -139,8 +143,9 @@ impl Layer {
             .collect()
     }
 
-    /// Displacements of a half-space, from ∫ cos kt e^{−kz} J₀(kr) dk = Re 1/ρ and ∫ k cos kt e^{−kz} J₁(kr) dk = Re
-    /// r/ρ³ with ρ² = r² + (z + it)².
+    /// Displacements of a half-space under the pressure of this contact. The contribution of each position t in the
+    /// contact follows from ∫ cos kt e^{−kz} J₀(kr) dk = Re 1/ρ and ∫ k cos kt e^{−kz} J₁(kr) dk = Re r/ρ³ with ρ² = r²
+    /// + (z + it)². Here z is the depth, and r the distance from the middle of the contact.
     fn solid(&self, depth: f64, r: f64) -> [f64; 2] {
         if depth == 0.0 {
             return [abel(|t| self.phi(t), self.contact, r), 0.0];
@@ -158,7 +163,7 @@ impl Layer {
     }
 }
 
-/// Wavenumber beyond which g is negligible.
+/// Wavenumber beyond which the kernel g of the integral equation is negligible.
 fn reach() -> f64 {
     0.6 * NEGLIGIBLE
 }
@@ -174,7 +179,7 @@ fn reflected(k: f64) -> f64 {
     2.0 * q * (1.0 + q + 2.0 * k + 2.0 * k * k) / (1.0 + q * q + 4.0 * k * k * q + 2.0 * q)
 }
 
-/// The kernels N and R, minus their values for a half-space.
+/// The kernels N and R of the displacements, minus the kernels of a half-space.
 fn core_effect(k: f64, depth: f64) -> [f64; 2] {
     if depth == 0.0 {
         return [-reflected(k), shares(k, 0.0)[1]];
@@ -184,7 +189,8 @@ fn core_effect(k: f64, depth: f64) -> [f64; 2] {
     [normal - (1.0 + kz) * decay, radial - kz * decay]
 }
 
-/// The kernels N and R. The factors e^{H} and e^{x} are taken out of every hyperbolic function to avoid overflow.
+/// The kernels N and R of the displacements in a layer. Every hyperbolic function is scaled by a factor e^{−H} or
+/// e^{−x}, to avoid overflow.
 fn shares(k: f64, depth: f64) -> [f64; 2] {
     let (h, x) = (k, k * (1.0 - depth));
     let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));

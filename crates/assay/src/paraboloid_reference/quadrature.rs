@@ -5,7 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Number of intervals between the nodes of a panel.
 const INTERVALS: usize = 24;
 
-/// Nodes (in decreasing order) and weights on [−1, 1], including both ends. `intervals` must be even.
+/// Nodes (in decreasing order) and weights of the Clenshaw–Curtis quadrature on [−1, 1], including both ends.
+/// `intervals` must be even.
 fn clenshaw_curtis(intervals: usize) -> Vec<[f64; 2]> {
     let n = intervals as f64;
     let node = |j: usize| {
@@ -22,14 +23,14 @@ fn clenshaw_curtis(intervals: usize) -> Vec<[f64; 2]> {
     (0..=intervals).map(node).collect()
 }
 
-/// Nodes (in increasing order) and weights on an interval.
+/// Nodes (in increasing order) and weights of the quadrature on the interval from `from` to `to`.
 pub(super) fn over(from: f64, to: f64, intervals: usize) -> impl Iterator<Item = [f64; 2]> {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     let nodes = clenshaw_curtis(intervals).into_iter().rev();
     nodes.map(move |[node, weight]| [middle + half * node, half * weight])
 }
 
-/// Nodes and weights from 0 to `reach`, on panels that are at most `panel` long.
+/// Nodes and weights of the quadrature from 0 to `reach`, on panels that are at most `panel` long.
 pub(super) fn on_panels(reach: f64, panel: f64) -> impl Iterator<Item = [f64; 2]> {
     let count = (reach / panel).ceil().max(1.0) as usize;
     let width = reach / count as f64;
@@ -44,8 +45,8 @@ pub(super) fn on_panels(reach: f64, panel: f64) -> impl Iterator<Item = [f64; 2]
     })
 }
 
-/// Nodes and weights from 0 to `end`, for functions that vary over a length of `width` near `place`. Panels farther
-/// from this place are longer.
+/// Nodes and weights of the quadrature from 0 to `end`, for functions that vary over a length of `width` near `place`.
+/// Panels that are farther from this place are longer.
 pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [f64; 2]> {
     let mut bounds = vec![0.0, end, place];
     let mut reach = width;
@@ -62,9 +63,9 @@ pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [
         .flat_map(|[from, to]| over(from, to, INTERVALS))
 }
 
-/// Exponent p from which on a factor e⁻ᵖ is negligible.
+/// Exponent p above which the factor e⁻ᵖ is negligible.
 pub(super) const NEGLIGIBLE: f64 = 30.0;
-/// Largest change of the phase over one panel, rad.
+/// Largest change of the phase of the integrand over one panel, rad.
 pub(super) const PHASE: f64 = 12.0;
 
 /// Displacement of a half-space's surface at the distance r from the middle of a contact of radius a. It is the
@@ -76,8 +77,8 @@ pub(super) fn abel(phi: impl Fn(f64) -> f64, a: f64, r: f64) -> f64 {
         .sum()
 }
 
-/// Integrals over wavenumbers up to `reach`: the inward integral with J₀, and the outward integral with J₁. The
-/// functions must be smooth over a width of `smooth`.
+/// Integrals over wavenumbers up to `reach`: the inward displacement (with the Bessel function J₀) and the outward
+/// displacement (with J₁). The integrands must be smooth over a width of `smooth`.
 pub(super) fn sum(
     reach: f64,
     smooth: f64,

@@ -13,18 +13,18 @@ use crate::workloads::ep2_contacts;
 
 /// Number of places along a side of the map.
 const SIDE: usize = 30;
-/// Number of intervals along each side of the peer's spline, which has six inner knots.
+/// Number of intervals along each side of the peer's spline. This number follows from its six inner knots.
 const INTERVALS: usize = 7;
 
 /// Name of a model, its method, and a function that removes those parts of a fit that the peer does not compute.
 type MethodRung = (&'static str, Box<dyn Method>, fn(Fit) -> Fit);
 
 /// Runs every method on all patches with few contacts: once without standard errors, like the peer, and once with
-/// standard errors. The first pass of the two-pass method is the same smoothing spline as the peer's.
+/// standard errors. The first pass of the two-pass method fits the same smoothing spline as the peer.
 pub(super) fn few() -> Result<Vec<Figure>> {
     let one_pass = TwoPass {
         passes: Passes::One,
-        // The weights in the peer's fit are per unit of length, so use this unit.
+        // Fit in this unit of length, because the peer's weights are per unit of length.
         unit_length: Some(1.0),
         ..TwoPass::default()
     };
@@ -80,7 +80,7 @@ pub(super) fn few() -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// The penalised spline without standard errors.
+/// The penalised spline as a method that computes no standard errors.
 struct Estimate(Penalised);
 
 impl Method for Estimate {
@@ -115,8 +115,8 @@ fn positions(contacts: &[Contact]) -> Vec<[f64; 3]> {
     contacts.iter().map(position).collect()
 }
 
-/// Fits a surface to the points, and computes its curvatures over a map. It makes the same calls as Python code that
-/// computes a map.
+/// Fits a surface to the points, and computes its curvatures over a map. The function makes the same calls as a user's
+/// Python code that computes a map.
 fn estimate_recorded(points: &[[f64; 3]]) -> Result<Vec<Curvature>, RecordedError> {
     let readings = GlideRecording::new(points, None, None, None)?;
     let fitted = GlideFitResult::new(Cow::Owned(readings), &GlideOptions::default())?;

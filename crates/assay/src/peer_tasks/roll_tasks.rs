@@ -11,7 +11,7 @@ use crate::workloads::unit_rolls::{self, Chart, Ep1, Model, motion, paraboloid, 
 
 const LONG_RAD: f64 = 6.0;
 const SHORT_RAD: f64 = 0.1;
-/// Tolerances of DOP853, largest first.
+/// Tolerances of the integrator DOP853, largest first.
 const TOLERANCES: [f64; 16] = [
     1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 3e-9, 1e-9, 3e-10, 1e-10, 3e-11, 1e-11, 3e-12, 1e-12, 3e-13,
     1e-13, 3e-14,
@@ -21,8 +21,8 @@ const DEFAULT_ERROR: f64 = 1e-12;
 /// Number of trials whose time is measured.
 const TRIALS: u64 = 1 << 17;
 
-/// Rolls by 6 rad. They are computed with an integrator whose error is at most the value for the task in
-/// `error_at_most`, and with the cheapest model.
+/// Measures rolls by 6 rad with two models: an integrator, and the cheapest model. The error of the integrator is at
+/// most the value for the task in `error_at_most`.
 pub(super) fn long(error_at_most: &[(String, f64)]) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (name, object) in [("sphere", sphere()?), ("paraboloid", paraboloid()?)] {
@@ -36,7 +36,7 @@ pub(super) fn long(error_at_most: &[(String, f64)]) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Rolls by 0.1 rad with the cheapest model.
+/// Measures rolls by 0.1 rad with the cheapest model.
 pub(super) fn short() -> Result<Vec<Figure>> {
     let objects = [("sphere", sphere()?), ("paraboloid", paraboloid()?)];
     let roll = |(name, object)| {
@@ -55,7 +55,7 @@ fn cheapest(object: &Shape, angle_rad: f64) -> Result<Roller> {
     roller(object.clone(), model, angle_rad)
 }
 
-/// A roller with DOP853. It uses the largest tolerance for which the error is at most `error_at_most`.
+/// A roller with the integrator DOP853. It uses the largest tolerance with which the error is at most `error_at_most`.
 fn integrator(object: &Shape, error_at_most: f64) -> Result<Roller> {
     for tolerance in TOLERANCES {
         let model = Model::Dop853 {
@@ -79,7 +79,7 @@ fn figure(task: &str, roller: Roller, angle_rad: f64) -> Result<Figure> {
     }))
 }
 
-/// Trials of EP1. They are run without statistics, like the peer, and with the statistics of the sweep runner.
+/// Measures trials of EP1: without statistics, like the peer, and with the statistics of the sweep runner.
 pub(super) fn ep1() -> Result<Vec<Figure>> {
     const TASK: &str = "EP1 trial, 8 probes";
     let [alone, whole] = [Ep1::new(Ep1::UNIFORM)?, Ep1::new(Ep1::UNIFORM)?];

@@ -111,12 +111,13 @@ pub(super) fn fits() -> Ladder {
     }
 }
 
-/// Sums of squares over all places of a trial.
+/// Sums of squares over all places of the map in a trial.
 #[derive(Default)]
 struct Squares {
     gaussian: f64,
     mean: f64,
-    /// Σ C² and Σ C⁴ of the true curvedness C. The curvedness is computed from C² = 2H² − K.
+    /// The sums Σ C² and Σ C⁴ over the places, where C is the true curvedness. It is computed from C² = 2H² − K, with
+    /// the mean curvature H and the Gaussian curvature K.
     curvedness: [f64; 2],
 }
 
@@ -130,8 +131,8 @@ impl Squares {
         self.curvedness[1] += square * square;
     }
 
-    /// Squares of two relative errors. The first is rms ΔH divided by rms C, the second is rms ΔK divided by rms C². C
-    /// is the true curvedness.
+    /// Squares of two relative errors. The first is the rms error of the mean curvature, divided by the rms of the true
+    /// curvedness C. The second is the rms error of the Gaussian curvature, divided by the rms of C².
     fn shares(&self) -> [f64; 2] {
         [
             self.mean / self.curvedness[0],
@@ -140,8 +141,8 @@ impl Squares {
     }
 }
 
-/// The larger of two relative errors: rms ΔH divided by rms C, and rms ΔK divided by rms C², where C is the true
-/// curvedness. All trials must have the same true values.
+/// The larger of two relative errors: the rms error of the mean curvature divided by the rms of the true curvedness C,
+/// and the rms error of the Gaussian curvature divided by the rms of C². All trials must have the same true values.
 fn larger(trials: &[Squares]) -> Result<RungError> {
     let [mean, gaussian] = [0, 1].map(|which| {
         let shares = trials.iter().map(|squares| squares.shares()[which]);

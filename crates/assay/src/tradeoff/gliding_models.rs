@@ -10,7 +10,7 @@ use super::ladder::{Ease, Ladder, Rung, SceneRungs};
 use super::scene_trials::at_least_rounding;
 use crate::contact_reference::{tip_on_ball, tip_on_ellipsoid, tip_on_quadric};
 
-/// Decimal exponents of the tolerances of Newton's method that are compared.
+/// Decimal exponents of the compared tolerances of Newton's method; −3 means a tolerance of 0.001.
 const TOLERANCES: [i32; 7] = [-1, -2, -3, -5, -7, -10, -13];
 /// Number of contacts along a finger's path.
 const PLACES: u32 = 32;
@@ -28,9 +28,10 @@ struct Path {
     scene: &'static str,
     object: fn() -> Result<Shape>,
     tip_radius: f64,
-    /// Positions of the tip's centre at both ends of the path, in the xy plane.
+    /// Positions of the fingertip's centre at both ends of the path, in the xy plane.
     ends: [[f64; 2]; 2],
-    /// Computes the true contact point (x, y, z) of a tip whose centre is at this position in the xy plane.
+    /// Computes the true contact point (x, y, z) of a spherical tip of this radius whose centre is at this position in
+    /// the xy plane.
     truth: fn(tip_radius: f64, centre: [f64; 2]) -> [f64; 3],
 }
 

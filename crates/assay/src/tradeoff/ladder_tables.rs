@@ -124,7 +124,7 @@ fn write_answers(measured: &[MeasuredScene], folder: &Path) -> Result<()> {
     csv_table::write(&folder.join("answers.csv"), rows)
 }
 
-/// Median and quartiles as columns, rounded to their significant digits.
+/// Median and quartiles of a time as columns, rounded to their significant digits.
 pub(super) fn nanoseconds(spread: &Spread) -> [Column; 3] {
     let digits = if spread.median < 100.0 { 1 } else { 0 };
     [

@@ -9,13 +9,14 @@ pub(super) struct CostError {
     pub(super) error: f64,
 }
 
-/// Largest ratio of two costs at which they count as equal.
+/// Two costs count as equal if their ratio is at most this number.
 const EQUAL_COST_RATIO: f64 = 1.02;
 /// Errors below this value are due to rounding, so all of them count as equal.
 const ROUNDING: f64 = 1e-14;
 
-/// Whether each rung is on the Pareto front. A rung is on the front if no other rung is better in cost or error without
-/// being worse in the other. If several rungs have equal cost and error, only the first of them is on the front.
+/// Whether each rung is on the Pareto front. A rung is on the front if every other rung that is better in cost is worse
+/// in error, and every other rung that is better in error is worse in cost. If several rungs have equal cost and error,
+/// only the first of them is on the front.
 pub(super) fn pareto(rungs: &[CostError]) -> Vec<bool> {
     let beats = |a: usize, b: usize| {
         let ([a_cost, b_cost], [a_error, b_error]) = (

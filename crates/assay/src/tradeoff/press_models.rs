@@ -29,7 +29,7 @@ const RESOLUTIONS: [(&str, f64); 5] = [
     ("", 1.0),
 ];
 
-/// A press onto a layer.
+/// A press of an object onto a layer.
 #[derive(Clone, Copy)]
 struct Press {
     ease: Ease,

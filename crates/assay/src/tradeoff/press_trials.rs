@@ -55,11 +55,13 @@ const WITHOUT_PIXELS: [(&str, &str); 2] = [
 const PIXEL_NOISE: &str = r#"pixel = { kind = "gaussian", std = 2.0 }"#;
 /// Calibration of the camera sensors.
 const CALIBRATION: &str = "calibration = { indentation = 1.4 }";
-/// Calibration with few presses, which is used to measure the time. Its set-up is faster, and a press costs the same.
+/// Calibration with few presses, which is used to measure the time. With it, the set-up is faster, and a simulated
+/// press costs the same.
 const SHORT_CALIBRATION: &str = "calibration = { indentation = 1.4, presses = 2, rest_frames = 1 }";
 
 /// The ladder of press sensors: direct displacements, projected markers, and rendered frames. Each rung has its own
-/// noise, which the description of the ladder's error states. Therefore the errors are no comparison of real cameras.
+/// noise, which the description of the ladder's error states. Therefore the errors of two rungs do not show which real
+/// camera is more accurate.
 pub(super) fn sensors() -> Ladder {
     let mut choices: Vec<Choice> = WITHOUT_PIXELS
         .iter()

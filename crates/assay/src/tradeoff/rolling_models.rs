@@ -86,7 +86,7 @@ impl Roll {
             .filter_map(|(name, setting, model)| {
                 let roller = roll.roller(model).ok()?;
                 let motion = roll.motion();
-                // Skip a model in charts if a chart ends before the roll does.
+                // Skip a model in charts if the contact leaves the chart before the end of the roll.
                 roller.roll(&[motion]).ok()?;
                 let (same, errs) = (Rc::clone(&roll), roller.clone());
                 let rung = Rung::new(

@@ -54,7 +54,8 @@ pub(super) struct Choice {
     pub(super) name: String,
     pub(super) setting: Option<f64>,
     pub(super) text: String,
-    /// Text of another scene whose cost is measured instead. Its trials cost the same, but its set-up is faster.
+    /// Text of another scene, whose cost is measured instead of this scene's cost. Its trials cost the same, but its
+    /// set-up is faster.
     pub(super) evaluated: Option<String>,
 }
 
@@ -165,7 +166,7 @@ pub(super) fn relative_rms(scene: &Scene, quantity: usize, trials: u64) -> Resul
     root_mean(&squares.collect::<Vec<f64>>())
 }
 
-/// Root mean square r of N errors, which are given as their squares. Its standard error is s/√N/(2r), where s is the
+/// Root mean square r of N errors, computed from their squares. The standard error of r is s/(2r√N), where s is the
 /// standard deviation of the squares.
 pub(super) fn root_mean(squares: &[f64]) -> Result<RungError> {
     ensure!(!squares.is_empty(), "no trials");
@@ -214,7 +215,7 @@ mod tests {
 
     #[test]
     fn a_root_mean_square_has_the_standard_error_of_its_trials() {
-        // For the squares 1 and 9, the mean is 5, s = √32 and r = √5, so the standard error s/√2/(2r) is 2/√5.
+        // For the squares 1 and 9, the mean is 5, s = √32 and r = √5, so the standard error s/(2r√2) is 2/√5.
         let rms = root_mean(&[1.0, 9.0]).unwrap();
         assert!((rms.error - 5_f64.sqrt()).abs() < 1e-15);
         assert!((rms.std.unwrap() - 2.0 / 5_f64.sqrt()).abs() < 1e-15);

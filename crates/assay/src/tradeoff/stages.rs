@@ -1,4 +1,4 @@
-//! Measures the cost of each stage of a scene. This shows that a scene costs only what its stages need.
+//! Measures the cost of each stage of a scene. The costs show that a scene without a stage does not pay for this stage.
 
 use std::path::Path;
 use std::time::Duration;

@@ -41,7 +41,7 @@ pub fn optics(size_px: u32) -> Result<Optics> {
     )?)
 }
 
-/// Motions of the 77 markers. They decrease from the first marker to the last.
+/// Motions of the 77 markers. The first marker moves most, the last marker least.
 pub fn motions() -> Vec<Option<MarkerMotion>> {
     let disc = |normal, along| DiscMotion {
         normal,

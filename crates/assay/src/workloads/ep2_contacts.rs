@@ -65,8 +65,8 @@ pub fn places_on_sphere() -> Vec<Point3<f64>> {
     (0..900).map(place).collect()
 }
 
-/// A grid of 30 × 30 places on the surface of the many contacts, each with its true mean curvature. The mean curvature
-/// of a peak is positive.
+/// A grid of 30 × 30 places on the surface of the many contacts, each with its true mean curvature. The sign convention
+/// is that the mean curvature of a peak is positive.
 fn places_on_waves() -> impl Iterator<Item = (Point3<f64>, f64)> {
     let along = |index: usize, end: f64| end * (2.0 * (index as f64) / 29.0 - 1.0);
     let place = move |index: usize| {

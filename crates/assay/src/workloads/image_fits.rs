@@ -17,8 +17,9 @@ use crate::timing::Evaluation;
 const DEPTHS: [f64; 2] = [3.0, 1.0];
 /// Step of the discs' depths for derivatives by finite differences, mm.
 const DEPTH_STEP: f64 = 1e-3 * SKIN;
-/// Standard deviations of the parameters of a [`Departure`]: depths, diameters, image centre, focal length, position
-/// and rotation of the camera, colours. They are 0 for the odd terms of the lens.
+/// Standard deviations of the parameters of a [`Departure`], that is, of the sensor's deviations from its config:
+/// depths, diameters, image centre, focal length, position and rotation of the camera, colours. They are 0 for the odd
+/// terms of the lens.
 const DEPARTURE_STDS: [f64; Departure::NUMBERS] = [
     0.03, 0.03, 0.01, 0.01, 0.3, 0.3, 0.002, 0.05, 0.05, 0.05, 0.005, 0.005, 0.005, 0.01, 0.01,
     0.01, 0.01, 0.01, 0.01, 0.0, 0.0,
@@ -26,8 +27,8 @@ const DEPARTURE_STDS: [f64; Departure::NUMBERS] = [
 /// Standard deviation of a component of a misalignment, rad. The discs have a diameter of 2 mm and are misaligned by up
 /// to 0.3 of their diameter.
 const MISALIGNMENT_STD: f64 = 0.5 * 0.3 * 2.0 / 19.0;
-/// Standard deviations of the tracker's readings: both coordinates of the centroid, px; hue, turns; logarithm of the
-/// size.
+/// Standard deviations of the tracker's readings: the two coordinates of the centroid (px), the hue (turns), and the
+/// logarithm of the size.
 const READING_STDS: [f64; 4] = [0.008, 0.008, 3e-4, 1.5e-3];
 
 /// Function that creates a body for each depth.
@@ -131,7 +132,7 @@ impl CameraPress {
     }
 }
 
-/// The bodies at the depths of the discs, and at slightly larger depths.
+/// The bodies at the depths of the discs, and the bodies at slightly larger depths.
 fn pairs(bodies: Bodies) -> Result<([Body; 2], [Body; 2])> {
     let [magenta, yellow] = DEPTHS;
     let bodies = bodies(&[magenta, yellow, magenta + DEPTH_STEP, yellow + DEPTH_STEP])?;

@@ -39,7 +39,7 @@ pub struct MarkerReadings {
 }
 
 impl MarkerReadings {
-    /// Readings of these displacements in one trial, with random errors.
+    /// Readings of the displacements `moved` in one trial, with random errors.
     pub fn new(moved: &[MarkerDisplacement], trial: u64) -> Self {
         let mut noise = Stream::new(1, trial, Channel::Position);
         let mut off = |value: f64, std: f64| value + std * noise.standard_normal();
@@ -69,7 +69,7 @@ impl MarkerReadings {
     }
 }
 
-/// The estimator, with the standard deviations of the markers' readings.
+/// The estimator of a press on this body, with the standard deviations of the markers' readings.
 pub fn fit(body: Body) -> ForwardFit {
     ForwardFit {
         normal_std: Some(NORMAL_STD),

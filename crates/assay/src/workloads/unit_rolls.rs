@@ -77,7 +77,7 @@ pub fn error(roller: &Roller, angle_rad: f64) -> Result<f64> {
 pub struct Ep1(SceneTrial);
 
 impl Ep1 {
-    /// Noise of each component of a rotation: uniform, at most 1 % of the rate.
+    /// Config of the noise: each component of a rotation has a uniform error of at most 1 % of the rate.
     pub const UNIFORM: &str =
         "noise = { angular_velocity = { kind = \"uniform\", fraction = 0.01 } }";
     /// Config of the sensor: pads that measure the contact.
@@ -98,8 +98,8 @@ impl Ep1 {
         )))
     }
 
-    /// Root mean square of the relative error of the normal curvature. The trials run together, as in the sweep runner.
-    /// `None` if some trials cannot run together.
+    /// Root mean square of the relative error of the normal curvature. The trials are computed several at a time, as in
+    /// the sweep runner. `None` if some trials cannot be computed in this way.
     pub fn relative_rms_error(&self, trials: u64) -> Option<f64> {
         let mut sum = 0.0;
         let computed =

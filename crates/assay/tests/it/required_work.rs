@@ -1,4 +1,5 @@
-//! Counts the work that scenes cause: no scene does unnecessary work.
+//! Counts the work (such as integrated rolls and drawn random numbers) that scenes cause. The tests check that no scene
+//! does unnecessary work.
 
 use palpate_scene::Scenes;
 use palpate_statistics::work::{Tally, counted};
@@ -81,7 +82,7 @@ const NOISY_RATE: (&str, &str) = (
 
 #[test]
 fn an_ideal_sensor_draws_nothing_and_a_closed_form_steps_no_integrator() {
-    // Two probes roll in each of the four directions, but each direction is rolled only once.
+    // Two probes roll in each of the four directions, but the roll in each direction is computed only once.
     let rolls = Tally {
         rolls: 4,
         ..Tally::default()
@@ -131,7 +132,7 @@ fn an_object_without_a_closed_form_is_integrated() {
     assert_eq!(trial.draws, 16);
 }
 
-/// The work without the number of random words.
+/// The work of a scene without its number of random words.
 fn without_draws(tally: Tally) -> Tally {
     Tally { draws: 0, ..tally }
 }
@@ -205,7 +206,7 @@ fn only_round_tips_search_for_contacts() {
         r#"noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05, axis = "z" } }"#;
     let [setup, trial] = work(GLIDE, &[point, ("NOISE", noise)]);
     assert_eq!(setup, Tally::default());
-    // A normal number needs one random word, and sometimes two.
+    // The range allows for normal numbers that need two random words instead of one.
     assert!((30..=40).contains(&trial.draws), "{trial:?}");
 }
 

@@ -14,7 +14,7 @@ use crate::layout::{MOST_MARKERS, too_close};
 /// Allowed lengths: the product of a few such lengths neither overflows nor underflows.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
-/// Smallest ratio of a disc's radius to its distance from the sensor's centre.
+/// Smallest allowed ratio of a disc's radius to its distance from the sensor's centre.
 const MIN_HALF_WIDTH: f64 = 1e-9;
 
 /// Depths of a marker's two discs under the skin, length.
@@ -36,13 +36,14 @@ pub struct DiscMotion {
     pub tangential: [f64; 2],
     /// Relative increase of the disc's diameter due to the strain of the skin. The disc is assumed to stay a circle.
     pub stretch: f64,
-    /// Relative increase of lengths along the skin around the disc. A misalignment grows by this share.
+    /// Relative increase of lengths along the skin around the disc. The misalignment between the two discs grows by the
+    /// same share.
     pub skin_stretch: f64,
 }
 
 impl DiscMotion {
     /// Angles between a disc and the position of its marker: the angles of the disc's motion plus its misalignment,
-    /// which the skin stretches.
+    /// which is multiplied by the stretch of the skin.
     #[inline]
     pub(super) fn moved_offset(&self, moved: [f64; 2], misalignment: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| moved[axis] + misalignment[axis] * (1.0 + self.skin_stretch))
@@ -69,7 +70,7 @@ pub struct MarkerArray {
     stands: Vec<Stand>,
 }
 
-/// All discs of one colour.
+/// All discs of one colour, that is, one disc of each marker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layer {
     name: &'static str,
@@ -101,7 +102,7 @@ pub(super) struct Sight {
     pub(super) cosine: f64,
 }
 
-/// Both discs of a marker as viewed from the camera.
+/// Both discs of a marker as viewed from the camera, after their motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MarkerSight {
     pub(super) magenta: Sight,
@@ -184,8 +185,8 @@ impl MarkerArray {
         let most_rad = most * 2.0 * self.yellow.half_width;
         let mut stream = Stream::new(seed, trial, Channel::Misalignment);
         for stand in &mut self.stands {
-            // The circle of radius r (as a share of the full radius) contains the share r² of the area. So the square
-            // root of a uniform number gives a uniform density.
+            // If a circle's radius is the share r of the full radius, it contains the share r² of the area. Therefore a
+            // radius that is the square root of a uniform number gives a uniform density.
             let share = 0.5 * (stream.symmetric_uniform() + 1.0);
             let (sine, cosine) = libm::sincos(PI * stream.symmetric_uniform());
             let size = most_rad * share.sqrt();
@@ -304,12 +305,12 @@ impl MarkerArray {
 
 impl Layer {
     /// A disc of this layer as viewed from the centre. `offset` is its misalignment, rad. If the motion is impossible,
-    /// the error contains the length of the motion.
+    /// the function returns the length of the motion as the error.
     #[inline]
     fn sight(&self, stand: &Stand, motion: &DiscMotion, offset: [f64; 2]) -> Result<Sight, f64> {
         let inward = motion.normal / self.distance;
         let [x, y] = motion.tangential.map(|along| along / self.distance);
-        // For NaN these comparisons are false, so it is rejected.
+        // These comparisons are false for NaN, so a motion that is NaN is rejected.
         let (shorter, beside) = (inward.abs() < 1.0, x * x + y * y < 1.0);
         if !shorter {
             return Err(motion.normal);
@@ -319,7 +320,7 @@ impl Layer {
         }
         let half_width = self.stretched(motion)?;
         let [x, y] = motion.moved_offset([x, y], offset);
-        // The direction is computed by the exponential map from the marker's place.
+        // The direction of the moved disc is computed by the exponential map from the marker's place.
         let (sinc, cosine) = sinc_and_cosine(x * x + y * y);
         let along = stand.x_axis * (x * sinc) + stand.y_axis * (y * sinc);
         let distance = 1.0 - inward;
@@ -332,7 +333,7 @@ impl Layer {
     }
 
     /// Radius of a disc after a motion, relative to the disc's distance from the centre of the sensor at rest. If the
-    /// stretch is impossible, the error is the motion of the disc's edge.
+    /// stretch is impossible, the function returns the motion of the disc's edge as the error.
     #[inline]
     fn stretched(&self, motion: &DiscMotion) -> Result<f64, f64> {
         for stretch in [motion.stretch, motion.skin_stretch] {
@@ -346,7 +347,7 @@ impl Layer {
 
     /// A disc as viewed from a camera outside of the centre, computed from its view from the centre. It is a circular
     /// cap with the same solid angle, correct to first order in the solid angle. If the motion moves the disc behind
-    /// the camera, the error contains the motion.
+    /// the camera, the function returns the inward motion of the disc as the error.
     fn seen_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
         let away = self.distance - motion.normal;
         let ray = sight.direction * away - pose.place;
@@ -394,7 +395,7 @@ fn stand(marker: usize, place: [f64; 2], sensor_radius: f64) -> Result<Stand, Op
     })
 }
 
-/// Rejects a layer in which discs overlap as viewed from the centre.
+/// Rejects a layer in which two discs overlap as viewed from the centre.
 fn apart(stands: &[Stand], layer: Layer) -> Result<(), OpticsError> {
     let directions: Vec<[f64; 3]> = stands.iter().map(|stand| stand.direction.into()).collect();
     // Two caps with the angular radius α touch if the chord between their middles has the length 2 sin α.

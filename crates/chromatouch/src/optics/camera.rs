@@ -201,9 +201,9 @@ impl Camera {
     /// Image area of a disc, px². Its angular radius and the polar angle of its middle are in rad. `None` unless the
     /// whole disc is in the image circle and its angular radius is less than 90°.
     ///
-    /// For a pinhole, the area is exact. For a fisheye, the solid angle is exact, but the scale of the lens is expanded
-    /// to second order in the angular radius α. The relative error is of the order of α⁴. For α = 0.05 and up to 70°
-    /// from the axis, it is below 1e-5.
+    /// For a pinhole, the area is exact. For a fisheye, the solid angle is exact, but the scale of the lens is
+    /// approximated to second order in the disc's angular radius α. The relative error is of the order of α⁴. For α =
+    /// 0.05 and up to 70° from the axis, it is below 1e-5.
     pub fn disc_area(&self, angular_radius: f64, polar: f64) -> Option<f64> {
         let good = angular_radius > 0.0
             && angular_radius < FRAC_PI_2
@@ -227,7 +227,7 @@ impl Camera {
         }
     }
 
-    /// The lens and its derivatives at a polar angle (rad). Its sine and cosine are given.
+    /// The lens and its derivatives at a polar angle (rad). The sine and cosine of the angle are given.
     #[inline]
     pub(super) fn local_at(&self, polar: f64, sine_and_cosine: (f64, f64)) -> Local {
         Local::new(self.lens, self.px_per_rad, polar, sine_and_cosine)
@@ -241,8 +241,8 @@ impl Camera {
         self.local_at(polar, libm::sincos(polar))
     }
 
-    /// Upper bound of the scale in pixels per radian, for all directions in the image, between the axis and a polar
-    /// angle in the field.
+    /// Upper bound of the scale (pixels per radian) over all directions in the image. It is valid from the axis to the
+    /// angle `polar`, which must be in the field.
     pub(super) fn most_px_per_rad(&self, polar: f64) -> f64 {
         let (sine, cosine) = libm::sincos(polar);
         match self.lens {
@@ -260,7 +260,7 @@ impl Camera {
         }
     }
 
-    /// Lower bound of the scale in pixels per radian, for all directions in the image, anywhere in the field.
+    /// Lower bound of the scale (pixels per radian) over all directions in the image. It is valid in the whole field.
     pub(super) fn least_px_per_rad(&self) -> f64 {
         match self.lens {
             Lens::Fisheye | Lens::Pinhole => self.px_per_rad,
@@ -279,8 +279,8 @@ impl Camera {
         }
     }
 
-    /// Direction of the light at the image point (x, y), px from the image's centre, with y up. Also valid a little
-    /// beyond the image circle.
+    /// Direction of the light at the image point (x, y), px from the image's centre, with y up. The function is also
+    /// valid for points a little beyond the image circle.
     #[inline]
     pub(super) fn ray(&self, x: f64, y: f64) -> Ray {
         let [ray] = self.rays(x, y);
@@ -314,7 +314,7 @@ impl Camera {
         }
     }
 
-    // The functions for lenses with odd terms are not inlined, so that the pixel loops for other lenses stay small.
+    // Functions for lenses with odd terms are not inlined. This keeps the pixel loops for other lenses small.
 
     #[inline(never)]
     fn odd_polar_square(&self, terms: OddTerms, square: f64) -> f64 {

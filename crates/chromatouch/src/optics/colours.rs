@@ -1,4 +1,4 @@
-//! Colours of the sensor's parts. Also how much each region of a marker contributes to the marker's features.
+//! Colours of the sensor's parts, and the contribution of each region of a marker to the marker's features.
 
 use palpate_statistics::saturated_hue;
 

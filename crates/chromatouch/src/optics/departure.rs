@@ -1,4 +1,4 @@
-//! Departures: differences between the parameters of a sensor and their nominal values.
+//! Departures, that is, differences between the parameters of a sensor and their nominal values.
 
 use super::{Camera, Colours, OddTerms, Optics, OpticsError};
 
@@ -11,7 +11,7 @@ pub struct Departure {
     pub diameters: [f64; 2],
     /// Shift of the image's centre, px: columns to the right, rows down.
     pub centre_px: [f64; 2],
-    /// Relative difference of the pixels per radian.
+    /// Relative difference of the focal length in pixels per radian.
     pub px_per_rad: f64,
     /// Shift of the camera, length: along the x and y axes of the apex, and toward the apex.
     pub place: [f64; 3],
@@ -108,7 +108,7 @@ impl Optics {
         optics.seen_from(self.pose().moved(place, turn_rad))
     }
 
-    /// The nearest sensor deviation whose transmittances lie between 0 and 1.
+    /// The possible sensor deviation that is nearest to `departure`: its transmittances lie between 0 and 1.
     pub fn possible(&self, departure: Departure) -> Departure {
         let within = |colour: [f64; 3], more: [f64; 3]| {
             std::array::from_fn(|at| (colour[at] + more[at]).clamp(0.0, 1.0) - colour[at])

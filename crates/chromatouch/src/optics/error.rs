@@ -136,7 +136,7 @@ impl OpticsError {
     }
 }
 
-/// Text with the smallest valid k3. The number is rounded up, so that the displayed value is valid too.
+/// Text with the smallest valid k3. The smallest valid k3 is rounded up, so that the displayed value is valid too.
 fn remedy(least_k3: f64) -> String {
     match least_k3 <= MOST_TERM {
         true => format!(

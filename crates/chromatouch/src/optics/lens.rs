@@ -28,7 +28,7 @@ pub(super) struct Local {
     pub(super) radial: f64,
     /// Second derivative r″ of the distance.
     pub(super) radial_slope: f64,
-    /// Scale g in the direction around the axis.
+    /// Scale g in the direction around the axis: px per radian of arc on the unit sphere.
     pub(super) lateral: f64,
     /// Derivative g′ of this scale.
     pub(super) lateral_slope: f64,
@@ -46,8 +46,8 @@ pub(super) struct Local {
 }
 
 /// A region of the image: its area, px², and the first moment of the area, px³. The moment is relative to the image of
-/// the direction about which the lens was expanded. Its components point away from the image's centre, and around it in
-/// the direction of increasing azimuth.
+/// the direction about which the lens was expanded. The first component of the moment points away from the image's
+/// centre, the second points around the centre in the direction of increasing azimuth.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Region {
     pub(super) area: f64,
@@ -77,7 +77,7 @@ impl Lens {
 /// The function q = θ / sin θ and its derivatives. For an equidistant lens, q is the scale around the axis divided by
 /// the radial scale.
 struct Stretch {
-    /// Value of q.
+    /// Value of the function q.
     value: f64,
     /// Derivative q′ with respect to θ.
     slope: f64,
@@ -93,7 +93,7 @@ impl Stretch {
     #[inline]
     fn new(polar: f64, sine: f64, cosine: f64) -> Self {
         if polar < 0.05 {
-            // Power series in θ²; the truncation error is below 1e-13.
+            // Near the axis, use power series in θ², whose truncation error is below 1e-13.
             let square = polar * polar;
             let per_angle = 1.0 / 3.0 + square * (7.0 / 90.0 + square * (31.0 / 2520.0));
             let value =
@@ -214,8 +214,8 @@ impl Local {
     }
 }
 
-/// Image of all directions within an angle α of the direction of `local`. `sine` and `cosine` are the sine and cosine
-/// of α.
+/// Image of all directions within an angle α of the direction about which `local` is expanded. `sine` and `cosine` are
+/// the sine and cosine of α.
 #[inline]
 pub(super) fn cap(lens: Lens, local: &Local, sine: f64, cosine: f64) -> Region {
     match lens {
@@ -238,12 +238,13 @@ fn fisheye_cap(local: &Local, sine: f64, cosine: f64) -> Region {
     }
 }
 
-/// The image of a cap through a pinhole, which is exactly an ellipse. The cap has the angular radius α, its middle the
-/// polar angle θ. With k = sin² α / cos² θ, the area of the ellipse is π f² sin² α cos α / (cos² θ (1 − k))^(3/2). The
-/// middle of the ellipse is at the distance f tan θ / (1 − k) from the image's centre.
+/// The image of a cap through a pinhole, which is exactly an ellipse. The angular radius of the cap is α, and the polar
+/// angle of its middle is θ. With k = sin² α / cos² θ, the area of the ellipse is π f² sin² α cos α / (cos² θ (1 −
+/// k))^(3/2). The middle of the ellipse is at the distance f tan θ / (1 − k) from the image's centre.
 #[inline]
 fn pinhole_cap(local: &Local, sine: f64, cosine: f64) -> Region {
-    // The radial scale is f / cos² θ and the lateral scale is f / cos θ, so their ratio is 1 / cos θ.
+    // The radial scale of a pinhole is f / cos² θ and the lateral scale is f / cos θ. Therefore their ratio is 1 / cos
+    // θ.
     let secant = local.radial / local.lateral;
     let share = sine * sine * secant * secant;
     let rest = 1.0 - share;

@@ -31,13 +31,13 @@ impl OddTerms {
         polar * self.stretch(polar * polar)
     }
 
-    /// The map divided by the angle, as a function of the squared angle.
+    /// The map of the lens divided by the angle, as a function of the squared angle.
     #[inline]
     pub(super) fn stretch(self, square: f64) -> f64 {
         1.0 + square * (self.k3 + square * self.k5)
     }
 
-    /// Derivative of the map with respect to the angle, as a function of the squared angle.
+    /// Derivative of the lens's map with respect to the angle, as a function of the squared angle.
     #[inline]
     pub(super) fn slope(self, square: f64) -> f64 {
         1.0 + square * (3.0 * self.k3 + square * (5.0 * self.k5))
@@ -77,8 +77,8 @@ impl OddTerms {
     /// Largest angle, at most half a turn, such that the slope of the map is at least [`LEAST_SLOPE`] everywhere up to
     /// this angle.
     pub(super) fn reach(self) -> f64 {
-        // With u = θ², the slope minus its limit is the polynomial a u² + b u + c. Its smallest positive root is
-        // computed without cancellation.
+        // With u = θ², where θ is the angle, the slope minus its smallest allowed value is the polynomial a u² + b u +
+        // c. Its smallest positive root is computed without cancellation.
         let (a, b, c) = (5.0 * self.k5, 3.0 * self.k3, 1.0 - LEAST_SLOPE);
         let square = b * b - 4.0 * a * c;
         if square < 0.0 {
@@ -90,7 +90,7 @@ impl OddTerms {
         positive.fold(PI * PI, f64::min).sqrt().min(PI)
     }
 
-    /// Smallest slope of the map between the axis and the angle `rim`.
+    /// Smallest slope of the lens's map between the axis and the angle `rim`.
     pub(super) fn least_slope(self, rim: f64) -> f64 {
         let square = rim * rim;
         let ends = self.slope(square).min(1.0);
@@ -108,7 +108,7 @@ impl OddTerms {
         1.0 + square * (3.0 * self.k3.max(0.0) + square * (5.0 * self.k5.max(0.0)))
     }
 
-    /// Smallest k3 with which the map increases up to the angle `rim`, for the k5 of this lens.
+    /// Smallest k3 with which the lens's map increases up to the angle `rim`, for the k5 of this lens.
     fn least_k3(self, rim: f64) -> f64 {
         let (square, constant) = (rim * rim, 1.0 - LEAST_SLOPE);
         let k5 = 5.0 * self.k5;
@@ -141,7 +141,8 @@ impl OddTerms {
 mod tests {
     use super::*;
 
-    /// Terms of lenses whose map increases up to 1.5 rad: textbook projections, and terms close to their limits.
+    /// Odd terms of lenses whose map increases up to 1.5 rad. They are terms of textbook projections, and terms close
+    /// to the limits of what is valid.
     const TERMS: [OddTerms; 7] = [
         OddTerms { k3: 0.0, k5: 0.0 },
         OddTerms {
@@ -167,7 +168,7 @@ mod tests {
             terms.checked(1.5).unwrap();
             for step in 0..=160 {
                 let angle = 0.01 * f64::from(step);
-                // Beyond the rim the map is a straight line.
+                // Beyond the angle of the rim, the lens's map is a straight line.
                 let beyond = (angle - 1.5_f64).max(0.0);
                 let mapped = terms.map(angle.min(1.5)) + beyond * terms.slope(2.25);
                 let back = terms.angle(mapped, 1.5);
@@ -195,8 +196,8 @@ mod tests {
 
     #[test]
     fn lenses_fold_where_their_slope_ends() {
-        // The slope 1 − 0.6 u of the first lens is 0.01 at u = 1.65. The slope 1 − u + 0.24 u² of the second lens is
-        // 0.01 at its smaller root.
+        // Here u is the squared angle. The slope 1 − 0.6 u of the first lens is 0.01 at u = 1.65. The slope 1 − u +
+        // 0.24 u² of the second lens is 0.01 at its smaller root.
         let terms = OddTerms { k3: -0.2, k5: 0.0 };
         assert!((terms.reach() - 1.65_f64.sqrt()).abs() < 1e-15);
         let terms = OddTerms {

@@ -17,7 +17,7 @@ pub(super) enum Overlap {
     Part(Part),
 }
 
-/// Overlap of two discs whose edges cross. Its moments are about a direction inside it.
+/// Overlap of two discs whose edges cross. Its moments are computed about a direction inside the overlap.
 pub(super) struct Part {
     /// Unit vector of the direction about which the moments are computed.
     pub(super) direction: Vector3<f64>,
@@ -58,7 +58,7 @@ impl HalfAngle {
     }
 
     /// Half-angle with this sine and cosine. If it is close to the half-angle `self`, it is computed from `self` by a
-    /// short series.
+    /// short series, which is faster.
     fn beside(&self, sine: f64, cosine: f64) -> Self {
         let [across, along] = [
             sine * self.cosine - cosine * self.sine,
@@ -66,7 +66,7 @@ impl HalfAngle {
         ];
         if across.abs() < 1e-3 * along {
             let tangent = across / along;
-            // The arctangent is computed by its series, with a relative error of 1e-13.
+            // Compute the arctangent of the small difference by its series, with a relative error of 1e-13.
             let step = tangent * (1.0 - tangent * tangent * (1.0 / 3.0 - 0.2 * tangent * tangent));
             return Self {
                 angle: self.angle + step,
@@ -119,7 +119,8 @@ fn part(
     near: Option<&[HalfAngle; 2]>,
 ) -> Part {
     let chord = square.sqrt();
-    // This direction is about half-way between the two edges of the overlap. It need not be exact.
+    // The direction about which moments are computed is about half-way between the two edges of the overlap. It need
+    // not be exact.
     let wider = chord_of(magenta.sine, magenta.cosine) - chord_of(yellow.sine, yellow.cosine);
     let share = (0.5 + 0.5 * wider / chord).clamp(0.0, 1.0);
     let rest = 1.0 - share;
@@ -178,9 +179,9 @@ fn lens(
     (moments, angles)
 }
 
-/// Moments of a segment of a circle about the circle's centre. The sine and cosine of the half-angle are multiplied by
-/// the radius, so they are half the length of the chord, and the distance of the chord from the centre. The segment
-/// lies at positive coordinates of the axis.
+/// Moments of a segment of a circle about the circle's centre. In `half_angle`, the sine and the cosine are multiplied
+/// by the radius. Therefore the sine is half the length of the chord, and the cosine is the distance of the chord from
+/// the centre. The segment lies at positive coordinates of the axis.
 #[inline]
 fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
     let &HalfAngle {
@@ -202,7 +203,7 @@ fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
 }
 
 impl Moments {
-    /// Moments of the mirrored area. For this area, the axis points in the opposite direction.
+    /// Moments of the mirror image of the area, that is, about an axis that points in the opposite direction.
     fn mirrored(self) -> Self {
         Self {
             first: -self.first,
@@ -223,7 +224,7 @@ impl Moments {
 
 impl Part {
     /// Image of the area through a lens that is expanded about the reference direction. The axis of symmetry has two
-    /// components: `outward`, away from the lens's axis, and `around` it.
+    /// components: `outward` is away from the lens's axis, and `around` is around this axis.
     #[inline]
     pub(super) fn seen(&self, local: &Local, [outward, around]: [f64; 2]) -> Region {
         let Moments {

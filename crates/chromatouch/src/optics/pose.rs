@@ -31,7 +31,7 @@ impl Pose {
     pub fn new(place: [f64; 3], turn_rad: [f64; 3]) -> Self {
         let turn = Vector3::from(turn_rad);
         let angle = turn.norm();
-        // Rodrigues' formula, with functions of libm, which give the same result on every computer.
+        // Use Rodrigues' formula with functions of libm, because these give the same result on every computer.
         let (sine, cosine) = libm::sincos(angle);
         let to_camera = if angle > 0.0 {
             let axis = turn / angle;
@@ -61,8 +61,8 @@ impl Pose {
         Self::new(place.into(), turn.into())
     }
 
-    /// Checks the pose. Returns `None` for the default pose, and an error if the camera is farther than `farthest` from
-    /// the centre or its rotation is out of range.
+    /// Checks the pose. Returns `None` for the default pose. Returns an error if the camera is farther than `farthest`
+    /// from the centre, or if its rotation is out of range.
     pub(super) fn checked(self, farthest: f64) -> Result<Option<Self>, OpticsError> {
         let distance = self.place.norm();
         let good = distance <= farthest;

@@ -58,12 +58,13 @@ impl Aim {
         Self::at(camera, direction, libm::atan2)
     }
 
-    /// The result of [`Self::new`] for another direction. The computation is faster if the other direction is near this
-    /// one.
+    /// What [`Self::new`] returns for `direction`, computed from this similar result. The computation is faster if
+    /// `direction` is near the direction of this result.
     #[inline]
     fn beside(&self, camera: &Camera, direction: &Vector3<f64>) -> Self {
         Self::at(camera, direction, |sine, cosine| {
-            // `step` is the sine of the difference between the two polar angles, each of which is at most half a turn.
+            // `step` is the sine of the difference between the polar angles of the two directions. Each polar angle is
+            // at most half a turn.
             let step = sine * self.cosine - cosine * self.sine;
             let near = step.abs() < 0.1 && sine * self.sine + cosine * self.cosine > 0.0;
             if near {
@@ -110,7 +111,7 @@ impl Aim {
             return false;
         }
         // The far edge of the disc is at the polar angle of the disc's middle plus its angular radius. This sum must be
-        // at most half a turn, and must not be beyond the rim.
+        // at most half a turn, and at most the polar angle of the rim.
         let (edge_sine, edge_cosine) = (
             self.sine * disc.cosine + self.cosine * disc.sine,
             self.cosine * disc.cosine - self.sine * disc.sine,
@@ -151,7 +152,7 @@ pub(super) struct MarkerProjection {
 }
 
 impl MarkerProjection {
-    /// The projection of a marker; `None` unless the marker is completely in the image circle.
+    /// The projection of a marker; `None` if a part of the marker is outside of the image circle.
     #[inline(always)]
     pub(super) fn new(camera: &Camera, sight: &MarkerSight) -> Option<Self> {
         let MarkerSight { magenta, yellow } = sight;
@@ -200,7 +201,7 @@ fn image(camera: &Camera, aim: &Aim, disc: &Sight) -> Image {
     Image::of(aim, &cap(camera.lens, &aim.local, disc.sine, disc.cosine))
 }
 
-/// Image of the overlap of a marker's discs. Also the half-angles of its segments, if the edges of the discs cross.
+/// Image of the overlap of a marker's discs and, if the edges of the discs cross, the half-angles of its two segments.
 /// `aim` is a direction near the overlap, and `near` are the half-angles of a similar marker.
 #[inline(always)]
 fn shared(

@@ -7,33 +7,33 @@ use super::array::{Layer, MarkerArray, MarkerSight, Sight, Stand};
 use super::sines::sinc_and_cosine;
 use super::{DiscMotion, MarkerMotion, Pose};
 
-/// Column of [`SightSlopes::by`] for the motion inward.
+/// Column of [`SightSlopes::by`] for the inward motion of the disc.
 pub(super) const INWARD: usize = 0;
-/// First of two columns for the motion along the two axes of the skin.
+/// First of two columns of [`SightSlopes::by`] for the motion along the two axes of the skin.
 pub(super) const X: usize = 1;
-/// Column for the depth.
+/// Column of [`SightSlopes::by`] for the depth of the disc.
 pub(super) const DEEPER: usize = 3;
-/// Column for the logarithm of the diameter.
+/// Column of [`SightSlopes::by`] for the logarithm of the disc's diameter.
 pub(super) const WIDER: usize = 4;
-/// First of three columns for the position of the camera.
+/// First of three columns of [`SightSlopes::by`] for the position of the camera.
 pub(super) const PLACE: usize = 5;
-/// First of three columns for the rotation of the camera.
+/// First of three columns of [`SightSlopes::by`] for the rotation of the camera.
 pub(super) const TURN: usize = 8;
-/// Number of columns.
+/// Number of columns of [`SightSlopes::by`].
 pub(super) const COLUMNS: usize = 11;
 
 /// Derivatives of a disc's direction and angular radius as viewed from the camera.
 pub(super) struct SightSlopes {
     /// Two unit vectors perpendicular to the direction of the disc's middle.
     across: [Vector3<f64>; 2],
-    /// Derivatives, one column per variable. The first two rows are for the direction along the two vectors, the third
-    /// row is for the logarithm of the tangent of the angular radius.
+    /// Derivatives, one column per variable. The first two rows are the derivatives of the direction along the two
+    /// vectors `across`. The third row is the derivative of the logarithm of the tangent of the angular radius.
     pub(super) by: SMatrix<f64, 3, COLUMNS>,
 }
 
 impl SightSlopes {
-    /// Changes one number of one disc by a step. The number is a component of the direction or the logarithm of the
-    /// size. The disc is magenta (0) or yellow (1).
+    /// Changes one number of one disc by a step. The number is a component of the disc's direction or the logarithm of
+    /// its size. Disc 0 is the magenta disc, disc 1 the yellow disc.
     pub(super) fn beside(
         &self,
         sight: &MarkerSight,
@@ -59,8 +59,8 @@ impl SightSlopes {
 }
 
 impl MarkerArray {
-    /// Derivatives for both discs of a marker, for a camera with this pose. `turns` are the derivatives of the camera's
-    /// rotation matrix.
+    /// Derivatives of the directions and angular radii of both discs of a marker, for a camera with this pose. `turns`
+    /// are the derivatives of the camera's rotation matrix.
     pub(super) fn sight_slopes(
         &self,
         marker: usize,
@@ -107,7 +107,8 @@ impl Layer {
         let direction = sight.direction;
         let across = across(&direction);
         let mut by = SMatrix::zeros();
-        // Sets a column from two derivatives: of the ray to the disc, and of the disc's normal.
+        // Sets the column of a variable from two derivatives with respect to this variable: of the ray to the disc, and
+        // of the disc's normal.
         let mut set = |column: usize, ray: Vector3<f64>, turned: Vector3<f64>| {
             let nearer = towards.dot(&ray);
             let step = (ray - towards * nearer) / distance;
@@ -122,7 +123,8 @@ impl Layer {
         for axis in 0..2 {
             let turned = by_angles[axis] / self.distance;
             set(X + axis, turned * away, turned);
-            // For a deeper disc, the same displacement along the skin corresponds to a larger angle.
+            // Add the effect of a displacement along the skin. For a deeper disc, which is nearer to the centre, the
+            // same displacement corresponds to a larger angle.
             deeper += turned * aside[axis];
         }
         set(DEEPER, deeper * away - normal, deeper);
@@ -142,8 +144,8 @@ impl Layer {
 }
 
 impl Stand {
-    /// Unit vector that is reached from the marker's place by the angles `x` and `y` (rad) along the marker's axes.
-    /// Also the derivatives of this vector with respect to both angles.
+    /// Unit vector that is reached from the marker's place by the angles `x` and `y` (rad) along the marker's axes. The
+    /// second result are the derivatives of this vector with respect to both angles.
     fn towards(&self, x: f64, y: f64) -> (Vector3<f64>, [Vector3<f64>; 2]) {
         let square = x * x + y * y;
         let (sinc, cosine) = sinc_and_cosine(square);

@@ -9,7 +9,7 @@ const COSINE: [f64; TERMS] = series(0);
 /// Coefficients of the powers of x² in sin x / x, starting with the constant.
 const SINC: [f64; TERMS] = series(1);
 
-/// Coefficients (−1)^k / (2k + odd)!
+/// Coefficients (−1)^k / (2k + odd)! of the series of the cosine (`odd` is 0) and of sin x / x (`odd` is 1).
 const fn series(odd: usize) -> [f64; TERMS] {
     let mut coefficients = [1.0; TERMS];
     let mut term = 1;
@@ -22,7 +22,8 @@ const fn series(odd: usize) -> [f64; TERMS] {
 }
 
 /// sin θ / θ and cos θ for an angle θ up to half a turn, computed from θ². Both are even functions of θ, so no square
-/// root is needed. They are computed from the power series at θ/2. Its first omitted term is below 1e-12.
+/// root is needed. They are computed from the power series at θ/2. The first omitted term of each series is below
+/// 1e-12.
 #[inline]
 pub(super) fn sinc_and_cosine(angle_squared: f64) -> (f64, f64) {
     let half_squared = 0.25 * angle_squared;
@@ -31,7 +32,7 @@ pub(super) fn sinc_and_cosine(angle_squared: f64) -> (f64, f64) {
         sinc = sinc * half_squared + SINC[term];
         cosine = cosine * half_squared + COSINE[term];
     }
-    // Double angle: sin θ = 2 sin(θ/2) cos(θ/2), cos θ = 1 − 2 sin²(θ/2).
+    // Formulas of the double angle: sin θ = 2 sin(θ/2) cos(θ/2), cos θ = 1 − 2 sin²(θ/2).
     (sinc * cosine, 1.0 - 2.0 * half_squared * sinc * sinc)
 }
 

@@ -1,6 +1,6 @@
 //! Derivatives of the markers' features with respect to the sensor's parameters and to the motions of the discs.
 //!
-//! The direction and the angular radius of a disc are three numbers. Their derivatives have closed forms. The
+//! The direction and the angular radius of a disc are given by three numbers. Their derivatives have closed forms. The
 //! derivatives of the features with respect to the six numbers of both discs are finite differences.
 
 use nalgebra::{Matrix3, Matrix4x2, Matrix4x3, SMatrix, Vector4};
@@ -45,7 +45,8 @@ struct Shared<'a> {
     optics: &'a Optics,
     departure: &'a Departure,
     turns: [Matrix3<f64>; 3],
-    /// Index of each requested transmittance, with the contrasts after this transmittance was increased by one step.
+    /// For each requested transmittance, its index, and the contrasts if this transmittance is larger by one
+    /// finite-difference step.
     colours: Vec<(usize, Contrasts)>,
     requested: &'a [usize],
 }
@@ -190,7 +191,7 @@ impl Shared<'_> {
     }
 }
 
-/// Difference of the features of two markers, to first order.
+/// Difference between the features of two markers whose features are nearly equal, to first order.
 fn difference(one: &SeenMarker, other: &SeenMarker) -> Vector4<f64> {
     let turn = one.hue_turns - other.hue_turns;
     Vector4::new(

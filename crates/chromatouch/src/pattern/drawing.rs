@@ -180,7 +180,7 @@ impl DxfWriter {
         for (code, value) in [(2, "CONTINUOUS"), (70, "0"), (3, "Solid line")] {
             self.pair(code, value);
         }
-        // These values mean: alignment "A", no dashes, pattern length 0.
+        // These values define a line type: alignment "A", no dashes, pattern length 0.
         for (code, value) in [(72, "65"), (73, "0"), (40, "0.0"), (0, "ENDTAB")] {
             self.pair(code, value);
         }
@@ -223,7 +223,7 @@ impl DxfWriter {
 
     fn closed_line(&mut self, outline: &[[f64; 2]]) {
         self.entity("POLYLINE", CUT);
-        // These values mean: vertices follow, elevation 0, closed line.
+        // These values define a closed line at the elevation 0, whose vertices follow.
         self.pair(66, "1");
         self.place(10, [0.0, 0.0]);
         self.pair(30, "0.0");

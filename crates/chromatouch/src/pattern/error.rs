@@ -15,8 +15,7 @@ pub enum PatternError {
     #[error(transparent)]
     #[strum(transparent)]
     Layout(#[from] LayoutError),
-    /// There are fewer gores than the limit. Such wide gores would be stretched to more than twice their length by
-    /// folding.
+    /// There are fewer gores than the limit. Folding would stretch such wide gores to more than twice their length.
     #[error("gores is {gores}; it must be at least {FEWEST_GORES}{}", stretched(*.strain))]
     TooFewGores {
         /// Requested number of gores.

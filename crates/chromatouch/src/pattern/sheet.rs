@@ -38,8 +38,8 @@ pub struct CuttingSheet {
 }
 
 impl Pattern {
-    /// The assembled pattern, with both discs of each marker of the layout. All gores meet at the apex, so the disc
-    /// there is drawn as a full circle, although its parts in the gaps between the gores are cut off.
+    /// The assembled pattern, with both discs of each marker of the layout. All gores meet at the apex. The disc there
+    /// is drawn as a full circle, although its parts in the gaps between the gores are cut off.
     ///
     /// # Errors
     /// [`PatternError`] if the layout or the discs are impossible, if a marker is beyond the equator, or if discs
@@ -122,14 +122,15 @@ impl Pattern {
     }
 }
 
-/// Distance of a point from the line through a chord of the right edge; positive inside. The point is given by its
-/// distance across the gore and its distance from the apex.
+/// Distance of a point from the line through a chord of a gore's right edge; positive if the point is inside the gore.
+/// The point is given by its distance across the gore and its distance from the apex.
 fn inside(&[[x, y], [u, v]]: &[[f64; 2]; 2], [across, from_apex]: [f64; 2]) -> f64 {
     let length = libm::hypot(u - x, v - y);
     (u - x) / length * (from_apex - y) - (v - y) / length * (across - x)
 }
 
-/// Checks that the distance between any two centres is at least the diameter.
+/// Checks that discs of this diameter do not overlap, that is, that the distance between any two centres is at least
+/// the diameter.
 fn apart(centres: &[[f64; 2]], diameter: f64, narrowest: f64) -> Result<(), PatternError> {
     match too_close(centres, diameter, narrowest) {
         None => Ok(()),

@@ -29,8 +29,8 @@ use gauss_quad::GaussLegendre;
 use super::{FEWEST_GORES, PatternError};
 use crate::LayoutError;
 
-/// Number of quadrature nodes per direction. For three or more gores, the error is below 1e-20. It is limited by the
-/// nearest singularity of the integrand, s = 2i.
+/// Number of quadrature nodes per direction. For three or more gores, the error is below 1e-20. The error depends on
+/// the nearest singularity of the integrand, which is at the shear s = 2i.
 const NODES: usize = 16;
 
 /// Strain of a polyconic gore that is folded onto its sphere: its largest principal stretch minus 1.
@@ -144,8 +144,8 @@ mod tests {
         ]
     }
 
-    /// Principal stretches of the fold: the square roots of the eigenvalues of JᵀJ, where J is computed by central
-    /// differences.
+    /// Principal stretches of the fold: the square roots of the eigenvalues of JᵀJ. The Jacobian J of the fold is
+    /// computed by central differences.
     fn stretches(x: f64, y: f64) -> [f64; 2] {
         let step = 1e-5;
         let difference = |ahead: [f64; 3], behind: [f64; 3]| {
@@ -180,15 +180,15 @@ mod tests {
         }
     }
 
-    /// Mean square of the strain, computed from a series. From σ² = sσ + 1 follows (σ − 1)² = 2 + (s − 2)(s/2 + √(1 +
-    /// s²/4)). The mean of sᵏ over the gore is (π/n)ᵏ/(k + 1)².
+    /// Mean square of the strain, computed from a series. For the shear s and the stretch σ, σ² = sσ + 1. From this
+    /// equation follows (σ − 1)² = 2 + (s − 2)(s/2 + √(1 + s²/4)). The mean of sᵏ over the gore is (π/n)ᵏ/(k + 1)².
     fn mean_square_by_series(gores: u32) -> f64 {
         let widest = PI / f64::from(gores);
         let moment = |power: i32| widest.powi(power) / f64::from((power + 1).pow(2));
         let mut mean = moment(2) / 2.0 - moment(1) + 2.0;
         let mut binomial = 1.0;
         for term in 0..60 {
-            // The series is √(1 + s²/4) = Σ C(½, j) (s/2)²ʲ.
+            // The root is expanded as √(1 + s²/4) = Σ C(½, j) (s/2)²ʲ, where s is the shear.
             let weight = binomial / 4.0_f64.powi(term);
             mean += weight * (moment(2 * term + 1) - 2.0 * moment(2 * term));
             binomial *= (0.5 - f64::from(term)) / f64::from(term + 1);
@@ -211,7 +211,8 @@ mod tests {
         for pair in strains.windows(2) {
             assert!(pair[1].greatest < pair[0].greatest && pair[1].rms < pair[0].rms);
         }
-        // For small shears s, the strain is s/2, at most π/2n. Its root mean square is a third of this value.
+        // For a small shear s, the strain is s/2. With n gores, it is at most π/2n. Its root mean square is a third of
+        // this value.
         for gores in [1_000_000, u32::MAX] {
             let strain = FoldStrain::of(gores).unwrap();
             let limit = FRAC_PI_2 / f64::from(gores);

@@ -131,7 +131,8 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
 
 #[test]
 fn frames_show_what_is_projected_the_better_the_larger() {
-    // The error in the overlap of the discs is largest for a pinhole lens: up to 2e-4 focal lengths at 60°.
+    // The tolerance is largest for a pinhole lens, because it has the largest error in the overlap of the discs: up to
+    // 2e-4 focal lengths at 60°.
     let odd = |k3, k5| Lens::fisheye(OddTerms { k3, k5 });
     for (lens, bound_px) in [
         (Lens::Fisheye, 0.01),
@@ -147,9 +148,9 @@ fn frames_show_what_is_projected_the_better_the_larger() {
                 std::iter::zip(large, bounds).all(|(one, bound)| one < bound),
                 "{large:?}"
             );
-            // The error of the centroid is compared relative to the size of the frame; the errors of the hue and the
-            // size are compared directly. The centroids of a pinhole lens differ mostly by the second-order error in
-            // the overlap of the discs, which does not depend on the size of the frame.
+            // The error of the centroid is divided by the size of the frame before it is compared with its bound; the
+            // errors of the hue and the size are compared directly. The centroids of a pinhole lens differ mostly by
+            // the second-order error in the overlap of the discs, which does not depend on the size of the frame.
             assert!(
                 lens == Lens::Pinhole || large[0] / 2048.0 < 0.5 * small[0] / 256.0,
                 "{small:?} {large:?}"
@@ -188,7 +189,7 @@ fn discs_much_smaller_than_a_pixel_take_their_share() {
         let half = 0.33 * f64::from(size_px);
         let [middle, _] = optics.camera().centre_px();
         let frame = optics.render(&motions, None).unwrap();
-        // The features are measured in a square inside of the image circle that contains all markers.
+        // The total size is measured in a square inside of the image circle that contains all markers.
         let found = measured(&frame, [middle; 2], half).size_px2;
         assert!(
             (found / expected - 1.0).abs() < 0.03,
@@ -245,8 +246,8 @@ fn the_image_circle_is_cut_out_of_what_surrounds_it() {
         let sum: f64 = frame.pixels().map(|pixel| f64::from(pixel.0[1])).sum();
         let area = std::f64::consts::PI * f64::from(size_px).powi(2) / 4.0;
         let error = (sum / 240.0 - area) / f64::from(size_px);
-        // If there are few pixels, the area has a large error. For example, an image of one pixel counts completely,
-        // because the centre of the pixel is in the circle.
+        // If the frame has few pixels, the counted area of the circle has a large error. For example, a frame of one
+        // pixel counts completely, because the centre of the pixel is in the circle.
         assert!(
             error.abs() < if size_px < 3 { 0.3 } else { 0.05 },
             "{size_px}: {error}"
@@ -344,7 +345,8 @@ fn a_blur_is_a_gaussian_and_keeps_the_light() {
     let edge = {
         let focal = 200.5 / 70.0_f64.to_radians();
         let polar = |row: f64| libm::hypot(row - 200.0, 100.0) / focal;
-        // Rows in which the distance from the middle of the seam is equal to the half-width of the seam in the image.
+        // For rows in which the distance from the middle of the seam is equal to the half-width of the seam in the
+        // image.
         let off = |row: f64| {
             row - 200.0 - libm::sin(0.5_f64) * focal * polar(row) / libm::sin(polar(row))
         };

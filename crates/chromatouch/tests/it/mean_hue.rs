@@ -55,7 +55,7 @@ fn pale_regions_do_not_count() {
             .unwrap()[0]
             .unwrap()
     };
-    // Magenta, with the hue 5/6, covers most of the area.
+    // The mean hue is near the hue 5/6 of magenta, because magenta covers most of the area.
     let seen = hue(pale);
     assert!((0.83..0.92).contains(&seen.mean_hue_turns), "{seen:?}");
     // If no region is saturated, the mean hue is the hue of the summed light.

@@ -12,8 +12,8 @@ use palpate_chromatouch::{
 use crate::optics::{DISCS, depths};
 
 const FIELD: f64 = 65.0;
-/// Odd terms of an equisolid lens, of a stereographic lens, of two lenses with terms of opposite signs, and of a lens
-/// whose image is almost folded at the rim.
+/// Odd terms of five lenses: an equisolid lens, a stereographic lens, two lenses with terms of opposite signs, and a
+/// lens whose image is almost folded at the rim.
 const TERMS: [[f64; 2]; 5] = [
     [-1.0 / 24.0, 1.0 / 1920.0],
     [1.0 / 12.0, 1.0 / 120.0],
@@ -42,7 +42,7 @@ fn angles_are_seen_where_the_polynomial_has_them() {
     for [k3, k5] in TERMS {
         let camera = camera([k3, k5]);
         let map = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
-        // For all terms, the rim of the image is at the edge of the field.
+        // For all odd terms, the rim of the image shows the edge of the field.
         assert_relative_eq!(
             camera.px_per_rad() * map(FIELD.to_radians()),
             320.0,
@@ -66,8 +66,8 @@ fn angles_are_seen_where_the_polynomial_has_them() {
 
 #[test]
 fn an_equisolid_lens_shows_all_directions_alike() {
-    // The terms are the series of 2 sin(θ/2) without the seventh power. At 0.5 rad, the seventh power changes the area
-    // by less than 1e-6.
+    // The odd terms of this lens are the series of 2 sin(θ/2), without the terms from the seventh power on. At 0.5 rad,
+    // the seventh power changes the area by less than 1e-6.
     let camera = camera(TERMS[0]);
     let square = camera.px_per_rad().powi(2);
     for polar in [0.0, 0.03, 0.1, 0.3, 0.5] {
@@ -90,7 +90,8 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
             assert_eq!([k3, k5], TERMS[4]);
             continue;
         };
-        // The image circle and the pixels per radian stay the same, so that the angle at the rim changes.
+        // The deviation does not change the image circle and the pixels per radian. Therefore the angle at the rim
+        // changes.
         let other = departed.camera();
         assert_relative_eq!(other.px_per_rad(), known.camera().px_per_rad());
         let (sine, cosine) = libm::sincos(0.9_f64);
@@ -110,7 +111,8 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
             let angle = libm::hypot(place[0], place[1]) / 20.0;
             let map = angle + k3 * angle.powi(3) + k5 * angle.powi(5);
             let radius = libm::hypot(seen.centroid_px[0] - 319.5, seen.centroid_px[1] - 319.5);
-            // The centroid of a disc of finite size is not exactly the image of its centre.
+            // The comparison has a tolerance, because the centroid of a disc of finite size is not exactly the image of
+            // its centre.
             let error = radius - other.px_per_rad() * map;
             assert!(error.abs() < 0.5, "marker {marker}: {error}");
         }
@@ -177,8 +179,8 @@ fn lenses_that_cannot_be_are_refused_with_what_would_be_right() {
     let refused = made(-0.5, 0.0, 65.0).unwrap_err();
     assert_eq!(refused.setting(), Some("k3"));
     let said = refused.to_string();
-    // The derivative 1 − 1.5 θ² of the image radius decreases to 0.01 at 46.55°. For a field of 65°, the smallest
-    // possible k3 is −0.99 / (3 θ²).
+    // The derivative 1 − 1.5 θ² of the image radius with respect to the angle θ decreases to 0.01 at 46.55°. For a
+    // field of 65°, the smallest possible k3 is −0.99 / (3 θ²).
     for word in ["k3 = -0.5", "up to 46.54", "ends at 65", "at least -0.2564"] {
         assert!(said.contains(word), "{word}: {said}");
     }

@@ -60,8 +60,9 @@ pub(crate) fn at(polar_deg: f64, azimuth_deg: f64) -> [f64; 2] {
     [cosine, sine].map(|share| 20.0 * polar_deg.to_radians() * share)
 }
 
-/// Image area of a cap that does not contain the axis: ∫ θ 2Δφ dθ, where the circle with the polar angle θ crosses the
-/// edge of the cap at the azimuths ±Δφ. The integral is computed by the midpoint rule in t, with θ = θ₀ − α cos t.
+/// Image area, divided by the squared focal length, of a cap that does not contain the axis: ∫ θ 2Δφ dθ. The circle
+/// with the polar angle θ crosses the edge of the cap at the azimuths ±Δφ. The integral is computed by the midpoint
+/// rule in t, with θ = θ₀ − α cos t.
 fn fisheye_area(radius: f64, polar: f64) -> f64 {
     let steps = 20_000;
     let step = PI / f64::from(steps);
@@ -86,11 +87,11 @@ fn a_disc_has_the_image_area_that_integration_gives() {
             let expected = square * fisheye_area(radius, polar);
             assert_relative_eq!(area, expected, max_relative = bound);
         }
-        // At the apex, the image is a circle of radius f α.
+        // At the apex, the image of a disc is a circle of radius f α, with the focal length f and the angular radius α.
         let area = fisheye.disc_area(radius, 0.0).unwrap();
         assert_relative_eq!(area, PI * square * radius * radius, max_relative = 2e-6);
     }
-    // The image of a cone through a pinhole is an ellipse.
+    // The image of a disc through a pinhole is an ellipse, because the rays to its edge form a cone.
     let pinhole = Camera::new(Lens::Pinhole, 640, 70.0).unwrap();
     let square = pinhole.px_per_rad().powi(2);
     for polar_deg in [0.0_f64, 30.0, 60.0] {
@@ -158,8 +159,8 @@ fn a_marker_moved_inward_grows_with_its_nearness() {
         let growth = 0.5 * libm::log(size / rest);
         let exact = libm::log(libm::atan(1.0 / (18.0 - normal)) / libm::atan(1.0_f64 / 18.0));
         assert_relative_eq!(growth, exact, epsilon = 1e-6);
-        // The size of a small disc increases by −ln(1 − u/ρ), where u is the displacement inward and ρ is the distance
-        // of the disc from the camera.
+        // The logarithm of a small disc's diameter increases by −ln(1 − u/ρ). Here u is the displacement inward, and ρ
+        // is the distance of the disc from the camera.
         assert_relative_eq!(growth, -libm::log(1.0 - normal / 18.0), max_relative = 3e-3);
     }
 }
@@ -173,7 +174,7 @@ fn the_disc_that_comes_nearer_tints_the_marker() {
             Lens::Fisheye,
             Colours::default(),
         );
-        // The hue changes from magenta (−1/6 turn) through red (0) to yellow (1/6 turn).
+        // The hue of a marker lies between magenta (−1/6 turn) and yellow (1/6 turn); red, in the middle, is 0.
         let hue = |magenta, yellow| {
             let turns = seen(&optics, moved(inward(magenta), inward(yellow))).hue_turns;
             if turns > 0.5 { turns - 1.0 } else { turns }
@@ -263,8 +264,8 @@ fn misaligned_discs_lie_uniformly_within_a_disc() {
         .collect();
     let count = shifts.len() as f64;
     assert!(count > 3000.0);
-    // The shifts are uniformly distributed in a circle. Its radius is half of the disc diameter of 0.2, so that all
-    // shifts are at most 0.1, and a quarter of them are shorter than 0.05.
+    // The shifts are uniformly distributed in a circle whose radius is half of the disc diameter of 0.2. Therefore all
+    // shifts are at most 0.1 long, and a quarter of the shifts are shorter than 0.05.
     let within = |radius: f64| {
         shifts
             .iter()
@@ -336,7 +337,7 @@ fn discs_that_the_skin_widens_are_seen_as_wider_discs() {
     let wider = seen(&wider.unwrap(), moved(inward(0.3), inward(0.3)));
     assert_relative_eq!(strained.size_px2, wider.size_px2, max_relative = 1e-13);
     assert_relative_eq!(strained.hue_turns, wider.hue_turns, epsilon = 1e-13);
-    // The same is true for a camera that is not in the centre.
+    // A camera that is not in the centre also sees the strained discs like wider discs.
     let beside = |optics: Optics| {
         optics
             .seen_from(Pose::new([1.0, 0.0, 2.0], [0.0; 3]))

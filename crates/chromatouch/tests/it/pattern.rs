@@ -183,7 +183,7 @@ fn svg_draws_the_sheet_in_millimetres() {
     for (circles, radius) in drawing.circles.values().zip([1.0, 0.75]) {
         assert_eq!(circles.len(), 77);
         assert!(circles.iter().all(|(_, drawn)| *drawn == radius));
-        // The first marker is at the apex. The second is 11.9° from it, in the middle of the first gore.
+        // The first marker is at the apex. The second marker is 11.9° from the apex, in the middle of the first gore.
         assert_eq!(circles[0].0, [0.0; 2]);
         let along = 20.0 * 11.9_f64.to_radians() * 0.5_f64.sqrt();
         assert_relative_eq!(circles[1].0[..], [along; 2][..], epsilon = 1e-6);
@@ -300,7 +300,8 @@ fn sheets_that_do_not_fit_are_named() {
         (rows(4, &[1; 4], 25.0), alike(2.0), "beyond-the-equator"),
         (rows(4, &[1], 89.0), alike(2.0), "disc-across-edge"),
         (rows(4, &[], 10.0), alike(63.0), "disc-across-edge"),
-        // The middle of one of two gores is a seam in the pattern with four gores.
+        // The markers are laid out in two gores, but the pattern has four. The middle of one of the two gores is a seam
+        // in the pattern.
         (rows(2, &[1], 30.0), alike(0.1), "disc-across-edge"),
         (rows(0, &[1], 30.0), alike(0.1), "bad-setting"),
         (rows(4, &[1, 1], 90.0), alike(0.1), "around-the-sphere"),

@@ -127,9 +127,9 @@ fn errors(frame: &RgbImage) -> Vec<Vec<f64>> {
     square.clone().map(row).collect()
 }
 
-/// Correlation scores between the errors of two frames, where the second error is `down` rows below and `on` numbers
-/// after the first: of the errors, and of their squares, which show dependence of uncorrelated errors. If the errors
-/// are independent, each score is normally distributed.
+/// Two correlation scores of the errors of two frames. The second error is `down` rows below and `on` numbers after the
+/// first. One score is computed from the errors. The other is computed from their squares, because these reveal a
+/// dependence of uncorrelated errors. If the errors are independent, each score is normally distributed.
 fn common(one: &[Vec<f64>], other: &[Vec<f64>], down: usize, on: usize) -> [f64; 2] {
     let (mut count, mut product, mut squares) = (0.0_f64, 0.0, 0.0);
     for (row, below) in one.iter().zip(&other[down..]) {

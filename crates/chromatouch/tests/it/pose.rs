@@ -70,7 +70,7 @@ fn markers_are_seen_along_the_rays_from_the_camera() {
             );
         }
         // The solid angle is proportional to the cosine of the inclination, and to the inverse square of the distance.
-        // The lens multiplies it by θ/sin θ.
+        // The lens multiplies the solid angle by θ/sin θ, where θ is the angle from its axis.
         let stretch = |ray: &Vector3<f64>| {
             let angle = libm::atan2(libm::hypot(ray.x, ray.y), ray.z);
             if angle > 0.0 {
@@ -102,7 +102,7 @@ fn a_turned_camera_sees_markers_turned() {
         assert!((found_y - (x * sine + y * cosine)).abs() < 1e-9);
         assert!((after.size_px2 - before.size_px2).abs() < 1e-9);
     }
-    // A turn about x shifts the image of the apex along y.
+    // A rotation of the camera about x shifts the image of the apex along y.
     let pose = Pose::new([0.0; 3], [0.1, 0.0, 0.0]);
     let tilted = seen(&optics(&[[0.0; 2]], 0.02).seen_from(pose).unwrap());
     let focal = Camera::new(Lens::Fisheye, 700, 80.0).unwrap().px_per_rad();
@@ -113,8 +113,8 @@ fn a_turned_camera_sees_markers_turned() {
 fn discs_that_depart_are_discs_made_so() {
     let known = optics(&PLACES, 2.0);
     let departed = |departure: Departure| seen(&known.departed(&departure).unwrap());
-    // If the sensor deviates in its depths and diameters, its images are the same as those of an array that was made
-    // with the changed depths and diameters.
+    // A sensor that deviates in its depths and diameters has the same images as an array that was made with the changed
+    // depths and diameters.
     let remade = departed(Departure {
         depths: [0.1; 2],
         diameters: [0.02; 2],

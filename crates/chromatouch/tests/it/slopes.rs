@@ -38,7 +38,7 @@ impl Scene {
         if !matches!(lens, Lens::Odd(_)) {
             departure[19..].fill(0.0);
         }
-        // The discs overlap partly or not at all.
+        // Some pairs of discs overlap partly, others not at all.
         let misalignments = (0..MARKERS).map(|_| [aside + draw(0.03), 0.02 + draw(0.02)]);
         let misalignments = misalignments.collect();
         let mut motion = || [draw(0.5), draw(0.5), draw(0.5)];
@@ -219,7 +219,8 @@ fn alike(radius: f64, normal: f64, x: f64) -> Option<MarkerMotion> {
 }
 
 /// The image area of a small disc is proportional to (width / distance)². A displacement along the skin shifts the
-/// image by the angle displacement / (distance at rest), and a displacement of the camera by displacement / distance.
+/// image by the angle displacement / (distance at rest). A displacement of the camera shifts the image by the angle
+/// displacement / distance.
 #[test]
 fn slopes_on_skins_of_any_size_have_closed_forms() {
     let all: Vec<usize> = (0..Departure::NUMBERS).collect();

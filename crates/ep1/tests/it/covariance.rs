@@ -80,7 +80,8 @@ fn standard_errors_match_all_noise_with_any_lengths_and_directions() {
 
 #[test]
 fn the_isotropic_standard_error_matches_the_formula() {
-    // Four of the eight probes measure each direction; therefore, the relative standard error is e σ (1 + R₂/R₁)/√4.
+    // The relative standard error is σ (1 + R₂/R₁)/√4. Here σ is the relative noise of a rotation, and R₁ and R₂ are
+    // the radii of probe and object. The divisor is √4, because four of the eight probes measure each direction.
     let noise = ReadingNoise {
         relative_rotation_std: 0.01,
         ..Default::default()
@@ -107,7 +108,7 @@ fn the_residual_increases_with_a_departure_from_the_model() {
 
 #[test]
 fn the_covariance_of_the_form_matches_finite_differences() {
-    // The change of the form, to first order, per unit error in one component of one probe's reading.
+    // The change of the curvature form, to first order, per unit error in one component of one probe's reading.
     let noise = ReadingNoise {
         shift_std: 1e-3,
         ..Default::default()
@@ -144,8 +145,8 @@ fn the_covariance_of_the_form_matches_finite_differences() {
     assert_eq!(fit.covariance(&estimate), None);
 }
 
-/// Standard error of the mean curvature from rolls in these directions over pads, on a ball with a radius of five probe
-/// radii.
+/// Standard error of the mean curvature, estimated from rolls in these directions over pads. The object is a ball with
+/// a radius of five probe radii.
 fn std_over_pads(start: PadStart, directions_deg: &[f64]) -> f64 {
     let rolls: Vec<(f64, f64)> = directions_deg
         .iter()
@@ -179,8 +180,8 @@ fn rolls_that_share_errors_count_once() {
         1.0,
         max_relative = 1e-9
     );
-    // The rolls of a star have opposite directions, so that the common error of their start cancels. Only the errors of
-    // the ends remain.
+    // The rolls of a star have opposite directions, so the common error of their start cancels. Only the errors of the
+    // ends remain.
     assert_relative_eq!(
         std_over_pads(PadStart::PerTrial, &star),
         std_over_pads(PadStart::PerRoll, &star) / 2.0_f64.sqrt(),
@@ -192,7 +193,7 @@ fn rolls_that_share_errors_count_once() {
 fn intervals_of_flat_objects_include_the_rounding_error() {
     for flatter in [1e3, 1e9, 1e13, 1e17, 1e30] {
         let exact = readings(2.0, &CurvatureForm::isotropic(0.5 / flatter), &eight(0.1));
-        // The noise is far smaller than the last digit of the readings.
+        // This noise is far smaller than the last digit of the readings, so the standard error is due to rounding.
         let noise = ReadingNoise {
             shift_std: 1e-30,
             ..Default::default()

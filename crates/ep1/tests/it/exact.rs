@@ -112,14 +112,15 @@ fn the_curvatures_of_a_rolled_saddle_have_the_right_signs() {
         chart: Chart::Free,
     };
     let estimate = LeastSquares::of(1.0, EXACT, &rolled(object, 1e-4, model)).unwrap();
-    // The object z = a (x² − y²) is concave along x.
+    // The curvature is negative, because the object z = a (x² − y²) is concave along x.
     assert_relative_eq!(estimate.curvature.k_uu, -0.2, max_relative = 1e-6);
     assert_relative_eq!(estimate.curvature.k_vv, 0.2, max_relative = 1e-6);
 }
 
 #[test]
 fn the_error_on_a_paraboloid_matches_the_known_value() {
-    // A paraboloid with c = 1 is rolled over s = 0.1, by the angle θ = α + s/R₁. The error of the estimate is 1.9 %.
+    // The probe rolls over the arc length s = 0.1 of the paraboloid z = −c r² with c = 1. The roll angle is θ = α +
+    // s/R₁, with the slope angle α and the probe's radius R₁. The error of the estimate is 1.9 %.
     let theta = 0.296_15;
     let object = Shape::Paraboloid(Graph::paraboloid(1.0).unwrap());
     let estimate = LeastSquares::of(1.0, EXACT, &rolled(object, theta, Model::Meridian)).unwrap();

@@ -59,8 +59,8 @@ fn misfits(stated: ReadingNoise, readings: &[ProbeReading]) -> Vec<Misfit> {
     estimate.misfits(stated, readings)
 }
 
-/// Kolmogorov statistic of numbers: the largest distance between their distribution and the uniform distribution, times
-/// the square root of their count.
+/// Kolmogorov statistic of numbers: the largest distance between their distribution and the uniform distribution,
+/// multiplied by the square root of their count.
 fn kolmogorov(mut numbers: Vec<f64>) -> f64 {
     numbers.sort_by(f64::total_cmp);
     let count = numbers.len() as f64;
@@ -107,7 +107,7 @@ fn residuals_of_two_probes_to_and_fro_are_in_closed_form() {
     let of_shifts = goodness(OF_SHIFTS, &read).unwrap();
     assert_eq!(of_shifts.freedom, 3);
     assert_relative_eq!(of_shifts.chi_squared, 18.0, max_relative = 1e-9);
-    // Noise of the rotations has the same effect as noise of the shifts, multiplied by the mobility.
+    // Noise of the rotations, multiplied by the mobility, has the same effect as noise of the shifts.
     let stated = ReadingNoise {
         relative_rotation_std: 0.01,
         ..UNKNOWN
@@ -147,7 +147,8 @@ fn sound_readings_hardly_ever_have_a_misfit() {
             assert!(share < 0.05, "{share} with {stated:?}");
         }
     }
-    // If all rotations are multiplied by the same factor, the readings are those of another probe on another object.
+    // If all rotations are multiplied by the same factor, the readings equal the readings of another probe on another
+    // object, so there is no misfit.
     let mut gained = readings(1.0, &FORM, &around());
     gained.iter_mut().for_each(|one| one.rotation *= 1.3);
     let share = share(OF_SHIFTS, &gained, &OF_SHIFTS, |_| true);
@@ -228,12 +229,12 @@ fn exact_readings_have_no_misfit_but_a_stated_noise() {
         .map(Misfit::code)
         .collect();
     assert_eq!(codes, ["stated-noise"]);
-    // Two probes have one equation more than there are parameters.
+    // Two probes give four equations for three parameters, so there is one degree of freedom.
     assert_eq!(goodness(OF_SHIFTS, &exact[..2]).unwrap().freedom, 1);
 }
 
-/// The squared residuals divided by this small noise overflow. The fit is then reported as poor, but no roll as an
-/// outlier.
+/// The noise is so small that the squared residuals, divided by its variance, overflow. The fit is then reported as
+/// poor, but no roll is reported as an outlier.
 #[test]
 fn noise_that_is_far_too_small_is_a_poor_fit_alone() {
     let mut draws = Draws(29);

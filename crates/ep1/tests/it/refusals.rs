@@ -44,13 +44,13 @@ fn a_contact_that_did_not_move_bounds_the_radius() {
     else {
         panic!("{error}");
     };
-    // The probe turned by 0.1 rad, but its contact moved by less than 0.01. The relative curvature is therefore at
-    // least 10.
+    // The probe turned by 0.1 rad, but its contact moved by less than the resolution of 0.01. The relative curvature is
+    // therefore at least 10.
     assert!(direction_rad.abs() < 1e-6);
     let relative = 0.1 / 0.01;
     assert!((bound - 1.0 / (relative - 1.0)).abs() < 1e-12, "{bound}");
     assert!(error.to_string().contains("radius below 0.11"), "{error}");
-    // Without a resolution, there is no bound.
+    // Without a stated resolution, there is no bound on the radius.
     let error = estimate(&readings).unwrap_err();
     assert!(
         matches!(
@@ -148,7 +148,7 @@ fn rotations_must_span_the_plane_and_have_squares_in_range() {
         for across in [1.0, 1e-4] {
             let form = lopsided(theta, across).unwrap().curvature;
             assert!((form.k_uu - 0.5).abs() < 1e-14);
-            // The normal equations contain the square of the ratio `across`, so that more digits are lost.
+            // The normal equations contain the square of the ratio `across`, so the error is divided by this square.
             assert!((form.k_vv - 0.5).abs() < 1e-14 / across / across);
         }
         assert_eq!(

@@ -7,7 +7,7 @@ use crate::knots::Knots;
 use crate::noise::Kinds;
 use crate::square_quadric::{Square, SquareQuadric};
 
-/// Degree of the spline.
+/// Degree of the spline in both directions.
 pub(super) const DEGREE: usize = 3;
 /// Number of B-splines that are not 0 at a position, along one direction.
 const SUPPORT: usize = DEGREE + 1;
@@ -21,11 +21,11 @@ pub(super) struct Equations {
     pub(super) right_sides: Kinds<DVector<f64>>,
     /// Weighted sums of squares of the deviations.
     pub(super) squares: Kinds<f64>,
-    /// Number of equations.
+    /// Number of equations for heights and for slopes.
     pub(super) count: Kinds<usize>,
 }
 
-/// Contribution of the contacts within one knot interval along each side.
+/// Contribution to the normal equations by the contacts within one knot interval along u and one along v.
 #[derive(Clone)]
 struct Cell {
     gram: [[f64; LOCAL]; LOCAL],
@@ -108,7 +108,7 @@ impl Equations {
         self.count.slopes > 0
     }
 
-    /// Weighted sums of squared residuals.
+    /// Weighted sums of squared residuals, for heights and for slopes.
     pub(super) fn residuals(&self, deviation: &DVector<f64>) -> Kinds<f64> {
         let residual = |gram: &DMatrix<f64>, right: &DVector<f64>, square: f64| {
             (square - 2.0 * deviation.dot(right) + deviation.dot(&(gram * deviation))).max(0.0)
@@ -141,7 +141,7 @@ impl Equations {
     }
 }
 
-/// Number of knot intervals along both sides.
+/// Number of knot intervals along u and along v.
 fn intervals(knots: &[Knots; 2]) -> [usize; 2] {
     knots.each_ref().map(|knots| knots.interior().len() + 1)
 }
@@ -165,7 +165,7 @@ fn assembled(cells: &[Cell], knots: &[Knots; 2]) -> (DMatrix<f64>, DVector<f64>)
     (gram, right)
 }
 
-/// Nodes and weights of the Gauss rule with four nodes on [−1, 1], which is exact up to degree 7.
+/// Nodes and weights of the Gauss rule with four nodes on [−1, 1]. It is exact for polynomials up to degree 7.
 const GAUSS: [(f64, f64); 4] = [
     (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
     (-0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
@@ -217,7 +217,8 @@ mod tests {
     #[test]
     fn third_derivatives_are_penalised_and_quadrics_are_not() {
         let knots = [3, 5].map(|intervals| Knots::uniform(3, -1.0, 1.0, intervals));
-        // The coefficients of monomials (blossoms) are mean products of one, two and three different inner knots.
+        // The coefficients of 1, x, x² and x³ (blossoms) are mean products of none, one, two and three different inner
+        // knots.
         let powers = |knots: &Knots, function: usize| {
             let t = &knots.as_slice()[function + 1..function + 4];
             [

@@ -10,14 +10,14 @@ use crate::matrix::SparseMap;
 use crate::matrix::product;
 use crate::square_quadric::UNKNOWNS;
 
-/// A factor is omitted if the variance of the second derivatives that it causes is below this value everywhere in the
-/// square.
+/// A random factor is omitted if the second derivatives that it causes have a variance below this value everywhere in
+/// the square.
 const MIN_VARIANCE: f64 = 1e-3;
 
 /// The transposed map from independent factors of unit variance to the rough part of a random surface. The rough part
 /// consists of all products of polynomials except those that form quadrics.
 ///
-/// The covariance of heights is proportional to exp(−d²/2ℓ²), where d is the distance between two places and ℓ is
+/// The covariance of heights is proportional to exp(−d²/2ℓ²). Here d is the distance between two places and ℓ is
 /// `length`, both in units of half a side of the square. The second derivatives along an axis have unit variance.
 pub(super) fn factors(length: f64, degree: usize) -> SparseMap {
     let side = covariance(length, degree);
@@ -25,13 +25,14 @@ pub(super) fn factors(length: f64, degree: usize) -> SparseMap {
     let unit = square * square / 3.0;
     let mut entries = Vec::new();
     let mut count = 0;
-    // Even and odd polynomials are not correlated, so each combination of parities is treated separately.
+    // The coefficients of even and odd polynomials are not correlated, so each combination of parities is treated
+    // separately.
     for parity in [[0, 0], [1, 0], [0, 1], [1, 1]] {
         let class: Vec<[usize; 2]> = products(degree)
             .skip(UNKNOWNS)
             .filter(|product| product.map(|order| order % 2) == parity)
             .collect();
-        // This is the Cholesky factor of the covariance, without the columns of small variance.
+        // This is the Cholesky factor of the covariance. Columns with a small variance are omitted.
         let mut done: Vec<f64> = Vec::with_capacity(class.len() * class.len());
         for (pivot, product) in class.iter().enumerate() {
             let start = done.len();
@@ -120,8 +121,8 @@ mod tests {
         }
     }
 
-    /// Variances of the second derivative along a at the place (a, b): for all products, and for all products without
-    /// those of quadrics.
+    /// Variances of the second derivative along a at the place (a, b): for all products of polynomials, and for all
+    /// products except those of quadrics.
     fn bends(length: f64, degree: usize, [a, b]: [f64; 2]) -> [f64; 2] {
         let [a, b] = [a, b].map(|x| values(x, degree).collect::<Vec<f64>>());
         let here: Vec<f64> = products(degree).map(|[i, j]| a[i] * b[j]).collect();
@@ -152,8 +153,8 @@ mod tests {
             let [all, rough] = bends(0.7, 18, place);
             assert_relative_eq!(all, 1.0, epsilon = 1e-3);
             assert!((0.5..1.5).contains(&rough), "{rough}");
-            // A process with a long correlation length is nearly a quadric, so its second derivatives are nearly
-            // constant.
+            // A process with a long correlation length is nearly a quadric, so the second derivatives have almost the
+            // same variance everywhere.
             let [all, rough] = bends(4.0, 12, place);
             assert_relative_eq!(all, 1.0, epsilon = 1e-3);
             assert!(rough < 0.2, "{rough}");

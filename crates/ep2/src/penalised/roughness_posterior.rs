@@ -22,31 +22,32 @@ const MIN_LENGTH_TIMES_DEGREE: f64 = 6.0;
 const MAX_LENGTH_RATIO: f64 = 3.0;
 /// The correlation length with the largest prior probability.
 const EXPECTED_LENGTH: f64 = 1.75;
-/// Power of the correlation length with which its prior probability decreases on both sides of the largest.
+/// The prior probability of a correlation length decreases with this power of the length, on both sides of its maximum.
 const LENGTH_POWER: f64 = 2.0;
 /// The amplitude with the largest prior probability, relative to the second derivatives of the quadric.
 const EXPECTED_AMPLITUDE: f64 = 0.75;
-/// Power of the amplitude with which its prior probability decreases on both sides of the largest.
+/// The prior probability of an amplitude decreases with this power of the amplitude, on both sides of its maximum.
 const AMPLITUDE_POWER: f64 = 4.0;
-/// Number of amplitudes on each side of the expected amplitude.
+/// Number of amplitudes in the average on each side of the expected amplitude.
 const AMPLITUDE_STEPS: i32 = 6;
-/// Difference between the logarithms of consecutive amplitudes.
+/// Difference between the logarithms of consecutive amplitudes in the average.
 const LOG_AMPLITUDE_STEP: f64 = 0.5;
 /// Exponent that is applied to the likelihood of an amplitude and a length, to reduce its weight. The roughness of a
 /// real surface depends on place and direction, unlike that of a sample of the process. Therefore the contacts
 /// determine the roughness of a real surface less accurately.
 const LIKELIHOOD_POWER: f64 = 0.5;
-/// Logarithm of the smallest probability, relative to the largest, that is included in the average.
+/// Logarithm of the probability ratio to the most probable length and amplitude. Combinations below this value are
+/// omitted from the average.
 const MIN_LOG_PROBABILITY: f64 = -7.0;
 /// Largest ratio of the information in the equations to the information in the prior at the expected amplitude. With a
 /// larger ratio, rounding errors would dominate.
 const MAX_INFORMATION: f64 = 1e11;
 
-/// A series around a quadric: its equations and its settings.
+/// A surface as a series around a quadric: the equations for its coefficients, and the settings.
 pub(super) struct SeriesProblem<'a> {
     pub(super) equations: &'a SeriesEquations,
     pub(super) degree: usize,
-    /// Number of observations.
+    /// Number of observations in the equations.
     pub(super) observations: usize,
     /// Whether the variances are stated. If not, only their ratio is used.
     pub(super) is_known: bool,
@@ -77,12 +78,12 @@ struct Process {
     right: Vec<f64>,
 }
 
-/// A process with one correlation length and one amplitude.
+/// A process with one correlation length and one amplitude, as one term of the average.
 struct Candidate {
     square_amplitude: f64,
     /// Triangular factors of 1 + amplitude² × information.
     factors: Factors,
-    /// Mean factor of each mode.
+    /// Mean of the factor of each mode.
     mean: Vec<f64>,
     /// Factor by which the assumed variances must be multiplied to explain the residuals; 1 if the variances are
     /// stated.
@@ -138,7 +139,7 @@ struct Eliminated {
     quadrics: Cholesky<f64, Dyn>,
     /// For each rough product, the quadric that fits it best.
     replaced: DMatrix<f64>,
-    /// The best-fitting quadric if there are no rough products.
+    /// Coefficients of the best-fitting quadric without the rough products.
     start: DVector<f64>,
     rest: Rest,
 }
@@ -223,7 +224,7 @@ struct Mixture {
 }
 
 impl Rest {
-    /// These equations, with the variances increased so far that rounding errors do not dominate.
+    /// These equations, with variances that are increased as far as necessary so that rounding errors do not dominate.
     fn limited(self) -> Result<Self, Ep2Error> {
         let amplitude = self.expected_amplitude;
         let information = self.gram.trace() * amplitude * amplitude;
@@ -300,7 +301,7 @@ impl Rest {
     }
 }
 
-/// Correlation lengths from the largest to the smallest that a series of this degree can represent.
+/// Correlation lengths that are tried, from the largest to the smallest that a series of this degree can represent.
 fn lengths(degree: usize) -> impl Iterator<Item = f64> {
     let whole = libm::log(MAX_LENGTH * degree as f64 / MIN_LENGTH_TIMES_DEGREE);
     let steps = (whole / libm::log(MAX_LENGTH_RATIO) - 1e-9).ceil().max(1.0);
@@ -351,7 +352,7 @@ impl Process {
         let (misfit, scale) = if rest.is_known {
             (square, 1.0)
         } else {
-            // The likelihood for the best variance factor, and the mean of the variance factor.
+            // Two values: the likelihood for the best variance factor, and the mean of the variance factor.
             (
                 rest.degrees * libm::log(square),
                 square / (rest.degrees - 2.0).max(1.0),

@@ -20,9 +20,9 @@ pub(super) struct SeriesEquations {
 /// of Chebyshev polynomials, so all products of pairs follow from one series of twice the degree.
 struct Sums {
     degree: usize,
-    /// Σ weight T_p(a) T_q(b) for p + q up to twice the degree; p varies slowest.
+    /// Sums of weight · T_p(a) T_q(b) over the contacts, for p + q up to twice the degree; p varies slowest.
     moments: Vec<f64>,
-    /// Σ weight · value · T_i(a) T_j(b) for i + j up to the degree; i varies slowest.
+    /// Sums of weight · value · T_i(a) T_j(b) over the contacts, for i + j up to the degree; i varies slowest.
     right: Vec<f64>,
     square: f64,
 }

@@ -9,8 +9,8 @@ use crate::matrix::add_symmetric;
 use crate::noise::Kinds;
 use crate::square_quadric::UNKNOWNS;
 
-/// Share of the penalty matrix that is added to the matrix of the normal equations, relative to their traces. It makes
-/// all coefficients determined.
+/// Relative weight with which the penalty matrix is added to the matrix of the normal equations; both are scaled by
+/// their traces. The addition makes all coefficients determined.
 const PENALTY_SHARE: f64 = 1e-7;
 
 /// Modes U with UᵀAU = diag(fidelity) and UᵀPU = diag(roughness), where A are the weighted normal equations and P the
@@ -18,17 +18,17 @@ const PENALTY_SHARE: f64 = 1e-7;
 /// Therefore all results that depend on λ are simple sums over the modes.
 pub(super) struct Spectrum {
     modes: DMatrix<f64>,
-    /// Fidelity of each mode, in [0, 1]: its diagonal entry in UᵀAU. It is 1 for the modes of quadrics, which come
-    /// first.
+    /// Fidelity of each mode: its diagonal entry in UᵀAU, where A is the matrix of the normal equations. It is between
+    /// 0 and 1. The modes of quadrics come first and have the fidelity 1.
     pub(super) fidelity: Vec<f64>,
     /// Roughness of each mode, in ascending order: the mode's diagonal entry in UᵀPU, where P is the matrix of the
     /// penalty. The roughness is 0 for the modes of quadrics.
     pub(super) roughness: Vec<f64>,
-    /// The right side of the equations in the modes.
+    /// Right side of the normal equations, as one value per mode.
     pub(super) right: Vec<f64>,
     /// Weighted sum of squares of all observations.
     pub(super) square: f64,
-    /// Number of observations.
+    /// Number of observations in the equations.
     pub(super) equations: f64,
 }
 
@@ -92,13 +92,14 @@ impl Spectrum {
         filters.collect()
     }
 
-    /// The spline's coefficients.
+    /// The coefficients of the spline, for these filters of the modes.
     pub(super) fn coefficients(&self, filters: &[f64]) -> DVector<f64> {
         let in_modes = filters.iter().zip(&self.right).map(|(f, right)| f * right);
         &self.modes * DVector::from_iterator(self.right.len(), in_modes)
     }
 
-    /// Inverse of A + λP, computed from the modes' [`Spectrum::filters`].
+    /// Inverse of A + λP, where A is the matrix of the normal equations and P the penalty matrix. `filters` are those
+    /// of [`Spectrum::filters`].
     pub(super) fn inverse(&self, filters: &[f64]) -> DMatrix<f64> {
         let size = self.modes.nrows();
         let mut scaled = self.modes.clone();

@@ -1,5 +1,4 @@
-//! Symmetric tridiagonal matrices. They are used instead of eigenvalues where only sums over all eigenvalues are
-//! needed.
+//! Symmetric tridiagonal matrices. They replace eigenvalues if only sums over all eigenvalues are needed.
 
 use nalgebra::{DMatrix, SymmetricTridiagonal};
 
@@ -53,7 +52,7 @@ impl Factors {
         products.map(|product: f64| libm::log(product)).sum()
     }
 
-    /// Replaces a right side by the solution.
+    /// Solves the equations. Replaces the right side by the solution.
     pub(super) fn solve(&self, right: &mut [f64]) {
         for index in 1..right.len() {
             right[index] -= self.below[index - 1] * right[index - 1];

@@ -9,20 +9,23 @@ use crate::square_quadric::UNKNOWNS;
 
 /// Number of weights at which the criterion is evaluated, in equal steps of the logarithm; a multiple of [`LANES`].
 const NODES: usize = 80;
-/// Lower end of the search, relative to the smallest weight that damps some mode by half.
+/// Lower end of the search for the smoothing weight, relative to the smallest weight that damps a mode by half.
 const MIN_WEIGHT_RATIO: f64 = 1e-2;
-/// Upper end of the search, relative to the largest weight that damps some mode by half. Beyond it, the fit is nearly a
-/// quadric.
+/// Upper end of the search for the smoothing weight, relative to the largest weight that damps a mode by half. Beyond
+/// this end, the fit is nearly a quadric.
 const MAX_WEIGHT_RATIO: f64 = 1e3;
-/// If a product is below this bound, it is scaled up, and the power of two is stored separately.
+/// If a product is below this bound, it is multiplied by the inverse of this bound, and the power of two is stored
+/// separately.
 const SMALL: f64 = 1.0 / (1u64 << 60) as f64;
-/// Number of halvings that are stored when a product is scaled up.
+/// Number of halvings that are recorded when a product is scaled up.
 const SMALL_HALVINGS: f64 = 60.0;
-/// A mode does not extend the range of the search if its half-damping weight is below this share of the largest.
+/// The half-damping weight of a mode is the smoothing weight that damps it by half. If its ratio to the largest
+/// half-damping weight is below this value, the mode does not extend the range of the search.
 const MIN_MODE_RATIO: f64 = 1e-8;
-/// Smallest distance between the logarithm of the expected weight and the upper end of the search.
+/// Smallest difference between the logarithms of the upper end of the search and of the expected weight.
 const EXPECTED_MARGIN: f64 = 5.0;
-/// Largest amount by which the logarithm of the expected weight may exceed that of the largest half-damping weight.
+/// Largest difference between the logarithms of the expected weight and of the largest weight that damps a mode by
+/// half.
 const MAX_EXPECTED: f64 = 16.0;
 
 /// A criterion by which the smoothing weight is chosen.
@@ -60,10 +63,10 @@ impl Criterion {
     }
 }
 
-/// The selected smoothing weight, and the results that depend on it.
+/// The selected smoothing weight, and the factor of the variances that follows from it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choice {
-    /// Logarithm of the weight.
+    /// Logarithm of the smoothing weight.
     pub(super) log_weight: f64,
     /// Factor by which the assumed variances must be multiplied to explain the residuals; 1 if the variances are
     /// stated.
@@ -74,16 +77,16 @@ pub(super) struct Choice {
 /// Sums over the modes at a smoothing weight λ. A prime denotes the derivative with respect to ln λ.
 #[derive(Clone, Copy, Debug)]
 struct Sums<T = f64> {
-    /// Weighted sum of squared residuals.
+    /// Weighted sum of squared residuals at this smoothing weight.
     residual: T,
     residual_prime: T,
-    /// Sum of squared residuals plus λ times the penalty.
+    /// Sum of squared residuals plus λ times the penalty, with the smoothing weight λ.
     penalised: T,
     penalised_prime: T,
     /// Effective degrees of freedom: trace of the map from the observations to the fitted values.
     unknowns: T,
     unknowns_prime: T,
-    /// ln det⁺(λP) − ln det(A + λP), and its derivative.
+    /// The difference ln det⁺(λP) − ln det(A + λP), with the penalty matrix P and the matrix A of the normal equations.
     log_determinants: T,
     log_determinants_prime: T,
 }
@@ -166,9 +169,9 @@ impl Sums {
 pub(super) struct Search<'a> {
     spectrum: &'a Spectrum,
     criterion: Criterion,
-    /// Whether the variances are stated. If not, only their ratio is used.
+    /// Whether the variances of heights and slopes are stated. If not, only their ratio is used.
     is_known: bool,
-    /// Logarithms of the weights that are evaluated.
+    /// Logarithms of the smoothing weights that are evaluated.
     places: Vec<f64>,
     sums: Vec<Sums>,
 }
@@ -200,7 +203,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The weight with the best score.
+    /// The smoothing weight with the best score.
     pub(super) fn best(&self) -> Choice {
         let scores: Vec<f64> = self.sums.iter().map(|sums| self.score(sums)).collect();
         let best = (0..NODES)
@@ -242,8 +245,8 @@ impl<'a> Search<'a> {
         misfit - sums.log_determinants
     }
 
-    /// Score of a weight. The best weight has the smallest score. It is infinite if the effective degrees of freedom
-    /// are too large.
+    /// Score of a smoothing weight. The best weight has the smallest score. The score is infinite if the effective
+    /// degrees of freedom are too large.
     fn score(&self, sums: &Sums) -> f64 {
         if let Criterion::Reml = self.criterion {
             return self.deviance(sums);

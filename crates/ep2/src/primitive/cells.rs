@@ -1,4 +1,4 @@
-//! Cells of neighbouring contacts. Residuals that agree within a cell are a misfit of the shape and no noise.
+//! Cells of neighbouring contacts. If residuals agree within a cell, they are a misfit of the shape and not noise.
 
 use nalgebra::Vector3;
 use palpate_statistics::ratio_tail;
@@ -6,11 +6,11 @@ use palpate_statistics::ratio_tail;
 use super::pose::{Cloud, Equations, Gram, Pose, Row};
 use super::robust_fit::Solution;
 
-/// Largest number of cells.
+/// Largest number of cells into which contacts are divided.
 const MAX_CELLS: usize = 32;
-/// Smallest number of contacts in a cell.
+/// Smallest number of contacts in a cell of neighbouring contacts.
 const MIN_CONTACTS: usize = 5;
-/// Smallest number of cells.
+/// Smallest number of cells into which contacts are divided.
 const MIN_CELLS: usize = 12;
 
 /// The cell to which each contact belongs.
@@ -42,8 +42,8 @@ impl Cells {
         Some(Self { cell_of, count })
     }
 
-    /// Probability that noise alone causes means in the cells that are as large as these. `correlation` neighbouring
-    /// values count as one.
+    /// P-value of the mean values in the cells: the probability that noise alone causes means of at least this size.
+    /// `correlation` neighbouring values count as one.
     pub(super) fn p_value(&self, values: &[f64], unknowns: usize, correlation: f64) -> f64 {
         let mut sums = vec![(0.0, 0.0); self.count];
         for (value, &cell) in values.iter().zip(&self.cell_of) {
@@ -63,7 +63,7 @@ impl Cells {
         )
     }
 
-    /// Covariance of the fitted parameters if all residuals of a cell count as one, and the number of its degrees of
+    /// Covariance of the fitted parameters if all residuals of a cell count as one, and its number of degrees of
     /// freedom.
     pub(super) fn covariance(&self, solution: &Solution, cloud: &Cloud) -> (Gram, usize) {
         let weights = solution.weights();
@@ -83,8 +83,8 @@ impl Cells {
     }
 }
 
-/// Divides along the longest side until the cells are as many as wanted, at the widest gap near a quantile: a cell that ends
-/// within a stroke would collect errors of one sign.
+/// Divides a group of contacts along its longest side until there are enough cells. Each cut is at the widest gap near
+/// a quantile, because a cell that ends within a stroke would collect errors of one sign.
 fn divide(
     places: &[Vector3<f64>],
     members: &mut [usize],

@@ -9,13 +9,13 @@ use super::robust_fit::Solution;
 
 /// Probability that an interval contains the true value.
 const PROBABILITY: f64 = 0.95;
-/// Largest relative half-width of the curvature's interval at which the curvature counts as determined. Wider intervals
-/// are computed too narrow.
+/// Largest relative half-width of the curvature's interval for which the curvature counts as determined. Wider
+/// intervals would be computed too narrow.
 const MAX_RELATIVE_HALF_WIDTH: f64 = 0.4;
-/// p-value of the misfit below which the interval is widened.
+/// P-value of the misfit. If it is below this value, the interval is widened.
 const MISFIT_P_VALUE: f64 = 0.01;
-/// Largest noise at which the curvature can be determined, relative to the spread of the contacts. Errors of positions
-/// along the surface make the fitted radius too small.
+/// Largest ratio of the noise to the spread of the contacts for which the curvature counts as determined. With larger
+/// noise, errors of positions along the surface make the fitted radius too small.
 const MAX_RELATIVE_NOISE: f64 = 0.1;
 
 /// Interval of the curvature, in the unit of the contacts' spread.

@@ -1,5 +1,5 @@
-//! Tests whether the residuals of a shape are noise, by comparison with a smooth deviation, and estimates the
-//! correlation that remains.
+//! Tests whether the residuals of a shape are only noise: a smooth deviation is fitted to them. Also estimates the
+//! correlation of the residuals that remain.
 
 use std::collections::HashMap;
 
@@ -13,12 +13,14 @@ use crate::effective_readings::correlation_time;
 
 /// Largest degree of the products of coordinates that form the smooth deviation.
 const MAX_DEGREE: usize = 4;
-/// Smallest cosine of the angle between a normal and the mean normal (72 degrees) at which a patch is a graph over its
-/// plane.
+/// Smallest cosine of the angle between any normal and the mean normal for which a patch counts as a graph over its
+/// plane (72 degrees).
 const MIN_GRAPH_COSINE: f64 = 0.3;
-/// Smallest share of a column that must be independent of the earlier columns; otherwise, the column is skipped.
+/// A column of the equations is skipped if the share of it that is independent of the earlier columns is below this
+/// value.
 const RANK_TOLERANCE: f64 = 1e-9;
-/// The same share relative to the variance of places, and its largest value.
+/// Factor that multiplies the variance of the positions to give the smallest independent share of a column. The next
+/// constant is the upper limit of this share.
 const MIN_NOISE_RATIO: f64 = 10.0;
 const MAX_RANK_TOLERANCE: f64 = 2e-3;
 /// Largest number of contacts in the normal equations. If there are more, an evenly spaced selection is used.
@@ -27,15 +29,16 @@ const MAX_CONTACTS: usize = 20_000;
 const BASIS_CONTACTS: usize = 2000;
 /// Number of consecutive contacts in a block. The correlation is estimated from an evenly spaced selection of blocks.
 const BLOCK: usize = 2000;
-/// Smallest number of equations per parameter for which a degree is used.
+/// Smallest ratio of equations to parameters with which a degree of the smooth deviation is used.
 const MIN_EQUATIONS_RATIO: f64 = 1.5;
 
 /// Result of the test for lack of fit.
 #[derive(Clone, Debug)]
 pub(super) struct LackOfFit {
-    /// Probability of a worse fit by chance.
+    /// P-value: the probability of a worse fit if the contacts lie on the shape.
     pub(super) p_value: f64,
-    /// Number of consecutive positions and of consecutive normals that count as one.
+    /// Number of consecutive positions, and number of consecutive normals, that count as one because their errors are
+    /// correlated.
     pub(super) correlations: [f64; 2],
 }
 
@@ -212,7 +215,7 @@ fn tested(
             }
         }
     }
-    // Noise moves footpoints, so that columns differ by it.
+    // Noise moves the footpoints, so columns that are otherwise dependent differ because of noise.
     let tolerance = MIN_NOISE_RATIO * solution.variances[0];
     let tolerance = tolerance.clamp(RANK_TOLERANCE, MAX_RANK_TOLERANCE);
     let solved = Sequential::new(&gram, &right, tolerance);
@@ -233,7 +236,7 @@ fn tested(
         true => ratio_tail(explained, extra, left, freedom as usize),
         false => 1.0,
     };
-    // Residuals of the surface with the smooth deviation.
+    // Residuals after the smooth deviation was subtracted.
     let coefficients = solved.coefficients();
     let mut strokes: HashMap<usize, usize> = HashMap::new();
     let mut distances: Vec<Vec<f64>> = Vec::new();
@@ -259,7 +262,7 @@ fn tested(
         }
     }
     let of_normals: Vec<Vec<f64>> = normals.into_iter().flat_map(|[a, b, _]| [a, b]).collect();
-    // Positions and normals determine the fitted parameters together.
+    // Positions and normals determine the fitted parameters together, so half of the parameters are attributed to each.
     let absorbed = if kinds > 1 { rank / 2 } else { rank };
     let found = [
         correlation_time(&distances, absorbed),

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
 
 use crate::Shape;
 
-/// Number of fitted parameters: rotations about the axes a, b and n, a shift along n, and the curvature.
+/// Number of fitted parameters: rotations about the axes a and b and the normal n, a shift along n, and the curvature.
 pub(super) const UNKNOWNS: usize = 5;
 /// Index of the curvature in the fitted parameters.
 pub(super) const CURVATURE: usize = 4;
@@ -21,12 +21,12 @@ pub(super) type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cloud {
     pub(super) places: Vec<Vector3<f64>>,
-    /// One normal per position, or none.
+    /// Unit normal of each contact; empty if the contacts have no normals.
     pub(super) normals: Vec<Vector3<f64>>,
 }
 
 impl Cloud {
-    /// Every `step`-th contact.
+    /// The cloud with only every `step`-th contact.
     pub(super) fn thinned(&self, step: usize) -> Self {
         Self {
             places: self.places.iter().copied().step_by(step).collect(),
@@ -34,7 +34,7 @@ impl Cloud {
         }
     }
 
-    /// The contacts that are used.
+    /// The cloud with only the contacts that are used.
     pub(super) fn selected(&self, is_used: &[bool]) -> Self {
         let select = |all: &[Vector3<f64>]| {
             let pairs = all.iter().zip(is_used);
@@ -53,9 +53,9 @@ impl Cloud {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pose {
     pub(super) shape: Shape,
-    /// A point of the surface.
+    /// A point of the surface, at which the axes are defined.
     pub(super) point: Vector3<f64>,
-    /// The axes a, b and n, as rows.
+    /// The axes a and b along the surface and the normal n, as rows.
     pub(super) axes: Matrix3<f64>,
     /// Curvature, > 0 if convex.
     pub(super) curvature: f64,
@@ -67,7 +67,7 @@ pub(super) struct Deviation {
     pub(super) distance_row: Row,
     /// Outward normal of the surface at the contact, in the axes of the pose.
     pub(super) normal: Vector3<f64>,
-    /// Derivatives of the normal, as columns.
+    /// Derivatives of the normal with respect to the fitted parameters, as columns.
     normal_rows: SMatrix<f64, 3, UNKNOWNS>,
 }
 
@@ -110,7 +110,7 @@ impl Pose {
         }
     }
 
-    /// Whether a parameter belongs to the shape.
+    /// Whether the shape has the fitted parameter with this index.
     pub(super) fn has(&self, unknown: usize) -> bool {
         match unknown {
             2 => self.shape == Shape::Cylinder,
@@ -119,8 +119,8 @@ impl Pose {
         }
     }
 
-    /// The position in the axes of the pose, its part across the axis of a cylinder, the square root s = √(1 + 2 k f),
-    /// and the distance.
+    /// Four values: the position in the axes of the pose, its part across the axis of a cylinder, the square root √(1 +
+    /// 2 k f) (see the module), and the distance.
     #[inline]
     fn at(&self, place: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64, f64) {
         let q = self.axes * (place - self.point);
@@ -129,7 +129,7 @@ impl Pose {
             Shape::Sphere | Shape::Plane => q,
         };
         let f = 0.5 * self.curvature * across.norm_squared() + q.z;
-        // 1 + 2kf = |n + k across|² ≥ 0. It is 0 on the axis of a cylinder and in the centre of a sphere.
+        // The square root equals |n + k across|, which is 0 on the axis of a cylinder and in the centre of a sphere.
         let s = (1.0 + 2.0 * self.curvature * f).max(1e-18).sqrt();
         (q, across, s, 2.0 * f / (1.0 + s))
     }
@@ -189,7 +189,7 @@ impl Pose {
         deviation
     }
 
-    /// The pose after a step of the parameters. Its point is then the foot of `middle` on the surface.
+    /// The pose after a step of the parameters. Its new reference point is the foot of `middle` on the surface.
     pub(super) fn moved(&self, step: &Row, middle: &Vector3<f64>) -> Self {
         let turn = self.axes.transpose() * Vector3::new(step[0], step[1], step[2]);
         let turn = Rotation3::new(turn);
@@ -202,8 +202,8 @@ impl Pose {
         next.based_at(middle)
     }
 
-    /// The same surface, but with the foot of a position as its point, unless the position is near the centre or the
-    /// axis.
+    /// The same surface with another reference point: the foot of `place`. If `place` is near the centre or the axis,
+    /// the point does not change.
     pub(super) fn based_at(&self, place: &Vector3<f64>) -> Self {
         let (_, _, s, distance) = self.at(place);
         if s < 0.05 || s.is_nan() {
@@ -234,7 +234,7 @@ impl Pose {
 }
 
 impl Deviation {
-    /// Derivative of the normal with respect to a parameter.
+    /// Derivative of the normal with respect to the fitted parameter with this index.
     pub(super) fn normal_row(&self, unknown: usize) -> Vector3<f64> {
         self.normal_rows.column(unknown).into()
     }
@@ -246,7 +246,7 @@ pub(super) struct Equations {
     pub(super) grams: [Gram; 2],
     pub(super) gradients: [Row; 2],
     pub(super) squares: [f64; 2],
-    /// Number of distances, and number of components of normals.
+    /// Number of distances, and number of components of normals, in the sums.
     pub(super) counts: [f64; 2],
 }
 

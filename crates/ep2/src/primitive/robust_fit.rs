@@ -13,22 +13,23 @@ use crate::gross_outliers::MAX_OUTLIER_SHARE;
 const ITERATIONS: usize = 20;
 /// Number of iterations in which the variances are estimated.
 const VARIANCE_ITERATIONS: usize = 8;
-/// Decrease of χ² below which a fit ends; it is 1 % of a standard error.
+/// A fit ends if χ² decreases by less than this value, which is the square of 1 % of a standard error.
 const MIN_DECREASE: f64 = 1e-4;
-/// Smallest standard deviation of positions (relative to their spread) and of normals. Smaller ones are rounding
-/// errors.
+/// Smallest standard deviation of positions (relative to their spread) and of normals. Smaller values are treated as
+/// rounding errors.
 const MIN_STD: f64 = 1e-9;
 /// Largest ratio of the variance of normals to the variance of positions, and of its inverse, in the unit of the
 /// spread.
 const MAX_VARIANCE_RATIO: f64 = 1e8;
-/// Smallest share of the variance of normals that errors of positions do not cause.
+/// Smallest share of the variance of normals that is attributed to errors of the normals themselves. The rest is
+/// attributed to errors of positions.
 const MIN_SENSOR_SHARE: f64 = 0.05;
 /// Eigenvalues of scaled normal equations that are smaller than this share of the largest one are rounding errors.
 const RANK_TOLERANCE: f64 = 1e-12;
 /// Number of contacts with which a fit starts.
 const START_CONTACTS: usize = 600;
-/// Probability of the quantile of Student's t beyond which a contact is an outlier; for many contacts, it is 4.5
-/// standard deviations.
+/// Probability from which the limit for outliers is computed as a quantile of Student's t. For many contacts, the limit
+/// is 4.5 standard deviations.
 const OUTLIER_PROBABILITY: f64 = 6.8e-6;
 /// Number of subsets of contacts from which a robust fit starts.
 const SUBSETS: u64 = 60;
@@ -36,17 +37,17 @@ const SUBSETS: u64 = 60;
 const SUBSET_SIZE: usize = 8;
 /// Number of iterations of the fit to a subset.
 const SUBSET_ITERATIONS: usize = 15;
-/// Largest median distance of a fit through a subset that replaces the fit to all contacts, as a share of the median
-/// distance of the latter.
+/// Largest ratio of two median distances for which a fit through a subset replaces the fit to all contacts: the
+/// former's divided by the latter's.
 const MAX_MEDIAN_SHARE: f64 = 0.75;
 /// Number of iterations in which the contacts that a fit uses may change.
 const GROWTH_ITERATIONS: usize = 10;
-/// Number of iterations of each of these fits.
+/// Maximum number of iterations of each fit while the used contacts may change.
 const GROWTH_FIT_ITERATIONS: usize = 8;
 /// Largest number of contacts from which the limits for outliers are computed.
 const MAX_CONTACTS: usize = 20_000;
-/// Largest variance of a fit that leaves out more than a fifth of the contacts and is nevertheless accepted, as a share
-/// of the variance of all contacts.
+/// Largest accepted ratio of two variances: of a fit that leaves out more than a fifth of the contacts, and of the fit
+/// to all contacts.
 const MAX_FEW_VARIANCE_SHARE: f64 = 0.04;
 
 /// Stated standard deviations of positions (in the unit of the spread) and normals (rad).
@@ -98,8 +99,8 @@ impl Weights {
         (sensor + slope * pose.curvature * pose.curvature).recip()
     }
 
-    /// Derivative of the weighted sum of squares of normals with respect to their variance, as it depends on k, divided
-    /// by −2k.
+    /// Effect of the normals' variance on the derivative of the cost with respect to the curvature: the part that comes
+    /// from the dependence of this variance on the curvature k, divided by −2k.
     fn correction(&self, pose: &Pose, equations: &Equations) -> f64 {
         self.normals[1] * equations.squares[1] * self.of_normals(pose).powi(2)
     }
@@ -109,7 +110,7 @@ impl Weights {
         self.of_distances * of_distances + self.of_normals(pose) * of_normals
     }
 
-    /// Normal equations. Parameters that the shape does not have get a 1 on the diagonal.
+    /// Normal equations of all parameters. Parameters that the shape does not have get a 1 on the diagonal.
     fn gram(&self, pose: &Pose, equations: &Equations) -> Gram {
         let mut gram =
             equations.grams[0] * self.of_distances + equations.grams[1] * self.of_normals(pose);
@@ -227,7 +228,7 @@ pub(super) fn solve(
         } else {
             left[0].max(0.0) + left[1].max(0.0)
         };
-        // The variances have changed after the equations were solved.
+        // The equations are computed again, because the variances have changed after the last solution.
         let gram = Weights::new(&pose, variances).gram(&pose, &equations);
         let is_steady = (0..2).all(|kind| (variances[kind] / before[kind] - 1.0).abs() < 0.01);
         last = Some(Solution {
@@ -237,7 +238,7 @@ pub(super) fn solve(
             inverse: self::inverse(&gram),
             freedom: is_complete.then_some(freedom),
         });
-        // Without normals, the variance does not change the minimum.
+        // Without normals, the ratio of the variances does not matter, so the minimum does not change.
         if is_steady || cloud.normals.is_empty() {
             break;
         }
@@ -264,7 +265,7 @@ fn first_variances(pose: &Pose, cloud: &Cloud, stated: StatedNoise) -> [f64; 2] 
     })
 }
 
-/// Inverse of normal equations. Directions that the equations do not determine get a very large variance.
+/// Inverse of the normal equations. Directions that the equations do not determine get a very large variance.
 fn inverse(gram: &Gram) -> Gram {
     let scales = gram
         .diagonal()
@@ -294,7 +295,7 @@ impl Solution {
         self.variances.map(f64::recip)
     }
 
-    /// −2 log-likelihood for the variances that fit best, except for a constant.
+    /// −2 times the logarithm of the likelihood for the variances that fit best, without an additive constant.
     pub(super) fn deviance(&self, stated: StatedNoise, correlations: [f64; 2]) -> f64 {
         let floor = MIN_STD * MIN_STD;
         let parts = (0..2).map(|kind| {
@@ -321,7 +322,7 @@ pub(super) struct RobustFit {
     pub(super) inliers_of_few: Option<Vec<bool>>,
 }
 
-/// Fits a shape robustly.
+/// Fits a shape to contacts by a method that a few outliers change only slightly.
 pub(super) fn robust_fit(shape: Shape, cloud: &Cloud, stated: StatedNoise) -> RobustFit {
     let thinned = cloud.thinned(cloud.places.len().div_ceil(START_CONTACTS).max(1));
     let fits = starts(shape, &thinned)
@@ -355,7 +356,7 @@ pub(super) fn robust_fit(shape: Shape, cloud: &Cloud, stated: StatedNoise) -> Ro
     }
 }
 
-/// The fit without outliers from a start. `thinned` contains a selection of the same contacts.
+/// The fit without outliers that is found from a start pose. `thinned` contains a selection of the same contacts.
 fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise) -> RobustFit {
     let plain_all = solve(start, cloud, stated, [1.0; 2], ITERATIONS);
     let mut plain = grown(plain_all, cloud, stated);
@@ -385,8 +386,8 @@ fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise)
     }
 }
 
-/// The pose with the smallest median distance, among poses through subsets of contacts; `None` if this distance is not
-/// much smaller than that of the pose `plain`.
+/// The pose with the smallest median distance among poses through subsets of contacts. `None` if this distance is not
+/// much smaller than the median distance from the pose `plain`.
 fn through_most(plain: &Pose, cloud: &Cloud) -> Option<Pose> {
     let weights = Weights {
         of_distances: 1.0,
@@ -423,17 +424,17 @@ fn median_distance(pose: &Pose, cloud: &Cloud) -> f64 {
     *distances.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// Largest distance of a contact, and largest deviation of its normal, at which the contact is no outlier.
+/// Largest distance of a contact, and largest deviation of its normal, for which the contact is not an outlier.
 #[derive(Clone, Copy, Debug)]
 struct Limits([f64; 2]);
 
 impl Limits {
-    /// Limits that follow from the median residuals at a pose. Because the median of few residuals is uncertain, the
-    /// limits are then wider.
+    /// Limits that follow from the median residuals at a pose. For few residuals, the limits are wider, because their
+    /// median is uncertain.
     fn first(pose: &Pose, cloud: &Cloud, deviations: f64) -> Self {
         let freedom = cloud.places.len().saturating_sub(pose.unknowns()).max(1);
         let correction = 1.0 + 5.0 / freedom as f64;
-        // Medians of the magnitude of one standard normal number, and of a vector of two.
+        // Medians of the magnitude of one standard normal number, and of a vector of two such numbers.
         let medians = [0.6745, 1.1774];
         let mut kind = 0;
         let of = residuals(pose, cloud).map(|mut all| {
@@ -448,7 +449,7 @@ impl Limits {
         Self(of)
     }
 
-    /// The contacts that are within the limits.
+    /// The fit that uses only the contacts within the limits.
     fn apply(self, pose: &Pose, cloud: &Cloud) -> RobustFit {
         let [distances, normals] = residuals(pose, cloud);
         let is_near = |(index, distance): (usize, &f64)| {
@@ -499,7 +500,7 @@ fn grown(mut solution: Solution, cloud: &Cloud, stated: StatedNoise) -> RobustFi
     }
 }
 
-/// Magnitudes of the distances and of the deviations of the normals.
+/// Magnitudes of the contacts' distances from the shape, and of the deviations of their normals.
 fn residuals(pose: &Pose, cloud: &Cloud) -> [Vec<f64>; 2] {
     let distances = cloud.places.iter().map(|place| pose.distance(place).abs());
     let pairs = cloud.places.iter().zip(&cloud.normals);
@@ -508,7 +509,7 @@ fn residuals(pose: &Pose, cloud: &Cloud) -> [Vec<f64>; 2] {
 }
 
 impl RobustFit {
-    /// Whether more contacts are left out than the largest accepted share of outliers.
+    /// Whether the share of contacts that the fit leaves out exceeds the largest accepted share of outliers.
     fn leaves_out_too_many(&self) -> bool {
         let left = self.is_used.iter().filter(|used| !**used).count();
         left as f64 > MAX_OUTLIER_SHARE * self.is_used.len() as f64

@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use super::pose::Pose;
 use crate::{Contact, Curvature, MapPoint, Shape, ShapeFit, Uncertainty};
 
-/// Smallest cosine of the angle between the normals at the foot of the shape and at a point of a map.
+/// Smallest cosine of the angle between the normal at the foot of the shape and the normal at a point of a map.
 const MIN_COSINE: f64 = 0.2;
 
 impl ShapeFit {
@@ -92,7 +92,7 @@ impl ShapeFit {
         let uncertainty = std.map(|std| Uncertainty {
             gaussian_std: gaussian_std * std,
             mean_std: mean_std * std,
-            // Both are computed from one curvature.
+            // For a sphere, both curvatures are computed from one value, so they are completely correlated.
             correlation: if gaussian > 0.0 { bend.signum() } else { 0.0 },
         });
         MapPoint {

@@ -7,9 +7,9 @@ use nalgebra::{Matrix3, Matrix4, SymmetricEigen, Vector2, Vector3, Vector4};
 use super::pose::{Cloud, Pose};
 use crate::Shape;
 
-/// Number of directions of a cylinder's axis that are compared; they are evenly distributed over the hemisphere.
+/// Number of axis directions of a cylinder that are compared. They are evenly distributed over the hemisphere.
 const DIRECTIONS: usize = 60;
-/// Number of the best directions with which a fit starts.
+/// Number of the best axis directions from which fits start.
 const BEST_DIRECTIONS: usize = 4;
 
 /// Mean position of the contacts.
@@ -97,7 +97,7 @@ fn hemisphere(index: usize) -> Vector3<f64> {
     Vector3::new(radius * libm::cos(turn), radius * libm::sin(turn), height)
 }
 
-/// The sphere with the smallest algebraic residual (Kåsa's fit).
+/// The sphere with the smallest algebraic residual (Kåsa's fit) through the contacts.
 fn sphere(cloud: &Cloud, middle: &Vector3<f64>) -> Option<Pose> {
     let (mut gram, mut right) = (Matrix4::zeros(), Vector4::zeros());
     for place in &cloud.places {
@@ -153,7 +153,7 @@ fn circle(cloud: &Cloud, middle: &Vector3<f64>, axis: &Vector3<f64>) -> Option<(
     Some((squares.sum(), pose))
 }
 
-/// Principal directions of the quadric that is fitted as a graph over the plane of a normal.
+/// Principal directions of a quadric, which is fitted to the contacts as a graph over the plane of a normal.
 fn quadric_directions(
     cloud: &Cloud,
     middle: &Vector3<f64>,

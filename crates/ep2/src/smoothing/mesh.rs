@@ -9,7 +9,7 @@ use crate::spline::TensorSpline;
 /// Largest allowed ratio of the two parts into which a new knot divides an interval.
 const MAX_PART_RATIO: f64 = 10.0;
 
-/// Jumps of the `degree + 2` B-splines whose support contains the knot; unused entries are 0.
+/// Jumps at a knot of the `degree + 2` B-splines whose support contains the knot; further entries are 0.
 type Jumps = [f64; MAX_DEGREE + 2];
 
 /// Knots along u and along v.
@@ -34,27 +34,28 @@ impl Mesh {
         mesh
     }
 
-    /// The slow axis.
+    /// The slow axis, by which the coefficients are ordered first: 0 for u, 1 for v.
     pub(super) const fn slow(&self) -> usize {
         self.slow
     }
 
-    /// The fast axis.
+    /// The fast axis, by which the coefficients are ordered second: 0 for u, 1 for v.
     pub(super) const fn fast(&self) -> usize {
         1 - self.slow
     }
 
-    /// Number of coefficients.
+    /// Number of coefficients of the spline.
     pub(super) fn coefficients(&self) -> usize {
         self.knots[0].functions() * self.knots[1].functions()
     }
 
-    /// Width of the band: the number of coefficients from the first to the last one on which a place depends.
+    /// Width of the equations' band: the number of coefficients from the first to the last one that affect the height
+    /// at a place.
     pub(super) fn band(&self) -> usize {
         self.knots[self.slow].degree() * self.fast_functions() + self.fast_degree() + 1
     }
 
-    /// Index of a coefficient from the index of the B-spline along each axis.
+    /// Index of a coefficient, from the indices of its B-splines along the slow and the fast axis.
     #[inline]
     pub(super) fn index(&self, slow: usize, fast: usize) -> usize {
         slow * self.fast_functions() + fast
@@ -130,7 +131,7 @@ impl Roughness {
         }
     }
 
-    /// Triangular form of `equations` together with these equations divided by `parameter`.
+    /// Triangular form of two sets of equations together: `equations`, and these equations divided by `parameter`.
     pub(super) fn join(&self, equations: &Triangle, parameter: f64) -> Triangle {
         let order = equations.order();
         let mut joined = Triangle::new(order, self.band);
@@ -163,8 +164,8 @@ fn push(block: &mut Block, jumps: Option<&Jumps>, cut: usize, stride: usize, par
     }
 }
 
-/// For each interior knot, the jumps at this knot of the B-splines' derivatives of order `degree`, starting with the
-/// B-spline whose index equals the knot's index.
+/// For each interior knot, the jumps of the B-splines' derivatives of order `degree` at this knot. The first jump is
+/// that of the B-spline whose index equals the knot's index.
 ///
 /// A B-spline is a divided difference of a truncated power. Therefore the jump of the derivative at a knot `t` is a
 /// fixed multiple of `(t_last − t_first) / Π (t − t_other)`. Lengths are divided by the mean interval, so the jumps
@@ -236,8 +237,8 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// The ratio of the computed jumps to differences of derivatives on both sides is the same for all B-splines and
-    /// knots.
+    /// The test divides the computed jumps by the differences of derivatives on both sides of a knot. This ratio must
+    /// be the same for all B-splines and knots.
     #[test]
     fn jumps_are_differences_of_derivatives() {
         let knots = Knots::new(3, 0.0, 4.0, &[0.9, 2.0, 3.2]);
@@ -247,7 +248,7 @@ mod tests {
             let place = function.wrapping_sub(first);
             if place < 4 { derivatives[place] } else { 0.0 }
         };
-        // The factor is 3!, because the mean interval is 1. The sign is that of the divided difference.
+        // The factor is 3!, because the mean interval is 1. Its sign is the sign of the divided difference.
         for (interior, jumps) in derivative_jumps(&knots).iter().enumerate() {
             let knot = knots.interior()[interior];
             for (offset, jump) in jumps[..5].iter().enumerate() {
@@ -277,7 +278,7 @@ mod tests {
         assert_eq!(next_knot(&mesh, &all, unlimited), Some((0, 1.25)));
         assert_eq!(next_knot(&mesh, &all, [1, 9]), Some((1, 0.25)));
         assert_eq!(next_knot(&mesh, &all, [1, 0]), None);
-        // The centroid of the largest sum is at the edge of its interval, so this interval is skipped.
+        // The interval with the largest sum is skipped, because the centroid of its residuals is at its edge.
         let all = [sums(&[(2.0, 0.5), (9.0, 1.01)]), along_v];
         assert_eq!(next_knot(&mesh, &all, unlimited), Some((1, 0.25)));
     }

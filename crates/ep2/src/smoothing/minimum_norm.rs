@@ -13,7 +13,7 @@ pub(super) fn solve(triangle: &Triangle, floor: f64) -> (Vec<f64>, usize) {
 /// The rows of a triangle whose diagonal entry is not negligible.
 struct Trapezoid {
     reduced: Triangle,
-    /// The columns of these diagonal entries, ascending.
+    /// The columns of the diagonal entries that are not negligible, in ascending order.
     pivots: Vec<usize>,
 }
 
@@ -75,7 +75,7 @@ impl Trapezoid {
     }
 }
 
-/// The rotations that merged further rows into a triangle, in their order.
+/// The rotations by which further rows were merged into a triangle, in their order.
 struct Rotations {
     band: usize,
     /// Index of each further row, and the column at which it starts.

@@ -1,4 +1,4 @@
-//! The points of a fit, and the B-splines at these points.
+//! The points of a fit, with the values of the B-splines at these points.
 
 use super::mesh::Mesh;
 use super::triangle::{Block, Triangle};
@@ -21,7 +21,7 @@ pub(crate) struct WeightedPoint {
 /// Points with the values of the B-splines at these points.
 pub(super) struct Observations<'a> {
     points: &'a [WeightedPoint],
-    /// Units of the heights and of the weights in the computation.
+    /// Units of the heights and of the weights that are used in the computation.
     units: [f64; 2],
     /// B-splines at each point, along both variables.
     bases: Vec<[LocalBasis; 2]>,
@@ -113,7 +113,7 @@ impl<'a> Observations<'a> {
         (point.w / self.units[0], point.weight / self.units[1])
     }
 
-    /// The least-squares equations of the spline in triangular form.
+    /// The least-squares equations of the spline, converted to triangular form.
     pub(super) fn triangle(&self, mesh: &Mesh) -> Triangle {
         let band = mesh.band();
         let mut triangle = Triangle::new(mesh.coefficients(), band);
@@ -196,7 +196,7 @@ impl<'a> Observations<'a> {
         sums
     }
 
-    /// Converts coefficients to the unit of the heights.
+    /// Converts the coefficients of the spline to the unit of the heights.
     pub(super) fn in_heights(&self, mut coefficients: Vec<f64>) -> Vec<f64> {
         for coefficient in &mut coefficients {
             *coefficient *= self.units[0];
@@ -212,7 +212,7 @@ fn panel(mesh: &Mesh, bases: &[LocalBasis; 2]) -> usize {
     mesh.index(bases[mesh.slow()].first, bases[mesh.fast()].first)
 }
 
-/// The largest power of two that is at most a number, so that division by it is exact; 1 for zero.
+/// The largest power of two that is at most `number`; 1 if `number` is 0. Division by a power of two is exact.
 fn power_of_two_below(number: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
     if number < f64::MIN_POSITIVE {

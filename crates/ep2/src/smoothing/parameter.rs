@@ -4,8 +4,8 @@
 const MOST_TRIALS: usize = 20;
 /// Factor by which a parameter is multiplied or divided if it is far from the root.
 const FAR: f64 = 0.04;
-/// If this step would pass a bound, the next parameter is between the bound and the last trial. Its distance from the
-/// bound is this share of their distance.
+/// If a step would pass a bound, the next parameter is between the bound and the last trial. Its distance from the
+/// bound, divided by the distance between the two, is this value.
 const NEAR: f64 = 0.1;
 
 /// A parameter that was tried, and the difference between its residual sum and the required sum.
@@ -18,10 +18,10 @@ pub(super) struct Trial {
 /// Tries parameters until the `excess` of one of them is within `tolerance`. Returns whether such a parameter was
 /// found.
 ///
-/// F decreases from the sum of the polynomial at p = 0, with the excess `below`, to the sum of the least-squares spline
-/// at infinity, with the excess `above`. As soon as there is a trial on each side of the root, the next parameter is
-/// the root of the function `(a p + b)/(p + c)` through three trials. Before that, a parameter that is far from the
-/// root is moved by a factor of 25.
+/// The residual sum F decreases with p. At p = 0 it is the sum of the polynomial, with the excess `below`; at infinity
+/// it is the sum of the least-squares spline, with the excess `above`. As soon as there is a trial on each side of the
+/// root, a function `(a p + b)/(p + c)` is computed from three trials. Its root is the next parameter. Before that, a
+/// parameter that is far from the root is moved by a factor of 25.
 pub(super) fn search(
     below: f64,
     above: f64,

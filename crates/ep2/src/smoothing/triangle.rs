@@ -1,22 +1,22 @@
 //! Upper triangular band matrices, computed by orthogonal transformations.
 
-/// Number of rows that are processed together; missing rows are zero.
+/// Number of rows that are processed together. Missing rows are filled with zeros.
 const LANES: usize = 4;
 /// Maximum number of rows of a block, chosen such that a block fits into the processor's cache.
 const MOST_ROWS: usize = 128;
-/// Sums of squares below this value are treated as zero. Entries are relative to 1.
+/// Sums of squares below this value are treated as zero. The entries of a row are relative to 1.
 const VANISHING: f64 = 1e-280;
 
 /// Rows of a least-squares problem that start in the same column. The right-hand side is the last column.
 ///
 /// The block is stored column by column.
 pub(super) struct Block {
-    /// Number of entries of a row, without the right-hand side.
+    /// Number of entries of a row, not counting the right-hand side.
     width: usize,
     rows: usize,
     /// Height of a column, in groups of [`LANES`] rows.
     packs: usize,
-    /// Whether a triangle has already absorbed the rows, so that the block contains meaningless values.
+    /// Whether a triangle has already absorbed the rows. The values in the block are then meaningless.
     is_stale: bool,
     columns: Vec<[f64; LANES]>,
 }
@@ -58,7 +58,7 @@ impl Block {
         self.columns[column * self.packs + row / LANES][row % LANES] = value;
     }
 
-    /// Adds a row that starts with these entries; the other entries are zero.
+    /// Adds a row. Its first entries are `entries`; its other entries are zero.
     pub(super) fn push_row(&mut self, entries: &[f64], right: f64) {
         let row = self.push(right);
         for (column, &entry) in entries.iter().enumerate() {
@@ -90,7 +90,7 @@ impl Triangle {
         }
     }
 
-    /// Number of unknowns.
+    /// Number of unknowns of the equations.
     pub(super) const fn order(&self) -> usize {
         self.order
     }
@@ -141,7 +141,7 @@ impl Triangle {
                 continue;
             }
             let row = &mut self.rows[(start + offset) * (band + 1)..][..=band];
-            // This is the reflection that maps (row[0], pivot) to (norm, 0, …), for row[0] ≥ 0.
+            // The reflection maps (row[0], pivot) to (norm, 0, …), for row[0] ≥ 0.
             let norm = (row[0] * row[0] + square).sqrt();
             let head = -square / (row[0] + norm);
             let per_norm = 1.0 / norm;

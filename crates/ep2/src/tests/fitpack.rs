@@ -43,7 +43,7 @@ impl Golden {
         }
     }
 
-    /// Largest difference between a spline and the values on the grid.
+    /// Largest difference between a spline and FITPACK's values on the grid.
     fn deviation(&self, smoothed: &Smoothed) -> f64 {
         let mut largest = 0.0_f64;
         for (&u, row) in self.grid.iter().zip(&self.values) {
@@ -78,9 +78,9 @@ macro_rules! golden {
     };
 }
 
-/// Checks that a fit has the same knots as FITPACK's fit, and that its sum of squared residuals differs from the
-/// requested sum by less than a thousandth. If FITPACK's own sum is requested, the values of the fit must also be the
-/// same.
+/// Checks that a fit has the same knots as FITPACK's fit. Also checks that its sum of squared residuals differs from
+/// the requested sum by less than a thousandth. If FITPACK's own sum is requested, the values of the fit must also be
+/// the same.
 fn assert_agrees(name: &str, golden: &Golden, expected: Status) {
     let spline = SmoothingSpline::new(golden.degree, golden.smoothing);
     let smoothed = spline.fit(&golden.points).unwrap();

@@ -68,7 +68,7 @@ fn polynomials_are_interpolated() {
             );
         }
     }
-    // Beside this large weight, the other weights are lost by rounding; therefore, the test only checks that the result
+    // Next to this large weight, the other weights are lost by rounding. Therefore the test only checks that the result
     // is finite.
     let mut points = points;
     points[7].weight = 1e150;
@@ -79,8 +79,8 @@ fn polynomials_are_interpolated() {
     assert!(level.spline.value(0.3, 0.4).abs() == 0.0);
 }
 
-/// With as many knots as points in each direction, either a residual sum of zero is reached, or the status states that
-/// the knots are exhausted. In both cases, the values are accurate.
+/// As many knots as points are allowed in each direction. Either the residual sum of zero is reached, or the status
+/// states that the knots are exhausted. In both cases, the values are accurate.
 #[test]
 fn a_sum_of_zero_interpolates_or_exhausts_the_knots() {
     let smoothed = fit(3, 0.0, &grid(|u, v| libm::sin(2.0 * u) * libm::exp(v))).unwrap();

@@ -24,7 +24,7 @@ fn saddle(x: f64, y: f64) -> (f64, [f64; 2]) {
     (0.1 * (x * x - y * y), [0.2 * x, -0.2 * y])
 }
 
-/// Three fingers at y = −1.5, 0 and 1.5, with ten contacts each in |x| ≤ 1.5.
+/// Contacts of three fingers at y = −1.5, 0 and 1.5. Each finger has ten contacts with |x| ≤ 1.5.
 fn contacts(surface: Surface, normals: bool) -> Vec<Contact> {
     let places = (0..3).flat_map(|finger| (0..10).map(move |step| (finger, step)));
     places
@@ -37,7 +37,7 @@ fn contacts(surface: Surface, normals: bool) -> Vec<Contact> {
         .collect()
 }
 
-/// A fit to contacts whose heights have Gaussian errors; the unit is 1.
+/// A fit to contacts whose heights have Gaussian errors with the standard deviation `std`. The unit of length is 1.
 fn noisy(surface: Surface, std: f64, trial: u64, passes: Passes) -> Fit {
     let mut contacts = contacts(surface, true);
     let mut noise = Stream::new(1, trial, Channel::Position);
@@ -57,7 +57,7 @@ fn patch(contacts: &[Contact]) -> Patch {
     Patch::new(contacts, &Vector3::z()).unwrap()
 }
 
-/// Compares K and H on a grid with closed forms.
+/// Compares the Gaussian curvature K and the mean curvature H on a grid with closed forms.
 fn assert_curvature(
     method: &TwoPass,
     surface: Surface,
@@ -90,8 +90,8 @@ fn saddle_curvature(x: f64, y: f64) -> (f64, f64) {
     (-0.04 / (d * d), -trace / (2.0 * libm::pow(d, 1.5)))
 }
 
-/// The first pass is exact. The second pass is not: its points lie on the tangents, which leave the surface by half the
-/// squared step times the curvature, here 6e-4.
+/// The first pass is exact. The second pass is not exact, because its points lie on the tangents. The distance of these
+/// points from the surface is half the squared step times the curvature, here 6e-4.
 #[test]
 fn a_saddle_is_fitted_by_a_biquadratic() {
     let first = TwoPass {
@@ -110,7 +110,7 @@ fn a_saddle_is_fitted_by_a_biquadratic() {
 }
 
 /// On a patch with the half-width a = 1.5 of a surface with the radius R = 100, a biquadratic neglects terms of fourth
-/// order, (a/R)² = 2e-4.
+/// order. Their relative size is (a/R)² = 2e-4.
 #[test]
 fn shallow_spheres_and_cylinders_are_fitted() {
     for passes in [Passes::One, Passes::Two] {
@@ -190,7 +190,7 @@ fn results_do_not_depend_on_size_and_orientation() {
     }
 }
 
-/// The distance between the fingers is 1.5, so that the default unit is equal to a stated unit of 1.5.
+/// The distance between the fingers is 1.5, so the default unit must be equal to a stated unit of 1.5.
 #[test]
 fn the_default_unit_is_the_distance_between_fingers() {
     let contacts = contacts(saddle, true);

@@ -90,8 +90,8 @@ fn methods(number: f64) -> [Box<dyn Method>; 4] {
     ]
 }
 
-/// Largest difference of K and H from the values computed from the principal curvatures, and of the axes from an
-/// orthonormal frame.
+/// Largest deviation of a map point: of its Gaussian and mean curvature from the values that follow from its principal
+/// curvatures, and of its axes from an orthonormal frame.
 fn inconsistency(point: &MapPoint) -> f64 {
     let (least, most) = (point.k_min, point.k_max);
     let scale = least.abs().max(most.abs()).max(f64::MIN_POSITIVE);
@@ -156,7 +156,7 @@ fn too_large_maps_and_regions_of_another_size_are_refused() {
     );
 }
 
-/// If the standard errors are smaller than rounding errors, one class has probability 1. If they overflow, no
+/// If the standard errors are smaller than rounding errors, one class has the probability 1. If numbers overflow, no
 /// probabilities are returned.
 #[test]
 fn uncertainties_of_any_size_return_probabilities_or_none() {
@@ -190,7 +190,8 @@ fn uncertainties_of_any_size_return_probabilities_or_none() {
     assert_eq!(of(1.0, f64::NAN), None);
 }
 
-/// The expected error for these contacts; `None` if a calculation is needed to decide.
+/// The name of the expected error for these contacts; `None` if only a calculation can decide whether there is an
+/// error.
 fn expected_error(contacts: &[Contact], outward: &Vector3<f64>) -> Option<&'static str> {
     if contacts.len() < 3 {
         return Some("too-few-contacts");
@@ -317,8 +318,8 @@ proptest! {
         }
     }
 
-    /// The paraboloid w = (b₁ u² + b₂ v²)/2 has K = b₁ b₂ and H = −(b₁ + b₂)/2 at its apex, for any size, curvature,
-    /// position and orientation.
+    /// The paraboloid w = (b₁ u² + b₂ v²)/2 has the Gaussian curvature b₁ b₂ and the mean curvature −(b₁ + b₂)/2 at its
+    /// apex. The estimates must be exact for any size, curvature, position and orientation.
     #[test]
     fn paraboloids_are_estimated_exactly(
         power in -100.0..100.0_f64,
@@ -337,7 +338,7 @@ proptest! {
         };
         let contacts: Vec<Contact> = (0..81).map(contact).collect();
         let patch = Patch::new(&contacts, &(turn * Vector3::z())).unwrap();
-        // Rounding errors of the positions have the same effect as curvature.
+        // Rounding errors of the positions have the same effect as a curvature, so they are included in the bound.
         let bound = 1e-11 + 1e3 * f64::EPSILON * (1.0 + offset) / bend;
         let methods: [&dyn Method; 2] = [&Quadric::default(), &Penalised::default()];
         for method in methods {

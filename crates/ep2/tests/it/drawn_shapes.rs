@@ -51,11 +51,11 @@ pub(super) enum Surface {
     Plane,
     Sphere(f64),
     Cylinder(f64),
-    /// The saddle w = −(u² − r v²)/2R, with R and r.
+    /// The saddle w = −(u² − r v²)/2R. The numbers are R and r.
     Saddle(f64, f64),
-    /// Outer side of a torus: radius of the tube, and radius of the circle of the tube's centre.
+    /// Outer side of a torus. The numbers are the radius of the tube and the radius of the circle of the tube's centre.
     Torus(f64, f64),
-    /// The wave w = a sin(2π u / l + phase), with a, l and phase.
+    /// The wave w = a sin(2π u / l + phase). The numbers are a, l and phase.
     Wave(f64, f64, f64),
 }
 
@@ -107,7 +107,7 @@ impl Surface {
         }
     }
 
-    /// `count` contacts in a disc around the pole, with this radius.
+    /// `count` contacts at random places in a disc with this radius around the pole.
     pub(super) fn disc(
         &self,
         random: &mut Random,
@@ -141,8 +141,8 @@ impl Surface {
     }
 }
 
-/// The contacts with Gaussian noise. They have normals only if the noise of normals is stated. A finger has `each`
-/// contacts, or all of them if `each` is 0.
+/// The contacts with Gaussian noise. They have normals only if the noise of normals is stated. Each finger has `each`
+/// of the contacts; if `each` is 0, one finger has all contacts.
 pub(super) fn noisy(
     random: &mut Random,
     exact: &[(Vector3<f64>, Vector3<f64>)],
@@ -177,7 +177,7 @@ pub(super) fn placed(random: &mut Random, contacts: &[Contact], shift: f64) -> V
         .collect()
 }
 
-/// Contacts on the inner side of the same shape.
+/// The contacts, converted to contacts on the inner side of the same shape.
 pub(super) fn inside(contacts: &[Contact]) -> Vec<Contact> {
     contacts
         .iter()

@@ -33,7 +33,7 @@ fn misfit(method: &dyn Method, contacts: &[Contact]) -> MisfitTest {
     method.misfit(&patch).unwrap()
 }
 
-/// A saddle. Its surface is a quadric.
+/// A saddle whose surface is a quadric.
 const SADDLE: &Surface = &QUADRIC_LIKE[3];
 
 /// Kolmogorov statistic of numbers: the largest distance between their distribution and the uniform distribution, times
@@ -93,8 +93,8 @@ fn p_values_are_uniform_on_a_quadric() {
     }
 }
 
-/// In a fit to few contacts, only a small part of the noise remains in the residuals; this must not be reported as an
-/// outlier.
+/// In a fit to few contacts, only a small part of the noise remains in the residuals. The test must not report this as
+/// an outlier.
 #[test]
 fn few_sound_contacts_seldom_have_a_misfit() {
     for (fingers, contacts_per_finger) in [(3, 2), (3, 3), (3, 4), (4, 4)] {
@@ -184,7 +184,7 @@ fn of_many_contacts_some_are_tested() {
         &many.contacts(SADDLE, 3),
     );
     let goodness = found.goodness.unwrap();
-    // Every third of the 4,500 contacts is tested, with three equations each. The quadric has six parameters.
+    // Every third of the 4,500 contacts is tested, with three equations each, and the quadric has six parameters.
     assert_eq!(goodness.freedom, 3 * 1500 - 6);
     assert!(
         goodness.p_value > 1e-3 && found.misfits.is_empty(),

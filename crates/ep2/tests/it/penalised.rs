@@ -25,7 +25,7 @@ fn found(method: &dyn Method, surface: &Surface, sweep: &Sweep, trial: u64) -> V
         .collect()
 }
 
-/// Root mean square errors of K and H.
+/// Root mean square errors of the Gaussian curvature K and the mean curvature H.
 fn errors(method: &dyn Method, surface: &Surface, sweep: &Sweep, trials: u64) -> [f64; 2] {
     let all: Vec<_> = (0..trials)
         .flat_map(|trial| found(method, surface, sweep, trial))
@@ -50,8 +50,7 @@ fn a_noiseless_quadric_is_estimated_to_rounding() {
         normal_std_rad: 0.0,
         ..Sweep::paper(0.0)
     };
-    // Except for rounding, the mean normal of the patch is z, so that the saddle is also a quadric in the frame of the
-    // patch.
+    // The mean normal of the patch is z except for rounding, so the saddle is also a quadric in the frame of the patch.
     for method in [&Penalised::default() as &dyn Method, &Quadric::default()] {
         for [one, truth] in found(method, saddle, &exact, 0) {
             assert!((one.gaussian - truth.gaussian).abs() < 1e-11, "{one:?}");
@@ -80,7 +79,7 @@ fn noiseless_surfaces_are_estimated_within_the_error_of_the_spline() {
 
 #[test]
 fn heights_that_fit_a_quadric_by_chance_do_not_override_the_normals() {
-    // Three fingers glide along a cylinder. Any three heights lie on a parabola, but the slopes contradict it.
+    // Three fingers glide along a cylinder. A parabola fits any three heights, but not the slopes.
     let along = Surface {
         name: "cylinder along the fingers",
         at: |x, y| {
@@ -148,8 +147,8 @@ fn most_classes_are_correct_at_the_noise_of_the_paper() {
     }
 }
 
-/// Share of all grid points and trials at which the true K is within 1.96 standard errors of its estimate, and the same
-/// share for H.
+/// Share of all grid points and trials at which the true Gaussian curvature is within 1.96 standard errors of its
+/// estimate. The second value is the same share for the mean curvature.
 fn coverage(
     surface: impl Fn(f64, f64) -> Truth + Copy,
     contacts: impl Fn(u64) -> Vec<Contact>,
@@ -196,7 +195,7 @@ fn intervals_contain_the_truth_of_random_surfaces() {
 
 #[test]
 fn intervals_contain_the_truth_for_nearly_quadric_surfaces() {
-    // The model allows for surfaces that are rougher than a quadric, so that its standard errors are too large here.
+    // The model allows for surfaces that are rougher than this quadric, so its standard errors are too large here.
     for noise in [0.05, 0.1, 0.2] {
         for surface in &QUADRIC_LIKE {
             let contacts = |trial: u64| Sweep::paper(noise).contacts(surface, trial);
@@ -218,7 +217,8 @@ fn errors_on_detailed_surfaces_are_smaller_than_with_two_passes() {
         contacts_per_finger: 20,
         ..Sweep::paper(0.1)
     };
-    // The sum of squared residuals that matches the noise is (w σ)² for each of the points.
+    // The sum of squared residuals is chosen to match the noise: (w σ)² for each point, with the weight w and the noise
+    // σ.
     let matched = TwoPass {
         smoothing: 140.0 * 100.0,
         second_smoothing: 420.0 * 100.0,
@@ -268,7 +268,7 @@ fn the_noise_is_estimated() {
         let normal = noise.normal_std_rad.unwrap().to_degrees();
         assert!((normal - 2.0).abs() < 0.2, "{noise:?}");
     }
-    // If the noise is stated, it is not estimated.
+    // The stated noise is used instead of an estimate.
     let known = Penalised {
         noise: Noise {
             position_std: Some(0.5),

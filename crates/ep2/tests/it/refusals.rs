@@ -76,7 +76,7 @@ fn points_lines_and_curves_are_refused_or_uncertain() {
         let is_refused = outcomes(&plain(nearly)).map(|outcome| outcome == "collinear");
         assert_eq!(is_refused, [is_line; 3], "{share:e}");
     }
-    // The contacts of one finger form a curve in a plane, which does not determine the shape across it.
+    // The contacts of one finger form a curve in a plane. They do not determine the shape across this curve.
     let curve = (0..40).map(|step| {
         let x = 0.1 * f64::from(step);
         [x, 0.0, -0.1 * x * x]
@@ -84,7 +84,7 @@ fn points_lines_and_curves_are_refused_or_uncertain() {
     for outcome in outcomes(&plain(curve)) {
         assert_ne!(outcome, "result");
     }
-    // Normals determine the slope across the curve, but its change is very uncertain.
+    // Normals determine the slope across the curve. The change of this slope is very uncertain.
     let mut one_finger = sphere();
     one_finger.truncate(10);
     for contact in &mut one_finger {
@@ -153,8 +153,8 @@ fn closed_shapes_are_refused_and_walls_need_an_outward_direction() {
         })
         .collect();
     assert_eq!(outcomes(&wall), ["result"; 3]);
-    // Without normals, an upward direction does not determine which side of a wall is outside, unless the wall is
-    // inclined.
+    // Without normals, an upward outward direction does not determine which side of a vertical wall is outside. It does
+    // so if the wall is inclined.
     let bare_wall = |lean: f64| {
         plain((0..36).map(|index| {
             let (y, z) = (f64::from(index % 6), f64::from(index / 6));

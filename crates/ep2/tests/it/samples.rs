@@ -174,7 +174,7 @@ impl Sweep {
         }
     }
 
-    /// Contacts of a surface in the square |x|, |y| <= 1.5.
+    /// Contacts on a surface in the square |x|, |y| <= 1.5, with noise.
     pub(crate) fn contacts(&self, surface: &Surface, trial: u64) -> Vec<Contact> {
         self.contacts_on(surface.at, trial)
     }

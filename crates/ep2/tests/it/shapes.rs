@@ -38,9 +38,9 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// For contacts on random caps: share of the fits whose interval contains the true radius, and share of those in which
-/// the radius is determined. `ratios` are the limits of sagitta · √n / noise. Cases with more noise than `max_noise`
-/// times the extent are skipped.
+/// Fits shapes to contacts on random caps. Returns the share of the fits whose interval contains the true radius, and
+/// the share of the fits in which the radius is determined. `ratios` are the limits of sagitta · √n / noise. Cases with
+/// more noise than `max_noise` times the extent are skipped.
 fn coverage(shape: Shape, with_normals: bool, ratios: [f64; 2], max_noise: f64) -> [f64; 2] {
     let [mut held, mut resolved, mut count] = [0.0; 3];
     for case in 0..120 {
@@ -189,7 +189,8 @@ fn correlated(random: &mut Random, each: usize, time: f64, with_normals: bool) -
     rows.collect()
 }
 
-/// A log with dependent readings, the same log without them, and the smallest accepted coverage.
+/// A log whose readings depend on each other, a comparable log without dependent readings, and the smallest accepted
+/// coverage.
 fn dependent(kind: usize, random: &mut Random) -> ([Vec<Contact>; 2], f64) {
     if kind < 3 {
         let plain = ball_log(random, 10);
@@ -258,7 +259,7 @@ fn surfaces_are_not_fitted_to_correlated_noise() {
     let correlated = (0..40).map(|case| correlated(&mut random(case), 500, 25.0, true));
     let [held, found] = of_surface(correlated, 0.04);
     assert!(held > 0.85 && found > 0.9, "{held} {found}");
-    // A wave must not be taken for noise.
+    // The estimate must not mistake a wave for correlated noise.
     let wave = Surface::Wave(1.0, 20.0, 0.5 * PI);
     let waves = (0..40).map(|case| {
         noisy(
@@ -314,7 +315,7 @@ fn bad_logs_are_errors() {
             }
         }
     }
-    // A third of the contacts lie on another object.
+    // A third of the contacts lie on another object, so the fit must return an error that lists them.
     let mut log = ball_log(&mut Random::new(7), 50);
     for contact in &mut log[100..] {
         contact.position.z += 8.0;

@@ -14,7 +14,7 @@ fn normals() -> impl Iterator<Item = (usize, Vector3<f64>)> {
     })
 }
 
-/// Points that the fingertip reports on a ball of radius 5 or, if `concave`, in a dish of radius 5.
+/// Positions that the readings of a fingertip report on a ball of radius 5 or, if `concave`, in a dish of radius 5.
 fn readings(tip: &RoundTip, concave: bool, with_normals: bool) -> Vec<Contact> {
     let (radius, side) = if concave { (5.0, -1.0) } else { (5.0, 1.0) };
     let readings = normals().map(|(finger, out)| {
@@ -104,7 +104,7 @@ fn invalid_tips_are_refused_and_a_tip_of_radius_0_changes_nothing() {
         tip(1.0).contacts(&[], &Vector3::z(), &method).err(),
         Patch::new(&[], &Vector3::z()).err()
     );
-    // The normal of length 0 is reported by `Patch::new`.
+    // `Patch::new` must reject the normal of length 0.
     let mut broken = all.clone();
     broken[4].normal = Some(Vector3::zeros());
     let contacts = tip(1.0).contacts(&broken, &Vector3::z(), &method).unwrap();
@@ -140,8 +140,8 @@ fn a_tip_larger_than_the_curvature_radius_of_its_centres_is_rejected() {
 
 #[test]
 fn a_tip_of_any_size_can_turn_on_an_edge() {
-    // If the tip turns about an edge, its centre moves on a cylinder of the tip's radius r. Because the normals are
-    // noisy, half of the estimated curvatures exceed 1/r.
+    // If the tip turns about an edge, its centre moves on a cylinder whose radius is the tip's radius r. Because the
+    // normals are noisy, half of the estimated curvatures exceed 1/r.
     let mut state = 1_u64;
     let mut noise = || {
         state = state

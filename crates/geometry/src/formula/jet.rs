@@ -5,7 +5,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// A function's value at a point (x, y) with its first and second partial derivatives there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet {
-    /// Value f of the function.
+    /// Value of the function f.
     pub value: f64,
     /// First derivatives f_x, f_y.
     pub gradient: [f64; 2],

@@ -9,17 +9,17 @@ use super::jet::{Jet, Number};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Unary {
     Negate,
-    /// a + c
+    /// The sum a + c of the operand a and a constant c.
     Offset(f64),
-    /// a · c
+    /// The product a · c of the operand a and a constant c.
     Scale(f64),
-    /// a / c
+    /// The quotient a / c of the operand a and a constant c.
     DivideBy(f64),
-    /// a^c
+    /// The power a^c of the operand a with a constant exponent c.
     Power(f64),
-    /// |a|^c, with c >= 2, which is twice differentiable where |a| is not
+    /// The power |a|^c with a constant c >= 2. It is twice differentiable even at a = 0, where |a| is not.
     AbsPower(f64),
-    /// c^a, with c > 0
+    /// The power c^a of a constant c > 0, with the operand a as exponent.
     Exponential(f64),
     Sin,
     Cos,
@@ -182,8 +182,7 @@ impl Binary {
     }
 }
 
-/// v^n and its first two derivatives with respect to v. The result is also correct for v ≤ 0, wherever these numbers
-/// exist.
+/// The power v^n and its first two derivatives with respect to v. They are also correct for v ≤ 0 if they exist there.
 fn power(v: f64, n: f64) -> [f64; 3] {
     let raise = |exponent: f64| {
         if exponent.fract() == 0.0 && exponent.abs() <= 16.0 {
@@ -210,7 +209,7 @@ fn power(v: f64, n: f64) -> [f64; 3] {
     }
 }
 
-/// a^b and its derivatives, where both a and b vary. It is differentiable only for a > 0.
+/// The power a^b and its derivatives with respect to a and b. The power is differentiable only for a > 0.
 fn general_power(a: f64, b: f64) -> Jet {
     let (f, ln) = (libm::pow(a, b), libm::log(a));
     Jet {

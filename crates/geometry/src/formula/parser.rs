@@ -1,5 +1,5 @@
-//! A Pratt parser. Every operator has a binding power, and an operand between two operators belongs to the operator
-//! with the larger one.
+//! A Pratt parser. Every operator has a binding power. An operand between two operators belongs to the operator with
+//! the larger binding power.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,7 +13,7 @@ const X: &str = "x";
 const Y: &str = "y";
 const PI: &str = "pi";
 
-/// Binding power of a sign: above that of `*`, below that of `^`.
+/// Binding power of a sign. It is larger than the binding power of `*` and smaller than the binding power of `^`.
 const SIGN: u8 = 5;
 
 type Result<T> = std::result::Result<T, (Kind, Span)>;
@@ -185,7 +185,8 @@ impl<'a> Parser<'a> {
         Err((kind, span))
     }
 
-    /// Parses the arguments of `function`, whose name begins at byte `start`. The next token is `(`.
+    /// Parses the arguments of `function`, whose name begins at byte `start` of the text. When this method is called,
+    /// the next token is `(`.
     fn call(&mut self, name: &str, function: Function, start: usize) -> Result<Expression> {
         let open = self.span.clone();
         let mut arguments = Vec::new();

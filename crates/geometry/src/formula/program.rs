@@ -4,8 +4,9 @@ use super::Formula;
 use super::jet::Number;
 use super::operation::{Binary, Unary};
 
-/// Number of stack slots. The operand that needs more slots is evaluated first. Therefore n slots are enough for 2ⁿ − 1
-/// operands (Sethi and Ullman 1970). A text of m characters has at most (m + 1)/2 operands.
+/// Number of stack slots. Of the two operands of an operator, the operand that needs more slots is evaluated first.
+/// Therefore n slots are enough for 2ⁿ − 1 operands (Sethi and Ullman 1970). A text of m characters has at most (m +
+/// 1)/2 operands.
 const SLOTS: usize = 13;
 const _: () = assert!(Formula::MAX_CHARACTERS.div_ceil(2) < 1 << SLOTS);
 
@@ -67,8 +68,8 @@ impl Program {
     }
 
     pub(super) fn run<N: Number>(&self, x: N, y: N) -> N {
-        // Most formulas need at most four slots. They are treated separately, because initialising all slots would take
-        // as much time as the arithmetic.
+        // Most formulas need at most four slots. These formulas are treated separately, because initialising all slots
+        // would take as much time as the arithmetic.
         if self.slots <= 4 {
             self.run_in::<N, 4>(x, y)
         } else {

@@ -15,13 +15,13 @@ pub struct HeightJet {
     pub value: f64,
     /// Gradient `(f_x, f_y)` of the height.
     pub gradient: [f64; 2],
-    /// `(f_xx, f_xy, f_yy)`.
+    /// Second derivatives `(f_xx, f_xy, f_yy)` of the height.
     pub hessian: [f64; 3],
 }
 
 impl HeightJet {
     fn is_finite(&self) -> bool {
-        // The sum is finite only if every term is finite.
+        // Check only the sum of all terms, because it is finite only if every term is finite.
         let [fx, fy] = self.gradient;
         let [fxx, fxy, fyy] = self.hessian;
         (self.value + fx + fy + fxx + fxy + fyy).is_finite()
@@ -134,8 +134,8 @@ impl Height for Paraboloid {
         (x == 0.0 && y == 0.0).then_some(Meridian::Paraboloid { c: self.c })
     }
 
-    // In a bowl, a ball touches the opposite side only if its centre reaches the axis. At the contact point, the bowl's
-    // curvature across the meridian then equals the ball's curvature, so the ball does not fit there.
+    // In a bowl, a ball touches the opposite side only if its centre reaches the axis. If it does, the bowl's curvature
+    // across the meridian equals the ball's curvature at the contact point. The ball then does not fit at the contact.
     fn may_touch_twice(&self, _radius: f64) -> bool {
         false
     }
@@ -161,8 +161,8 @@ impl Height for Saddle {
         (x == 0.0 && y == 0.0).then_some(Meridian::Paraboloid { c })
     }
 
-    // A ball touches both sides of a valley only if its centre reaches the valley's plane of symmetry. Then the bottom
-    // of the valley must be at least as curved as the ball.
+    // A ball touches both sides of a valley only if its centre reaches the valley's plane of symmetry. This is only
+    // possible if the radius of curvature at the bottom of the valley is at most the radius of the ball.
     fn may_touch_twice(&self, radius: f64) -> bool {
         2.0 * self.a.abs() * radius > 1.0
     }
@@ -174,8 +174,8 @@ impl Height for HeightField {
 
     fn jet(&self, x: f64, y: f64) -> HeightJet {
         let jet = self.formula.jet(x, y);
-        // At x < 0, the value of ln(x) is NaN, but its derivatives are finite. Adding 0 · value makes the derivatives
-        // NaN too.
+        // At x < 0, the value of ln(x) is NaN, but its derivatives are finite. Adding 0 · value, which is NaN too,
+        // makes the derivatives NaN.
         let nothing = 0.0 * jet.value;
         HeightJet {
             value: jet.value,
@@ -208,13 +208,13 @@ struct Foot {
     at: Vector2<f64>,
     height: f64,
     slope: Vector2<f64>,
-    /// Half the squared distance to the target. Its gradient and its Hessian follow.
+    /// Half the squared distance to the target. The next two fields are the gradient and the Hessian of this function.
     half_square: f64,
     gradient: Vector2<f64>,
     hessian: Matrix2<f64>,
     /// Determinant of `I + s sᵀ`, which is the Hessian if the graph is a plane of slope s. The next field is the
-    /// determinant of the Hessian. Both are computed from expanded formulas, because on a steep slope `(1 + s_x²)(1 +
-    /// s_y²) − s_x² s_y²` loses all digits.
+    /// determinant of the Hessian. Both are computed from expanded formulas, because on a steep slope the formula `(1 +
+    /// s_x²)(1 + s_y²) − s_x² s_y²` loses all digits.
     stretch: f64,
     determinant: f64,
 }
@@ -229,8 +229,8 @@ impl Foot {
         let [fxx, fxy, fyy] = jet.hessian;
         let slope = Vector2::from(jet.gradient);
         let aside = at - target.xy().coords;
-        // A difference within the rounding error counts as 0. Otherwise, near a sharp peak, it would be multiplied by a
-        // large curvature, and the peak would look like a hollow.
+        // A difference within the rounding error counts as 0. Otherwise, near a sharp peak, this error would be
+        // multiplied by a large curvature, and the peak would look like a hollow.
         let above = match jet.value - target.z {
             tiny if tiny.abs() <= 2.0 * f64::EPSILON * target.z.abs() => 0.0,
             above => above,
@@ -296,7 +296,7 @@ impl<H: Height> Surface for Graph<H> {
 
     #[inline]
     fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
-        // The level set is that of F = z − f(x, y).
+        // The level set belongs to the function F = z − f(x, y).
         let jet = self.jet(point.x, point.y)?;
         let [fx, fy] = jet.gradient;
         let [fxx, fxy, fyy] = jet.hessian;
@@ -317,7 +317,8 @@ impl<H: Height> Surface for Graph<H> {
         let [fx, fy] = jet.gradient;
         let [fxx, fxy, fyy] = jet.hessian;
         let steepness_squared = 1.0 + fx * fx + fy * fy;
-        // Repeats those checks of `Graph::jet` that are needed here. Both comparisons are false for NaN.
+        // These are the checks of `Graph::jet` that are needed here. A NaN fails them, because both comparisons are
+        // then false.
         let in_domain = steepness_squared <= H::STEEPEST * H::STEEPEST;
         if !(in_domain && (fxx + fxy + fyy).is_finite()) {
             return Err(SurfaceError::OffDomain {
@@ -356,7 +357,7 @@ impl<H: Height> Surface for Graph<H> {
     ) -> Result<Point3<f64>, SurfaceError> {
         let none = SurfaceError::no_closest_point(point);
         let mut foot = Foot::new(self, point, start)?;
-        // If this is true, `z` is NaN or a square has overflowed.
+        // This condition is true if `z` is NaN or a square has overflowed.
         if !foot.half_square.is_finite() {
             return Err(none);
         }
@@ -370,8 +371,8 @@ impl<H: Height> Surface for Graph<H> {
             let Some(next) = shorter else { break };
             foot = next;
         }
-        // If the descent ends at a stationary point that is not a minimum, this point is between two points that are
-        // equally close.
+        // If the descent ends at a stationary point that is not a minimum, two points on both sides of it are equally
+        // close.
         if foot.is_minimum() {
             Ok(Point3::new(foot.at.x, foot.at.y, foot.height))
         } else {

@@ -7,8 +7,8 @@ use crate::{ChartJet, InvalidShape, LevelSet, Parameters, Surface, SurfaceError}
 
 /// A ring torus about the z axis.
 ///
-/// With `ρ = R + r sin u`, the chart is `(ρ cos v, ρ sin v, r cos u)`. `u = 0` is the top circle, and `u` increases
-/// outwards. `M = diag(r, ρ)`, `K = diag(1/r, sin(u)/ρ)`.
+/// With the major radius R, the minor radius r and `ρ = R + r sin u`, the chart is `(ρ cos v, ρ sin v, r cos u)`. `u =
+/// 0` is the top circle, and `u` increases outwards. `M = diag(r, ρ)`, `K = diag(1/r, sin(u)/ρ)`.
 ///
 /// ```
 /// use std::f64::consts::FRAC_PI_2;
@@ -76,7 +76,8 @@ impl Surface for Torus {
         if rho == 0.0 {
             return Err(off_domain);
         }
-        // The level set is that of F = ((ρ − R)² + z²)/2.
+        // The level set belongs to the function F = ((ρ − R)² + z²)/2, where ρ is the distance from the z axis and R
+        // the major radius.
         let (cos, sin) = (point.x / rho, point.y / rho);
         let beyond = rho - self.major_radius;
         let gradient = Vector3::new(beyond * cos, beyond * sin, point.z);

@@ -1,5 +1,5 @@
-//! Near their default contact, surfaces return results. For arguments with any bit patterns, they return finite numbers
-//! or an error, and returned points lie on the surface.
+//! Near their default contact, surfaces return results without errors. For arguments with any bit patterns, they return
+//! either finite numbers or an error, and returned points lie on the surface.
 
 use nalgebra::{Point3, Vector3};
 use palpate_geometry::formula::Formula;
@@ -97,7 +97,7 @@ fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], 
     }
     let is_place = is_finite(&[x, y]);
     prop_assert!(is_place || chart.is_err() && contact.is_err() && closest.is_err());
-    // These calls only need to return without a panic.
+    // For the following calls, it is enough that they return without a panic.
     let _ = (
         surface.parameters(&place),
         surface.meridian(&place, &Vector3::x()),
@@ -170,7 +170,7 @@ proptest! {
             }
             let foot = shape.closest_point(&place);
             // Inside an ellipsoid, and beyond the centres of curvature of a graph, two points of the surface may be
-            // equally close.
+            // equally close, so these surfaces may have no closest point.
             let may_have_none = ["ellipsoid", "paraboloid", "saddle"].contains(&shape.name());
             prop_assert!(foot.is_ok() || may_have_none, "{shape:?} at {place}: {foot:?}");
             if let Ok(foot) = foot {
@@ -234,7 +234,7 @@ proptest! {
 
 #[test]
 fn a_point_on_a_needle_is_its_own_foot() {
-    // The rounding error of the height exceeds the width of the needle.
+    // A graph like a needle, which is so thin that the rounding error of the height exceeds its width.
     let needle = Graph::paraboloid(1.1e8).unwrap();
     let place = needle.contact_at(1.24, -0.5).unwrap();
     assert_eq!(needle.closest_point(&place).unwrap(), place);

@@ -89,8 +89,8 @@ fn triaxial_ellipsoid() {
     let semi_axes = Vector3::new(1.3, 0.4, 2.1);
     let squares = semi_axes.component_mul(&semi_axes);
     over_angles(&Ellipsoid::new(semi_axes.into()).unwrap(), |_, found| {
-        // If p is the distance of the tangent plane from the centre, K = p⁴/(abc)² and H = p³ (a² + b² + c² − |x|²)/(2
-        // (abc)²).
+        // Let a, b and c be the semi-axes, and p the distance of the tangent plane from the centre. The Gaussian
+        // curvature is K = p⁴/(abc)², and the mean curvature is H = p³ (a² + b² + c² − |x|²)/(2 (abc)²).
         let p = 1.0 / found.point.coords.component_div(&squares).norm();
         let product = semi_axes.product().powi(2);
         let mean = p.powi(3) * (squares.sum() - found.point.coords.norm_squared());

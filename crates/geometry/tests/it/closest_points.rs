@@ -1,5 +1,5 @@
-//! Closest points in cases that the laws do not test: far away, inside the solid, and where several points are equally
-//! close.
+//! Closest points in cases that the tests of the laws do not contain: far away, inside the solid, and where several
+//! points are equally close.
 
 use std::f64::consts::PI;
 
@@ -37,8 +37,8 @@ fn centres_and_axes_have_no_closest_point() {
 #[test]
 fn the_middle_of_an_ellipsoid_has_no_closest_point_and_its_outer_part_has() {
     // For a point in the symmetry plane across the shortest axis (z), two points of the surface, above and below, are
-    // equally close. On the x axis, this is so up to the centre of curvature of the tip, at the distance a − c²/a from
-    // the centre.
+    // equally close. On the x axis, this is true up to the centre of curvature of the tip, at the distance a − c²/a
+    // from the centre, where a is the longest and c the shortest semi-axis.
     let ellipsoid = Ellipsoid::new([3.0, 2.0, 1.0]).unwrap();
     assert_none(&ellipsoid, 0.0, 0.0, 0.0);
     assert_none(&ellipsoid, 1.0, 0.5, 0.0);
@@ -62,7 +62,8 @@ fn a_bowl_seen_from_beyond_its_centre_of_curvature_has_no_closest_point() {
     assert_none(&bowl, 0.0, 0.0, 1.1);
     let apex = bowl.closest_point(&Point3::new(0.0, 0.0, 0.9)).unwrap();
     assert_eq!(apex, Point3::origin());
-    // On the axis inside of a hill, no single point is closest. Beside the axis, the closest point is on the near side.
+    // For a point on the axis inside of a hill, no single point of the hill is closest. Beside the axis, the closest
+    // point is on the near side.
     let hill = Graph::paraboloid(0.5).unwrap();
     assert_none(&hill, 0.0, 0.0, -1.1);
     let inside = hill.closest_point(&Point3::new(0.2, 0.0, -3.0)).unwrap();
@@ -125,8 +126,8 @@ proptest! {
         let from = Point3::from(Vector3::from(semi_axes).component_mul(&Vector3::from(share)));
         match Ellipsoid::new(semi_axes).unwrap().closest_point(&from) {
             Ok(found) => assert_closest(semi_axes, from, found),
-            // Only points inside of the ellipsoid, in the symmetry plane across its shortest axis, have no closest
-            // point.
+            // Only points inside of the ellipsoid, in the symmetry plane across its shortest axis, have several closest
+            // points and return an error.
             Err(_) => {
                 let axis = Vector3::from(semi_axes).imin();
                 prop_assert!(from[axis] == 0.0 && Vector3::from(share).norm() < 1.0);

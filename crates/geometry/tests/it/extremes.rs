@@ -67,7 +67,7 @@ fn heights_near_a_rim_keep_their_digits() {
     let (sphere, cylinder) = (Sphere::new(3.0).unwrap(), Cylinder::new(3.0, 0.0).unwrap());
     for short in [1e-3, 1e-8, 1e-15] {
         let off: f64 = 3.0 * (1.0 - short);
-        // `3.0 - off` is exact.
+        // The difference `3.0 - off` has no rounding error.
         let height = ((3.0 - off) * (3.0 + off)).sqrt();
         for found in [sphere.contact_at(0.0, off), cylinder.contact_at(9.0, off)] {
             assert_relative_eq!(found.unwrap().z, height, max_relative = 1e-15);
@@ -96,7 +96,7 @@ fn near_an_umbilic_principal_curvatures_differ_by_what_the_form_does() {
     }
 }
 
-/// Values and slopes are compared with mpmath, with 60 digits.
+/// Compares values and slopes with numbers that mpmath computed with 60 digits.
 #[test]
 fn formulas_keep_their_digits_where_values_are_tiny_or_huge() {
     let jet = |text: &str, x: f64| {
@@ -126,7 +126,7 @@ fn formulas_keep_their_digits_where_values_are_tiny_or_huge() {
     }
 }
 
-/// Values are compared with mpmath, with 60 digits.
+/// Compares meridians with numbers that mpmath computed with 60 digits.
 #[test]
 fn meridians_keep_their_digits_from_flat_to_sharp() {
     // A nearly flat spheroid at t = 0.2 turns, and a needle-like one at t = 1000.2 turns.
@@ -212,8 +212,8 @@ proptest! {
         let across = libm::sin(u) / rho;
         assert_relative_eq!(here.curvature.k_uu, 1.0 / minor, max_relative = 1e-13);
         assert_relative_eq!(here.curvature.k_vv, across, max_relative = 1e-13);
-        // Rounding error of the point's coordinates, relative to the radius of the thin tube. It is amplified near the
-        // centre of a narrow hole.
+        // Bound on the rounding error of the point's coordinates, relative to the radius of the thin tube. The error is
+        // amplified near the centre of a narrow hole.
         let blur = 1e-14 * ratio / (ratio - 1.0) + 1e-15 * ratio;
         let local = torus.level_set(&here.point).unwrap();
         let form = local.curvature(&here.frame.x, &here.frame.y);
@@ -239,9 +239,9 @@ proptest! {
         let local = ellipsoid.level_set(&here.point).unwrap();
         assert_relative_eq!(local.normal, frame.normal, epsilon = 1e-13, max_relative = 1e-13);
 
-        // The formulas are K = p⁴/(abc)² and H = p³ (Σa² − |x|²)/(2 (abc)²), where p is the distance of the tangent
-        // plane from the centre. Because a² − x² = a² (1 − x²/a²), the bracket is computed from the other two
-        // coordinates, without cancellation.
+        // The formulas are K = p⁴/(abc)² and H = p³ (Σa² − |x|²)/(2 (abc)²), where a, b and c are the semi-axes and p
+        // is the distance of the tangent plane from the centre. Because a² − x² = a² (1 − x²/a²), the bracket in H is
+        // computed from the other two coordinates, without cancellation.
         let axes = Vector3::from(semi_axes);
         let unit = here.point.coords.component_div(&axes);
         let p = 1.0 / unit.component_div(&axes).norm();
@@ -253,7 +253,8 @@ proptest! {
         let gaussian = (p * p / product).powi(2);
         for form in [here.curvature, local.curvature(&frame.x, &frame.y)] {
             assert_relative_eq!(form.mean_curvature(), mean, max_relative = 1e-12);
-            // K is a difference of two products that are as large as H².
+            // The tolerance is relative to H², because K is computed as a difference of two products that are as large
+            // as H².
             let epsilon = 1e-12 * mean * mean;
             assert_relative_eq!(form.gaussian_curvature(), gaussian, epsilon = epsilon);
         }
@@ -262,7 +263,7 @@ proptest! {
     }
 
     /// On the paraboloid `z = −c (x² + y²)` at the distance `r` from its axis, the normal curvature is `2c/w³` up the
-    /// slope and `2c/w` along the level line, with `w² = 1 + (2 c r)²`.
+    /// slope and `2c/w` along the level line. Here `w² = 1 + (2 c r)²`.
     #[test]
     fn graphs_far_from_their_apex(exponent in -12.0..12.0_f64, size in lengths()) {
         let r = libm::pow(10.0_f64, exponent);

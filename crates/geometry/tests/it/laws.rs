@@ -81,8 +81,8 @@ impl<'a, S: Surface> Place<'a, S> {
         assert!(is_in_solid(self.geometry.point - step));
     }
 
-    /// The laws are M = Eᵀ J, K = Eᵀ N M⁻¹ and T = yᵀ X M⁻¹. J, N and X are computed from differences of points and
-    /// frames.
+    /// The laws of the metric M, the curvature form K and the torsion form T are M = Eᵀ J, K = Eᵀ N M⁻¹ and T = yᵀ X
+    /// M⁻¹. J, N and X are computed from differences of points and frames.
     fn the_forms_are_those_of_the_chart(&self) {
         let [unit_u, unit_v] = self.specimen.unit;
         let to = |du: f64, dv: f64| {
@@ -118,7 +118,8 @@ impl<'a, S: Surface> Place<'a, S> {
         assert_eq!(metric.m21, 0.0);
         assert!(metric.m11 > 0.0 && metric.m22 > 0.0);
 
-        // The form K has only one mixed term, so that this comparison also checks its symmetry.
+        // The curvature form K stores only one mixed term. Therefore this comparison also checks the symmetry of the
+        // exact form.
         let (form, turn) = (
             in_frame * normals * inverse,
             frame.y.transpose() * tangents * inverse,
@@ -175,7 +176,8 @@ impl<'a, S: Surface> Place<'a, S> {
     fn the_contact_at_a_place_seen_from_above_is_the_place(&self) {
         let (place, up) = (self.geometry.point, self.geometry.frame.normal.z);
         let touched = self.surface.contact_at(place.x, place.y).unwrap();
-        // Where the surface faces down, `contact_at` returns the point above it, where the surface faces up.
+        // At a point where the surface faces down, `contact_at` returns another point: the point above, where the
+        // surface faces up.
         let same = (touched - self.geometry.point).norm() < self.tiny / up.abs().min(1.0);
         assert_eq!(same, up > 0.0, "{touched} is not {}", self.geometry.point);
     }
@@ -243,7 +245,7 @@ fn the_default_contact_is_on_the_upper_side(surface: &impl Surface) {
     assert!(normal.z > 0.5);
 }
 
-/// The derivative at 0, by central differences of fourth order.
+/// The derivative of `f` at 0, by central differences of fourth order.
 fn difference(f: impl Fn(f64) -> Vector3<f64>) -> Vector3<f64> {
     let h = 1e-3;
     ((f(h) - f(-h)) * 8.0 - (f(2.0 * h) - f(-2.0 * h))) / (12.0 * h)

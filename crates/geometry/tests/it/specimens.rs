@@ -14,7 +14,7 @@ pub(crate) type Solid = Box<dyn Fn(&Point3<f64>) -> bool>;
 pub(crate) struct Specimen {
     pub(crate) name: String,
     pub(crate) shape: Shape,
-    /// Chart parameters of points that are not close to the poles of the chart.
+    /// Chart parameters of test points, which are not close to the poles of the chart.
     pub(crate) at: Vec<Parameters>,
     /// Natural unit of each parameter, by which step sizes are scaled: 1 for an angle, a length for a length.
     pub(crate) unit: [f64; 2],
@@ -22,7 +22,7 @@ pub(crate) struct Specimen {
     pub(crate) size: f64,
     /// Distance from the surface within which every point has exactly one closest point.
     pub(crate) reach: f64,
-    /// Whether a point is inside of the solid. This follows from the definition of the solid, not from the code of the
+    /// Whether a point is inside of the solid. The function uses the definition of the solid, not the code of the
     /// surface.
     pub(crate) solid: Solid,
 }

@@ -6,11 +6,12 @@ use std::collections::BTreeMap;
 use palpate_study::config::{SceneConfig, in_unit};
 use serde_json::{Value as Json, json};
 
-/// Values of the fields of a scene, by path. Values that are 0, false or absent are omitted. Numbers have ten digits.
+/// Values of the fields of a scene, by path. Values that are 0, false or absent are omitted. Numbers are rounded to ten
+/// digits.
 pub(super) type Fields = BTreeMap<String, Json>;
 
-/// Beginnings of paths that are not compared. These fields state how true values are computed, where estimates are
-/// compared with true values, or what the random scenes vary without a range.
+/// Beginnings of the paths of fields that are not compared. Such a field states how true values are computed, where
+/// estimates are compared with true values, or a property that the random scenes vary without a range.
 const IGNORED: [&str; 7] = [
     "scene.model.tolerance",
     "scene.evaluate",
@@ -158,7 +159,7 @@ fn name_glide(glide: &mut Json) {
 /// Replaces the fields of a press by comparable fields: the object's curvature, one kind of reading, the soft body, and
 /// an estimator that lists only the settings that differ from the soft body.
 fn name_press(press: &mut Json, poisson: f64) {
-    // The random scenes have round objects.
+    // Only round objects are compared by their curvature, because the random scenes have only round objects.
     if !["cylinder", "ellipsoid"]
         .map(Json::from)
         .contains(&press["object"]["kind"])

@@ -5,9 +5,10 @@ use std::time::Duration;
 
 use palpate_sweep::{Cell, Clock, JOB, Runner, Trial};
 
-/// Longest time for which trials of one cell are timed. A single trial always runs to its end, even if it lasts longer.
+/// Longest duration of a measurement of one cell's time per trial. A single trial always runs to its end, even if it
+/// takes longer.
 const LONGEST: Duration = Duration::from_millis(10);
-/// Shortest time for which trials of one cell are timed.
+/// Shortest duration of a measurement of one cell's time per trial.
 const SHORTEST: Duration = Duration::from_millis(1);
 /// A measured time above this value is not measured again, because the delay of waking the threads is negligible.
 const SLOW: Duration = Duration::from_millis(100);
@@ -97,8 +98,8 @@ impl Pace {
     }
 }
 
-/// The numbers below `count`, sorted by their reversed bits. With this order, the first few numbers are spread over the
-/// whole range.
+/// The whole numbers from 0 to `count` − 1, sorted by their reversed bits. With this order, the first few numbers are
+/// spread over the whole range.
 pub(crate) fn spread(count: usize) -> impl Iterator<Item = usize> {
     let bits = count.next_power_of_two().trailing_zeros();
     (0..count.next_power_of_two())
@@ -111,9 +112,9 @@ pub(crate) fn spread(count: usize) -> impl Iterator<Item = usize> {
 
 /// Seconds per trial of a cell, measured while the runner runs trials of this cell on all threads at once.
 ///
-/// The number of trials is doubled until they take at least `long_enough` or their number is [`MAX_TIMED`], even if the
-/// cell has fewer trials. With few trials, the time of waking the threads would dominate. The last measurement is
-/// repeated and the shorter time is used, unless the time is longer than [`SLOW`].
+/// The number of trials is doubled until the trials take at least `long_enough` or their number is [`MAX_TIMED`], even
+/// if the cell has fewer trials. With few trials, the time of waking the threads would dominate. The last measurement
+/// is repeated and the shorter time is used, unless the time is longer than [`SLOW`].
 fn seconds_per_trial(
     runner: &Runner,
     trial: &dyn Trial,

@@ -10,11 +10,12 @@
 
 use palpate_sweep::{Batches, CellStatistics, Growth, Runner, Trial};
 
-/// Safety margin that is added to the relative variance v of a squared error, in standard errors of v.
+/// Safety margin that is added to the relative variance of a squared error, in standard errors of this variance.
 const MARGIN: f64 = 2.0;
-/// Relative standard error of v above which the estimate of v is rough, because a few trials determine it.
+/// If the relative standard error of the variance v of a squared error is above this value, a few trials determine v,
+/// so its estimate is rough.
 const MAX_RELATIVE_ERROR: f64 = 0.5;
-/// Number of trials of the last pilot, relative to the number of trials that are needed.
+/// Number of trials of the last pilot, as a share of the number of trials that the run needs.
 const PILOT_SHARE: f64 = 1.0 / 16.0;
 /// Smallest number of trials per cell in a first pilot.
 const MIN_FIRST: u64 = 64;
@@ -32,7 +33,7 @@ pub(super) struct Pilot {
 pub(super) struct CellPilot {
     /// Share of the trials of the cell that succeeded.
     pub(super) success: f64,
-    /// Number of trials that were run.
+    /// Number of trials of this cell that the pilot ran.
     pub(super) trials: u64,
     /// Kind of the first failure, if a trial failed.
     pub(super) kind: Option<&'static str>,
@@ -40,14 +41,15 @@ pub(super) struct CellPilot {
     pub(super) figures: Vec<Option<Figure>>,
 }
 
-/// Estimated error of a quantity, and the scatter that determines the precision of this estimate.
+/// Estimated rms error of a quantity, and the variance of the squared error, which determines the precision of this
+/// estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Figure {
     /// Root mean square of the errors, in the quantity's unit.
     pub(super) rms_error: f64,
     /// The relative variance v of a trial's squared error, plus [`MARGIN`] standard errors of v.
     variance: f64,
-    /// Whether a few trials determine v. This is the case for errors with heavy tails.
+    /// Whether a few trials determine the relative variance of the squared error, as for errors with heavy tails.
     pub(super) is_rough: bool,
 }
 

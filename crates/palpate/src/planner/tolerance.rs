@@ -45,7 +45,7 @@ pub(super) struct Allowance {
 
 /// The largest of the `tolerances` (sorted, largest first) at which the model shifts no estimate by more than allowed.
 /// Shifts are relative to the result at the smallest tolerance. Cells that cannot be computed without noise are
-/// ignored; `None` if no cell can.
+/// ignored. Returns `None` if no cell can be computed without noise.
 pub(super) fn tolerance_for(
     allowances: &[Allowance],
     tolerances: &[f64],
@@ -109,11 +109,12 @@ mod tests {
     fn the_largest_tolerance_with_an_allowed_shift_is_chosen() {
         let tolerances = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
         for (share, rms_error, expected) in [
-            // In these rows, the allowed shift is relative to the scale, which is 2.
+            // In these rows, no rms error is given, so the allowed shift is relative to the scale of the quantity,
+            // which is 2.
             (0.1, None, 1e-1),
             (0.01, None, 1e-2),
             (0.01, Some(0.0), 1e-2),
-            // In these rows, the allowed shift is relative to the rms error.
+            // In these rows, the allowed shift is relative to the rms error in the second column.
             (0.01, Some(0.2), 1e-3),
             (1e-9, Some(0.2), 1e-5),
         ] {

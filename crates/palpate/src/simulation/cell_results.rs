@@ -30,11 +30,11 @@ pub struct CellRows {
     pub failures: String,
     /// Rows of `map.csv`.
     pub map: String,
-    /// Number of trials.
+    /// Number of trials of the cell.
     pub trials: u64,
     /// Each kind of failure with its number of trials.
     pub kinds: Vec<Failure>,
-    /// Warnings of the cell that the check before the run did not report.
+    /// Warnings of the cell, except warnings that the check before the run reported.
     pub warnings: Vec<Warning>,
 }
 

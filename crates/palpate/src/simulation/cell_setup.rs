@@ -1,4 +1,4 @@
-//! Set-up of cells: scene, true values, map and stop rule.
+//! Sets up cells: scene, true values, map and stop rule.
 
 use std::ops::Range;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Plans for a target error or a budget of time, with a clock that counts trials.
+//! Tests plans for a target error or a time budget, with a clock that counts trials.
 
 use std::convert::Infallible;
 use std::num::NonZeroUsize;
@@ -12,7 +12,7 @@ use crate::planner::{
     FailingCell, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable, plan,
 };
 
-/// Number of trials in all cells, which is also the time in microseconds.
+/// Number of trials that ran in all cells. The test's clock counts one microsecond per trial.
 type Run = AtomicU64;
 
 /// Cells that estimate the value 1. Their errors are normal with the standard deviation 0.1, plus the error of the
@@ -84,7 +84,7 @@ impl<'a> Plannable for Cells<'a> {
     }
 }
 
-/// Model error and plan of cells in which these numbers of ten trials succeed.
+/// Model error and plan of cells. `successes` states for each cell how many of ten trials succeed.
 fn planned(successes: &[u64], goal: Goal) -> Result<(f64, Plan), PlanError<Infallible>> {
     let run = Run::default();
     let cells = Cells {

@@ -1,5 +1,5 @@
-//! `palpate run --budget` and `--target-error`: the number of trials that these options choose, and later runs without
-//! the options.
+//! Tests `palpate run` with `--budget` and `--target-error`: the number of trials that these options choose, and later
+//! runs without the options.
 
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -48,7 +48,7 @@ noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_di
 estimator = { kind = "bonded-layer", thickness = 15.0, indentation = "known", indentation_std = 0.02 }
 "#;
 
-/// The number in a config line `key = number`.
+/// Returns the number in the config line `key = number`.
 #[track_caller]
 fn setting(toml: &str, key: &str) -> f64 {
     let line = toml
@@ -92,7 +92,7 @@ fn target_error_sets_the_number_of_trials() {
     assert_eq!(desk.table("o/cells.csv").number(0, "trials"), trials);
 }
 
-/// For different seeds, the root-mean-square errors scatter by at most the target.
+/// For different seeds, the rms errors scatter by at most the relative standard error that the target states.
 #[test]
 fn rms_errors_scatter_by_at_most_the_target() {
     const SEEDS: usize = 30;
@@ -109,8 +109,8 @@ fn rms_errors_scatter_by_at_most_the_target() {
         .collect();
     let mean = rms.iter().sum::<f64>() / SEEDS as f64;
     let variance = rms.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / (SEEDS - 1) as f64;
-    // A standard deviation of 30 numbers has a standard error of 13 %. The upper limit allows for three standard
-    // errors; the lower limit detects a run with far too many trials.
+    // The standard deviation of 30 numbers has a standard error of 13 %. The upper limit of the scatter allows for
+    // three standard errors. The lower limit detects a run with far too many trials.
     let relative = variance.sqrt() / mean;
     assert!((0.04..0.14).contains(&relative), "{relative}");
 }
@@ -215,7 +215,7 @@ fn run_toml_keeps_auto_if_skipped_cells_need_another_rung() {
 
 #[test]
 fn a_target_is_refused_if_all_trials_of_the_pilot_fail() {
-    // The pads are a thousand times too coarse for any roll.
+    // The pads are so coarse that no roll moves the contact to another pad, so all trials fail.
     let coarse =
         |pitch: &str| format!("{STUDY}\n[scene.sensor]\nkind = \"pads\"\npitch = {pitch}\n");
     let desk = Desk::with(&coarse("9.9"));
@@ -275,7 +275,8 @@ fn a_noiseless_study_runs_one_trial() {
 
 #[test]
 fn heavy_tails_cause_a_warning() {
-    // The errors are as large as the motion. The estimates are quotients whose denominators may be nearly zero.
+    // The noise is as large as the motion. So estimates, which are quotients, may have denominators near zero, and
+    // their errors have heavy tails.
     let desk = Desk::with(&edited(
         STUDY,
         "kind = \"uniform\", fraction = 0.01",
@@ -307,7 +308,7 @@ fn start_endless_run(desk: &Desk, out: &str) -> Child {
         .unwrap()
 }
 
-/// Kills a run as soon as a file exists.
+/// Kills a run as soon as the file `file` exists.
 fn kill_when_file_exists(desk: &Desk, mut run: Child, file: &str) {
     let start = Instant::now();
     while !desk.path(file).exists() && start.elapsed() < Duration::from_secs(60) {

@@ -1,4 +1,4 @@
-//! Arguments that are rejected before any work: the status is 2, the message names the argument, and no file is
+//! Tests arguments that are rejected before any work: the status is 2, the message names the argument, and no file is
 //! written.
 
 use serde_json::Value;
@@ -209,7 +209,7 @@ fn numeric_flags(command: &str) -> Vec<String> {
     help.lines().filter_map(flag).collect()
 }
 
-/// Other options without which a flag has no effect.
+/// Options that a flag needs to have an effect.
 fn needed(flag: &str) -> &'static str {
     match flag {
         "indentation-std" => "--indentation 1.5",
@@ -244,7 +244,7 @@ fn claims_exactness(json: &Value) -> bool {
 /// A load curve with noise.
 const LOAD: &str = "indentation_mm,force_N\n1,1.1\n2,2.7\n3,5.2\n4,8.1\n";
 
-/// No flag accepts a non-finite number. With the value 1e300, no flag gives a standard error of 0.
+/// No flag accepts a number that is not finite. If a flag has the value 1e300, no standard error of the estimate is 0.
 #[test]
 fn every_number_has_bounds() {
     let mut flags = 0;
@@ -270,7 +270,7 @@ fn every_number_has_bounds() {
                     || said.contains("unexpected argument '-1' found");
                 assert!(is_named, "{command} --{flag} {value}: {said}");
             }
-            // A flag may be given only once, so it is removed from the usual options.
+            // A flag may be given only once, so remove the tested flag from the usual options.
             let known = match known.split_once(&format!("--{flag} ")) {
                 Some((before, after)) => {
                     format!("{before}{}", after.split_once(' ').unwrap_or_default().1)

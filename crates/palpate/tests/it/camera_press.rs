@@ -1,4 +1,4 @@
-//! `palpate sensor track --method image`: a press is fitted to two camera frames.
+//! Tests `palpate sensor track --method image`, which fits a press to two camera frames.
 
 use serde_json::Value;
 
@@ -76,7 +76,7 @@ fn image_fit_estimates_the_traced_press() {
         );
     }
 
-    // The trial that produced these frames gives the same estimate.
+    // A run of the trial that produced these frames has the same estimate.
     desk.palpate("run c.toml --trials-out trials.csv --out r")
         .printed();
     let trials = desk.table("trials.csv");
@@ -88,7 +88,7 @@ fn image_fit_estimates_the_traced_press() {
     assert!(off.abs() < 0.1 * std, "{off} {std}");
     assert!((number(&estimate["object_curvature"]["std"]) / std - 1.0).abs() < 0.02);
 
-    // The other methods write the same files with the same columns and keys.
+    // The method `image` writes the same files, columns and keys as the other methods.
     let of_image = (
         desk.names("o"),
         desk.table("o/readings.csv"),
@@ -226,7 +226,7 @@ fn image_fit_uses_the_camera_calibrated_from_a_frame_at_rest() {
         "camera.toml: is empty; a camera is needed, as `sensor calibrate` writes it from a frame at rest",
     );
     desk.write("camera.toml", &camera);
-    // The study of the same sensor in another unit.
+    // A study of the same sensor, with lengths in centimetres.
     let mut in_cm = edited(PRESS, "\"mm\"", "\"cm\"");
     for (mm, cm) in [
         ("radius = 20.0", "radius = 2.0"),
@@ -291,7 +291,7 @@ fn errors_name_frames_and_arguments_that_do_not_match() {
         "sensor track t/rest.png t/rest.png --out o {IMAGE}"
     ))
     .fails(1, "no contact to be seen");
-    // If a value is stated wrongly, the interval is wider, and a warning states the cause.
+    // The stated layer thickness is wrong, so the interval is wider, and a warning states the cause.
     let estimate = track(&desk, &format!("{FRAMES} {IMAGE} --thickness 6"));
     let warnings = estimate["warnings"].to_string();
     assert!(

@@ -1,4 +1,4 @@
-//! `palpate check` and `palpate schema`.
+//! Tests `palpate check` and `palpate schema`.
 
 use super::desk::{Desk, SCENE, STUDY, assert_untouched, edited};
 
@@ -30,7 +30,7 @@ fn cells_trials_models_and_time() {
          contact's length scale"
     );
     assert!(line("> closed form").contains(" per trial"));
-    // The next more exact models: the first cannot compute this roll, the second can.
+    // `check` lists the next more exact models: the first of them cannot compute this roll, but the second can.
     assert!(line("meridian").contains("cannot: the first contact is not the apex"));
     assert!(line("RK4, 1 step").contains("error 7.7e-6, "));
     assert!(line("RK4, 1 step").ends_with(" x)"));
@@ -127,7 +127,7 @@ fn a_noiseless_press_needs_neither_draws_nor_frames() {
 
 #[test]
 fn the_chosen_rung_is_marked_for_projected_cameras_too() {
-    // Hertz contact also meets the tolerance, but it costs as much as the half-space, and its error is larger.
+    // The model `hertz` also meets the tolerance, but it takes as long as `half-space` and has a larger error.
     for (sensor, tolerance, rung) in [
         ("direct", 0.3, "half-space, at the markers' depth"),
         ("projected", 0.3, "half-space, at the markers' depth"),
@@ -194,7 +194,7 @@ fn all_cells_of_a_small_study_are_checked() {
     assert!(!printed.contains("sample"), "{printed}");
 }
 
-/// Lines of a config, for scenes in which a number is replaced by an extreme one.
+/// Parts of configs. The test replaces each number in them by an extreme number.
 const EXTREME: [&str; 3] = [
     "probe = { kind = \"sphere\", radius = 10.0 }\nobject = { kind = \"sphere\", radius = 30.0 }\n\
      motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }\n\
@@ -258,7 +258,8 @@ fn check_of_extremes_is_finite(kind: &str, scene: &str) {
     }
 }
 
-/// Three presses: within the range of the random scenes, deeper than all of them, and with another estimator.
+/// Tests three presses: one within the range of the tested random scenes, one deeper than all of these scenes, and one
+/// with another estimator.
 #[test]
 fn check_reports_whether_intervals_were_tested() {
     let press = r#"

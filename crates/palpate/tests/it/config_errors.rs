@@ -1,4 +1,4 @@
-//! Studies that cannot be run: the error states the field, the position and the reason.
+//! Tests studies that cannot be run: the error states the field, the position and the reason.
 
 use palpate::config::ConfigError;
 use palpate::{RunOptions, Runner, Simulation, check_outputs, parse};
@@ -45,7 +45,7 @@ const PLOTS: &str = r#"
 [[sweep]]\npath = "seed"\nvalues = [1, 2]\n[[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "arc_length" | plot.0 | seed (1 or 2)
 "#;
 
-/// The error of a run of this study.
+/// Error that a run of this study returns.
 fn error(config: &str) -> ConfigError {
     let checked = parse("c.toml", config).and_then(|study| {
         check_outputs(&study)?;

@@ -1,8 +1,8 @@
-//! Scenes that are equal but described in different ways have the same measured coverage.
+//! Tests that equal scenes with different descriptions have the same measured coverage.
 
 use palpate::{Coverage, Family, coverage};
 
-/// Family of a scene, or the reason why it has none.
+/// Family of random scenes to which a scene belongs, or the reason why the scene has no family.
 #[track_caller]
 fn family(text: &str) -> Result<&'static Family, String> {
     let study = palpate::parse("a-scene.toml", text).expect("a study");

@@ -1,4 +1,4 @@
-//! `palpate design`: finds the values of a field that meet a target.
+//! Tests `palpate design`, which finds the values of a field that meet a target.
 
 use super::desk::{Desk, STUDY, Table, edited, noiseless, number_at as number};
 
@@ -29,7 +29,7 @@ fn both_sides_are_those_that_a_run_finds() {
         (&answer["format_version"], &answer["ended"]),
         (&1.into(), &"known".into())
     );
-    // A run of the study with each of these two values, in all its cells.
+    // Run all cells of the study with each of these two values.
     for (fraction, is_met) in [(meets, true), (misses, false)] {
         desk.write(
             "one.toml",
@@ -114,8 +114,8 @@ fn values_may_be_listed_and_fields_set() {
             "design c.toml {kinds} --target relative_rms_error(mean_curvature)<=0.016 --set scene.noise.angular_velocity.fraction=0.01 --set scene.object.radius=50"
         ),
     );
-    // The expected errors are 1.2 and 2.1 %: uniform noise within ±0.01 has a standard deviation of 0.01/√3, Gaussian
-    // noise of 0.01.
+    // The expected errors are 1.2 % and 2.1 %, because uniform noise within ±0.01 has the standard deviation 0.01/√3,
+    // and Gaussian noise has the standard deviation 0.01.
     assert_eq!(
         answer["meets"],
         serde_json::json!([{ "from": "uniform", "to": "uniform" }])
@@ -145,7 +145,7 @@ fn fields_have_short_names_and_values_have_units() {
 #[test]
 fn nothing_is_random() {
     let desk = Desk::with(&noiseless());
-    // A mean curvature of 0.05 /mm is that of a ball with a radius of 20 mm.
+    // A ball with a radius of 20 mm has a mean curvature of 0.05 /mm.
     let said = desk
         .palpate(
             "design c.toml --target mean(mean_curvature)>=0.05 --vary scene.object.radius=1..100",
@@ -160,7 +160,7 @@ fn nothing_is_random() {
 
 #[test]
 fn too_many_failures_miss_the_target() {
-    // The pads are as wide as the whole path, so many rolls do not change the pad.
+    // The pads are as wide as the whole path, so in many rolls the contact stays on one pad.
     let pads = edited(
         STUDY,
         "noise = {",
@@ -177,7 +177,7 @@ fn too_many_failures_miss_the_target() {
     let [few, more] = ["0.05", "0.3"].map(of);
     let ends = [&few, &more].map(|answer| number(answer, "/meets/0/to"));
     assert!(ends[0] < ends[1], "{ends:?}");
-    // The answer states the kind of failure that causes the miss, and its share.
+    // The answer states which kind of failure makes the value miss the target, and the share of these failures.
     assert_eq!(few["failing_end"]["main_failure"], "not-rolling");
     assert!(number(&few, "/failing_end/failing") > 0.05);
     let said = few["answer"].as_str().unwrap();
@@ -215,7 +215,7 @@ const QUESTIONS: &str = "
 #[test]
 fn what_cannot_be_asked() {
     Desk::with(STUDY).refuses("design c.toml", QUESTIONS);
-    // If the statistic is undefined at some value, the error states this value.
+    // If the statistic does not exist at one of the tried values, the error states this value.
     let flat = edited(
         STUDY,
         "{ kind = \"sphere\", radius = 50.0 }",
@@ -249,8 +249,9 @@ fn files_of_others_stay() {
     desk.palpate(&design).printed();
 }
 
-/// The shortest roll with 5 % error on a ball five times as large as the probe, with a noise of 0.07 mm. Its length is
-/// stated as time, as angle and as path: 1 rad takes 2 s, and moves the contact by 10 mm / (1 + 1/5) on the probe.
+/// Finds the shortest roll with an error of 5 % on a ball five times as large as the probe, with a noise of 0.07 mm.
+/// The length of the roll is varied as time, as angle and as path. A roll of 1 rad takes 2 s, and moves the contact by
+/// 10 mm / (1 + 1/5) on the probe.
 #[test]
 fn the_length_of_a_roll_is_asked_for_in_any_of_its_units() {
     let pads = edited(
@@ -284,7 +285,7 @@ fn the_length_of_a_roll_is_asked_for_in_any_of_its_units() {
     ] {
         let (said, ends) = least(path, range);
         assert!(said.contains(unit), "{path}: {said}");
-        // The brackets contain the same roll length, so they overlap.
+        // The three brackets must contain the same roll length, so each bracket overlaps the others.
         let ends = ends.map(|end| end / per_second);
         assert!(
             ends[0] <= of_time[1] && of_time[0] <= ends[1],

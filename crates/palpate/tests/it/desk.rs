@@ -1,4 +1,4 @@
-//! A directory for each test, in which the program runs, and parsers of its tables.
+//! Makes a directory for each test, runs the program in this directory, and parses the tables that the program writes.
 
 use std::path::{Path, PathBuf};
 
@@ -155,8 +155,8 @@ impl Desk {
             .output()
             .unwrap();
         let stderr = String::from_utf8(output.stderr).unwrap();
-        // Many test configs also set the field that they sweep. Another test checks the notes about it, so they are
-        // separated here.
+        // Many test configs also set the field that they sweep. Another test checks the notes about such fields, so
+        // separate these notes from the other messages.
         let is_swept =
             |line: &&str| line.starts_with("note: ") && line.contains(" is replaced by ");
         let lines = stderr.split_inclusive('\n');
@@ -201,7 +201,7 @@ impl Ended {
         self.stdout
     }
 
-    /// Message of a command, which must have failed with `status` and printed nothing else.
+    /// Message of a command. The command must have failed with `status` and printed nothing else.
     #[track_caller]
     pub(crate) fn said(self, status: i32) -> String {
         assert_eq!(

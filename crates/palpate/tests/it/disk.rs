@@ -1,4 +1,4 @@
-//! Files of results are written completely or not at all.
+//! Tests that files of results are written completely or not at all.
 
 use super::desk::{Desk, RUN_FILES, STUDY, edited};
 
@@ -29,10 +29,10 @@ fn a_config_edited_by_hand_is_not_overwritten() {
             std::fs::remove_dir_all(&dir).unwrap();
         }
     }
-    // An empty file has no contents that could be lost.
+    // An empty file may be overwritten, because it has no contents that could be lost.
     desk.write("ours/next-run.toml", "");
     desk.palpate("run c.toml --out ours").printed();
-    // The same is true if the file is the config of this run.
+    // A run must not overwrite the config that it reads.
     desk.write("run.toml", STUDY);
     desk.palpate("run run.toml --out .").said(2);
     assert_eq!(desk.read("run.toml"), STUDY);

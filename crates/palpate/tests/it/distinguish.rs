@@ -1,4 +1,4 @@
-//! `palpate distinguish`: how often single trials put swept objects in the right order.
+//! Tests `palpate distinguish`, which computes how often single trials put swept objects in the right order.
 
 use serde_json::Value;
 
@@ -20,13 +20,13 @@ fn the_probability_is_that_of_single_trials() {
     let answer = desk.json("distinguish c.toml --out out");
     let pairs = answer["groups"][0]["pairs"].as_array().unwrap();
     assert_eq!(pairs.len(), 3);
-    // The pairs are sorted by curvature: radii of 50, 40 and 5 mm.
+    // The pairs are sorted by the curvature of the balls, whose radii are 50, 40 and 5 mm.
     let of = |pair: &Value, key: &str| pair[key].as_f64().unwrap();
     assert_eq!(
         (&pairs[0]["first"], &pairs[0]["second"]),
         (&"50 mm".into(), &"40 mm".into())
     );
-    // The same share, counted from the trials of a run. The trials are paired in another way than in `palpate
+    // Count the same share from the trials of a run. The trials are paired in another way than in `palpate
     // distinguish`.
     desk.palpate("run c.toml --trials 4000 --out run --trials-out trials.csv")
         .printed();
@@ -38,7 +38,7 @@ fn the_probability_is_that_of_single_trials() {
         rows.map(|row| table.number(row, "estimate")).collect()
     };
     let (flat, curved) = (estimates("0"), estimates("1"));
-    // Trials with the same number are not paired, because they use the same random numbers.
+    // Pair trials with different numbers, because trials with the same number use the same random numbers.
     let pairs_of = flat.iter().zip(curved.iter().cycle().skip(7));
     let right = pairs_of.filter(|(one, other)| one < other).count() as f64 / flat.len() as f64;
     assert!(
@@ -124,7 +124,7 @@ fn what_cannot_be_told_apart() {
     Desk::with(STUDY)
         .palpate(&format!("distinguish c.toml --trials 20 --vary {shapes}"))
         .prints("plane and sphere: ");
-    // The two objects have the same true value, and there is no noise.
+    // Without noise, every single trial puts the two balls in the right order.
     let desk = Desk::with(&noiseless());
     desk.palpate("distinguish c.toml").prints("50 mm and 5 mm: 100 % of single trials of 8 rolls put them in the right order (100 to 100); one is enough for 95 %.");
 }

@@ -1,4 +1,4 @@
-//! `palpate estimate roll` on readings without mistakes.
+//! Tests `palpate estimate roll` on readings without mistakes.
 
 use serde_json::Value;
 
@@ -65,8 +65,8 @@ fn intervals_use_students_t_unless_the_noise_is_stated() {
         assert_close(0.5 * (low + high), number(&quantity["value"]), 1e-12);
         (high - low) / (2.0 * number(&quantity["std"]))
     };
-    // The half-widths are those of Student's t distribution with five degrees of freedom, and of the normal
-    // distribution.
+    // Without a stated noise, the half-width is the quantile of Student's t distribution with five degrees of freedom.
+    // With stated noise, it is the quantile of the normal distribution.
     assert_close(half_width(""), 2.570_582, 1e-6);
     assert_close(half_width("--shift-std 0.1"), 1.959_964, 1e-6);
 }
@@ -88,15 +88,15 @@ fn the_last_row_of_a_time_series_counts() {
 fn standard_errors_are_estimated_from_the_residuals() {
     let json = estimate(SCATTERED, "");
     assert_eq!(json["std_from"], "the residuals");
-    // Four residual components of 0.1 mm, with 2 · 4 − 3 degrees of freedom.
+    // Four components of the residuals are 0.1 mm; the fit has 2 · 4 − 3 = 5 degrees of freedom.
     let residual = (4.0 * 0.1_f64.powi(2) / 5.0).sqrt();
     assert_close(
         json["residual_rms"]["value"].as_f64().unwrap(),
         residual,
         1e-9,
     );
-    // Two rolls of 0.5 rad determine the travel of the contact per radian, 8 mm. The curvature depends on the inverse
-    // of this travel.
+    // Two rolls of 0.5 rad determine the travel of the contact per radian, which is 8 mm. The curvature depends on the
+    // inverse of this travel, so its standard deviation contains the factor 1/8² = 1/64.
     let std = residual / (0.5 * 2.0_f64.sqrt()) / 64.0;
     assert_close(
         json["normal_curvature_u"]["std"].as_f64().unwrap(),
@@ -185,7 +185,8 @@ fn a_contact_that_did_not_move_bounds_the_radius() {
         assert_eq!(unresolved[0]["unit"], "mm");
         unresolved[0]["radius_below"].clone()
     };
-    // The contact moved by less than 1 mm, so R₁R₂/(R₁ + R₂) · 0.5 < 1.
+    // A probe of radius R₁ turned by 0.5 rad on an object of radius R₂, and the contact moved by less than 1 mm. So
+    // R₁R₂/(R₁ + R₂) · 0.5 < 1.
     assert_close(bound("--pitch 1").as_f64().unwrap(), 2.5, 1e-12);
     // Even on a plane the contact would have moved by only 5 mm, so a pitch of 6 mm gives no bound.
     assert_eq!(bound("--pitch 6"), Value::Null);
@@ -216,7 +217,7 @@ fn a_hundred_thousand_probes() {
     assert_close(curvatures(&json)[0], 0.025, 1e-9);
 }
 
-/// The stated noise is so small that the squared residuals divided by it overflow double precision.
+/// The stated noise is so small that the square of a residual divided by the noise overflows double precision.
 #[test]
 fn a_far_too_small_stated_noise_prints_no_infinity() {
     let desk = Desk::new();

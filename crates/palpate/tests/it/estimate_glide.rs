@@ -1,4 +1,4 @@
-//! `palpate estimate glide` with simulated contacts.
+//! Tests `palpate estimate glide` with simulated contacts.
 
 use serde_json::Value;
 
@@ -72,7 +72,7 @@ fn contacts_without_a_patch_are_refused() {
 #[test]
 fn a_vertical_wall_needs_the_outward_direction() {
     // The patch is on the +x side of a cylinder with radius 5 around the z axis. The default outward direction lies in
-    // the plane of this patch, so that the command needs `--outward`.
+    // the plane of this patch, so the command needs `--outward`.
     let wall = grid(BARE, 6, |y, z| format!("{},{y},{z}", (25.0 - y * y).sqrt()));
     desk(&wall)
         .palpate("estimate glide r.csv")
@@ -88,7 +88,7 @@ fn duplicates_and_one_finger() {
     let bowl = bowl();
     let rows = || bowl.lines().skip(1);
     let doubled: String = rows().map(|row| format!("{row}\n{row}\n")).collect();
-    // One finger may move back and forth over the patch.
+    // A single finger that moves back and forth over the patch results in the same estimate.
     let one: String = rows().map(|row| format!("9{}\n", &row[1..])).collect();
     for (rows, fingers) in [(doubled, 6), (one, 1)] {
         let json = estimate(&format!("{BARE}\n{rows}"), "");

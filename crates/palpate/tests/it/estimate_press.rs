@@ -1,4 +1,4 @@
-//! `palpate estimate press` with simulated markers.
+//! Tests `palpate estimate press` with simulated markers.
 
 use serde_json::Value;
 
@@ -28,8 +28,8 @@ fn equal_displacements_of_all_markers_are_no_contact() {
 
 #[test]
 fn estimates_scale_with_the_unit_of_length() {
-    // Normal displacement of the surface in a Hertz contact with R = 12 and δ = 1: 1 − r²/24 within the contact,
-    // decreasing outside.
+    // Normal displacement of the surface in a Hertz contact with effective radius 12 and indentation 1. At the distance
+    // r from the centre, it is 1 − r²/24 within the contact, and it decreases outside the contact.
     let surface = |r: f64| {
         let ratio = r / 12.0_f64.sqrt();
         if ratio <= 1.0 {
@@ -63,7 +63,8 @@ fn estimates_scale_with_the_unit_of_length() {
 
 #[test]
 fn both_curvatures_of_a_roller_are_estimated() {
-    // Readings of a press on a roller with a radius of 10 mm, computed by boundary elements, which use no contact law.
+    // These readings are of a press on a roller with a radius of 10 mm. They were computed by boundary elements, which
+    // do not assume Hertz's contact law.
     let desk = Desk::new();
     desk.write(
         "r.csv",

@@ -1,4 +1,4 @@
-//! `palpate explain` and `palpate schema --quantities`.
+//! Tests `palpate explain` and `palpate schema --quantities`.
 
 use super::desk::Desk;
 

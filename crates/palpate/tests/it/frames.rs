@@ -1,4 +1,5 @@
-//! Frames of a small camera sensor, drawn in a simple way: each marker is a magenta disc and a yellow disc on white.
+//! Draws frames of a small camera sensor in a simple way: each marker is a magenta disc and a yellow disc on a white
+//! ground.
 
 use std::io::Cursor;
 

@@ -1,4 +1,4 @@
-//! `palpate run`, `trace` and `check` with glides, and `estimate glide` with traced readings.
+//! Tests `palpate run`, `trace` and `check` with glides, and `estimate glide` with traced readings.
 
 use serde_json::Value;
 
@@ -63,7 +63,7 @@ fn a_run_writes_cells_trace_and_maps() {
     let map = desk.table("o/map.csv");
     assert_eq!(map.rows.len(), 50);
     assert_eq!(map.header[..4], ["cell", "x_mm", "y_mm", "z_mm"]);
-    // x varies slowest, so the second row differs by one step along y.
+    // In the rows of the map, x varies slowest, so the second row differs from the first by one step along y.
     assert_close(map.number(1, "x_mm"), -10.0, 1e-9);
     assert_close(map.number(1, "y_mm"), -5.0, 1e-9);
     let middle = 12;
@@ -102,7 +102,8 @@ fn estimates_from_a_trace_have_the_true_values() {
     );
     for row in 0..30 {
         let number = |column: &str| truth.number(row, column);
-        // The tip's centre is in the plane of the finger, but the contact is beside this plane, on the saddle.
+        // The centre of the tip is in the plane in which the finger moves, but the tip touches the saddle beside this
+        // plane.
         assert_eq!(number("tip_y_mm"), [-15.0, 0.0, 15.0][row / 10]);
         let [x, y, z] = ["x_mm", "y_mm", "z_mm"].map(number);
         assert!((z - 0.01 * (x * x - y * y)).abs() < 1e-9);
@@ -256,8 +257,8 @@ fn the_tip_radius_is_subtracted_from_lowest_points_and_centres() {
         let estimate: Value = serde_json::from_str(&printed).unwrap();
         estimate["mean_curvature"]["value"].as_f64().unwrap()
     };
-    // The tolerance is the error of one smoothing spline. Without the correction for the tip, the ball seems to have a
-    // radius of 24 mm.
+    // The tolerance is the error of one smoothing spline. Without the correction for the tip radius of 4 mm, the ball
+    // of radius 20 mm seems to have a radius of 24 mm.
     assert_close(mean(""), 1.0 / 24.0, 1e-2);
     assert_close(mean("--tip-radius 4"), 0.05, 1e-2);
     assert_close(
@@ -266,6 +267,7 @@ fn the_tip_radius_is_subtracted_from_lowest_points_and_centres() {
         1e-2,
     );
     assert_close(mean("--like c.toml"), 0.05, 1e-2);
-    // The centres are higher than the lowest points by the radius of the tip, which does not change the curvature.
+    // The centres of the tips are higher than the lowest points by the tip radius. This shift of all points does not
+    // change the curvature.
     assert_close(mean("--tip-radius 4 --reports centre"), 0.05, 1e-2);
 }

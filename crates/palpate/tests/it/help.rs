@@ -1,4 +1,4 @@
-//! `--help`, `--version`, and arguments that do not exist.
+//! Tests `--help`, `--version`, and arguments that do not exist.
 
 use super::desk::Desk;
 

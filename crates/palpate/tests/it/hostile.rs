@@ -1,5 +1,5 @@
-//! Runs a table of hostile calls, `hostile.txt`. Each call must end with its status and print its words, nothing may
-//! panic, and the user's files must keep their bytes.
+//! Runs a table of hostile calls, `hostile.txt`. Each call must end with the status in the table and print the words in
+//! the table. No call may panic or change the user's files.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -14,7 +14,7 @@ use super::frames::{frame, write};
 const TABLE: &str = include_str!("hostile.txt");
 /// Largest number of bytes that are compared per file; the length of the file is compared too.
 const MOST_BYTES: u64 = 1 << 24;
-/// Smallest number of rows. If fewer rows are found, the table was not read completely.
+/// Smallest number of rows of the table. If fewer rows are found, the table was not read completely.
 const LEAST: usize = 250;
 const PLOT: &str = "\n[[plot]]\nname = \"error\"\nx = \"scene.object.radius\"\ny = \"rms_error\"\nquantity = \
                     \"normal_curvature_u\"\n";

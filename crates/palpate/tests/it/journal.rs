@@ -1,4 +1,4 @@
-//! Runs that are killed and continued later.
+//! Tests runs that are killed and resumed later.
 
 use std::fs;
 use std::process::{Child, Command, Stdio};
@@ -28,7 +28,7 @@ fn start_run(desk: &Desk, arguments: &str) -> Child {
 }
 
 /// A directory with a run into `o` that was stopped when its journal exceeded `bytes`. `arguments` returns the command
-/// for a factor by which the study is longer; if the run ends too early, a longer study is tried.
+/// for a factor by which the study is longer. If the run ends before it can be stopped, a longer study is tried.
 fn interrupt_run(
     bytes: u64,
     arguments: impl Fn(u32) -> String,
@@ -120,7 +120,8 @@ fn damaged_records_of_a_journal_are_computed_again() {
     };
     again(&torn);
     again(&torn[..torn.len() * 2 / 3]);
-    // Two kinds of damage: zeros, which some file systems write at a power failure, and a flipped bit.
+    // The journal is damaged in two ways: by zeros, which some file systems write at a power failure, and by a flipped
+    // bit.
     let mut zeros = torn.clone();
     zeros.extend([0; 5000]);
     assert!(again(&zeros).contains("is damaged; its cells run again"));

@@ -1,4 +1,4 @@
-//! `palpate estimate … --like STUDY.toml`: estimates from recorded readings with the settings of a study.
+//! Tests `palpate estimate … --like STUDY.toml`, which estimates from recorded readings with the settings of a study.
 
 use serde_json::Value;
 
@@ -78,7 +78,7 @@ fn settings_of_a_study_equal_the_same_settings_as_flags() {
             json(&desk, &format!("{readings} {flags}")),
             "{kind}"
         );
-        // Without these settings the estimate is different, so the comparison above could fail.
+        // Without these settings, the estimate differs. This shows that the comparison above tests the settings.
         let bare = match kind {
             "roll" => "--probe-radius 10",
             "press" => "--sensor-radius 20 --depth 2 --method bonded-layer --thickness 5",
@@ -92,7 +92,7 @@ fn settings_of_a_study_equal_the_same_settings_as_flags() {
     }
 }
 
-/// Studies with other units of length result in the same estimate from readings in millimetres.
+/// With readings in millimetres, studies in other units of length result in the same estimate.
 #[test]
 fn lengths_are_converted_to_the_readings_unit() {
     let press = PRESS

@@ -1,5 +1,5 @@
-//! Warnings about mistakes in the signs, columns and units of rolls and glides. They must appear for wrong readings,
-//! and not for readings without a mistake.
+//! Tests warnings about mistakes in the signs, columns and units of rolls and glides. The warnings must appear for
+//! wrong readings, and not for readings without a mistake.
 
 use std::path::Path;
 
@@ -117,7 +117,7 @@ fn shift_noise(shift_std: f64) -> ReadingNoise {
 }
 
 /// Correctly stated noise gives no warning in 2,000 sets of readings. Noise that is stated eight times too large gives
-/// a warning in all of 250 sets, and so do shifts in cm.
+/// a warning in all of 250 sets. Shifts in cm that are declared as mm also give a warning in all sets.
 #[test]
 fn a_far_too_large_stated_noise_causes_a_warning() {
     let (mut sound, mut large, mut in_cm) = (0, 0, 0);
@@ -158,7 +158,7 @@ fn a_pitch_longer_than_the_shifts_causes_a_warning() {
             "{pitch}: {found:?}"
         );
     }
-    // A contact that does not move is not a shift shorter than the pitch.
+    // A contact that does not move causes no warning about shifts that are shorter than the pitch.
     let still = vec![[0.0, 0.0]; 8];
     let readings = RollRecording::new(&rotations, &still, Some(LengthUnit::Mm)).unwrap();
     let options = RollOptions {
@@ -191,7 +191,7 @@ fn contacts(set: u64, std: f64) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, Vec<u64>) {
     (points, normals, fingers)
 }
 
-/// Warnings about contacts, or the error.
+/// Text of the warnings about contacts, or text of the error.
 fn of_contacts(points: &[[f64; 3]], normals: &[[f64; 3]], fingers: &[u64]) -> String {
     let readings =
         GlideRecording::new(points, Some(normals), Some(fingers), Some(LengthUnit::Mm)).unwrap();

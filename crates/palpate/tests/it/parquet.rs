@@ -1,4 +1,4 @@
-//! Tables in Parquet format, compared with the same tables in CSV format.
+//! Compares tables in Parquet format with the same tables in CSV format.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -144,7 +144,7 @@ fn compare_tables(desk: &Desk, name: &str, csv: &str) -> usize {
 
 #[test]
 fn every_value_equals_that_of_the_csv() {
-    // A study, whether it has failures, and whether it has a map.
+    // Each row has a study, whether its table of failures must have rows, and whether the study has a map.
     for (study, fails, maps) in [
         (many(), false, false),
         (KINDS.to_owned(), false, false),
@@ -170,7 +170,7 @@ fn every_value_equals_that_of_the_csv() {
             }
         }
         assert!(compare_tables(&desk, "t.parquet", "t.csv") > 0);
-        // All other files are the same.
+        // A run with Parquet tables writes the same other files as a run with CSV tables.
         let others = |dir: &str| {
             let mut names = desk.names(dir);
             names.retain(|name| !TABLES.iter().any(|table| name.starts_with(table)));
@@ -282,7 +282,7 @@ fn threads_shards_and_pipes_write_the_same_bytes() {
         );
     }
     assert!(bytes("t.parquet") == bytes("u.parquet") && bytes("t.parquet") == bytes("v.parquet"));
-    // Standard output contains only the file.
+    // Standard output must contain only the Parquet file.
     let ended = desk.shell(
         "\"$palpate\" merge s --out n --format parquet --trials-out - > w.parquet && \
          \"$palpate\" run c.toml --out q --format parquet --trials-out - > x.parquet",
@@ -357,7 +357,7 @@ fn a_table_of_trials_overwrites_only_another_one() {
     let first = fs::read(desk.path("t.parquet")).unwrap();
     desk.palpate(&format!("{line} --seed 3")).printed();
     assert!(fs::read(desk.path("t.parquet")).unwrap() != first);
-    // Neither another kind of table nor a file that is no table is overwritten.
+    // The command overwrites neither a table of another kind nor a file that is not a table.
     desk.palpate("run c.toml --out p --format parquet")
         .printed();
     fs::copy(desk.path("p/cells.parquet"), desk.path("t.parquet")).unwrap();

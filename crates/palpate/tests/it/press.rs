@@ -1,4 +1,4 @@
-//! `palpate run`, `trace` and `check` with presses, and `estimate press` with traced readings.
+//! Tests `palpate run`, `trace` and `check` with presses, and `estimate press` with traced readings.
 
 use serde_json::Value;
 
@@ -76,7 +76,7 @@ fn a_run_writes_cells_trace_and_profiles() {
 
     let cells = desk.table("o/cells.csv");
     assert_eq!(cells.header.last().unwrap(), "std_bound");
-    // The plane has no row for the radius.
+    // The plane has no finite radius, so its cell has 6 rows instead of 7.
     assert_eq!(cells.rows.len(), 7 + 6 + 7 + 7);
     for (row, (quantity, unit, truth)) in [
         ("relative_curvature", "1/mm", 1.0 / 12.0),
@@ -132,7 +132,8 @@ fn a_run_writes_cells_trace_and_profiles() {
         3.0 * 12.0_f64.sqrt(),
         1e-12,
     );
-    // At a depth of 2 in a half-space with R = 20 and δ = 1, u(0)/δ is 0.844 by the fit, and at most 0.87.
+    // At a depth of 2 in a half-space, with effective radius 20 and indentation 1, the displacement at the centre is
+    // 0.844 times the indentation by the fit. It can be at most 0.87 times the indentation.
     let middle = map.number(121, "normal_displacement_mm");
     assert!((0.8..0.875).contains(&middle), "{middle}");
     assert_close(
@@ -310,7 +311,8 @@ fn forces_follow_from_a_modulus() {
         )
     };
     let press = estimate("--young 0.3");
-    // The expected force is (4/3) E* √R δ^1.5, and the highest pressure (2 E*/π) √(δ/R), with E* = E/(1 − 1/4).
+    // The expected force is (4/3) E* √R δ^1.5, and the highest pressure is (2 E*/π) √(δ/R). R is the effective radius,
+    // δ the indentation, and E* = E/(1 − 1/4) with Young's modulus E.
     assert_close(
         number(&press["force"]["value"]),
         4.0 / 3.0 * 0.4 * 20.0_f64.sqrt(),
@@ -385,7 +387,8 @@ fn a_gaussian_is_calibrated_on_a_plane() {
     );
     assert_close(number(&estimate["effective_radius"]["value"]), 20.0, 1e-6);
     let c = number(&estimate["c"]);
-    // Another program computed σ²/δ = 22.7 and R² = 0.978 for an unweighted fit.
+    // Another program computed, for an unweighted fit of the Gaussian, width²/indentation = 22.7 and the coefficient of
+    // determination 0.978.
     assert_close(c, 20.0 / 22.7, 0.005);
     assert_close(number(&estimate["r_squared"]), 0.978, 0.001);
     let paper = json(

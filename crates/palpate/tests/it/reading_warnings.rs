@@ -1,4 +1,4 @@
-//! Warnings about recorded readings, and settings that are rejected because they contradict the readings.
+//! Tests warnings about recorded readings, and settings that are rejected because they contradict the readings.
 
 use palpate::recorded::Form;
 use serde_json::Value;
@@ -129,7 +129,7 @@ fn of_press(table: &str) -> String {
     warnings_or_error(press(table, Form::default()))
 }
 
-/// Rows: columns that are multiplied | factor | words of the warning or error.
+/// Each row: columns that are multiplied by a factor | factor | words of the warning or error.
 const PRESS_MISTAKES: &str = "
 3 | -1 | the sign of tangential_x reversed
 4 | -1 | the sign of tangential_y reversed

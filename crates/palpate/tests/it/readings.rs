@@ -1,4 +1,4 @@
-//! Tables of readings, and the estimates that the library computes from them.
+//! Makes tables of readings, and computes estimates from them with the library.
 
 use palpate::recorded::{
     Form, GlideOptions, PressOptions, RecordedFile, RollOptions, column_names, estimate_glide,
@@ -15,7 +15,7 @@ pub(crate) const ROLL: &str = include_str!("../../../../examples/roll-readings.c
 pub(crate) const GLIDE: &str = include_str!("../../../../examples/glide-readings.csv");
 pub(crate) const PRESS: &str = include_str!("../../../../examples/press-readings.csv");
 
-/// Form of a table whose columns have other names.
+/// Form of a table whose columns have the names in `columns`.
 pub(crate) fn named(columns: &str) -> Form {
     let columns = column_names(columns).unwrap();
     Form {

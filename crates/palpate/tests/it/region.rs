@@ -1,4 +1,5 @@
-//! `palpate design` with several fields: the region in which they meet a target, and the best value of one field.
+//! Tests `palpate design` with several fields: the region of values that meet a target, and the best value of one
+//! field.
 
 use serde_json::Value;
 
@@ -8,7 +9,7 @@ const TARGET: &str = "--target relative_rms_error(mean_curvature)<=0.05";
 const RADII: &str = "--vary scene.object.radius=5,20,50";
 const FRACTION: &str = "scene.noise.angular_velocity.fraction";
 
-/// Column of an answer, for a value of the only field of its grid.
+/// Column of an answer for one value of the field at `path`, which is the only field of the answer's grid.
 fn column<'a>(answer: &'a Value, path: &str, value: &str) -> &'a Value {
     let columns = answer["columns"].as_array().unwrap();
     let found = columns.iter().find(|column| {
@@ -63,7 +64,7 @@ fn both_sides_of_every_column_are_those_that_a_run_finds() {
 
 #[test]
 fn the_best_value_is_that_of_the_kinder_noise() {
-    // Uniform noise within ±f has a standard deviation of f/√3, Gaussian noise of f.
+    // Uniform noise within ±f has the standard deviation f/√3, and Gaussian noise has the standard deviation f.
     let kinds = "--vary scene.noise.angular_velocity.kind=gaussian,uniform";
     let question = format!(
         "design c.toml {TARGET} --set scene.object.radius=20 --vary {FRACTION}=0.001..0.2 {kinds} --maximise {FRACTION} --gap 0.1"
@@ -93,8 +94,8 @@ fn the_best_value_is_that_of_the_kinder_noise() {
 
 #[test]
 fn the_grid_closes_in_on_the_best_value() {
-    // Without noise the mean curvature is exactly 1/R, so a ball of radius 20 mm is the largest with at least 0.05 /mm.
-    // The radius of the probe has no influence.
+    // Without noise, the estimated mean curvature of a ball is exactly the inverse of its radius. So a ball of radius
+    // 20 mm is the largest ball with a mean curvature of at least 0.05 /mm. The radius of the probe has no influence.
     let question = "design c.toml --target mean(mean_curvature)>=0.05 --vary scene.object.radius=1..100 \
                     --vary scene.probe.radius=1..30 --maximise scene.object.radius --gap 0.01";
     let desk = Desk::with(&noiseless());
@@ -130,7 +131,7 @@ fn the_best_of_listed_values_and_of_a_single_field() {
     let largest = if met[1] { "20" } else { "5" };
     assert!(met[0], "{answer}");
     assert_eq!(answer["best_that_meets"]["scene.object.radius"], largest);
-    // If only the noise varies, its largest value is the end of the run that meets the target.
+    // If only the noise varies, the largest noise is the upper end of the range of values that meet the target.
     let alone = format!("--vary {FRACTION}=0.001..0.2 --gap 0.3");
     let [line, best] = ["".to_owned(), format!("--maximise {FRACTION}")]
         .map(|sought| desk.json(&format!("design c.toml {TARGET} {alone} {sought}")));

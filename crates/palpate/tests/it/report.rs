@@ -1,4 +1,4 @@
-//! `palpate plot` and `palpate report`.
+//! Tests `palpate plot` and `palpate report`.
 
 use super::desk::{Desk, RUN_FILES, SCENE, STUDY};
 

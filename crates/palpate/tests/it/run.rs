@@ -1,4 +1,4 @@
-//! `palpate run`: its files, and that its results do not depend on threads, shards or vector instructions.
+//! Tests the files of `palpate run`, and that its results do not depend on threads, shards or vector instructions.
 
 use std::sync::atomic::AtomicBool;
 
@@ -125,7 +125,7 @@ fn overrides_have_the_effect_of_the_same_lines_in_the_config() {
 
 #[test]
 fn threads_shards_and_vectors_do_not_change_a_byte() {
-    // 2,500 trials are three blocks; the last block is shorter.
+    // The 2,500 trials are divided into three blocks of up to 1,024 trials, so the last block is shorter.
     let config = edited(STUDY, "trials = 20", "trials = 2500");
     let desk = Desk::with(&config);
     for line in [
@@ -152,7 +152,7 @@ fn threads_shards_and_vectors_do_not_change_a_byte() {
 
 #[test]
 fn every_nth_cell_keeps_numbers_and_bytes() {
-    // There are more cells than the run keeps set up at one time.
+    // The study has more cells than a run keeps in memory after their check.
     let range = "from = 1\nto = 50\ncount = 70";
     let desk = Desk::with(&edited(STUDY, "values = [50, 5]", range));
     desk.palpate("run c.toml --out all").printed();
@@ -273,7 +273,7 @@ fn failures_name_their_kind_and_first_trial() {
         assert_eq!(cells.number(5 * cell, "failures"), counted);
         for row in of_cell {
             assert!(failures.number(row, "first_trial") < 200.0);
-            // No earlier trial fails with this kind of failure.
+            // The first trial with this kind of failure is the trial that the table names.
             let trials = failures.number(row, "first_trial") as usize;
             if trials == 0 {
                 continue;

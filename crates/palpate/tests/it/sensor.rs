@@ -1,4 +1,4 @@
-//! `palpate sensor calibrate` and `palpate sensor track`.
+//! Tests `palpate sensor calibrate` and `palpate sensor track`.
 
 use image::{DynamicImage, Rgb, RgbImage};
 
@@ -53,7 +53,7 @@ fn desk() -> Desk {
     desk
 }
 
-/// The command prints the numbers of the published tables, each with its unit.
+/// The command prints the calibration of the published tables, each number with its unit.
 #[test]
 fn the_published_calibration() {
     let examples = concat!(
@@ -139,7 +139,7 @@ fn frames_calibrate_and_are_tracked() {
         .printed();
     let again: serde_json::Value = serde_json::from_str(&again).unwrap();
     assert_eq!(again["effective_radius"], json["effective_radius"]);
-    // The two commands also agree for a layer on a core.
+    // Both commands also print the same estimate for a soft layer on a rigid core.
     let layer = "--sensor-radius 20 --depth 2 --method bonded-layer --thickness 12 --indentation 1";
     let [tracked, estimated] = [
         format!("sensor track rest.png pressed.png --calibration c.toml --px-per-rad {PX_PER_RAD} --out o {layer}"),
@@ -204,7 +204,7 @@ fn swapped_frames_cause_a_warning_and_other_sensors_an_error() {
     let run = "--calibration c.toml --sensor-radius 20 --depth 2 --px-per-rad 151.3 --out o";
     desk.palpate(&format!("sensor track other.png other.png {run}"))
         .fails(1, &format!("a sensor with {} markers", places().len()));
-    // The pressed frame equals the frame at rest, so there is no contact.
+    // The pressed frame is the frame at rest, so the estimate finds no contact.
     let said = desk
         .palpate(&format!("sensor track rest.png rest.png {run}"))
         .said(1);

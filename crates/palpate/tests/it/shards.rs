@@ -1,4 +1,4 @@
-//! Shards of a study, and the command that merges them.
+//! Tests shards of a study, and the command that merges them.
 
 use std::fs;
 
@@ -72,7 +72,7 @@ fn merged_shards_equal_one_run() {
         let desk = Desk::with(&config);
         desk.palpate("run c.toml --out whole");
         shards(&desk, of);
-        // The second merge overwrites the files of the first.
+        // The second merge overwrites the files of the first merge.
         for line in ["merge s --out m", "merge s/ --out m"] {
             let ended = desk.palpate(line);
             assert_eq!(ended.status, Some(0), "{ended:?}");
@@ -261,7 +261,7 @@ fn status_counts_shards() {
     ] {
         assert!(said.contains(words), "{said}");
     }
-    // If no other shard exists, the message about the damage is the only message.
+    // If all other shards are deleted, only the message about the damage remains.
     for number in ["1", "3", "again"] {
         fs::remove_dir_all(desk.path(&format!("s/{number}"))).unwrap();
     }
@@ -274,7 +274,7 @@ fn status_counts_cells_and_trials() {
     let desk = Desk::with(&many());
     let ended = desk.palpate("run c.toml --out whole");
     let status = desk.palpate("status whole").printed();
-    // The run printed the same counts.
+    // The run printed the same counts as `palpate status`.
     let counts = ended.stdout.strip_prefix("a-study: 7 cells, 140 trials, ");
     let failed = counts.and_then(|counts| counts.strip_suffix(" -> whole\n"));
     let failed = failed.unwrap_or_else(|| panic!("{ended:?}"));
@@ -336,7 +336,7 @@ fn a_dry_run_prints_slurm_scripts_and_writes_nothing() {
         assert!(said.contains(words), "{words}: {said}");
     }
     assert_eq!(desk.names(""), ["c.toml"]);
-    // The shell can parse both scripts.
+    // Check that the shell can parse both scripts.
     let parts: Vec<&str> = said.split("#!/bin/bash\n").collect();
     assert_eq!(parts.len(), 3);
     for script in &parts[1..] {
@@ -482,7 +482,7 @@ fn trials_out_has_one_row_per_trial_and_quantity() {
     desk.palpate("run c.toml --shard 2/2 --out n/2");
     let said = desk.palpate("merge n --out q --trials-out v.csv").said(2);
     assert!(said.contains("without --trials-out"), "{said}");
-    // The table of trials may not overwrite another file of the run.
+    // The table of trials must not overwrite another file of the run.
     for line in [
         "run c.toml --out o --trials-out o/cells.csv",
         "run c.toml --out fresh --trials-out ./fresh/run.toml",

@@ -1,4 +1,4 @@
-//! Fields that a config sets although it sweeps over them.
+//! Tests the notes about fields that a config sets although it sweeps over them.
 
 use super::desk::{Desk, STUDY, edited};
 

@@ -1,4 +1,4 @@
-//! Tables written by other programs: names, units, delimiters, decimal signs, encodings and JSON; and invalid files.
+//! Tests tables of other programs (names, units, delimiters, decimal signs, encodings, JSON) and invalid files.
 
 use palpate::config::LengthUnit;
 use palpate::recorded::{Decimal, Delimiter, Form};
@@ -9,7 +9,7 @@ use super::readings::{
     GLIDE, ROLLS, glide, mean_curvature, named, press, refuses, roll, scaled, warnings,
 };
 
-/// Estimate from a table of rolls whose form is detected without options.
+/// Estimate from a table of rolls. The form of the table is detected without options.
 #[track_caller]
 fn rolls(contents: impl AsRef<[u8]>) -> Value {
     roll(contents, Form::default()).unwrap_or_else(|error| panic!("{error}"))
@@ -54,7 +54,7 @@ fn delimiters_encodings_and_headers_do_not_change_the_estimate() {
         ROLLS.replace("shift_u_mm", " Shift U [mm] "),
         ROLLS.replace("shift_v_mm", "shift_v(mm)"),
         named_probes,
-        // The table has comments before the header, and a row of units after it.
+        // This table has comments before the header, and a row of units after the header.
         format!("# rig 3\n#\n# 2026-11-23, \"quoted\n\n{ROLLS}"),
         format!("# rig 3\n# {ROLLS}"),
         format!("sep=;\n{}", ROLLS.replace(',', ";")),
@@ -435,7 +435,7 @@ fn additional_columns_are_kept_as_labels() {
         columns,
         serde_json::json!({ "Force [N]": "3", "note": "slow, \"so\"" })
     );
-    // The additional columns change nothing else in the output.
+    // The additional columns of the table change nothing else in the output.
     assert_eq!(found, rolls(&rolled));
     // The message about an outlier contains the label of its row.
     let rows = super::readings::PRESS.lines().enumerate();
@@ -506,7 +506,8 @@ fn fingers_and_probes_without_names_are_separated_by_jumps_or_blank_lines() {
             "{found}"
         );
     }
-    // A path without jumps is treated as one finger. Blank lines are ignored if there is a column `finger`.
+    // Contacts on a path without jumps count as the contacts of one finger. Blank lines are ignored if there is a
+    // column `finger`.
     let one = estimate(&three_fingers(places, "", |finger, [x, y, z]| {
         numbers([if finger == 1 { 7.0 - x } else { x }, 0.1 * y, z])
     }));

@@ -1,4 +1,4 @@
-//! `palpate trace`: true values, readings, and estimates from these readings.
+//! Tests `palpate trace`: true values, readings, and estimates from these readings.
 
 use super::desk::{Desk, SCENE, STUDY, Table, assert_close, edited};
 
@@ -42,7 +42,7 @@ fn every_probe_starts_at_the_first_contact() {
     );
 }
 
-/// Final contacts of five rolls, computed by an independent program.
+/// Final contact of a roll, computed by an independent program.
 struct Golden {
     object: &'static str,
     contact: [f64; 2],

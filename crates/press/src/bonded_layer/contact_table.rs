@@ -1,4 +1,5 @@
-//! Contacts from a table, for use in fits. Contacts are solved for a few radii and interpolated by polynomials.
+//! Contacts that are interpolated in a table, which is fast enough for fits. The table contains solved contacts for a
+//! few radii; contacts between them are interpolated by polynomials.
 //!
 //! The table contains the coefficients of the pressure and the correction for the rigid base. Both are smooth functions
 //! of the contact's radius, and the correction is also a smooth function of the distance. The displacement of a
@@ -15,11 +16,13 @@ use crate::body::Field;
 
 /// Ends of the ranges of contact radii, relative to the thickness. Each range has its own table.
 pub(super) const ENDS: [f64; 10] = [0.0, 0.75, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.5, 12.0];
-/// Number of contact radii in a table, and number of distances in a panel.
+/// Number of contact radii in a table. It is also the number of distances in a panel (an interval of distances from the
+/// contact).
 const NODES: usize = 16;
-/// Width of a panel of distances within the contact and near it.
+/// Width of a panel (an interval of distances with its own polynomial) within the contact and near it, relative to the
+/// thickness.
 const PANEL: f64 = 1.0;
-/// Ratio of the widths of neighbouring panels far from the contact.
+/// Ratio of the widths of neighbouring panels (intervals of distances) far from the contact.
 const GROWTH: f64 = 1.5;
 /// Terms of the pressure are omitted if they are smaller than this value, relative to the largest term.
 const RELATIVE_CUTOFF: f64 = 1e-12;
@@ -28,7 +31,7 @@ const RELATIVE_CUTOFF: f64 = 1e-12;
 #[derive(Clone, Debug)]
 pub(super) struct Table {
     range: [f64; 2],
-    /// Ends of the panels of distances.
+    /// Ends of the panels, which are intervals of the distance from the contact.
     panels: Vec<f64>,
     terms: usize,
     /// One row for each radius; see [`row`].
@@ -52,12 +55,13 @@ pub(super) struct Panels {
 }
 
 impl Table {
-    /// Index of the table for this radius; `None` if the radius is beyond all ranges.
+    /// Index of the table that contains contacts of this radius; `None` if the radius is beyond all tables.
     pub(super) fn place(contact: f64) -> Option<usize> {
         ENDS[1..].iter().position(|end| contact <= *end)
     }
 
-    /// The tables of one range, one for each of these depths. Each contact is solved once for all depths.
+    /// The tables for one range of contact radii, one for each of these depths. Each contact is solved once for all
+    /// depths.
     pub(super) fn all(place: usize, depths: &[f64]) -> Result<Vec<Self>, PressError> {
         let range = [ENDS[place], ENDS[place + 1]];
         let panels = panels(range[1]);
@@ -82,8 +86,8 @@ impl Table {
             })
             .collect();
         for pressure in &pressures {
-            // The wavenumbers for the widest contact and the largest depth are used for all depths, so that the Bessel
-            // functions are evaluated only once.
+            // The wavenumbers for the widest contact and the largest depth are used for all depths. Therefore the
+            // Bessel functions are evaluated only once.
             let reach = range[1] + panels[panels.len() - 1] - pressure.contact;
             let spectrum = Spectrum::new(pressure, deepest, reach, 1.0);
             for (table, depth) in tables.iter_mut().zip(depths) {
@@ -131,7 +135,7 @@ impl Table {
         }
     }
 
-    /// The same as [`Self::entry`], but only the numbers [`Entry::numbers`].
+    /// The numbers [`Entry::numbers`] of the contact of this radius, without the rest of the entry.
     pub(super) fn numbers(&self, contact: f64) -> [f64; 4] {
         let mut row = [0.0; 4];
         self.interpolate(contact, &mut row);
@@ -177,8 +181,8 @@ impl Panels {
     }
 }
 
-/// A row of a table. It contains the numbers, the terms of φ and of ∂φ/∂a, and, for each panel of distances, the
-/// Chebyshev coefficients of the normal and the radial displacement and of their derivatives with respect to the
+/// A row of a table. It contains the numbers, then the terms of φ and of ∂φ/∂a. For each panel of distances follow the
+/// Chebyshev coefficients of the normal and the radial displacement, and of their derivatives with respect to the
 /// contact's radius. Each value is divided by the power of the radius to which it is proportional for small contacts.
 fn row(
     pressure: &Pressure,
@@ -221,7 +225,7 @@ fn row(
     row
 }
 
-/// Number of terms of a pressure that are not negligible.
+/// Number of terms of the pressure's series that are not negligible.
 fn terms(pressure: &Pressure) -> usize {
     let largest = |column: usize| {
         let sizes = pressure.terms.iter().map(|term| term[column].abs());
@@ -249,12 +253,12 @@ fn panels(contact: f64) -> Vec<f64> {
     ends
 }
 
-/// Position of a value between two ends: −1 at the first end and 1 at the second.
+/// Relative position of a value between two ends: −1 at the first end, and 1 at the second.
 fn position([from, to]: [f64; 2], value: f64) -> f64 {
     (2.0 * value - from - to) / (to - from)
 }
 
-/// Angle whose cosine is a Chebyshev node.
+/// Angle whose cosine is the Chebyshev node with this index.
 fn angle(node: usize) -> f64 {
     PI * (node as f64 + 0.5) / NODES as f64
 }

@@ -24,9 +24,9 @@ use super::pressure_field::Term;
 use super::reflection;
 use crate::PressError;
 
-/// Smallest number of wavenumbers, which is enough for a smooth function without waves.
+/// Smallest number of wavenumbers. It is enough for an integrand that decays smoothly without oscillating.
 const SMOOTH: f64 = 48.0;
-/// Coefficients that are smaller than this value, relative to the largest, are rounding errors.
+/// Coefficients that are smaller than this value, relative to the largest coefficient, are rounding errors.
 const ROUNDING: f64 = 3e-14;
 
 /// The solution of the equations for one contact.
@@ -34,7 +34,7 @@ const ROUNDING: f64 = 3e-14;
 pub(super) struct Pressure {
     /// Radius α of the contact.
     pub(super) contact: f64,
-    /// The indentation D.
+    /// Indentation, for a relative curvature of 1 and in units of the thickness.
     pub(super) indentation: f64,
     /// Derivative of the indentation with respect to the radius.
     pub(super) slope: f64,
@@ -44,7 +44,8 @@ pub(super) struct Pressure {
     pub(super) peak: f64,
     /// Legendre coefficients of φ and of ∂φ/∂α.
     pub(super) terms: Vec<Term>,
-    /// Quadrature nodes t, with the values of φ and ∂φ/∂α at these nodes, multiplied by the weights.
+    /// One entry per quadrature node t of the pressure: t, and the values of φ and ∂φ/∂α at t, multiplied by the weight
+    /// of the node.
     nodes: Vec<[f64; 3]>,
 }
 
@@ -56,8 +57,8 @@ impl Pressure {
         let count = (resolution * (16.0 + 5.0 * contact)).ceil() as usize;
         let shares = positive_gauss(count);
         let waves = wavenumbers(reflection::SURFACE_REACH, 2.0 * contact, resolution);
-        // The matrix is made symmetric by the square roots of the weights on both sides. It is positive definite
-        // because g < 1.
+        // The rows and columns of the matrix are multiplied by the square roots of the weights, so that the matrix is
+        // symmetric. It is positive definite because g < 1.
         let ripples = DMatrix::from_fn(count, waves.len(), |row, column| {
             let ([share, weight], [k, dk]) = (shares[row], waves[column]);
             let strength = FRAC_2_PI * contact * weight * dk * reflection::at_surface(k);
@@ -86,7 +87,7 @@ impl Pressure {
     fn assemble(contact: f64, shares: &[[f64; 2]], ones: &[f64], squares: &[f64]) -> Self {
         let (one, square) = (legendre(shares, ones), legendre(shares, squares));
         let edge: f64 = one.iter().sum();
-        // Here, the indentation is in units of α².
+        // Here, the indentation is divided by the square of the contact's radius.
         let indentation = square.iter().sum::<f64>() / edge;
         let unit = contact * contact;
         let values: Vec<f64> = ones
@@ -95,7 +96,7 @@ impl Pressure {
             .map(|(one, square)| FRAC_2_PI * (indentation * one - square))
             .collect();
         let scaled = legendre(shares, &values);
-        // The slope at the edge follows from P_n'(1) = n(n+1)/2.
+        // The slope of φ at the edge of the contact follows from P_n'(1) = n(n+1)/2.
         let edge_slope: f64 = scaled
             .iter()
             .enumerate()
@@ -158,8 +159,8 @@ fn positive_gauss(count: usize) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Wavenumbers and weights on [0, reach] for integrals of a smooth decaying function, multiplied by waves up to this
-/// distance.
+/// Wavenumbers and weights on [0, reach] for integrals of a smooth decaying function multiplied by waves. The integrals
+/// are accurate for waves at distances up to `distance`.
 pub(super) fn wavenumbers(reach: f64, distance: f64, resolution: f64) -> Vec<[f64; 2]> {
     let count = (resolution * (0.27 * reach * distance + SMOOTH)).ceil() as usize;
     let degree = NonZeroUsize::new(count).expect("the number of nodes is not 0");

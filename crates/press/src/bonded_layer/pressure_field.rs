@@ -14,20 +14,20 @@
 use crate::body::Field;
 use crate::half_space::{self, Spheroidal};
 
-/// A contact acts as a point force if the ratio of its radius to the distance is below this value.
+/// A contact is treated as a point force if the ratio of its radius to the distance of the point is below this value.
 const POINT: f64 = 1e-10;
-/// The upward recurrence is used as long as it multiplies rounding errors by at most e to this power.
+/// The upward recurrence is used as long as it amplifies rounding errors at most by the factor e^9.
 const UPWARD: f64 = 9.0;
-/// Terms below e^−32 are omitted.
+/// Terms of the series below e^−32 are omitted.
 const NEGLIGIBLE: f64 = 32.0;
 /// The downward recurrence starts at an order so high that the error of its start is e^−30 (twice this exponent).
 const START_DECAY: f64 = 15.0;
-/// Number of orders that are computed without allocation of memory.
+/// Number of orders of the recurrence for which no memory is allocated on the heap.
 const FEW: usize = 64;
 /// Lower limit of ξ² + η² in divisions. It limits the cancellation near the contact's edge.
 const EDGE: f64 = 1e-7;
 
-/// Coefficients of a pressure: (−1)ʲ cₙ of φ and of ∂φ/∂a.
+/// Coefficients of one Legendre term of a pressure: (−1)ʲ cₙ for φ and for its derivative ∂φ/∂a.
 pub(super) type Term = [f64; 2];
 
 /// The displacements and their derivatives at the distance `r` and the depth `z` in a half-space under a pressure
@@ -57,7 +57,7 @@ pub(super) fn field(a: f64, terms: &[Term], z: f64, r: f64) -> Field {
     }
 }
 
-/// Computes q₀, q₁, … and returns the number of those that are not negligible.
+/// Computes the radial functions q₀, q₁, … at `xi`, and returns the number of functions that are not negligible.
 fn second_kind(xi: f64, q: &mut [f64]) -> usize {
     let angle = libm::log(xi + (1.0 + xi * xi).sqrt());
     let zeroth = libm::atan2(1.0_f64, xi);
@@ -93,7 +93,7 @@ fn second_kind(xi: f64, q: &mut [f64]) -> usize {
     top + 1
 }
 
-/// Φ and its derivatives with respect to ξ and η.
+/// The potential Φ and its derivatives with respect to the spheroidal coordinates ξ and η.
 #[derive(Default)]
 struct Sums {
     value: f64,
@@ -104,11 +104,11 @@ struct Sums {
     weighted: f64,
 }
 
-/// The sums for φ and for ∂φ/∂a. The latter does not include the sums for second derivatives.
+/// The sums for φ and for ∂φ/∂a. The sums for ∂φ/∂a do not include second derivatives.
 fn sums(terms: &[Term], place: Spheroidal, q: &[f64]) -> [Sums; 2] {
     let Spheroidal { xi, eta, .. } = place;
     let [mut curved, mut flat] = [Sums::default(), Sums::default()];
-    // The variables are P and P' of the previous and of the current order, and qₙ₋₁.
+    // The variables are the Legendre polynomial and its derivative for the previous and for the current order.
     let ([mut before, mut slope_before], [mut here, mut slope]) = ([0.0, 0.0], [1.0, 0.0]);
     let mut q_before = 0.0;
     let mut n = 0.0;

@@ -30,7 +30,8 @@ pub(super) fn at_surface(wavenumber: f64) -> f64 {
 /// The wavenumber beyond which [`at_surface`] is negligible.
 pub(super) const SURFACE_REACH: f64 = NEGLIGIBLE / 2.0;
 
-/// The difference between layer and half-space at a depth, as two factors: of J₀ (inward) and of J₁ (outward).
+/// The difference between layer and half-space at a depth, as two factors: the factor of J₀ (inward displacement) and
+/// the factor of J₁ (outward displacement).
 fn at_depth(wavenumber: f64, depth: f64) -> [f64; 2] {
     let (h, x) = (wavenumber, wavenumber * (1.0 - depth));
     let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));
@@ -55,8 +56,8 @@ fn reach_at(depth: f64) -> f64 {
 /// displacement. They decay as e^{−0.739 r}, where cos 0.739 = 0.739.
 pub(super) const BEYOND: f64 = 30.0;
 
-/// Largest distance for which the first sum is accurate. Each further sum is accurate up to twice the distance of the
-/// sum before.
+/// Largest distance for which the first sum over wavenumbers is accurate. Each further sum is accurate up to twice the
+/// distance of the previous sum.
 const FIRST_REACH: f64 = 4.0;
 
 /// Sums over wavenumbers for the effect of the base on a pressure at one depth.
@@ -65,7 +66,7 @@ pub(super) struct Waves {
     pressure: Pressure,
     depth: f64,
     resolution: f64,
-    /// Sums for increasing distances. Each is computed when it is first needed.
+    /// Sums over wavenumbers, for increasing distances. Each sum is computed when it is first needed.
     bands: Vec<OnceLock<Vec<Wave>>>,
 }
 
@@ -73,9 +74,9 @@ pub(super) struct Waves {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wave {
     pub(super) wavenumber: f64,
-    /// Amplitudes of the displacement: the factor of J₀ (inward) and the factor of J₁ (outward).
+    /// Amplitudes of the wave: the factor of J₀ (inward displacement) and the factor of J₁ (outward displacement).
     pub(super) strength: [f64; 2],
-    /// Amplitudes of the waves for the derivative ∂φ/∂a.
+    /// Derivatives of both amplitudes with respect to the contact's radius.
     pub(super) per_contact: [f64; 2],
 }
 
@@ -156,7 +157,7 @@ impl Waves {
     }
 }
 
-/// J₀(x), J₁(x) and J₁(x)/x.
+/// The Bessel functions J₀(x) and J₁(x), and the quotient J₁(x)/x.
 pub(super) fn bessel(x: f64) -> [f64; 3] {
     let j1 = libm::j1(x);
     let over = if x < 1e-8 { 0.5 } else { j1 / x };

@@ -44,7 +44,7 @@ impl Problem<'_> {
         outcome(self, (state, sums), covariance, limit, readings)
     }
 
-    /// Goodness of fit; `None` if the noise is not stated.
+    /// Goodness of fit at the minimum of chi-squared; `None` if the noise is not stated.
     pub(super) fn goodness(&self, sums: &Sums) -> Option<GoodnessOfFit> {
         self.knows_noise()
             .then(|| GoodnessOfFit::new(sums.chi_squared, self.freedom()))
@@ -82,15 +82,15 @@ fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
     interval.high.map_or(corrected, |high| corrected.min(high))
 }
 
-/// Step of the second differences, in standard errors.
+/// Step of the second differences of the model, in standard errors of the parameters.
 const STEP: f64 = 0.3;
 
 /// Relative bias of the estimated relative curvature, to first order: the bias of the logarithm (Box 1971) plus half of
 /// the logarithm's variance. It is positive if the curvature is overestimated on average.
 ///
 /// The readings are nearly linear in the radius, not in the curvature. The distribution of the estimated curvature
-/// therefore has a long tail towards sharp objects. If the variance is large, or if the states for the second
-/// differences are impossible presses, the bias of 1/x for a normally distributed x is used.
+/// therefore has a long tail towards sharp objects. In two cases, the bias of 1/x for a normally distributed x is used
+/// instead: if the variance is large, and if the second differences need impossible presses.
 fn relative_bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> f64 {
     let variance = covariance[(CURVATURE, CURVATURE)];
     match bias(problem, state, covariance) {
@@ -114,7 +114,7 @@ fn bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> Result<Unk
         let behind = problem.residuals_of_all(&problem.stepped(state, &-step))?;
         for (marker, bend) in bends.iter_mut().enumerate() {
             for part in 0..3 {
-                // The sign is negative because residuals are readings minus model.
+                // The sign is negative because a residual is the reading minus the model's prediction.
                 let second =
                     2.0 * middle[marker][part] - ahead[marker][part] - behind[marker][part];
                 bend[part] += second / (STEP * STEP);

@@ -92,10 +92,10 @@ fn squared(residuals: [f64; 3]) -> f64 {
     residuals.iter().map(|one| one * one).sum()
 }
 
-/// The most likely common normal displacement of all markers without a contact. It follows from the mean reading and
-/// the prior of the baseline.
+/// The most likely normal displacement that all markers have in common if there is no contact. It follows from the mean
+/// reading and the prior of the baseline.
 fn resting(problem: &Problem<'_>) -> f64 {
-    // The prior has the mean 0 and the same weight as this number of readings.
+    // The prior with the mean 0 has the same weight as this number of readings.
     let known = match problem.fit.baseline {
         Prior::Exact => return 0.0,
         Prior::Within(std) => (problem.normal_std / std).powi(2),

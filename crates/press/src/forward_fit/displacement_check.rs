@@ -13,8 +13,8 @@ use crate::state::State;
 use crate::unknowns::{INDENTATION, Square, Sums};
 use crate::{PressError, PressEstimate};
 
-/// The stated noise is reported as wrong if the ratio of the residuals to the stated noise, or the inverse of this
-/// ratio, is at least this value.
+/// The stated noise is reported as wrong if its ratio to the residuals is at least this value, or at most the inverse
+/// of this value.
 const MIN_NOISE_RATIO: f64 = 1.5;
 
 impl ForwardFit {
@@ -78,8 +78,8 @@ impl ForwardFit {
         stated_indentation(stated, &alone.indentation, p_value)
     }
 
-    /// The least-squares problem of a reading, with the same markers and noise as in an estimate of this fit, and the
-    /// state of this estimate.
+    /// The least-squares problem of a reading, and its state at an estimate of this fit. The used markers and the noise
+    /// are those of the estimate.
     fn problem_of<'a>(
         &'a self,
         reading: &'a Reading<'a>,
@@ -140,8 +140,8 @@ impl ForwardFit {
             let mut fit = Some((problem, state, sums));
             if p_value < SIGNIFICANCE_LEVEL {
                 misfits.push(Misfit::Outlier { reading, p_value });
-                // The marker is left out of the further tests, because a pattern that an outlier causes is no evidence
-                // of another body.
+                // The outlier is excluded from the further tests, because a pattern that it causes is no evidence of
+                // another body.
                 fit = fit.and_then(|(problem, state, _)| problem.without(reading, &state));
             }
             if let Some((problem, state, sums)) = fit

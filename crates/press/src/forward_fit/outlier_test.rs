@@ -10,9 +10,10 @@ use crate::misfit::Noise;
 use crate::state::State;
 use crate::unknowns::{CURVATURE, Square, Sums, Unknowns};
 
-/// If the estimated noise is below this value, relative to the largest displacement, it may be due to rounding.
+/// If the ratio of the estimated noise to the largest displacement is below this value, the noise may be due to
+/// rounding.
 const ROUNDING: f64 = 1e-3;
-/// Smallest number of degrees of freedom for a test with estimated noise.
+/// Smallest number of degrees of freedom for tests with estimated noise.
 const MIN_FREEDOM: usize = 8;
 
 /// If the fit reduces the residual of a reading to less than this share of its noise, the fit follows the marker. The
@@ -37,8 +38,8 @@ impl Problem<'_> {
         Some(self.goodness(sums).map_or(found, Noise::stated_or_found))
     }
 
-    /// The marker that contradicts the others most, among the markers that can change the curvature, and the p-value of
-    /// its contradiction, corrected for the number of these markers.
+    /// The marker that contradicts the others most, and the p-value of its contradiction. Only markers that can change
+    /// the curvature are tested; the p-value is corrected for their number.
     pub(super) fn slipped(
         &self,
         state: &State,
@@ -53,8 +54,8 @@ impl Problem<'_> {
             let slopes = slopes.map(|slopes| self.of_sought(&slopes));
             let by = slopes.map(|slopes| covariance * slopes);
             let moves: f64 = by.iter().map(|by| by[CURVATURE] * by[CURVATURE]).sum();
-            // If an error of this marker is too small to be rejected, its effect on the curvature is too small to
-            // matter for the interval.
+            // An error of this marker that is too small to be rejected changes the curvature too little to matter for
+            // the interval. Therefore this marker is not tested.
             if WRONG * WRONG * moves < variance {
                 return None;
             }
@@ -80,8 +81,8 @@ impl Problem<'_> {
         Ok(least_likely(counting.filter_map(chance)))
     }
 
-    /// The fit without one marker, starting from the fit with it; `None` if the other markers do not determine the
-    /// press.
+    /// The fit without one marker, started from the result of the fit with all markers; `None` if the other markers do
+    /// not determine the press.
     pub(super) fn without(&self, marker: usize, state: &State) -> Option<(Self, State, Sums)> {
         let mut others = self.clone();
         others.kept[marker] = false;

@@ -64,12 +64,12 @@ impl<'a> Problem<'a> {
             && (!self.uses_tangential() || is_stated(self.fit.tangential_std))
     }
 
-    /// Number of displacement components that are used of each marker.
+    /// Number of displacement components that are used per marker.
     pub(super) fn components(&self) -> usize {
         if self.uses_tangential() { 3 } else { 1 }
     }
 
-    /// Positions of all markers relative to a place.
+    /// Positions of all markers relative to a place on the skin.
     pub(super) fn sights(&self, place: &Place) -> Vec<Sight> {
         let markers = self.reading.markers;
         let places = markers.places().iter();
@@ -136,7 +136,8 @@ impl<'a> Problem<'a> {
         self.residuals(marker, moved(contact, state, &self.sight(state, marker)))
     }
 
-    /// Residuals of a marker if there is no contact, in standard deviations.
+    /// Residuals of a marker, in standard deviations, if there is no contact and `baseline` is the offset of the normal
+    /// displacements.
     pub(super) fn readings_of(&self, marker: usize, baseline: f64) -> [f64; 3] {
         self.residuals(marker, (baseline, Vector2::zeros()))
     }
@@ -335,7 +336,7 @@ impl LeastSquares for Problem<'_> {
     fn is_better(&self, (state, sums): &Self::Fit, (_, best): &Self::Fit) -> bool {
         let is_less =
             |sums: &Sums| sums.chi_squared - best.chi_squared < -1e-6 * (1.0 + best.chi_squared);
-        // The minimum is a prediction, so it is checked with the true chi-squared.
+        // The minimum is a prediction, so it is checked with chi-squared computed at this state.
         is_less(sums) && self.sums(state).is_ok_and(|sums| is_less(&sums))
     }
 }
@@ -360,13 +361,14 @@ pub(super) fn finite(value: f64) -> Result<f64, PressError> {
 /// Limit of a product of factors, at which its logarithm is computed.
 const MAX_PRODUCT: f64 = 1e100;
 
-/// Robust chi-squared: the sum over the markers of Cauchy's loss c² ln(1 + s/c²), where s is the sum of squared
-/// residuals of a marker and c the tolerance. The loss is about s if s is much smaller than c².
+/// Robust chi-squared: the sum of Cauchy's loss c² ln(1 + s/c²) over the markers. Here s is the sum of squared
+/// residuals of a marker, and c the tolerance. The loss is about s if s is much smaller than c².
 pub(super) struct RobustSum {
-    /// The limit c², in variances.
+    /// Square of the tolerance, in variances.
     limit: f64,
     sum: f64,
-    /// Product of 1 + s/c² over the last markers, so that one logarithm is enough for many markers.
+    /// Product of 1 + s/c² over the last markers. Multiplying these factors first needs fewer logarithms than adding
+    /// their logarithms.
     product: f64,
 }
 
@@ -381,7 +383,8 @@ impl RobustSum {
         }
     }
 
-    /// Adds a marker with these residuals (in standard deviations), and returns the weight of its slopes.
+    /// Adds a marker with these residuals (in standard deviations). Returns the weight with which the marker counts in
+    /// the equations.
     pub(super) fn add(&mut self, residuals: [f64; 3]) -> f64 {
         let squared: f64 = residuals.iter().map(|residual| residual * residual).sum();
         if self.limit == f64::INFINITY {

@@ -15,39 +15,40 @@ use crate::state::State;
 use crate::unknowns::{ACROSS, EXACT, Fitted, Square, Sums};
 use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 
-/// Largest share of outliers among the markers. If there are more, the model is wrong.
+/// Largest share of outliers among the markers. If the share is larger, the model is treated as wrong.
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
-/// If there are at least this number of outliers, one of the used markers may be their cause.
+/// If there are at least this number of outliers, the cause may be an error of a marker that was not rejected.
 const SEVERAL: usize = 2;
-/// Markers are in a row if the ratio of their variance across the row to that along it is below this value.
+/// Markers count as a row if the ratio of their variance across the row to their variance along it is below this value.
 const ROW: f64 = 1e-5;
-/// If the p-value of the marker that contradicts most is below this value, the interval is extended by the interval
+/// P-value of the marker that contradicts the others most. Below this value, the interval is extended by the interval
 /// without this marker.
 const SUSPECT: f64 = 0.05;
-/// Before the outliers are found, the weight of residuals beyond this number of standard deviations is reduced.
+/// Residuals beyond this number of standard deviations have a reduced weight in the robust fit, which precedes the
+/// rejection of outliers.
 const ROBUST: f64 = 3.0;
-/// Before the outliers are found, a search stops if the next step is predicted to decrease chi-squared by less than
-/// this value.
+/// The robust fit stops if the next step is predicted to decrease chi-squared by less than this value.
 const ROUGHLY: f64 = 1e-2;
 
 /// A search for the press that fits a reading best.
 #[derive(Clone)]
 pub(super) struct Search<'a> {
     problem: Problem<'a>,
-    /// Whether the noise of normal displacements must be estimated; the next field is for tangential displacements.
+    /// Whether the noise of normal displacements must be estimated, because it is not stated. The next field is the
+    /// same for tangential displacements.
     find_normal: bool,
     find_tangential: bool,
-    /// The largest displacement of the reading.
+    /// The largest displacement in the reading, length.
     largest: f64,
-    /// Fits that started from other start values.
+    /// Results of fits that started from other start values.
     rivals: Vec<State>,
 }
 
 /// Result of a further search if the first fit shows no contact.
 enum Found<'a> {
-    /// A contact that the readings show at another place.
+    /// A contact at another place, which the readings show.
     Contact(Box<(Search<'a>, State, Sums)>),
-    /// An estimate of a contact that the readings do not show, but that is stated by the indentation.
+    /// Estimate for a contact that the readings do not show, but that must exist because an indentation is stated.
     Left(Box<PressEstimate>),
 }
 
@@ -88,7 +89,7 @@ impl<'a> Problem<'a> {
         problem
     }
 
-    /// Restricts the used markers to those within the window.
+    /// Restricts the used markers to those within the window around the contact.
     pub(super) fn keep_window(&mut self, state: &State) {
         let Some(window) = self.fit.window else {
             return;
@@ -101,7 +102,8 @@ impl<'a> Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// The minimum of chi-squared near a state. If `held` names an unknown, this unknown is held constant.
+    /// The minimum of chi-squared near a state. If `held` is the index of a fit parameter, this parameter is held
+    /// constant.
     pub(super) fn minimum(
         &self,
         state: State,
@@ -125,7 +127,7 @@ impl Problem<'_> {
         (0..self.kept.len()).map(square).sum()
     }
 
-    /// Chi-squared of the unused markers, compared with rest.
+    /// Chi-squared of the unused markers, compared with markers that do not move.
     fn left_out(&self) -> f64 {
         let mut sum = RobustSum::new(self.tolerance);
         for marker in (0..self.kept.len()).filter(|&marker| !self.kept[marker]) {
@@ -233,7 +235,7 @@ impl<'a> Search<'a> {
     fn undetected(&self, only_marker: Option<usize>) -> Option<Found<'a>> {
         let mut problem = self.problem.clone();
         if let Some(marker) = only_marker {
-            // This marker is left out, because a very sharp object under it would not contradict the other markers.
+            // The marker is excluded, because a very sharp object under it would not contradict the other markers.
             problem.kept[marker] = false;
         }
         problem.determined().ok()?;
@@ -250,7 +252,8 @@ impl<'a> Search<'a> {
         let covariance = problem.covariance(&sums).ok()?;
         let estimate = problem.outcome((&state, &sums), &covariance, interval, limit);
         let estimate = estimate.ok()?;
-        // The bias correction must not increase the curvature: far from a clear minimum, noise would make it too large.
+        // The bias correction must not increase the curvature, because far from a clear minimum, noise would make the
+        // correction too large.
         let corrected = estimate.relative_curvature;
         let value = corrected.value.min(estimate.most_likely_curvature);
         let mut wrong_markers = estimate.wrong_markers;
@@ -294,14 +297,15 @@ impl<'a> Search<'a> {
                 return Err(state);
             }
             let around = |_| profile(&self.problem, &(state, least), limit - rise.max(0.0)).ok();
-            // If the interval of another fit is unbounded, the result is unbounded too.
+            // If the interval of another fit is unbounded, the extended interval is unbounded too.
             let other = self.problem.covariance(&least).ok().and_then(around);
             hull = other.map_or(Interval::UNBOUNDED, |interval| hull.hull(interval));
         }
         Ok(hull)
     }
 
-    /// The interval, extended by the interval without one marker if this marker contradicts the others.
+    /// The interval of all markers. If one marker contradicts the others, the interval is extended by the interval
+    /// without this marker.
     fn or_without_slipped(
         &self,
         state: &State,
@@ -319,7 +323,8 @@ impl<'a> Search<'a> {
         }
         let limit = self.limit() * self.limit();
         let mut told = problem.without(marker, state);
-        // The profile may find a fit that is better than its start. It is then repeated from the better fit.
+        // The search for the interval may find a better fit than the fit from which it started. It is then repeated
+        // from the better fit.
         for _ in 0..4 {
             let Some((others, state, sums)) = told else {
                 break;
@@ -329,7 +334,7 @@ impl<'a> Search<'a> {
                 Err(better) => told = others.without(marker, &better),
             }
         }
-        // The other markers do not determine a bound of the curvature.
+        // The other markers do not determine a bound of the curvature, so the interval is unbounded.
         Ok(Interval::UNBOUNDED)
     }
 
@@ -347,7 +352,7 @@ impl<'a> Search<'a> {
     fn begin(&mut self) -> Result<(State, Sums), PressError> {
         let mut fits = self.robust_fits()?;
         if self.problem.fit.window.is_some() {
-            // The residuals of fits cannot be compared if the fits use different markers.
+            // If fits use different markers, their residuals cannot be compared, so only the first fit is kept.
             fits.truncate(1);
         }
         self.rivals.clone_from(&fits);
@@ -375,12 +380,12 @@ impl<'a> Search<'a> {
         Ok(self.without_nearest(&state).unwrap_or((state, sums)))
     }
 
-    /// If there are several outliers, tries a fit without the marker nearest to the contact, because an error of this
-    /// marker looks like a sharp object under it. Returns this fit if it explains all markers better.
+    /// If there are several outliers, tries a fit without the marker nearest to the contact. An error of this marker
+    /// would look like a sharp object under it. Returns this fit if it explains all markers better.
     fn without_nearest(&mut self, state: &State) -> Option<(State, Sums)> {
         let wrong = self.problem.kept.iter().filter(|kept| !**kept).count();
-        // Markers outside of a window are not outliers, and the residuals of fits with different estimated noise cannot
-        // be compared, so no such fit is tried.
+        // No such fit is tried in two cases. Markers outside of a window are not outliers. And if the noise is
+        // estimated, the residuals of two fits cannot be compared.
         let finds_noise =
             self.find_normal || self.find_tangential && self.problem.uses_tangential();
         if finds_noise || self.problem.fit.window.is_some() || wrong < SEVERAL {
@@ -420,7 +425,7 @@ impl<'a> Search<'a> {
         Some((there, sums))
     }
 
-    /// Robust fits, one for each different minimum, best fit first.
+    /// Results of robust fits, one for each different minimum, sorted from the best fit to the worst.
     fn robust_fits(&self) -> Result<Vec<State>, PressError> {
         let mut problem = self.problem.clone();
         if !problem.fit.body.is_approximate() {
@@ -466,8 +471,8 @@ impl<'a> Search<'a> {
             let least = self.problem.minimum(*state, EXACTLY, None)?;
             (*state, sums) = (least.0, Some(least.1));
         }
-        // The number of iterations is limited, because a marker at the threshold may alternate between used and
-        // rejected.
+        // The number of iterations is limited, because a marker at the outlier threshold may be accepted and rejected
+        // in turn.
         self.problem.sums(state)
     }
 

@@ -20,11 +20,11 @@ const BEYOND: [f64; 3] = [0.2, 0.7, 1.5];
 const MAX_EXCESS: f64 = 50.0;
 /// Tried radii of the contact, in scales of the markers, a medium one first.
 pub(super) const RADII: [f64; 5] = [0.14, 0.03, 0.07, 0.24, 0.4];
-/// Number of directions for which all radii are tried.
+/// Number of contact directions for which all radii are tried.
 const VIEWS: usize = 3;
 
-/// Start values: the `few` most likely ones and, if it is not much less likely, the most likely one with a contact
-/// beyond the markers.
+/// Start values: the `few` most likely ones, and the most likely one with a contact beyond the markers. The latter is
+/// omitted if it is much less likely.
 pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
     let shapes = Shapes::new(problem, &RADII);
     let mut near = tried(problem, &shapes, &with_between(most_moved(problem)));
@@ -52,7 +52,7 @@ pub(super) struct Shapes {
 }
 
 impl Shapes {
-    /// Number of intervals between nodes.
+    /// Number of intervals between the nodes at which displacements are tabulated.
     const INTERVALS: f64 = 64.0;
 
     /// The displacements by contacts of these radii, in scales of the markers.
@@ -81,7 +81,7 @@ impl Shapes {
         self.contacts.iter().map(state).collect()
     }
 
-    /// Displacement at a distance, interpolated linearly between the nodes.
+    /// Displacement at this distance from the contact, interpolated linearly between the nodes.
     fn at(&self, nodes: &[Displacement], distance: f64) -> Displacement {
         let place = Self::INTERVALS * (distance / self.furthest).sqrt().min(1.0);
         let before = (place as usize).min(nodes.len() - 2);
@@ -95,8 +95,8 @@ impl Shapes {
     }
 }
 
-/// States with contacts in these directions, with their chi-squared, most likely state first. A medium radius is tried
-/// in each direction; all radii are tried in the best few directions.
+/// States with contacts in these directions, each with its chi-squared, sorted from the most to the least likely. A
+/// medium radius is tried in each direction; all radii are tried in the best few directions.
 fn tried(problem: &Problem<'_>, shapes: &Shapes, directions: &[Vector3<f64>]) -> Vec<(f64, State)> {
     let [middling, others @ ..] = &shapes.contacts[..] else {
         return Vec::new();
@@ -121,8 +121,8 @@ fn tried(problem: &Problem<'_>, shapes: &Shapes, directions: &[Vector3<f64>]) ->
     states
 }
 
-/// The state with a contact of this radius, and its chi-squared. Indentation or gain have their best values if they are
-/// fitted.
+/// The state with a contact of this radius, and its chi-squared. If the indentation or the gain is fitted, it has its
+/// best value.
 fn of_shape(
     problem: &Problem<'_>,
     shapes: &Shapes,
@@ -140,7 +140,7 @@ fn of_shape(
         Prior::Exact => 0.0,
         Prior::Within(_) | Prior::Free => median(problem.reading.normal),
     };
-    // Factor that converts the displacements of the contact to the readings.
+    // Factor by which the displacements of the contact are multiplied to fit the readings.
     let amplitude = || {
         let (mut product, mut square) = (0.0, 0.0);
         for (read, moved) in problem.reading.normal.iter().zip(&moved) {

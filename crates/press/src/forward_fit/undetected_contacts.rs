@@ -12,14 +12,14 @@ use crate::unknowns::{ACROSS, ALONG, CURVATURE, Sums};
 
 /// Largest radius of the contacts that are tried, relative to the sensor's radius.
 const MAX_RADIUS: f64 = 0.9;
-/// Ratio of consecutive radii.
+/// Ratio of each contact radius that is tried to the next larger one.
 const RADIUS_RATIO: f64 = 0.8;
-/// Number of radii.
+/// Number of contact radii that are tried.
 const RADII: usize = 32;
 /// Largest number of places at which contacts are tried.
 const MAX_PLACES: usize = 100;
-/// Radius of the widest contact that is not noticed between neighbouring markers, relative to the distance of the
-/// markers.
+/// Radius of the widest contact that can remain undetected between neighbouring markers, relative to the distance
+/// between the markers.
 const HIDDEN: f64 = 0.5;
 /// A search stops if the next step is predicted to decrease chi-squared by less than this value.
 const ENOUGH: f64 = 1e-2;
@@ -34,12 +34,12 @@ pub(super) struct UndetectedContacts<'p, 'a> {
     found: Vec<Candidate>,
 }
 
-/// A possible contact.
+/// A contact that is possible although the readings do not show it.
 #[derive(Clone, Copy)]
 struct Candidate {
     state: State,
     sums: Sums,
-    /// Radius, relative to that of the widest contact that is not noticed between neighbouring markers.
+    /// Radius of the contact, relative to the widest contact that can remain undetected between neighbouring markers.
     relative_radius: f64,
 }
 
@@ -92,7 +92,7 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
                 .collect(),
             problem,
         };
-        // The best radius may be between two of the radii that were tried, so it is fitted too.
+        // The best radius may be between two of the radii that were tried, so a fit of the radius follows.
         let best = unseen.likeliest().and_then(|best| near(best, None));
         unseen.found.extend(best);
         let log_curvature = |one: &Candidate| one.state.log_curvature;
@@ -102,7 +102,7 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
         Some(unseen)
     }
 
-    /// The most likely contact.
+    /// The most likely of the possible contacts.
     pub(super) fn likeliest(&self) -> Option<State> {
         Some(self.found.iter().min_by(Candidate::likelier)?.state)
     }
@@ -147,7 +147,7 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
 }
 
 impl UndetectedContacts<'_, '_> {
-    /// Chi-squared of the displacements by a contact, compared with rest.
+    /// Chi-squared of the displacements by a contact, compared with no displacement.
     fn clarity(&self, state: &State) -> f64 {
         let problem = self.problem;
         let Ok(contact) = problem.contact(state) else {

@@ -2,8 +2,8 @@
 //!
 //! The images of the markers are not linear in the random deviations of the sensor from its nominal parameters.
 //! Therefore the most likely curvature (the mode) differs from the mean over all possible sensors. By Laplace's method,
-//! the mean is the mode − ½ C ∇ ln det H, where H is the Hessian of half of chi-squared with respect to all fit
-//! parameters, and C is its inverse (Tierney, Kass and Kadane 1989, to the same order).
+//! the mean is the mode − ½ C ∇ ln det H (Tierney, Kass and Kadane 1989, to the same order). H is the Hessian of half
+//! of chi-squared with respect to all fit parameters, and C is the inverse of H.
 
 use super::fit_state::FitState;
 use super::image_problem::Problem;
@@ -13,7 +13,8 @@ use crate::least_squares::LeastSquares;
 use crate::state::State;
 use crate::unknowns::{CURVATURE, Square, Unknowns};
 
-/// Step of the curvature, in its standard errors. The other fit parameters change with it.
+/// Step of the curvature for numerical derivatives, in standard errors of the curvature. The other fit parameters
+/// change with the curvature.
 const STEP: f64 = 0.3;
 /// If the variance of the logarithm of the curvature is above this value, the images only determine the order of
 /// magnitude of the curvature.
@@ -46,8 +47,8 @@ impl<V: View + Clone> Problem<'_, V> {
     fn stepped_aside(&self, weighed: &FitState, step: &Unknowns) -> Option<f64> {
         let moved = &weighed.slopes.jacobian * step;
         let mut sensor = self.updated_sensor(&(&weighed.residuals - moved)).ok()?;
-        // The sensor at which the weights were computed is changed by the same sensor deviations as the most likely
-        // sensor.
+        // The sensor is linearised at different parameters than the most likely sensor, so both are changed by the same
+        // sensor deviations.
         sensor.shift(&self.sensor, &self.updated_sensor(&weighed.residuals).ok()?);
         let state: State = self.stepped(&weighed.state, step);
         let mut there = self.clone();

@@ -10,7 +10,7 @@ use crate::PressError;
 /// sensor deviations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeparturePrior {
-    /// Indices of the sensor deviations in ascending order. None of them may be exact.
+    /// Indices of the sensor deviations in ascending order. Their standard deviations must not be 0.
     pub numbers: Vec<usize>,
     /// Covariance of the sensor deviations, in the order of their indices and in their units.
     pub covariance: DMatrix<f64>,
@@ -18,7 +18,7 @@ pub struct DeparturePrior {
 
 /// The prior, in the form of the equations of a frame at rest.
 pub(super) struct FreePrior {
-    /// Indices of the sensor deviations among the sensor deviations that are not exact.
+    /// Positions of the prior's sensor deviations in the list of those that are not exact.
     places: Vec<usize>,
     /// Inverse of the covariance, with each sensor deviation divided by its standard deviation.
     precision: DMatrix<f64>,
@@ -62,9 +62,9 @@ impl DeparturePrior {
 }
 
 impl FreePrior {
-    /// In the equations of a frame, replaces the information on the deviations of the prior by the prior. If C are the
-    /// deviations of the prior and D the others, the conditional distribution of D given C does not change, and the
-    /// marginal distribution of C becomes the prior. `None` if the equations do not determine D.
+    /// In the equations of a frame, replaces the information on the deviations of the prior by the prior. Let C be the
+    /// deviations in the prior, and D the other deviations. The conditional distribution of D given C does not change,
+    /// and the marginal distribution of C becomes the prior. `None` if the equations do not determine D.
     pub(super) fn cut(
         &self,
         common: &DVector<f64>,

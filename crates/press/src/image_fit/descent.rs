@@ -18,13 +18,13 @@ const ENOUGH: f64 = 1e-6;
 const ROUGHLY: f64 = 1.0;
 /// Largest factor by which variances are multiplied.
 const MAX_VARIANCE: f64 = 1e12;
-/// Ratio of consecutive factors.
+/// Ratio of consecutive factors by which variances are multiplied.
 const FALL: f64 = 10.0;
-/// Exponents that determine the first factor on the variances. The next exponent is tried if chi-squared remains too
-/// large.
+/// Exponents that determine the first factor on the variances. If chi-squared remains too large, the next exponent is
+/// tried.
 const ROOTS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
-/// Chi-squared is acceptable if its p-value is at least this value. For one good sensor in a thousand, useless further
-/// searches are made.
+/// Chi-squared is acceptable if its p-value is at least this value. A correct sensor model is below it with a
+/// probability of 0.001; then needless further searches follow.
 const PLAUSIBLE: f64 = 1e-3;
 
 /// The minimum of a search.
@@ -35,7 +35,7 @@ struct Minimum {
 }
 
 /// Cost of a state. States are compared first by the number of markers that have a reading but are hidden in the model,
-/// then by the sum of the squares of all others.
+/// then by the sum of squares of the other markers.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 struct Cost {
     hidden: usize,
@@ -61,7 +61,7 @@ impl<V: View> Resting<'_, V> {
         };
         let variance = self.variance_at(&start).ok_or(PressError::OutOfRange)?;
         let mut least: Option<(Minimum, f64)> = None;
-        // Searches with different first factors may end in different minima, so the best of them is used.
+        // Searches that start with different factors may end in different minima, so the best minimum is used.
         for root in ROOTS {
             let Ok(minimum) = self.cooled(start.clone(), libm::pow(variance, root)) else {
                 continue;
@@ -116,13 +116,13 @@ impl<V: View> Resting<'_, V> {
         }
     }
 
-    /// Sum of the squares of each marker. It is infinite if the marker has a reading but is hidden in the model, and
-    /// `None` without a reading.
+    /// Sum of squared residuals of each marker. It is infinite if the marker has a reading but is hidden in the model,
+    /// and `None` without a reading.
     fn own_costs(&self, state: &State, pictures: &Pictures) -> Vec<Option<f64>> {
         let own = |marker: usize| {
             let weight = self.frame.weights[marker].as_ref()?;
             let residual = self.frame.residual(marker, pictures);
-            // A marker with a reading must be visible in the model too.
+            // A marker with a reading must also be visible in the model.
             let square =
                 residual.map_or(f64::INFINITY, |residual| residual.dot(&(weight * residual)));
             let [x, y] = state.misalignments[marker];
@@ -135,7 +135,7 @@ impl<V: View> Resting<'_, V> {
         (0..self.markers()).map(own).collect()
     }
 
-    /// Sum of the squares of all markers, where each marker contributes at most the threshold of an outlier.
+    /// Sum of squared residuals of all markers. Each marker contributes at most the outlier threshold.
     fn robust(&self, minimum: &Minimum) -> f64 {
         let own = self.own_costs(&minimum.state, &minimum.pictures);
         let own = own.into_iter().flatten().map(|square| square.min(WRONG));
@@ -167,7 +167,7 @@ impl<V: View> Resting<'_, V> {
         }
     }
 
-    /// The minimum near a state. The search ends if chi-squared decreases by less than `enough`.
+    /// The minimum of chi-squared near a state. The search ends if chi-squared decreases by less than `enough`.
     fn minimised(&self, mut state: State, enough: f64) -> Result<Minimum, PressError> {
         let impossible = PressError::OutOfRange;
         let mut pictures = self.pictures(&state).ok_or(impossible)?;

@@ -10,7 +10,7 @@ use crate::state::State;
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, UNKNOWNS, Unknowns};
 use crate::{Body, MarkerDisplacement, Place, PressError};
 
-/// Step for numerical derivatives of shifted discs, relative to the scale of each unknown.
+/// Step for numerical derivatives of displaced discs, relative to the scale of each fit parameter.
 const STEP: f64 = 1e-5;
 
 /// Displacements of the magenta and the yellow disc of each marker.

@@ -8,14 +8,14 @@ use crate::state::State;
 use crate::unknowns::{Fitted, Sums, Unknowns};
 use crate::{Body, PressError, Skin};
 
-/// If an undamped step is predicted to decrease chi-squared by at least this value (four standard deviations, squared),
-/// the state is far from a minimum.
+/// If an undamped step is predicted to decrease chi-squared by at least this value, the state is far from a minimum.
+/// The value is the square of four standard deviations.
 const STUCK: f64 = 16.0;
 
-/// Derivatives are kept as long as the logarithm of the curvature changes by less than this value.
+/// Derivatives are reused as long as the logarithm of the curvature has changed by less than this value.
 const NEAR: f64 = 0.3;
 
-/// A state with its residuals and derivatives.
+/// A state of the fit with its residuals and derivatives.
 #[derive(Clone)]
 pub(super) struct FitState {
     pub(super) state: State,
@@ -25,18 +25,18 @@ pub(super) struct FitState {
     /// both discs.
     pub(super) normal_slopes: Vec<f64>,
     pub(super) sums: Sums,
-    /// Whether the search keeps the derivatives as long as their predictions are good.
+    /// Whether the search reuses derivatives as long as their predictions of chi-squared are good.
     pub(super) keeps_slopes: bool,
 }
 
 impl FitState {
-    /// This fit, with the setting that the search keeps derivatives as long as their predictions are good.
+    /// This fit, with the setting that the search reuses derivatives as long as their predictions are good.
     pub(super) fn keeping_slopes(mut self) -> Self {
         self.keeps_slopes = true;
         self
     }
 
-    /// A nearby state with the same derivatives.
+    /// The fit at a nearby state, with the same derivatives.
     fn near<V: View>(
         self,
         problem: &Problem<'_, V>,
@@ -129,7 +129,7 @@ impl<V: View> LeastSquares for Problem<'_, V> {
             return Ok(None);
         };
         let gain = from.sums.chi_squared - tried.cost;
-        // Derivatives are recomputed if their predictions were bad, and kept if they were good.
+        // Derivatives are recomputed if their prediction of chi-squared was bad, and reused if it was good.
         let is_predicted = match from.keeps_slopes {
             true => gain > 0.3 * promise,
             false => (gain - promise).abs() < 0.2 * promise,

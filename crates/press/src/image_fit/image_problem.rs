@@ -27,17 +27,17 @@ pub(super) type Residuals = DVector<f64>;
 /// Derivatives of the whitened images with respect to the fit parameters.
 pub(super) type Jacobian = MatrixXx6<f64>;
 
-/// Derivatives, with the products that the derivatives of chi-squared need.
+/// Derivatives of the images, with the matrix products from which the derivatives of chi-squared are computed.
 #[derive(Clone, Debug)]
 pub(super) struct Slopes {
     pub(super) jacobian: Jacobian,
-    /// Those components of the derivatives that sensor deviations common to all markers may explain.
+    /// Components of the derivatives that sensor deviations common to all markers may explain.
     pub(super) shared: Jacobian,
     /// Products of the derivatives with respect to two fit parameters, without the components in `shared`.
     pub(super) square: Square,
 }
 
-/// A least-squares problem: the readings, their weights at some state, and the fitted parameters.
+/// A least-squares problem: the readings, the fitted parameters, and the weights, which were computed at some state.
 #[derive(Clone)]
 pub(super) struct Problem<'a, V> {
     pub(super) fit: &'a ImageFit<V>,
@@ -56,7 +56,7 @@ pub(super) struct Problem<'a, V> {
     by_depth: Vec<[MarkerDisplacement; 2]>,
     /// Whitening matrix of each used marker, which transforms its errors to independent errors of unit variance.
     pub(super) whiten: Vec<Matrix4<f64>>,
-    /// Derivatives of the whitened images of these markers with respect to their misalignments.
+    /// Derivatives of the whitened images of the used markers with respect to their misalignments.
     pub(super) by_local: Vec<Matrix4x2<f64>>,
     /// Whitened difference, to first order, between the images for the sensor fitted at rest and for `sensor`.
     from_rest: Vec<Vector4<f64>>,
@@ -67,7 +67,7 @@ pub(super) struct Problem<'a, V> {
     pub(super) root: DMatrix<f64>,
 }
 
-/// A state that was tried, with the values from which its derivatives can be computed.
+/// A state that was tried, with the values that are needed to compute its derivatives.
 pub(super) struct Tried {
     pub(super) state: State,
     pub(super) residuals: Residuals,
@@ -146,7 +146,7 @@ impl<'a, V: View> Problem<'a, V> {
         self.fitted(*state, residuals, &slopes, &moving.slopes)
     }
 
-    /// Computes the weights of all readings for markers without displacement.
+    /// Computes the weights of all readings as if no marker moved.
     pub(super) fn weigh_at_rest(&mut self) -> Result<(), PressError> {
         let slopes = Arc::clone(&self.rest.slopes);
         self.weigh_by(&slopes)
@@ -219,7 +219,7 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(self.deeper(self.fit.moved(state)?))
     }
 
-    /// A state, with its residuals and chi-squared.
+    /// Residuals and chi-squared of a state.
     pub(super) fn tried(&self, state: State) -> Result<Tried, PressError> {
         let mut moving = self.fit.moving(&state)?;
         moving.moved = self.deeper(moving.moved);
@@ -233,7 +233,7 @@ impl<'a, V: View> Problem<'a, V> {
         })
     }
 
-    /// A state that was tried, with its derivatives.
+    /// The fit at a state that was tried, with its derivatives.
     pub(super) fn reached(&self, tried: Tried) -> Result<FitState, PressError> {
         let Tried {
             state,
@@ -296,7 +296,7 @@ impl<'a, V: View> Problem<'a, V> {
         self.whitened(|marker| pictures[marker])
     }
 
-    /// Whitened residuals for markers without displacement.
+    /// Whitened residuals if no marker moves.
     pub(super) fn residuals_at_rest(&self) -> Result<Residuals, PressError> {
         self.whitened(|marker| self.rest.slopes.pictures[marker])
     }
@@ -319,7 +319,7 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(residuals)
     }
 
-    /// Residuals without the part that the sensor deviations common to all markers explain.
+    /// Residuals without the part that can be explained by sensor deviations common to all markers.
     pub(super) fn own(&self, residuals: &Residuals) -> Result<Residuals, PressError> {
         Ok(residuals - &self.common * self.departures(residuals)?)
     }

@@ -22,16 +22,16 @@ pub(super) const WRONG: f64 = 36.0;
 const ROBUST: f64 = 16.0;
 /// Largest share of outliers among the markers. If there are more, the model is wrong.
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
-/// Maximum number of iterations of the robust weights.
+/// Maximum number of iterations in which the robust weights are computed.
 const ROUNDS: usize = 20;
 /// Maximum number of updates of the sensor with both frames.
 const SENSOR_UPDATES: usize = 5;
-/// The updates of the sensor end if chi-squared is predicted to decrease by less than this value, which is 1/20 of a
-/// standard deviation, squared.
+/// The updates of the sensor end if chi-squared is predicted to decrease by less than this value. The value is the
+/// square of 1/20 standard deviation.
 const SETTLED: f64 = 2.5e-3;
 /// Smallest improvement of chi-squared by a contact, compared with no contact, for which the contact counts as
-/// detected. It is the threshold for displacements of 240 markers, because noise can change each of the numbers that
-/// are measured of a marker.
+/// detected. It equals the threshold of a displacement fit with 240 markers, because each marker has four numbers with
+/// noise.
 const MIN_IMPROVEMENT: f64 = 16.0;
 /// If the standard error of the logarithm of the curvature is above this value, the images are compatible with objects
 /// of any sharpness.
@@ -44,7 +44,7 @@ const EXACTLY: f64 = 1e-6;
 impl<V: View + Clone> ImageFit<V> {
     /// Estimates the press from the readings of one frame and from the sensor at rest. The reading of a marker that is
     /// not visible is `None`. For exact readings with any stated errors, the error of the most likely curvature is
-    /// below 1/1000 of its standard error, if the standard error is smaller than the curvature.
+    /// below 1/1000 of its standard error. This is true if the standard error is smaller than the curvature.
     ///
     /// # Errors
     /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for invalid settings and
@@ -151,7 +151,7 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
     })
 }
 
-/// The fit near a state, in which the sensor is fitted to both frames.
+/// The fit near a state. The sensor parameters are fitted to both frames (at rest and pressed).
 pub(super) fn settle<V: View + Clone>(
     problem: &mut Problem<'_, V>,
     near: State,
@@ -161,7 +161,7 @@ pub(super) fn settle<V: View + Clone>(
     minimise(problem, near.keeping_slopes(), EXACTLY, None)
 }
 
-/// The fit after the sensor was fitted to both frames.
+/// Continues the fit after the sensor was fitted to both frames (at rest and pressed).
 fn update_sensor<V: View + Clone>(
     problem: &mut Problem<'_, V>,
     near: FitState,
@@ -214,7 +214,7 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, Pre
     let near = best.ok_or(failure)?;
     let near = problem.weigh(&near.state)?;
     let mut best = minimise(problem, near.keeping_slopes(), ROUGHLY, None)?;
-    // A bad fit may be due to outliers, so the weights are computed again.
+    // A bad fit may be due to outliers, so the weights are computed again before the fit is rejected.
     let mut is_weighed = false;
     for _ in 0..ROUNDS {
         let squares = problem.squares(&best.residuals)?;
@@ -288,16 +288,16 @@ impl<V: View> Problem<'_, V> {
 
 /// Radii of the contact that are tried, relative to the sensor's radius.
 const RADII: [f64; 4] = [0.08, 0.14, 0.22, 0.35];
-/// Number of further markers, among those that moved most, at which contacts are tried too.
+/// Number of further markers at which contacts are tried. The markers that moved most are chosen.
 const BESIDE: usize = 2;
 
 impl<V: View> Problem<'_, V> {
-    /// Start values, most likely first.
+    /// Start values, sorted from the most to the least likely.
     pub(super) fn starts(&self) -> Result<Vec<State>, PressError> {
         let skin = self.fit.markers.skin();
         let at_rest = &self.rest.slopes.pictures;
-        // For a camera in the sensor's centre, the relative growth of a disc's image equals the relative decrease of
-        // its distance.
+        // If the camera is in the sensor's centre, the relative growth of a disc's image equals the relative decrease
+        // of its distance. The growth therefore measures the inward displacement.
         let mut inward: Vec<(f64, usize)> = Vec::new();
         for &marker in &self.counting {
             if let (Some(seen), Some(rest)) = (&self.seen[marker], &at_rest[marker]) {

@@ -29,7 +29,7 @@ pub struct Rest {
     /// priors.
     pub(super) information: DMatrix<f64>,
     /// For each marker, the derivative of its misalignment with respect to the uncertain common sensor deviations, and
-    /// the conditional covariance of the misalignment.
+    /// the covariance of the misalignment for given sensor deviations.
     pub(super) local: Vec<Option<Local>>,
     /// Images at rest with their derivatives, for the sensor at which the model was linearised.
     pub(super) slopes: Arc<PictureSlopes>,
@@ -108,7 +108,7 @@ impl<V: View> ImageFit<V> {
         })
     }
 
-    /// The fit of the frame at rest, linearised at another sensor; `None` if this sensor is impossible.
+    /// The fit of the frame at rest, with the model linearised at another sensor; `None` if this sensor is impossible.
     pub(super) fn rest_about(&self, rest: &Rest, sensor: &Sensor) -> Option<Rest> {
         let resting = self.resting(Arc::clone(&rest.frame)).ok()?;
         let free = resting.free.iter();
@@ -133,7 +133,7 @@ pub(super) struct RestFrame {
 }
 
 impl RestFrame {
-    /// Number of the used markers.
+    /// Number of used markers in the frame at rest.
     fn markers(&self) -> usize {
         self.weights.iter().flatten().count()
     }
@@ -176,11 +176,11 @@ pub(super) struct Equations {
     local: Vec<Option<Own>>,
 }
 
-/// The part of the equations that belongs to one marker.
+/// Equations for the misalignment of one marker.
 #[derive(Clone)]
 struct Own {
     square: Matrix2<f64>,
-    /// Inverse of `square`; 0 for aligned discs.
+    /// Inverse of the matrix `square`; 0 for aligned discs.
     inverse: Matrix2<f64>,
     across: OMatrix<f64, U2, Dyn>,
     right: Vector2<f64>,
@@ -292,7 +292,7 @@ impl<V: View> Resting<'_, V> {
         self.fit.slopes(&sensor, &self.still(), None)
     }
 
-    /// Displacements of 0 for all discs.
+    /// Displacements of all discs at rest, which are 0.
     fn still(&self) -> Vec<[MarkerDisplacement; 2]> {
         vec![[MarkerDisplacement::default(); 2]; self.markers()]
     }

@@ -24,7 +24,7 @@ impl<V: View> Problem<'_, V> {
         DVector::from_iterator(free.len(), steps)
     }
 
-    /// Misalignment of a marker of the sensor fitted at rest, minus that of `sensor`, rad.
+    /// Misalignment of a marker in the sensor fitted at rest, minus its misalignment in `sensor`, rad.
     pub(super) fn to_rest_of(&self, marker: usize) -> Vector2<f64> {
         Vector2::from(self.rest.misalignments[marker])
             - Vector2::from(self.sensor.misalignments[marker])
@@ -57,7 +57,7 @@ impl<V: View> Problem<'_, V> {
         is_possible
     }
 
-    /// The sensor that fits both frames, from the residuals for the current sensor.
+    /// The sensor that fits both frames (at rest and pressed), computed from the residuals for the current sensor.
     pub(super) fn updated_sensor(&self, residuals: &Residuals) -> Result<Sensor, PressError> {
         let departures = self.departures(residuals)?;
         let own = residuals - &self.common * &departures;

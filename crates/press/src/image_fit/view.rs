@@ -10,9 +10,9 @@ use crate::{MarkerDisplacement, PressError};
 /// Number of numbers that describe the image of a marker: two coordinates of the centroid, px; hue, turns; logarithm of
 /// the size.
 pub(super) const NUMBERS: usize = 4;
-/// Index of the hue, which is periodic.
+/// Index of the hue among the four numbers of an image. The hue is periodic.
 const HUE: usize = 2;
-/// Index of the size.
+/// Index of the size among the four numbers of an image.
 pub(super) const SIZE: usize = 3;
 
 /// Step of numerical derivatives with respect to deviations of the sensor, in standard deviations.
@@ -22,7 +22,7 @@ const MISALIGNMENT_STEP: f64 = 1e-6;
 /// Step of numerical derivatives with respect to displacements, in radii of the skin.
 const DISPLACEMENT_STEP: f64 = 1e-6;
 
-/// Relative error of the four numbers due to rounding in a model; for numbers below 1, the absolute error.
+/// Relative rounding error of the four numbers of an image in a model. For numbers below 1, it is the absolute error.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// A reading of a marker's image by the tracker.
@@ -31,7 +31,7 @@ pub struct Seen {
     /// Image of a marker: both coordinates of the centroid, px; hue of the summed light, turns; natural logarithm of
     /// the size in px².
     pub picture: [f64; 4],
-    /// Covariance of the errors of these numbers. It must be positive definite.
+    /// Covariance of the errors of the four numbers in `picture`. It must be positive definite.
     pub covariance: Matrix4<f64>,
 }
 
@@ -48,8 +48,8 @@ impl Seen {
         PressError::unless_good("covariance", least, good, expected).map(|_| ())
     }
 
-    /// Covariance of the errors of these numbers. The variances are at least those of rounding errors, because a fit
-    /// with smaller variances has no clear minimum.
+    /// Covariance of the errors of the four numbers of the image. The variances are at least those of rounding errors,
+    /// because a fit with smaller variances has no clear minimum.
     pub(super) fn errors(&self) -> Matrix4<f64> {
         let mut errors = self.covariance;
         for (at, number) in self.picture.iter().enumerate() {
@@ -66,7 +66,7 @@ pub struct SensorState<'a> {
     /// Deviations of the parameters from their nominal values (sensor deviations), common to all markers. The first two
     /// are the additional depths of the magenta and of the yellow discs, lengths; the [`View`] defines the others.
     pub common: &'a [f64],
-    /// Misalignment of each marker's discs; angles at the sensor's centre, rad.
+    /// Misalignment of each marker's two discs, as angles at the sensor's centre, rad.
     pub misalignments: &'a [[f64; 2]],
 }
 
@@ -106,7 +106,7 @@ impl Sensor {
     }
 }
 
-/// Scales of the parameters, for views that compute derivatives numerically.
+/// Scales of the sensor parameters, from which camera models compute the steps of numerical derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steps<'a> {
     /// Indices of the sensor deviations for which derivatives are requested, each with its standard deviation, > 0.
@@ -132,7 +132,7 @@ pub struct PictureSlopes {
 }
 
 impl PictureSlopes {
-    /// Whether the sizes of the lists agree with these numbers of markers and sensor deviations.
+    /// Whether the lists have the correct sizes for these numbers of markers and sensor deviations.
     pub(super) fn are_of(&self, markers: usize, departures: usize) -> bool {
         self.pictures.len() == markers
             && self.common.shape() == (NUMBERS * markers, departures)
@@ -282,7 +282,7 @@ impl<V: View> ImageFit<V> {
     }
 }
 
-/// Difference between two images.
+/// Difference between the four numbers of two images. The difference of the hues is periodic.
 pub(super) fn difference(one: &[f64; NUMBERS], other: &[f64; NUMBERS]) -> [f64; NUMBERS] {
     let mut difference = std::array::from_fn(|number| one[number] - other[number]);
     let turn: f64 = difference[HUE];

@@ -1,5 +1,5 @@
-//! Compares the bonded layer with values of an independent solver and with limits, and checks equations that every
-//! solution satisfies.
+//! Compares the bonded layer with values of an independent solver and with limiting cases, and checks equations that
+//! every solution satisfies.
 
 use std::f64::consts::PI;
 
@@ -111,7 +111,7 @@ fn the_surface_follows_the_object_within_the_contact() {
                 "a = {a}, r = {r}: off by {error:e}"
             );
         }
-        // Outside of the contact, there is a gap between the object and the layer.
+        // Outside of the contact, there is a positive gap between the object and the layer.
         let gap = contact.field(1.2 * a).normal - (indentation - 0.72 * a * a);
         assert!(gap > 0.0, "a = {a}: {gap:e}");
     }
@@ -339,7 +339,7 @@ fn errors_decrease_with_resolution_and_invalid_ones_are_refused() {
     }
 }
 
-/// If layers share tables, their displacements are the same as those of layers with separate tables.
+/// Layers that share tables must have the same displacements as layers with separate tables.
 #[test]
 fn a_layer_at_several_depths_equals_separate_layers() {
     for thickness in [1e-40, 1.0, 1e40] {

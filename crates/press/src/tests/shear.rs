@@ -59,8 +59,8 @@ fn the_contact_moves_as_a_rigid_body() {
 
 #[test]
 fn far_from_the_contact_the_shift_is_that_of_a_point_force() {
-    // The reference is Cerruti's solution. The force is chosen such that the shift of the contact, force × π(2−ν)/(8 a
-    // G), is 1.
+    // The reference is Cerruti's solution for a point force. The force is chosen such that the contact shifts by 1:
+    // force × π(2−ν)/(8 a G) = 1.
     for (poisson, r, z, azimuth) in [
         (0.0, 3.0, 4.0, 0.5),
         (0.3, 5.0, 0.0, 2.0),
@@ -114,7 +114,7 @@ fn sneddons_indentation_contains_an_inverse_hyperbolic_tangent() {
         for ratio in [1e-140, 1e-9, 0.5, 0.999_999] {
             let a = ratio * radius;
             let found = sneddon_indentation(radius, a).unwrap();
-            // `atanh` amplifies the rounding error of a/R where a/R is nearly 1.
+            // `atanh` amplifies the rounding error of a/R if a/R is nearly 1.
             let bound = 1e-15 / (1.0 - ratio);
             assert!(
                 (found / (a * libm::atanh(a / radius)) - 1.0).abs() < bound,
@@ -173,7 +173,7 @@ fn markers_of_a_nearly_flat_skin_move_as_on_a_plane() {
         )
         .unwrap();
         let expected = [flat.along, flat.across, flat.normal].map(|one| one * shift);
-        // `across` is a quarter turn from the direction of the shift, which is along x.
+        // `across` is perpendicular to the direction of the shift, which is along x.
         let found = [moved.tangential[0], moved.tangential[1], moved.normal];
         for (found, expected) in found.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-6, "{found} {expected}");

@@ -41,8 +41,8 @@ fn assert_finite(contact: &Contact<'_>, r: f64, young: f64) {
     );
 }
 
-/// Contacts with a dish whose curvature is nearly opposite to the sensor's, and with a plane, at indentations from
-/// nearly zero to the radius of the sensor.
+/// The contacts are with a plane, and with a dish whose curvature is nearly opposite to the sensor's. Indentations are
+/// from nearly zero to the radius of the sensor.
 #[test]
 fn contacts_on_skins_of_any_size_have_the_hertz_radius() {
     let body = Body::hertz(0.5).unwrap();
@@ -51,7 +51,8 @@ fn contacts_on_skins_of_any_size_have_the_hertz_radius() {
         for gap in [0.5, 1e-6, 1e-11] {
             let (object, indentation) = (-(1.0 - gap) / radius, 1e-3 * gap * radius);
             let found = skin.contact(&body, object, indentation).unwrap();
-            // The difference of two nearly equal curvatures has a rounding error proportional to 1/gap.
+            // The difference of two nearly equal curvatures has a rounding error that is proportional to 1/gap, where
+            // `gap` is the relative difference.
             let bound = 1e-15 / gap;
             assert!((found.relative_curvature * radius / gap - 1.0).abs() <= bound);
             let due = 1e-3_f64.sqrt() * radius;
@@ -143,7 +144,7 @@ fn is_finite(found: &PressEstimate) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// If indentations are at most a fiftieth of the radius, no contact is wider than the sensor.
+    /// If the indentation is at most a fiftieth of the radius, the contact is narrower than the sensor.
     #[test]
     fn shallow_presses_on_any_sensor_have_a_contact(
         radius in power(-9.0..9.0),
@@ -246,8 +247,8 @@ proptest! {
         prop_assert!(is_finite(&found), "{found:?}");
         let left = found.goodness.map_or(f64::INFINITY, |goodness| goodness.chi_squared);
         prop_assert!(left < 1e-3, "{found:?}");
-        // A shallow press of a sharp object hardly determines the curvature with the stated noise, so that any estimate
-        // is accepted.
+        // With the stated noise, a shallow press of a sharp object hardly determines the curvature. Therefore any
+        // estimate of such a press is accepted.
         let is_resolved = found.relative_curvature.std < 0.3 * found.relative_curvature.value;
         let off = found.most_likely_curvature - 0.05 - object;
         prop_assert!(off.abs() < 1e-4 || !is_resolved, "{found:?}");

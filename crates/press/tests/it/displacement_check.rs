@@ -49,7 +49,7 @@ fn sound_readings_seldom_have_a_misfit() {
     let layer = Body::bonded_layer(5.0, DEPTH).unwrap();
     for body in [&half_space(), &layer] {
         let codes = codes([body; 2], STATED, no_change);
-        // At 5 %, 3 of 60 presses are expected to have a misfit; the probability of more than 6 is 3 %.
+        // By chance, 3 of 60 presses (5 %) are expected to have a misfit; the probability of more than 6 is 3 %.
         assert!(misfit_share(&codes, None) <= 0.1, "{codes:?}");
     }
 }
@@ -101,12 +101,11 @@ fn smaller_noise_than_stated_is_found() {
     );
 }
 
-/// The stated indentation is smaller than the indentation that follows from the displacements, by 5 standard
-/// deviations.
+/// The stated indentation is smaller than the indentation that the displacements imply, by 5 standard deviations.
 #[test]
 fn a_smaller_stated_indentation_is_found() {
-    // A stated indentation that is too large is seldom found, because a sharper object that is pressed deeper moves the
-    // markers almost in the same way.
+    // A stated indentation that is too large is seldom reported. The reason is that a sharper object that is pressed
+    // deeper moves the markers almost in the same way.
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0);
     let exact = Readings::of(&markers, &contact.unwrap(), at(6.0, 20.0));
@@ -136,7 +135,7 @@ fn an_elongated_press_is_not_round() {
     let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0).unwrap();
     let [x, y] = at(6.0, 20.0);
     let codes = codes([&body; 2], STATED, |readings, _| {
-        // Two more contacts are added, one on each side, with half of the displacements.
+        // Two more contacts are added, one on each side of the first, each with half of its displacements.
         for side in [-6.0, 6.0] {
             let beside = Readings::of(&markers, &contact, [x + side, y]);
             for (normal, more) in readings.normal.iter_mut().zip(beside.normal) {
@@ -190,7 +189,7 @@ fn a_slip_at_the_contact_is_not_taken_for_a_needle() {
     assert!((0..20).filter(is_held).count() >= 15);
 }
 
-/// Indices of the `count` markers nearest to the contact, the nearest first.
+/// Indices of the `count` markers nearest to the contact, sorted by increasing distance.
 fn nearest(count: usize) -> Vec<usize> {
     let distances = published().distances(at(6.0, 20.0));
     let mut order: Vec<usize> = (0..distances.len()).collect();
@@ -209,8 +208,8 @@ fn one_marker_among_sound_ones_is_named_if_it_changes_the_curvature() {
         });
         misfit_share(&codes, Some("outlier"))
     };
-    // The marker is left out if noise increases its error. Among readings without a wrong marker, 0.5 % have an
-    // outlier.
+    // The fit itself rejects the marker in those trials in which noise increases its error. Among readings without a
+    // wrong marker, 0.5 % have an outlier.
     let [near, far] = [order[3], order[60]].map(named);
     assert!(near > 0.3 && far < 0.05, "{near} {far}");
 }
@@ -243,8 +242,8 @@ fn an_interval_contains_the_estimate_without_a_marker_that_contradicts() {
     );
 }
 
-/// The displacements of the press are far smaller than the noise. It excludes only blunt objects, and is reported as
-/// not detected.
+/// The displacements of the press are far smaller than the noise. The readings exclude only blunt objects, and the
+/// contact is reported as not detected.
 #[test]
 fn undetected_presses_are_bounded_and_reported() {
     let (markers, body) = (published(), half_space());
@@ -276,7 +275,7 @@ fn undetected_presses_are_bounded_and_reported() {
     );
 }
 
-/// The numbers of an estimate are changed so that no press has these numbers.
+/// The numbers of an estimate are changed to values that no press has.
 #[test]
 fn estimates_of_no_press_are_refused() {
     let markers = published();

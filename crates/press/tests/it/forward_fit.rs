@@ -115,7 +115,7 @@ fn tangential_readings_reduce_the_standard_error_if_the_indentation_is_fitted() 
     }
 }
 
-/// In an independent calculation, the bound is 6.7 % of the curvature.
+/// The expected bound, 6.7 % of the curvature, comes from an independent calculation.
 #[test]
 fn the_bound_matches_an_independent_calculation() {
     let (markers, body) = (published(), half_space());
@@ -124,7 +124,7 @@ fn the_bound_matches_an_independent_calculation() {
     let bounds = fit.bounds(&markers, &contact, [0.0; 2], false, Some(0.02));
     let share = bounds.unwrap().relative_curvature / contact.relative_curvature;
     assert_relative_eq!(share, 0.067, max_relative = 0.01);
-    // The bounds are proportional to the noise, if the square of the noise is within the range of doubles.
+    // The bounds are proportional to the noise as long as the square of the noise is within the range of doubles.
     let by = |std| {
         let fit = ForwardFit {
             normal_std: Some(std),
@@ -181,8 +181,8 @@ fn errors_from_noisy_readings_reach_the_bound() {
     }
 }
 
-/// The curvature scatters by about 20 %. Relative to this scatter, the mean over 600 presses has no bias. The curvature
-/// of the best fit is too large.
+/// The estimated curvature scatters by about 20 %, but its mean over 600 presses has no significant bias. The curvature
+/// of the best fit, which is not corrected, is too large on average.
 #[test]
 fn curvatures_are_without_bias() {
     const PRESSES: u64 = 600;
@@ -204,8 +204,8 @@ fn curvatures_are_without_bias() {
     assert!(bias(sum_of_best) > 0.015, "bias {}", bias(sum_of_best));
 }
 
-/// A Gaussian differs from the displacements of a press by more than the small noise; this must not make a marker an
-/// outlier.
+/// The displacements of a press differ from a Gaussian by more than the small noise. This difference must not make a
+/// marker an outlier.
 #[test]
 fn a_gaussian_model_reports_no_outliers() {
     let (markers, body) = (published(), half_space());
@@ -270,7 +270,7 @@ fn wrong_markers_are_named() {
     }
 }
 
-/// Markers outside of the window do not draw the estimated contact away.
+/// Markers outside of the window do not shift the estimated contact.
 #[test]
 fn a_window_stays_on_the_contact() {
     let (markers, body) = (published(), half_space());
@@ -322,9 +322,9 @@ fn a_gain_prior_widens_the_interval_to_contain_the_truth() {
     assert!((wary.gain.unwrap().value - 1.17).abs() < 0.05);
 }
 
-/// Columns: effective radius, indentation; amplitude, σ, R² and σ²/δ of a Gaussian. The Gaussian was fitted by another
-/// program, by unweighted least squares, to the displacements of a half-space at the depth 2 mm, at 60 equal steps from
-/// 0 to 2a.
+/// Columns: effective radius, indentation; amplitude, σ, R² and σ²/δ of a Gaussian. Another program fitted the Gaussian
+/// by unweighted least squares to the displacements of a half-space at the depth 2 mm. The displacements are at 60
+/// equal steps of the distance, from 0 to twice the contact radius.
 const GAUSSIANS: [[f64; 6]; 4] = [
     [26.67, 1.0, 0.870, 5.385, 0.977, 29.0],
     [20.0, 1.0, 0.844, 4.763, 0.978, 22.7],

@@ -1,4 +1,4 @@
-//! A camera whose model has a closed form, in a sensor of any size.
+//! A camera whose image of the markers has a closed form, in a sensor of any size.
 
 use palpate_press::{Body, ImageFit, MarkerDisplacement, Markers, SensorState, Skin, View};
 
@@ -16,7 +16,7 @@ const DEPTHS: [f64; 2] = [3.0, 1.0];
 /// and their distance from the camera (size).
 #[derive(Clone, Debug)]
 pub(crate) struct Ideal {
-    /// Unit of length.
+    /// Size of the unit in which lengths of the sensor are stated.
     pub(crate) unit: f64,
     /// Positions of the markers, length.
     pub(crate) places: Vec<[f64; 2]>,

@@ -117,7 +117,7 @@ fn noiseless_pictures_determine_the_press() {
         let rest = fit.at_rest(&truth.at_rest(None)).unwrap();
         for (found, true_one) in rest.misalignments.iter().zip(&truth.misalignments) {
             for axis in 0..2 {
-                // The prior pulls the estimates slightly towards 0.
+                // The prior pulls the estimates slightly towards 0, hence the tolerance.
                 assert!((found[axis] - true_one[axis]).abs() < 2e-4 * 0.06);
             }
         }
@@ -271,8 +271,8 @@ fn markers_at_rest_are_no_contact() {
     );
 }
 
-/// A sideways shift moves the skin under the contact. The fit includes the shift, so that the curvature does not
-/// change.
+/// A sideways shift moves the skin under the contact. Because the fit includes the shift, the estimated curvature does
+/// not change.
 #[test]
 fn a_fitted_sideways_shift_does_not_change_the_curvature() {
     let truth = Truth::drawn(8, [0.0; 5]);

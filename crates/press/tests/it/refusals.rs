@@ -106,7 +106,7 @@ fn noise_alone_is_no_contact() {
     }
 }
 
-/// Only one marker moved, so that the object may be a needle under this marker.
+/// Only one marker moved, so the object may be a needle under this marker.
 #[test]
 fn intervals_of_objects_sharper_than_the_marker_spacing_contain_the_truth() {
     let (markers, body) = (published(), half_space());
@@ -117,7 +117,7 @@ fn intervals_of_objects_sharper_than_the_marker_spacing_contain_the_truth() {
         let truth = contact.relative_curvature;
         for trial in 0..20 {
             let readings = Readings::of(&markers, &contact, at(0.5, 10.0)).noisy(0.02, trial);
-            // An error is also accepted.
+            // An error instead of an estimate is also accepted.
             if let Ok(found) = fit.estimate(&readings.reading(&markers, exactly(0.5))) {
                 let curvature = found.relative_curvature;
                 assert!(curvature.value.is_finite() && curvature.std.is_finite());
@@ -160,7 +160,7 @@ fn intervals_off_the_markers_contain_the_truth_or_are_refused() {
     }
 }
 
-/// A thin layer moves only under the contact, so that a slip of one marker looks like a needle under it.
+/// A thin layer moves only under the contact, so an error of one marker looks like a needle under it.
 #[test]
 fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     let (markers, std) = (published(), 0.03);
@@ -173,8 +173,8 @@ fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     let mut slipped = pressed.clone();
     slipped.normal.fill(0.0);
     slipped.normal[7] = 0.5;
-    // For 15 presses: the number of estimates that depend on this marker alone, and how many of their intervals contain
-    // the curvature.
+    // For 15 presses, the number of estimates that depend on this marker alone, and the number of their intervals that
+    // contain the curvature.
     let from_marker_alone = |readings: &Readings, marker: usize, curvature: f64| {
         let (mut estimates, mut held) = (0, 0);
         for trial in 0..15 {
@@ -219,7 +219,7 @@ fn five_markers() -> (Markers, Readings) {
     (markers, exact)
 }
 
-/// The noise can only be estimated if there are more used markers than fitted parameters.
+/// The noise can only be estimated if the number of used markers exceeds the number of fitted parameters.
 #[test]
 fn noise_is_not_estimated_without_more_used_markers_than_parameters() {
     let (markers, exact) = five_markers();

@@ -27,7 +27,7 @@ pub(crate) fn published() -> Markers {
     Markers::new(Skin::new(RADIUS).unwrap(), &positions).unwrap()
 }
 
-/// Markers on a great circle through the apex, at these distances from the apex.
+/// Markers on a great circle through the apex. `distances` are their distances from the apex along the skin.
 pub(crate) fn along(distances: &[f64]) -> Markers {
     let positions: Vec<[f64; 2]> = distances.iter().map(|&distance| [distance, 0.0]).collect();
     Markers::new(Skin::new(RADIUS).unwrap(), &positions).unwrap()
@@ -70,7 +70,7 @@ pub(crate) fn misfit_share(codes: &[Vec<&str>], code: Option<&str>) -> f64 {
     codes.iter().filter(has).count() as f64 / codes.len() as f64
 }
 
-/// Readings of the markers.
+/// Simulated displacements of the markers.
 #[derive(Clone)]
 pub(crate) struct Readings {
     pub(crate) normal: Vec<f64>,
@@ -78,7 +78,7 @@ pub(crate) struct Readings {
 }
 
 impl Readings {
-    /// Readings without error.
+    /// Displacements without errors for this contact.
     pub(crate) fn of(markers: &Markers, contact: &Contact<'_>, at: [f64; 2]) -> Self {
         let moved = markers.displacements(contact, at);
         Self {

@@ -47,7 +47,7 @@ class Table(dict[str, "NDArray[Any]"]):
         return f"<Table of {self.height} rows: {', '.join(self)}>"
 
     def _repr_html_(self) -> str:
-        # These modules are imported only here, so that importing palpate is fast.
+        # Import these modules only when they are needed, so that importing palpate is fast.
         import csv
         import io
 

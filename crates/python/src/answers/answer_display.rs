@@ -1,4 +1,4 @@
-//! Tables and figures of the answers.
+//! Makes the tables and figures of answers for Python.
 
 use palpate::{ReportError, Study, Table as Rows};
 use pyo3::prelude::*;

@@ -81,7 +81,7 @@ fn values_of(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Varied> {
     }
 }
 
-/// The values of a list; `None` for any other object.
+/// Converts the values of a Python list; `None` for any other object.
 pub(super) fn listed(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Option<Vec<toml::Value>>> {
     let Json::Array(values) = from_python(values)? else {
         return Ok(None);
@@ -90,7 +90,7 @@ pub(super) fn listed(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Option<V
     values.collect::<PyResult<_>>().map(Some)
 }
 
-/// Fields that are set to one value each.
+/// Reads the fields that the argument `set` sets to one value each.
 pub(super) fn set(set: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String, toml::Value)>> {
     let fields = set.into_iter().flat_map(|fields| fields.iter());
     let field = |(path, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {

@@ -1,4 +1,4 @@
-//! Scores of the papers' claims, and the HTML page of studies.
+//! Scores the papers' claims, and makes the HTML page with the results of studies.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! Effects of the fields of a scene on the error of an estimate.
+//! Computes the effects of the fields of a scene on the error of an estimate.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -16,7 +16,7 @@ record!(
     "Effects of the numeric fields of a scene on the rms error of a quantity, the largest first.\n\nFields: those that `palpate sensitivity --json` prints: `effects`, each with `field`, `value`, the two compared `values`,\ntheir `rms_errors`, `effect` (relative change of the error per relative change of the field), `effect_std` and `failures`;\n`skipped` fields with the reason `why`; `quantity`, `unit`, `trials` and `rms_error`. `table` is a Table of all effects, `figure` a Figure of the largest."
 );
 
-/// Answer with its study.
+/// Answer of `sensitivity`, together with the study to which it belongs.
 struct Found {
     sensitivity: palpate::Sensitivity,
     study: palpate::Study,
@@ -40,14 +40,14 @@ impl Made for Found {
     }
 }
 
-/// Numeric fields of a study's scene, by their effect on the rms error of a quantity.
+/// Computes the effect of each numeric field of a study's scene on the rms error of a quantity.
 ///
 /// Each field is changed alone, with the same random numbers. If the study sweeps fields, its first cell is used.
 ///
 /// Parameters
 /// ----------
 /// study : Study
-///     Scene.
+///     Study whose scene is changed.
 /// set : dict, optional
 ///     Fields with one value each. They replace the values and the sweeps of the study.
 /// quantity : str, optional
@@ -57,9 +57,8 @@ impl Made for Found {
 /// trials : int
 ///     Number of trials at each value.
 /// seed, threads
-///     As of `Study.run`; no result depends on the threads.
-/// progress : callable, optional
-///     Function that is called from time to time with the number of fields done since its last call.
+///     The same arguments as in `Study.run`. The results do not depend on the number of threads. progress : callable,
+/// optional Function that is called from time to time with the number of fields done since its last call.
 ///
 /// Returns
 /// -------

@@ -1,4 +1,4 @@
-//! Meanings of words.
+//! Explains the words that palpate uses.
 
 use palpate::glossary::{SUBJECTS, meaning, similar};
 use palpate::{Quantity, Statistic};

@@ -27,12 +27,13 @@ pub(crate) struct Batch {
     estimates: Vec<Result<Member, String>>,
 }
 
-/// Makes the object of an estimate.
+/// Function that makes the Python object of an estimate.
 type Class = fn(Python<'_>, Record) -> PyResult<Bound<'_, PyAny>>;
 
 /// Estimate of a batch.
 enum Member {
-    /// Value of the library, and its object, which is made when it is asked for.
+    /// Value of the library, the function that makes its Python object, and the object after Python has read it for the
+    /// first time.
     Made(Arc<dyn Made>, Class, PyOnceLock<Py<Record>>),
     Restored(Py<Record>),
 }
@@ -52,7 +53,7 @@ impl Member {
         self.object(py)?.bind(py).get().fields(py)
     }
 
-    /// A field that is made without the others.
+    /// Computes a field without computing the other fields.
     fn alone(&self, name: &str) -> Option<Alone> {
         match self {
             Self::Made(made, ..) => made.alone(name),
@@ -83,8 +84,8 @@ pub(super) fn batch<'py, R: Send + 'static, E: Made + 'static>(
     Ok(Bound::new(py, Batch { estimates })?.into_any())
 }
 
-/// Error in an array of readings. If the array has an axis for sets, the index in the message begins with the number of
-/// the set.
+/// Error in an array of readings. If the array has an axis for sets, the number of the set is the first index in the
+/// message.
 pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> RecordedError {
     match error {
         RecordedError::Array {
@@ -102,7 +103,8 @@ pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> Re
     }
 }
 
-/// One field of many estimates, combined to one value. An entry is `None` if the estimate does not have the field.
+/// Combines one field of many estimates to one value. An entry of `all` is `None` if the estimate does not have the
+/// field.
 fn stacked<'py>(py: Python<'py>, all: &[Option<Bound<'py, PyAny>>]) -> PyResult<Bound<'py, PyAny>> {
     let Some(first) = all.iter().flatten().find(|one| !one.is_none()) else {
         return Ok(py.None().into_bound(py));
@@ -141,13 +143,13 @@ fn stacked<'py>(py: Python<'py>, all: &[Option<Bound<'py, PyAny>>]) -> PyResult<
     Ok(PyList::new(py, all)?.into_any())
 }
 
-/// A list of numbers.
+/// Converts a Python list of numbers; `None` for any other object.
 fn row(value: &Bound<'_, PyAny>) -> Option<Vec<f64>> {
     let list = value.cast::<PyList>().ok()?;
     list.iter().map(|item| number(&item)).collect()
 }
 
-/// One field of many estimates, without computing the other fields.
+/// Combines one field of many estimates to one value, without computing the other fields.
 fn of_alone(py: Python<'_>, all: Vec<Option<Alone>>) -> PyResult<Bound<'_, PyAny>> {
     let mut rows = Vec::with_capacity(all.len());
     let mut unit = None;

@@ -1,4 +1,4 @@
-//! Estimates from glides.
+//! Estimates curvature from glides.
 
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
@@ -178,7 +178,7 @@ impl Made for Map {
 }
 
 impl Map {
-    /// Array that has `D` numbers for each point.
+    /// Makes an array with `D` numbers for each point of the map.
     fn stacked<'py, const D: usize>(
         &self,
         py: Python<'py>,

@@ -1,4 +1,4 @@
-//! Options of an estimate, read from a study.
+//! Reads the options of an estimate from a study.
 
 use palpate::config::{LengthUnit, StudyConfig};
 use palpate::recorded::StudyMismatch;
@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 use crate::error;
 use crate::study::Study;
 
-/// Options of an estimate, read from a cell of a study. Their lengths are converted to the unit of the readings. If no
-/// unit is stated, they keep the unit of the study.
+/// Options of an estimate, read from a cell of a study. Lengths are converted to the unit of the readings. If the
+/// readings have no stated unit, lengths keep the unit of the study.
 pub(crate) fn like<T>(
     study: Option<&Bound<'_, Study>>,
     cell: usize,

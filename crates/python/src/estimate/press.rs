@@ -1,4 +1,4 @@
-//! Estimates from presses.
+//! Estimates curvature from presses.
 
 use palpate::config::{PressEstimatorConfig, setting};
 use palpate::recorded::{self, PressOptions, PressRecording};

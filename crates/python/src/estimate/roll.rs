@@ -1,4 +1,4 @@
-//! Estimates from rolls.
+//! Estimates curvature from rolls.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -187,7 +187,7 @@ fn options<'py>(
     let base = self::like(like.as_ref(), cell, unit, palpate::study_options::roll)?;
     let options = RollOptions::with_settings(base, &given, unit).map_err(error::setting)?;
     if like.is_none() {
-        // Drop the previous settings only after the lock is released.
+        // Drop the previous settings only after the lock is released, because dropping them may run Python code.
         let _previous = last().replace((settings.unbind(), unit, options.clone()));
     }
     Ok(options)

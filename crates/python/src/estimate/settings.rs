@@ -1,4 +1,4 @@
-//! Settings of readings and estimators, by their keys.
+//! Reads the settings of readings and estimators from keyword arguments.
 
 use palpate::config::{Accepts, LengthUnit, Setting};
 use pyo3::exceptions::PyTypeError;

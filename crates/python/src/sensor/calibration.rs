@@ -1,4 +1,4 @@
-//! Calibration of a camera sensor.
+//! Calibrates a camera sensor.
 
 use palpate::config::LengthUnit;
 use palpate::recorded::{

@@ -1,4 +1,4 @@
-//! Calibration of a sensor's camera from a frame at rest.
+//! Calibrates the camera of a sensor from a frame at rest.
 
 use palpate::recorded::{self, CameraEstimate, RecordedFile, parse_camera};
 use pyo3::prelude::*;

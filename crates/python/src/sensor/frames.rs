@@ -1,4 +1,4 @@
-//! Frames of a camera sensor.
+//! Tracks markers in frames of a camera sensor.
 
 use palpate::config::{PressEstimatorConfig, setting};
 use palpate::recorded::{PressOptions, TrackedPress, difference_image, overlay, track_frames};

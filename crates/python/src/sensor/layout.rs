@@ -1,4 +1,4 @@
-//! Layout of the markers along a skin.
+//! Defines the layout of the markers along a skin.
 
 use palpate::{CutPattern, config, marker_places};
 use pyo3::prelude::*;

@@ -1,4 +1,4 @@
-//! Reads from a call how the pressed object is estimated from tracked markers.
+//! Reads from the arguments of a call how the curvature of the pressed object is estimated from tracked markers.
 
 use palpate::recorded::{FrameReader, PictureOptions, PressOptions};
 use pyo3::prelude::*;
@@ -14,7 +14,7 @@ fn refused(argument: &str, message: impl Into<String>) -> PyErr {
     error::argument(argument, &[], None, message)
 }
 
-/// The method of estimation that a call states; `None` if it states none.
+/// The method of estimation that a call states; `None` if the call states no method.
 pub(super) fn reader(
     calibration: Option<&Bound<'_, PyAny>>,
     px_per_rad: Option<f64>,

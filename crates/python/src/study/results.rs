@@ -1,4 +1,4 @@
-//! Results of a study.
+//! Defines the results of a study.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -79,7 +79,7 @@ impl Results {
         Self::of_files(py, files, ran.trials)
     }
 
-    /// Makes results from the contents of files.
+    /// Makes the results of a study from the contents of its files.
     fn of_files(
         py: Python<'_>,
         files: BTreeMap<String, String>,

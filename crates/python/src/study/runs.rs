@@ -1,4 +1,4 @@
-//! Runs, checks and plans of studies on other threads.
+//! Runs, checks and plans studies on other threads.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -22,7 +22,7 @@ pub(crate) fn runner(threads: Option<usize>) -> PyResult<Runner> {
     runner.map_err(error::run)
 }
 
-/// Error for cells that cannot be run.
+/// Converts an error of a run to an exception.
 fn of_sweep(error: SweepError<palpate::ConfigError>) -> PyErr {
     match error {
         SweepError::SetUp(error) => error::config(error),
@@ -30,7 +30,8 @@ fn of_sweep(error: SweepError<palpate::ConfigError>) -> PyErr {
     }
 }
 
-/// Results of some cells of a study, by default of all cells, and a trace of the first cell if the config requests it.
+/// Runs some cells of a study, by default all cells. Returns the results, and a trace of the first cell if the config
+/// requests one.
 pub(super) fn run(
     py: Python<'_>,
     (study, cells): (Arc<Study>, Option<Vec<usize>>),
@@ -57,7 +58,7 @@ pub(super) fn run(
     Ok((ran, trace.transpose().map_err(of_trace)?))
 }
 
-/// Error in a trace.
+/// Converts an error of a trace to an exception.
 pub(super) fn of_trace(error: TraceError) -> PyErr {
     match error {
         TraceError::Config(error) => error::config(error),

@@ -19,7 +19,7 @@ fn file(name: &str) -> RecordedFile {
     RecordedFile::read(&example(name)).unwrap()
 }
 
-/// `D` columns of numbers in each row of an example, beginning with the column `first`.
+/// Numbers from an example: in each row, `D` columns, beginning with the column `first`.
 fn columns<const D: usize>(name: &str, first: usize) -> Vec<[f64; D]> {
     let text = std::fs::read_to_string(example(name)).unwrap();
     let lines = text.lines().filter(|line| !line.starts_with('#')).skip(1);
@@ -48,7 +48,7 @@ fn rolls_from_arrays_match_those_from_a_file() {
     let estimate = estimate_roll(readings, &options).unwrap();
     let of_file = estimate_roll(parse_roll(file(name)).unwrap(), &options).unwrap();
     assert_same_json(&estimate, &of_file);
-    // A rotation about the normal does not move the contact.
+    // The third component is a rotation about the normal, which does not move the contact.
     let spun: Vec<[f64; 3]> = rotations.iter().map(|[x, y]| [*x, *y, 0.7]).collect();
     let readings = RollRecording::new(&spun, &shifts, MM).unwrap();
     assert_same_json(&estimate_roll(readings, &options).unwrap(), &of_file);

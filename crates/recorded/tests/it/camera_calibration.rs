@@ -71,7 +71,7 @@ impl Default for Truth {
 }
 
 impl Truth {
-    /// The nominal camera, but with the true odd terms of the lens.
+    /// The nominal camera, with the true odd terms of the lens instead of the nominal ones.
     fn lens(&self) -> Camera {
         Camera::new(Lens::fisheye(self.terms), SIZE, 65.0).expect("a camera")
     }
@@ -153,9 +153,9 @@ fn one_frame_locates_the_camera() {
             count += 1.0;
         }
         assert!(estimate.warnings.is_empty(), "{:?}", estimate.warnings);
-        // The rim of the frame cuts one or two markers off.
+        // One or two markers are only partly in the frame.
         assert!(estimate.residuals_px.len() >= 75, "{estimate:?}");
-        // The prior standard deviations are 2 mm, 5 degrees and 10 %.
+        // The estimates are within the prior standard deviations, which are 2 mm, 5 degrees and 10 %.
         assert!(
             estimate.place_std.iter().all(|std| *std < 0.3),
             "{estimate:?}"
@@ -177,7 +177,7 @@ fn one_frame_locates_the_camera() {
         let variance = estimate.covariance[3][3];
         assert!((variance.sqrt() / estimate.place_std[0] - 1.0).abs() < 1e-12);
     }
-    // The sum contains seven correlated numbers from each of four frames.
+    // The sum contains seven correlated numbers for each of four frames.
     let spread = f64::sqrt(square / count);
     assert!((0.15..2.0).contains(&spread), "{spread}");
 }
@@ -307,7 +307,7 @@ fn markers_cut_by_the_rim_do_not_count_as_missing() {
 fn errors_name_unusable_frames() {
     let here = study(20.0);
     let truth = Truth::default();
-    // If the angular distances between markers are 1.5 times as large, the markers belong to another layout.
+    // Angular distances between markers that are 1.5 times as large belong to another layout.
     let said = refused(truth.frame(1), &study(30.0));
     assert!(
         said.contains("another layout") || said.contains("contradicts"),

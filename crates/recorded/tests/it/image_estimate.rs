@@ -199,7 +199,7 @@ fn errors_name_unusable_frames() {
         &pressed,
         &["rest.png: shows ", " of the 77 markers"],
     );
-    // A few missing markers cause a warning.
+    // A few missing markers do not prevent an estimate but cause a warning.
     let report = estimate(&[without_markers(&rest, 5), pressed], &options).expect("an estimate");
     let warning = report["warnings"][0]["text"].as_str().expect("a warning");
     assert!(
@@ -269,7 +269,7 @@ fn cameras_with_extreme_numbers_return_finite_numbers_or_an_error() {
             };
             let mut options = options(&study);
             options.camera = Some(("camera.toml".to_owned(), camera));
-            // In JSON, numbers are always finite.
+            // JSON contains only finite numbers, so an estimate needs no further check.
             match estimate(&frames, &options) {
                 Ok(report) => assert!(report["object_curvature"]["value"].is_number(), "{report}"),
                 Err(said) => assert!(

@@ -22,7 +22,7 @@ fn estimate(table: &str, options: &LoadOptions) -> Result<Value, String> {
     Ok(serde_json::to_value(&estimate).unwrap())
 }
 
-/// A load curve with indentations from 0.1 to 2 mm and the forces `force` (N) at these indentations (mm).
+/// A load curve as text, with indentations from 0.1 to 2 mm. `force` returns the force (N) at an indentation (mm).
 fn table(force: impl Fn(f64) -> f64) -> String {
     let rows = (1..=20).map(|step| 0.1 * f64::from(step));
     let rows = rows.map(|indentation| format!("{indentation},{}\n", force(indentation)));
@@ -109,7 +109,7 @@ fn intervals_hold_the_radius() {
             warned += usize::from(codes.iter().any(|code| warnings.contains(code)));
         }
     }
-    // Of 400 intervals of 95 %, 380 ± 4.4 are expected to contain the true value.
+    // Of 400 intervals with a probability of 95 %, 380 ± 4.4 are expected to contain the true value.
     for held in held {
         assert!((366..=394).contains(&held), "{held}");
     }
@@ -122,7 +122,8 @@ fn other_laws_have_warnings() {
         let found = estimate(&table(force), options).unwrap();
         found["warnings"][0]["code"].as_str().map(str::to_owned)
     };
-    // The first curve is the force of a flat punch, and the second is a contact that is too wide.
+    // The first of these two curves is the force of a flat punch, and the second is the force of a contact that is too
+    // wide.
     let punch = |indentation: f64| 3.0 * indentation;
     assert_eq!(code(&punch, &OPTIONS).as_deref(), Some("other-body"));
     let stiff = LoadOptions {

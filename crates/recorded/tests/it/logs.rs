@@ -11,7 +11,8 @@ fn file(text: &str) -> RecordedFile {
     RecordedFile::new("readings.csv", text.as_bytes().to_vec())
 }
 
-/// Contacts of three fingers on a ball with radius 25 mm, with errors of about 0.03 mm. `row` replaces rows.
+/// Contacts of three fingers on a ball with a radius of 25 mm, with errors of about 0.03 mm. `row` replaces the text of
+/// some rows.
 fn ball(row: &dyn Fn(usize) -> Option<&'static str>) -> String {
     let mut noise = Stream::new(45, 0, Channel::Position);
     let mut text = "finger,x_mm,y_mm,z_mm\n".to_owned();
@@ -167,7 +168,7 @@ fn copies_count_once() {
         let [one, four] = [1, 4].map(|times| estimate(&rows(&glide, times), method).unwrap());
         same(&one, &four, &["mean_curvature", "effective_contacts"]);
     }
-    // A finger that returns after each line of a raster is not at rest.
+    // A finger that moves back at the end of each line of a raster is not at rest.
     let raster = glide.replace("\n1,", "\n0,").replace("\n2,", "\n0,");
     assert_eq!(
         estimate(&raster, "penalised").unwrap()["effective_contacts"],

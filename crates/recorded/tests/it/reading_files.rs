@@ -24,7 +24,7 @@ fn estimate(rows: &str, options: &RollOptions) -> Result<RollEstimate, RecordedE
     )
 }
 
-/// Table of the shifts of a probe with radius 10 on a surface with these normal curvatures along u and v.
+/// Table of rolls, as text. A probe with the radius 10 rolls on a surface with these normal curvatures along u and v.
 fn rows(curvature_u: f64, curvature_v: f64, directions: usize) -> String {
     (0..directions)
         .map(|probe| {
@@ -138,7 +138,7 @@ fn quaternions_are_rotations() {
         "probe,pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w,shift_u_mm,shift_v_mm",
         |q| q.map(|part| -part),
     );
-    // Only the last letters of all four names show that these columns form a quaternion.
+    // These columns form a quaternion, although only the last letters of their four names show this.
     let lettered = [
         "rotation.x,rotation.y,rotation.z,rotation.w",
         "rx,ry,rz,rw",
@@ -188,7 +188,7 @@ fn unusable_quaternions_are_refused() {
         quaternions(header, |q| q).replace("\n1,", "\n0,"),
         "probe 0 occurs twice",
     );
-    // A component of a quaternion is never proposed as a component of a rotation vector.
+    // In its proposals, the message never assigns a component of a quaternion to a component of a rotation vector.
     let hint = roll_of(quaternions(
         "probe,qx,qy,qz,real,shift_u_mm,shift_v_mm",
         |q| q,

@@ -3,7 +3,7 @@
 use super::row::Row;
 use palpate_study::number;
 
-/// A bound on a number. A number that differs from a limit only by rounding counts as equal to the limit.
+/// A bound on a number. A number that differs from a limit only by rounding counts as equal to this limit.
 #[derive(Clone, Copy)]
 pub(super) enum Bound {
     AtLeast(f64),
@@ -73,7 +73,7 @@ pub(super) fn short(value: f64) -> String {
     number::significant(value, 3)
 }
 
-/// The text `low to high`, with both numbers formatted by `show`. If both texts are equal, only one of them.
+/// The text `low to high`, with both numbers formatted by `show`. If both texts are equal, only one text is returned.
 pub(super) fn span((low, high): (f64, f64), show: fn(f64) -> String) -> String {
     match (show(low), show(high)) {
         (low, high) if low == high => low,

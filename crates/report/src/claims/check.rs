@@ -15,7 +15,7 @@ pub(super) enum Role {
     Reports,
 }
 
-/// Number of the compared values that must meet the bound: all of them, a share, or one.
+/// How many of the compared values must meet the bound: all values, a share of the values, or one value.
 #[derive(Clone, Copy)]
 pub(super) enum Portion {
     All,
@@ -37,7 +37,7 @@ pub(super) struct Check {
     pub(super) merge: Option<fn(&[f64]) -> f64>,
     /// Selects the rows whose values are compared with the bound. Other values are only printed.
     pub(super) compared: Option<fn(&Row<'_>) -> bool>,
-    /// Values equal to this number are left out.
+    /// Values equal to this number are left out of the check.
     pub(super) without: Option<f64>,
     pub(super) bound: Option<Bound>,
     pub(super) portion: Portion,
@@ -60,7 +60,7 @@ pub(super) struct Outcome {
     pub(super) close: Vec<String>,
 }
 
-/// Range of all values that have the same name.
+/// The range of all values that have the same name, and whether it is compared with the bound and meets it.
 struct Item {
     name: String,
     range: (f64, f64),
@@ -69,8 +69,8 @@ struct Item {
 }
 
 impl Check {
-    /// Result of the check for the rows of a claim. `None` if there is nothing to report. An error if rows that the
-    /// check needs are missing.
+    /// Result of the check for the rows of a claim. `None` if the check has nothing to report, and an error if the rows
+    /// that it needs are missing.
     pub(super) fn outcome(&self, rows: &[Row<'_>]) -> Result<Option<Outcome>, String> {
         let is_kept = |row: &&Row<'_>| self.keep.iter().all(|keep| keep(row));
         let rows: Vec<Row<'_>> = rows.iter().filter(is_kept).copied().collect();

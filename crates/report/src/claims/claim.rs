@@ -5,7 +5,7 @@ use super::check::{Check, Keep, Outcome, Portion, Role};
 use super::row::{Row, groups, sorted};
 use crate::{Study, phrases};
 
-/// A published claim and its checks. Methods that restrict or describe a check apply to the check that was added last.
+/// A published claim and its checks. Methods that restrict or describe a check change the check that was added last.
 pub(super) struct Claim {
     pub(super) number: u32,
     /// The claim in at most six words.
@@ -115,7 +115,8 @@ impl Claim {
         })
     }
 
-    /// Adds a check of the ratios of `y` between rows with consecutive `x` that differ only in the paths `free`.
+    /// Adds a check with ratios of `y` between successive rows, sorted by `x`. The rows that are compared differ only
+    /// in the paths `free`.
     pub(super) fn steps(
         self,
         free: &'static [&'static str],
@@ -184,7 +185,7 @@ impl Claim {
         self.when(within(number, bound))
     }
 
-    /// Leaves out values that equal `value`.
+    /// Leaves out values that equal `value`; the check does not compare them.
     pub(super) fn without(self, value: f64) -> Self {
         self.last(|check| check.without = Some(value))
     }

@@ -39,8 +39,8 @@ fn is_statistical(row: &Row<'_>) -> bool {
 }
 
 impl Claim {
-    /// Adds a check that the error increases along `x`. In at least 90 % of the steps between neighbouring values it
-    /// must increase. Steps with equal errors are skipped.
+    /// Adds a check that the error increases with `x`. The error must increase in at least 90 % of the steps between
+    /// neighbouring values of `x`. Steps with equal errors are skipped.
     fn growth(self, free: &'static [&'static str], x: fn(&Row<'_>) -> Option<f64>) -> Self {
         self.steps(free, x, complete_error)
             .when(is_statistical)
@@ -101,7 +101,8 @@ fn zeros() -> Claim {
         .remark("A curvature of at most 10⁻¹² / R₁ counts as zero.")
 }
 
-/// Errors of the shortest and the longest roll in a group of rows. `None` if the lengths or the errors are equal.
+/// Errors of the shortest and the longest roll in a group of rows. `None` if these two rolls have equal lengths or
+/// equal errors.
 fn ends(group: &[Row<'_>]) -> Option<(f64, f64)> {
     match sorted(group, roll_angle, complete_error)[..] {
         [first, .., last] if !near(first.0, last.0) && !near(first.1, last.1) => {

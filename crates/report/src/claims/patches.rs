@@ -11,8 +11,8 @@ const ESTIMATOR: &str = "scene.estimator";
 const GAUSSIAN: &str = "gaussian_curvature";
 const MEAN: &str = "mean_curvature";
 
-/// Share of a patch that must be classified correctly for the paper's words "well estimated" and "accurately
-/// classified".
+/// If at least this share of a patch is classified correctly, the patch counts as "well estimated" or "accurately
+/// classified", in the words of the paper.
 const WELL: f64 = 0.9;
 
 /// The claims about patches.
@@ -162,7 +162,7 @@ fn moderate_noise() -> Claim {
 }
 
 impl Claim {
-    /// Restricts the check to rows of the two-pass method at 10 % noise, on all surfaces except the sphere.
+    /// Restricts the check to rows of the paper's two-pass method at 10 % noise, on all surfaces except the sphere.
     fn off_sphere(self) -> Self {
         self.only(noise, is(0.1))
             .when(|row| is_two_pass(row) && !is_sphere(row))

@@ -21,7 +21,7 @@ fn gaussian_profile() -> Claim {
             R² of 0.96.",
     ];
     Claim::new(15, says, "r_squared of a gaussian on a half-space press without noise", move |row| {
-        // A press without noise runs a single trial, so such presses are found by their number of trials.
+        // A press without noise runs only one trial. Therefore a row with one trial is a press without noise.
         row.quantity() == "r_squared"
             && row.statistic("trials") == Some(1.0)
             && is_kind(row, ESTIMATOR, "gaussian")
@@ -56,7 +56,7 @@ fn in_millimetres(row: &Row<'_>, statistic: &str) -> Option<f64> {
 }
 
 fn has_radius(row: &Row<'_>, radius: f64) -> bool {
-    // The tolerance is 1 %, because the paper states rounded radii.
+    // The true value may differ from the paper's radius by 1 %, because the paper states rounded radii.
     in_millimetres(row, "truth").is_some_and(|truth| (truth - radius).abs() <= 0.01 * radius)
 }
 
@@ -203,8 +203,8 @@ fn relative_curvature(row: &Row<'_>) -> Option<f64> {
     Some(sensor * relative.or_else(|| Some(1.0 / sensor + object()?))?)
 }
 
-/// 1 if the object is sensed, otherwise 0. It is sensed if at most 10 % of the trials fail, and at least 90 % of the 95
-/// % intervals contain the true value.
+/// 1 if the object counts as sensed, otherwise 0. An object is sensed if at most 10 % of the trials fail, and if at
+/// least 90 % of the 95 % intervals contain the true value.
 fn sensed(row: &Row<'_>) -> Option<f64> {
     let failed = row.failed(|_| true)?;
     match row.statistic("coverage95") {

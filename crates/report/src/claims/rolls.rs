@@ -133,7 +133,8 @@ fn length_on_sphere() -> Claim {
     .reports("the rolls are {range} rad long")
 }
 
-// ---- Paraboloids z = −c r², compared at equal arc lengths. `c` is in units of 1/R₁.
+// ---- Paraboloids z = −c r² are compared at equal arc lengths. This function returns c in units of 1/R₁, where R₁ is
+// the radius of the probe.
 
 fn c(row: &Row<'_>) -> Option<f64> {
     Some(row.number("scene.object.c")? * probe_radius(row)?)
@@ -229,7 +230,7 @@ fn paraboloids() -> Claim {
         )
 }
 
-/// Arc length of z = −c r² from the apex to the point with slope `x`, multiplied by 2c.
+/// Arc length of the paraboloid z = −c r², multiplied by 2c, from the apex to the point where the slope is `x`.
 fn arc(x: f64) -> f64 {
     0.5 * (x * libm::hypot(1.0, x) + libm::asinh(x))
 }
@@ -253,7 +254,7 @@ fn exact_error(share: f64) -> f64 {
     1.0 - libm::atan(slope(|x| arc(x) < 2.0 * share)) / (2.0 * share)
 }
 
-/// Product of c and the arc length at which the error without noise is 15 %.
+/// Arc length, multiplied by the paraboloid's coefficient c, at which the error without noise is 15 %.
 fn crossing() -> f64 {
     0.5 * arc(slope(|x| libm::atan(x) > 0.85 * arc(x)))
 }
@@ -265,8 +266,8 @@ fn unresolved(row: &Row<'_>) -> Option<f64> {
     row.failed(|kind| kind.starts_with("unresolved"))
 }
 
-/// The rows of objects of one radius, with their number of trials and their number of unresolved trials, in which the
-/// contact stayed on one pad.
+/// The rows of objects of one radius. They come with their number of trials, and with their number of unresolved
+/// trials, in which the contact stayed on one pad.
 struct Trials<'a> {
     rows: Vec<Row<'a>>,
     all: f64,
@@ -349,7 +350,7 @@ fn edge() -> Claim {
 
 // ---- Comparison of a wrist force sensor with pads
 
-/// Largest ratio between the errors of a wrist sensor and of pads for which they count as alike.
+/// Largest ratio of two errors (of a wrist sensor and of pads) at which the errors count as similar.
 const ALIKE: f64 = 1.5;
 
 /// Number in the label of a sensor after `word`. For the label `pads 0.5 mm` and the word `pads `, it is 0.5.
@@ -359,7 +360,8 @@ fn labelled_size(row: &Row<'_>, word: &str) -> Option<f64> {
     (size > 0.0).then_some(size)
 }
 
-/// Whether the sizes of the wrist sensor's error and of the pads are approximately equal.
+/// Whether the error of the wrist sensor and the size of the pads, both read from the labels of the sensors, are
+/// approximately equal.
 fn is_wrist_and_pads(wrist: &Row<'_>, pads: &Row<'_>) -> bool {
     let sizes = labelled_size(wrist, "wrist ").zip(labelled_size(pads, "pads "));
     sizes.is_some_and(|(wrist, pads)| libm::log(pads / wrist).abs() <= libm::log(ALIKE) / 2.0)

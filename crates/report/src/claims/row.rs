@@ -115,7 +115,8 @@ pub(super) fn probe_radius(row: &Row<'_>) -> Option<f64> {
     row.number("scene.probe.radius")
 }
 
-/// Radius of the object divided by the radius of the probe, that is, 1/RCR.
+/// Radius of the object divided by the radius of the probe. This is the inverse of the ratio RCR of their curvatures in
+/// the 1996 paper.
 pub(super) fn size(row: &Row<'_>) -> Option<f64> {
     Some(1.0 / (row.statistic("truth")? * probe_radius(row)?))
 }

@@ -5,10 +5,11 @@ use super::bounds::{near, range};
 use super::claim::Claim;
 use super::row::{Row, groups};
 
-/// Slope of a straight line through all 39 readings in the paper's Fig. 6b, turns/mm, by `palpate sensor calibrate` in
-/// `examples/chromatouch-2020/`.
+/// Slope of a straight line through all 39 readings in the paper's Fig. 6b, turns/mm. It was computed by `palpate
+/// sensor calibrate` in `examples/chromatouch-2020/`.
 const HUE_SLOPE: f64 = 0.02583;
-/// Slope of a straight line through the readings in the paper's Fig. 6c, px/mm, by the same command.
+/// Slope of a straight line through the readings in the paper's Fig. 6c, px/mm. It was computed by `palpate sensor
+/// calibrate` in `examples/chromatouch-2020/`.
 const CENTROID_SLOPE: f64 = 7.0;
 
 /// The claims about the sensor.
@@ -37,13 +38,15 @@ fn read(row: &Row<'_>) -> Option<(f64, f64)> {
 /// Fitted straight lines, each with the first row of its group.
 type Lines<'a> = Vec<(Row<'a>, StraightLine)>;
 
-/// Quantity and name of the two hues of a marker. The text of the paper refers to the second one.
+/// For each of a marker's two hues, the name of the quantity and the name in the text. The text of the paper refers to
+/// the second hue.
 const HUES: [(&str, &str); 2] = [
     ("hue_change", "hue of the summed light"),
     ("mean_hue_change", "mean hue"),
 ];
 
-/// Lines of a hue against the indentation, without a shift: one line for each combination of the other swept fields.
+/// Straight lines that are fitted to a hue as a function of the indentation, for markers that are not shifted along the
+/// skin. There is one line for each combination of the other swept fields.
 fn hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     through(
         unmoved(rows, quantity),
@@ -53,7 +56,7 @@ fn hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     )
 }
 
-/// Lines of the exact hue, without pixels and noise, against the indentation.
+/// Straight lines that are fitted to the exact hue (without pixels and noise) as a function of the indentation.
 fn exact_hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     let exact = |row: &Row<'_>| Some((row.statistic("truth")?, 0.0));
     through(
@@ -64,7 +67,7 @@ fn exact_hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     )
 }
 
-/// Rows of a quantity for cells without a shift.
+/// Rows of a quantity for cells in which the marker is not shifted along the skin.
 fn unmoved<'a>(rows: &[Row<'a>], quantity: &str) -> Vec<Row<'a>> {
     let is_unmoved = |row: &&Row<'_>| row.quantity() == quantity && shift(row) == Some(0.0);
     rows.iter().filter(is_unmoved).copied().collect()
@@ -183,7 +186,7 @@ fn sensor(row: &Row<'_>) -> String {
     row.swept(&["scene.sensor"])
 }
 
-/// Whether the config states no strain of the skin or the discs, as in the paper's model of the sensor.
+/// Whether the sensor's discs are rigid: the config states no strain of the skin or the discs, as in the paper's model.
 fn is_rigid(row: &Row<'_>) -> bool {
     let strains = ["strain", "yellow_strain"].map(|key| format!("scene.probe.discs.{key}"));
     strains.iter().all(|path| row.number(path).is_none())

@@ -19,15 +19,15 @@ use plotters::style::text_anchor::HPos;
 const GAP: i32 = 90;
 /// Height of a panel, in drawing units.
 const PANEL_HEIGHT: i32 = 1170;
-/// Largest width of a panel, or of a row of panels, when it is widened so that names along x fit.
+/// Largest width to which names along x may widen a panel or a row of panels, in drawing units.
 const LARGEST_WIDTH: i32 = 4500;
-/// Gap between neighbouring names along x.
+/// Gap between neighbouring names along x, in drawing units.
 const BESIDE: i32 = 36;
 /// Length of a sample in the legend, in drawing units.
 const SAMPLE: i32 = 120;
 /// Length of a sample in the key, in drawing units.
 const KEY_SAMPLE: i32 = 78;
-/// Largest width of a line of text in the legend.
+/// Largest width of a line of text in the legend, in drawing units.
 const LIMIT: i32 = 750;
 
 /// Function that draws the content of the panel with the given index.
@@ -50,7 +50,7 @@ pub(crate) struct Chart<'a> {
     pub(crate) draw: Draw<'a>,
 }
 
-/// Legend: symbols with their labels, below a heading. There may be no symbols and no heading.
+/// Legend: symbols with their labels, below a heading. The symbols and the heading are optional.
 #[derive(Default)]
 pub(crate) struct Legend {
     pub(crate) title: String,
@@ -188,7 +188,7 @@ struct PanelLayout {
     panel: Point,
     /// Number of panels per row.
     columns: i32,
-    /// Height for the title above each panel.
+    /// Height that is reserved for the title above each panel.
     heading: i32,
     /// Vertical distance between consecutive rows of panels.
     row: i32,
@@ -222,7 +222,7 @@ impl PanelLayout {
     }
 }
 
-/// Length of a tick mark, and the gap between the mark and its label.
+/// Length of a tick mark, and also the gap between the mark and its label, in drawing units.
 const TICK: i32 = 15;
 /// Size of the areas that the plotters library reserves for labels. Labels may extend beyond these areas.
 const LABELS: i32 = 60;
@@ -276,8 +276,8 @@ pub(crate) fn outline(panel: &Panel<'_>) -> Drawn {
     area.draw(&Rectangle::new(corners, FRAME.stroke_width(HAIR)))
 }
 
-/// Draws an error bar from `ends[0]` to `ends[1]` at `x`. A bar that is covered by the point's marker, which is
-/// `hidden` px high, is not drawn. An end outside of the panel has no cap.
+/// Draws an error bar from `ends[0]` to `ends[1]` at `x`. The bar is not drawn if the point's marker, which is `hidden`
+/// px high, covers it. An end outside of the panel has no cap.
 pub(crate) fn bar(panel: &Panel<'_>, x: f64, ends: [f64; 2], hidden: i32, colour: Colour) -> Drawn {
     const HALF_CAP: i32 = 12;
     let area = panel.plotting_area().use_screen_coord();

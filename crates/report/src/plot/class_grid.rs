@@ -5,7 +5,7 @@ use super::style::CLASSES;
 use crate::ReportError;
 use crate::records::Records;
 
-/// Names of the columns that are read from `map.csv`, in the order in which they are used.
+/// Names of the columns that are read from `map.csv`, in the order in which the code uses them.
 const COLUMNS: [&str; 5] = ["cell", "x", "y", "class", "true_class"];
 
 /// Index of a class in [`CLASSES`]; `None` for an empty cell of the table.

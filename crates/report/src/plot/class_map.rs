@@ -21,7 +21,7 @@ use plotters::style::text_anchor::HPos;
 const MAX_CELLS: usize = 60;
 /// Gap between the panels of a row, and between rows, in drawing units (1/3 px).
 const GAP: i32 = 66;
-/// Side of a sample in the key.
+/// Side of a sample in the key, in drawing units.
 const SAMPLE: i32 = 54;
 /// Smallest width of a panel, in drawing units.
 const NARROWEST: i32 = 588;
@@ -96,7 +96,8 @@ struct MapPanel<'a> {
     is_truth: bool,
 }
 
-/// The panels of a row. The first column contains the true map; it is empty if the row has no true map.
+/// The panels of a row. The first column contains the map of the true classes. The column is empty if the row has no
+/// such map.
 fn panels<'a>(row: &'a CellRow<'a>) -> PanelRow<'a> {
     let truth = row.truth.map(|map| MapPanel {
         column: 0,
@@ -117,8 +118,8 @@ fn panels<'a>(row: &'a CellRow<'a>) -> PanelRow<'a> {
     }
 }
 
-/// The key of the maps: the classes that occur in them, in the order of the table of classes, and the boundary if there
-/// is one.
+/// The key of the maps: the classes that occur in them, in the order of the table of classes, and the boundary between
+/// true classes if a map has one.
 fn key(lines: &[PanelRow<'_>]) -> Key {
     let maps = || {
         let panels = lines.iter().flat_map(|line| &line.panels);
@@ -345,7 +346,7 @@ fn cell_rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<CellRow<'a>> {
         values.collect::<Vec<_>>().join(" · ")
     };
 
-    // All cells with the same object have the same true map.
+    // Cells with the same object have the same true map, so the true map is drawn only once for each object.
     let mut axes = table.axes().iter();
     let object = axes.find(|axis| axis.header.starts_with("scene.object"));
     let truth = |cell: &Shown<'a>| (&cell.map.truth, object.map(|axis| axis.text(cell.row)));
@@ -367,8 +368,8 @@ fn cell_rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<CellRow<'a>> {
 }
 
 /// Axis whose values are placed side by side in a row of panels. It is the axis with the most values among the axes
-/// whose values fit into one row. If several have the same number, it is the last of them. If no axis fits, it is the
-/// last axis.
+/// whose values fit into one row. If several axes have the same number of values, it is the last of these axes. If no
+/// axis fits, it is the last axis.
 fn across<'a>(varying: &[&'a Axis], rows: &[usize]) -> Option<&'a Axis> {
     let count = |axis: &&&Axis| axis.among(rows).len();
     let fitting = varying.iter().filter(|axis| count(axis) <= MAX_PER_ROW);

@@ -17,9 +17,9 @@ use plotters::style::Color;
 
 /// Largest number of surfaces in a figure.
 const MAX_SURFACES: usize = 6;
-/// Length of a sample in the key of the figure.
+/// Length of a sample in the key of the figure, in drawing units.
 const SAMPLE: i32 = 54;
-/// Share of ink in the lines between the squares of a surface.
+/// Share of the ink colour in the lines between the squares of a surface. The rest is the colour of the square.
 const LINE_INK: f64 = 0.25;
 
 /// A fitted surface, given by the positions of the points in a map.
@@ -120,7 +120,7 @@ fn key(surfaces: &[Surface<'_>]) -> Key {
         .collect()
 }
 
-/// Draws a square around each point. Distant squares are drawn first, so that near ones cover them.
+/// Draws a square around each point. Distant squares are drawn first, so that near squares cover the distant squares.
 fn draw(space: &Space<'_>, surface: &Surface<'_>) -> Drawn {
     let side = surface.map.side;
     // The position of a corner is the mean of the points around it.

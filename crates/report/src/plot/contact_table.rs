@@ -4,7 +4,7 @@ use super::space::Vector;
 use crate::records::Records;
 use crate::{Files, ReportError};
 
-/// Names of the columns that are read from `trace.csv`, in the order in which they are used.
+/// Names of the columns that are read from `trace.csv`, in the order in which the code uses them.
 const TRACE: [&str; 10] = [
     "finger", "x", "y", "z", "normal_x", "normal_y", "normal_z", "tip_x", "tip_y", "tip_z",
 ];
@@ -24,7 +24,7 @@ pub(crate) struct Touch {
     pub(crate) tip: Vector,
 }
 
-/// Contacts of one finger. Also its readings, if they differ from the contacts.
+/// Contacts of one finger, and the readings of this finger if they differ from its contacts.
 #[derive(Debug, Clone)]
 pub(crate) struct Finger {
     /// Name of the finger in the table.
@@ -41,7 +41,7 @@ pub(crate) struct Contacts {
     /// At least one finger, each with at least one contact, in order of appearance.
     pub(crate) fingers: Vec<Finger>,
     /// Root-mean-square distance between readings and contacts. `None` if there are no readings, if they equal the
-    /// contacts, or if their number differs.
+    /// contacts, or if there are more or fewer readings than contacts.
     pub(crate) off: Option<f64>,
     /// Whether the centres of the fingertips differ from the contacts.
     pub(crate) tips_apart: bool,

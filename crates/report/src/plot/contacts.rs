@@ -17,7 +17,7 @@ use plotters::style::Color;
 
 /// Length of the lines that show normals, relative to the larger horizontal side of the box around all contacts.
 const STROKE: f64 = 0.09;
-/// Length of a sample in the key.
+/// Length of a sample in the key, in drawing units.
 const SAMPLE: i32 = 102;
 const PATH: u32 = 8;
 const FINE: u32 = 4;
@@ -160,8 +160,8 @@ impl Scene<'_> {
         order.try_for_each(|(number, finger)| self.finger(finger, Style::of(number)))
     }
 
-    /// Draws lines that connect the contacts of the fingers at the same time. They show the surface between the
-    /// fingers.
+    /// Draws lines that connect the contacts that different fingers have at the same time. They show the surface
+    /// between the fingers.
     fn links(&self) -> Drawn {
         let fingers = &self.contacts.fingers;
         let counts = fingers.iter().map(|finger| finger.touches.len());

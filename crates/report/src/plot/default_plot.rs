@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Quantities for the default plot, in order of preference.
 const PREFERRED: [Quantity; 2] = [Quantity::OBJECT_CURVATURE, Quantity::MEAN_CURVATURE];
-/// Ratio of the largest to the smallest value of an axis above which the axis is logarithmic.
+/// An axis is logarithmic if the ratio of its largest to its smallest value exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
 
 /// The default plot: the relative rms error of the object's curvature over the first swept field. It has one line per
@@ -91,7 +91,7 @@ fn adds_variation(axis: &Axis, others: &[&Axis], rows: &[usize]) -> bool {
     known.values().any(|values| values.len() > 1)
 }
 
-/// The first of the possible statistics that has a value in one of these rows.
+/// The first statistic, in order of preference, that has a value in one of these rows.
 fn statistic(table: &Table, quantity: &str, rows: &[usize]) -> Option<&'static str> {
     let is_estimated =
         Quantity::named(quantity).is_none_or(|known| known.kind == QuantityKind::Estimated);

@@ -62,8 +62,8 @@ pub struct DesignCurve {
     pub limit: (f64, String),
     /// The statistic in each cell, as one line per cell.
     pub lines: Vec<CurveLine>,
-    /// Ranges of values that meet or miss the target, in ascending order. Whether values between them meet it is
-    /// undecided.
+    /// Ranges of values that meet or miss the target, in ascending order. For the values between these ranges, it is
+    /// undecided whether they meet the target.
     pub runs: Vec<Stretch>,
 }
 
@@ -123,11 +123,12 @@ pub struct Stretch {
     pub meets: bool,
 }
 
-/// Background colour of values that meet the target (blue).
+/// Background colour where values meet the target (blue).
 const MEETS: Colour = Colour(190, 220, 242);
-/// Background colour of undecided values: a grey with another lightness.
+/// Background colour where it is undecided whether values meet the target. This grey differs in lightness from the
+/// other backgrounds.
 const OPEN: Colour = Colour(226, 226, 226);
-/// Background colour of values that miss the target.
+/// Background colour where values miss the target.
 const MISSES: Colour = WHITE;
 /// Width of the limit line.
 const LIMIT: u32 = 6;
@@ -146,7 +147,7 @@ const BEST_SIZE: f64 = 36.0;
 const HALF_WIDTH: f64 = 0.003;
 /// Half the width of a column without neighbours, relative to the panel's width.
 const ALONE: f64 = 0.03;
-/// Ratio of the largest to the smallest value of the statistic above which its axis is logarithmic.
+/// The axis of the statistic is logarithmic if the ratio of its largest to its smallest value exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
 
 /// Draws the answer of a design. The background is blue where values meet the target and grey where they are undecided.

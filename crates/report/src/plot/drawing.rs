@@ -16,8 +16,8 @@ use std::io;
 const DETAIL: u32 = 3;
 /// The SVG backend divides a font size by this number to compute the em, which is the nominal height of the font.
 const EM: f64 = 1.24;
-/// Distance by which text is moved down, in ems. It centres capital letters and digits vertically; the SVG backend
-/// centres lower-case letters.
+/// Distance by which text is moved down, in ems. With it, capital letters and digits are centred vertically; without
+/// it, the SVG backend centres lower-case letters.
 const SINK: f64 = 0.09;
 /// Distance between lines of text, as a multiple of the font size.
 pub(crate) const LEADING: f64 = 1.35;
@@ -100,8 +100,8 @@ enum Form {
     Polygon(Vec<BackendCoord>),
     /// A disc: its centre and its radius.
     Disc(BackendCoord, u32),
-    /// A line of text. The numbers are: its position, which is at half its height; its em; and the share of its width
-    /// that is to the left of the position.
+    /// A line of text. The numbers are the position of a point at half the text's height, the font's em, and the share
+    /// of the text's width that is to the left of this point.
     Text(String, BackendCoord, f64, f64),
 }
 
@@ -230,8 +230,8 @@ impl Shape {
     fn draw<B: DrawingBackend>(&self, backend: &mut B) -> Drawn<B::ErrorType> {
         let colour = self.colour;
         match &self.form {
-            // Draw each segment separately, because the backend leaves holes where a line crosses itself. Also correct
-            // horizontal and vertical lines, which the backend draws one pixel too wide.
+            // Draw each segment separately, because the backend leaves holes where a line crosses itself. In addition,
+            // make horizontal and vertical lines narrower, because the backend draws them one pixel too wide.
             Form::Line(points, width) => {
                 for pair in points.windows(2) {
                     let is_straight = pair[0].0 == pair[1].0 || pair[0].1 == pair[1].1;

@@ -55,9 +55,9 @@ const MAX_NUMBERED: usize = 12;
 const NAME: i32 = 510;
 /// Gap between panels, in drawing units.
 const GAP: i32 = 102;
-/// Gap between names along x.
+/// Gap between names along x, in drawing units.
 const BESIDE: i32 = 12;
-/// Width of a sample in the key.
+/// Width of a sample in the key, in drawing units.
 const SAMPLE: i32 = 78;
 /// If a share exceeds this value, its square is so dark that the number is white.
 const MIN_DARK: f64 = 0.6;

@@ -3,25 +3,26 @@
 use super::lettering::width;
 use super::sheet::Point;
 
-/// Font size of a label.
+/// Font size of a label, in drawing units (1/3 px).
 pub(super) const NAME: i32 = 45;
 /// Possible distances between a label and its point, in drawing units (1/3 px).
 const DISTANCES: [i32; 9] = [27, 54, 90, 135, 186, 246, 315, 390, 480];
-/// Distance between a label and its point above which a line connects them.
+/// If a label is farther from its point than this distance (in drawing units), a line connects them.
 const MAX_WITHOUT_LEADER: i32 = 60;
-/// Number of distances that are tried for the labels of points that are not on the Pareto front.
+/// Number of distances (of the list above) that are tried for the label of a point that is not on the Pareto front.
 const BESIDE: usize = 2;
 /// Number of directions from its point in which a label may be placed.
 const DIRECTIONS: usize = 24;
-/// Half the height of a label, including the space around it.
+/// Half the height of a label with the space around it, in drawing units.
 const HALF: i32 = 28;
-/// Half the side of the square around a point that labels should not cover.
+/// Half the side of the square around a point that labels should not cover, in drawing units.
 const POINT: i32 = 18;
 
-/// Penalty for each other label that a label covers, or whose leader it covers. Penalties are in units of the distance
-/// of a label from its point.
+/// Penalty for each other label that is covered by a label, or whose leader (the line to its point) is covered.
+/// Penalties are in units of the distance of a label from its point.
 const HIDES_NAME: i32 = 3_000_000;
-/// Penalty for each label that the leader of a label crosses.
+/// Penalty for each label that is crossed by the leader of another label, that is, by the line from this other label to
+/// its point.
 const LEADER_CROSSES_NAME: i32 = 1_000_000;
 /// Penalty for each point on the Pareto front that a label covers.
 const HIDES_POINT: i32 = 300_000;
@@ -29,7 +30,7 @@ const HIDES_POINT: i32 = 300_000;
 const OUTSIDE: i32 = 30_000_000;
 /// Penalty for each line of the Pareto front that a label crosses.
 const CROSSES_FRONT: i32 = 90;
-/// Penalty for each point behind the Pareto front that a label covers.
+/// Penalty for each point that a label covers and that is not on the Pareto front.
 const HIDES_BEATEN: i32 = 90;
 /// Penalty for each error bar that a label covers.
 const HIDES_BAR: i32 = 90;

@@ -14,7 +14,7 @@ static OUTLINES: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
     fonts.filter_map(Result::ok).collect()
 });
 
-/// Factor by which text may be wider in an SVG viewer, which uses its own sans-serif font.
+/// Factor by which text may be wider in an SVG viewer than here, because the viewer uses its own sans-serif font.
 const ROOM: f64 = 1.12;
 
 /// Width of `text` at a font size of `em`. It includes space for a wider font.
@@ -72,7 +72,7 @@ pub(crate) fn pixels(
     });
 }
 
-/// Breaks `text` into lines with a width of at most `limit`. A word that is wider than this is on its own line.
+/// Breaks `text` into lines with a width of at most `limit`. A word that is wider than `limit` is on its own line.
 pub(crate) fn wrap(text: &str, em: i32, limit: i32) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

@@ -371,7 +371,7 @@ fn label(of: &Selection<'_>, name: &str) -> Result<Label, ReportError> {
     }
 }
 
-/// Those of the `rows` in which the axis has this value.
+/// The `rows` whose value on the axis is `value`.
 fn with(rows: &[usize], axis: &Axis, value: &str) -> Vec<usize> {
     let rows = rows.iter().copied();
     rows.filter(|row| axis.text(*row) == value).collect()

@@ -23,7 +23,7 @@ const PANEL_HEIGHT: i32 = 705;
 const MARKER: f64 = 15.0;
 const OTHER: f64 = 12.0;
 const STROKE: u32 = 6;
-/// Length of a sample in the key.
+/// Length of a sample in the key, in drawing units (1/3 px).
 const SAMPLE: i32 = 36;
 /// Largest relative error on the axis. Models with larger errors are useless; they are drawn with an arrow at the edge
 /// of the axis.
@@ -219,7 +219,8 @@ fn family(name: &str) -> String {
     });
     let mut kept = kept.zip(name.split(", "));
     let first = kept.next().map_or(String::new(), |(words, _)| words);
-    // Drop the other parts of the name that are settings.
+    // Drop those other parts of the model's name that are settings, that is, parts that begin with a number or contain
+    // `=`.
     let others = kept.filter(|(words, part)| !words.is_empty() && !part.contains('='));
     let others = others.map(|(words, _)| words);
     std::iter::once(first)

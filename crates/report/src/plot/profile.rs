@@ -14,7 +14,7 @@ use palpate_study::Label;
 use palpate_study::config::Component;
 use palpate_study::label::{spoken_unit, with_unit};
 
-/// Largest number of lines. The lines have no markers and differ only in colour.
+/// Largest number of lines. The number is limited because the lines have no markers and differ only in colour.
 const MAX_LINES: usize = PLAIN;
 
 /// Draws a figure of kind `profile`.

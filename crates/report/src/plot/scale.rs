@@ -35,7 +35,7 @@ pub(crate) struct Scale {
     has_minor: bool,
 }
 
-/// Largest value that is drawn. Values that are nearer to zero than its inverse are not drawn either.
+/// Largest value that is drawn. Values whose magnitude is below the inverse of this number are not drawn either.
 const LARGEST: f64 = 1e300;
 /// Smallest gap between two numbers along the x axis, in drawing units (1/3 px).
 const BETWEEN_NUMBERS: i32 = 24;
@@ -96,7 +96,7 @@ impl Scale {
         }
     }
 
-    /// A linear axis from `min` to `max`. They must differ, and it must be possible to draw both.
+    /// A linear axis from `min` to `max`. The two numbers must differ, and it must be possible to draw both.
     pub(crate) fn exactly(min: f64, max: f64) -> Self {
         Self {
             spacing: Spacing::Linear,
@@ -234,7 +234,7 @@ impl Scale {
         }
     }
 
-    /// All values on the axis that are one of these digits times a power of ten.
+    /// All values within the range of the axis that are one of these digits times a power of ten.
     fn digits(&self, digits: &[i32]) -> Vec<f64> {
         let decades = self.min.floor() as i32..=self.max.ceil() as i32;
         let values = decades.flat_map(|e| digits.iter().map(move |k| f64::from(*k) * power(e)));
@@ -338,7 +338,7 @@ fn power(exponent: i32) -> f64 {
     format!("1e{exponent}").parse().unwrap_or(f64::MAX)
 }
 
-/// The number among 1, 2 and 5 times a power of ten that is nearest to `width` in ratio.
+/// Of the numbers 1, 2 and 5 times a power of ten, the number whose ratio to `width` is nearest to 1.
 pub(crate) fn round_step(width: f64) -> f64 {
     let ten = libm::pow(10f64, libm::log10(width).floor());
     let ratio = width / ten;

@@ -42,7 +42,7 @@ pub(crate) struct Plot {
 pub(crate) struct Content {
     /// Title of the panel; may be empty.
     pub(crate) title: String,
-    /// Coloured polygons behind everything else. Each is given by its corners.
+    /// Coloured polygons that are drawn behind everything else. Each polygon is given by its corners and its colour.
     pub(crate) grounds: Vec<(Vec<(f64, f64)>, Colour)>,
     pub(crate) lines: Vec<Line>,
     pub(crate) points: Vec<PointSet>,
@@ -76,7 +76,7 @@ pub(crate) type Runs = Vec<Vec<(f64, f64)>>;
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
     pub(crate) style: Style,
-    /// Whether the line is dashed and has no markers. A dashed line shows the statistic that is compared with the
+    /// Whether the line is dashed and has no markers. A dashed line shows a second statistic, for comparison with the
     /// statistic of the solid line.
     pub(crate) dashed: bool,
     /// Points, sorted by x.
@@ -92,7 +92,7 @@ pub(crate) struct Line {
 pub(crate) struct SeriesKey {
     pub(crate) title: String,
     pub(crate) entries: Vec<(String, Style)>,
-    /// If two statistics are compared, the label of the solid lines and the label of the dashed lines.
+    /// The label of the solid lines and the label of the dashed lines; `None` if the plot shows only one statistic.
     pub(crate) compared: Option<(String, String)>,
     /// Labels and styles of the open markers.
     pub(crate) points: Vec<(String, Style)>,

@@ -17,27 +17,27 @@ use std::vec;
 
 // All lengths are in drawing units, which are 1/3 of a pixel.
 
-/// Font size of the title.
+/// Font size of the title, in drawing units.
 const TITLE: i32 = 75;
-/// Font size of all other text.
+/// Font size of all text except the title, in drawing units.
 pub(crate) const TEXT: i32 = 54;
-/// Distance between lines of text.
+/// Distance between lines of text, in drawing units.
 pub(crate) const LINE: i32 = 73;
 /// Margin around the figure, in drawing units.
 pub(crate) const EDGE: i32 = 66;
-/// Gap between a panel and the labels of its ticks.
+/// Gap between a panel and the labels of its ticks, in drawing units.
 pub(crate) const TICK_GAP: i32 = 30;
-/// Gap between a sample in a key and its label.
+/// Gap between a sample in a key and its label, in drawing units.
 pub(crate) const SAMPLE_GAP: i32 = 24;
-/// Horizontal gap between entries of a key.
+/// Horizontal gap between entries of a key, in drawing units.
 const ENTRY_GAP: i32 = 78;
-/// Smallest width of a figure.
+/// Smallest width of a figure, in drawing units.
 pub(crate) const WIDTH: i32 = 2880;
 /// Width of thin lines, in drawing units.
 pub(crate) const HAIR: u32 = 3;
 /// Width of lines of data, in drawing units.
 pub(crate) const STROKE: u32 = 8;
-/// Radius of markers.
+/// Radius of markers, in drawing units.
 pub(crate) const MARKER: f64 = 18.0;
 /// Length of dashes, in drawing units.
 const DASH: i32 = 24;
@@ -55,7 +55,7 @@ pub(crate) struct Words {
     /// Name of the figure's files, without extension.
     pub(crate) name: String,
     pub(crate) title: String,
-    /// Text of the number of trials and of the fixed settings.
+    /// Text that states the number of trials and the fixed settings.
     pub(crate) subtitle: String,
     /// Notes below the content, for example about points that are not drawn.
     pub(crate) notes: Vec<String>,

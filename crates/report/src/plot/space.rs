@@ -24,10 +24,11 @@ const BESIDE: i32 = 198;
 pub(super) const BELOW: i32 = 48;
 /// Largest height of the box, px.
 const TALLEST: i32 = 1860;
-/// Length of axis per tick, px, from which the number of ticks is computed.
+/// Length of axis per tick, px. The number of ticks is the length of the axis divided by this length, but at least 2
+/// and at most 6.
 const APART: f64 = 192.0;
 
-/// A three-dimensional chart. Its x axis points to the right, y up and z away from the viewer, so that y and z of the
+/// A three-dimensional chart. Its x axis points to the right, y up and z away from the viewer, so y and z of the
 /// contacts are swapped.
 pub(super) type Space<'a> = ChartContext<'a, Drawing, Cartesian3d<Scale, Scale, Scale>>;
 

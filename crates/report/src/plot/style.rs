@@ -150,10 +150,10 @@ pub(crate) fn hex(Colour(red, green, blue): Colour) -> String {
     format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
-/// The eight shape classes with their colours. The names are those in files, in the order of their table (rows H > 0, =
-/// 0, < 0; columns K > 0, = 0, < 0). From convex to concave, the colours change from red to blue, which colour-blind
-/// readers can distinguish. All colours have different lightness for grey prints, and none of them is the colour of a
-/// series.
+/// The eight shape classes with their colours. The names are the names that files contain, in the order of the table of
+/// classes (rows H > 0, = 0, < 0; columns K > 0, = 0, < 0). From convex to concave, the colours change from red to
+/// blue, which colour-blind readers can distinguish. All colours have different lightness for grey prints, and none of
+/// them is the colour of a series.
 pub(crate) const CLASSES: [(&str, Colour); 8] = [
     ("peak", Colour(122, 31, 18)),
     ("ridge", Colour(210, 79, 31)),

@@ -47,7 +47,7 @@ pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]
                 )
         }
         // For a share, the squared error at a place is 0 or 1, so the mean square error is the share of wrongly
-        // classified places.
+        // classified places. Therefore the standard error of the share is the standard error of the mean square.
         Statistic::Mean | Statistic::Bias if is_share => {
             2.0 * of(Statistic::RmsError)? * of(Statistic::RmsErrorStd)?
         }
@@ -78,9 +78,10 @@ pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]
 }
 
 /// Standard error of the median of n normally distributed numbers, multiplied by √n and divided by the distance between
-/// the 5 % and 95 % quantiles.
+/// the 5 % and the 95 % quantile.
 const MEDIAN_PER_SPREAD: f64 = 0.381;
-/// The same number for the standard errors of the 5 % and 95 % quantiles.
+/// Standard error of the 5 % or 95 % quantile of n normally distributed numbers, multiplied by √n and divided by the
+/// distance between these two quantiles.
 const TAIL_PER_SPREAD: f64 = 0.642;
 
 fn ratio(error: f64, of: f64) -> f64 {
@@ -114,7 +115,7 @@ fn of_share(share: f64, count: f64) -> Option<[f64; 2]> {
         .max(0.0)
         .sqrt();
     let [low, high] = [middle - half, middle + half].map(|end| end / (1.0 + squared));
-    // Limit the interval so that it contains the share, because rounding could exclude it.
+    // Clamp the ends so that the interval contains the share, because rounding errors could exclude the share.
     Some([low.clamp(0.0, share), high.clamp(share, 1.0)])
 }
 
@@ -123,7 +124,7 @@ mod tests {
     use super::*;
     use crate::Files;
 
-    /// The interval of a statistic in a table with one row. The row has 100 trials and these columns.
+    /// The interval of a statistic in a table with one row. The row has 100 trials, and its statistics are `columns`.
     fn found(quantity: &str, columns: &[(Statistic, f64)], of: Statistic) -> Option<[f64; 2]> {
         let names = Statistic::ALL.map(Statistic::name).join(",");
         let texts = Statistic::ALL.map(|statistic| {
@@ -172,7 +173,7 @@ mod tests {
         is(found(S::MeanAbsError), 0.4, 1.96 * 0.03);
         is(found(S::RelativeMeanAbsError), 4.0, 1.96 * 0.3);
         is(found(S::Mean), 2.0, 1.96 * 0.05);
-        // Without a bias, the standard deviation equals the rms error.
+        // Without a bias, the standard deviation equals the rms error, and their standard errors are equal too.
         is(found(S::Std), 0.5, 1.96 * 0.02);
         for none in [
             S::Truth,
@@ -188,8 +189,8 @@ mod tests {
     #[test]
     fn shares_stay_shares() {
         use Statistic as S;
-        // If the share of correct places is p, the mean square error is 1 − p. Its standard error is twice the rms
-        // error times the standard error of the rms error.
+        // If the share of correct places is p, the mean square error is 1 − p. The standard error of the mean square
+        // error is twice the rms error, multiplied by the standard error of the rms error.
         let right = [(S::Mean, 0.91), (S::RmsError, 0.3), (S::RmsErrorStd, 0.01)];
         is(found("class", &right, S::Mean), 0.91, 1.96 * 0.006);
         let all = found("class", &[(S::Coverage95, 1.0)], S::Coverage95).unwrap();

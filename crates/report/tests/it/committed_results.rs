@@ -22,7 +22,7 @@ fn studies() -> Vec<PathBuf> {
     folders
 }
 
-/// Number of figures in the folder. Checks that they are identical to `figures`.
+/// Returns the number of figures in the folder. Checks that these figures are identical to `figures`.
 #[track_caller]
 fn drawn(folder: &Path, figures: Vec<Figure>) -> usize {
     for figure in &figures {

@@ -122,7 +122,7 @@ impl Cells {
 
 pub(crate) const NO_FAILURES: &str = "cell,kind,count,first_trial\n";
 
-/// A study with these three files and with further files by name.
+/// A study with a config, a table of cells and a table of failures. `others` contains names and texts of further files.
 pub(crate) fn study(config: &str, cells: &str, failures: &str, others: &[(&str, &str)]) -> Study {
     let files = [
         ("run.toml", config),
@@ -132,7 +132,7 @@ pub(crate) fn study(config: &str, cells: &str, failures: &str, others: &[(&str, 
     Study::read(Files::in_memory(files.iter().chain(others).copied())).unwrap()
 }
 
-/// The score of one claim, or the only score of a study.
+/// Something that contains the score of one claim: the score itself, or a study with only one score.
 pub(crate) trait Scored {
     fn score(&self) -> Score;
 }
@@ -217,7 +217,8 @@ pub(crate) fn attribute(element: &str, name: &str) -> f64 {
     text.split('"').next().unwrap().parse().unwrap()
 }
 
-/// A study with several radii and noises, and with the errors that theory predicts. `rest` is added to its config.
+/// A study with several radii and noises, and with the errors that theory predicts. The text `rest` is added to its
+/// config.
 pub(crate) fn angular_velocity(rest: &str) -> Study {
     let mut cells = Cells::new("scene.object.radius_cm,scene.noise.angular_velocity.fraction");
     for radius in [500.0, 50.0, 5.0, 0.5] {

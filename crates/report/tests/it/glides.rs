@@ -13,7 +13,7 @@ pub(crate) fn config(a: f64, rest: &str) -> String {
     )
 }
 
-/// Errors of one method on one surface with one noise.
+/// Errors of one method on one surface at one noise level.
 #[derive(Clone, Copy)]
 pub(crate) struct Made {
     pub(crate) gaussian: f64,
@@ -42,8 +42,8 @@ pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> S
                     failures,
                 } = made(surface, noise, method);
                 let (true_gaussian, true_mean) = match surface {
-                    // If the true values vary over the patch, the table does not contain them, and the shape follows
-                    // from the config.
+                    // If the true values vary over the patch, the table does not contain them, and the shape of the
+                    // object follows from the config.
                     "sphere" | "saddle" => ("", ""),
                     _ => ("0", "0.1"),
                 };
@@ -77,7 +77,7 @@ pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> S
     study(&config(0.1, &format!("claims = {claims}")), &text, &[])
 }
 
-/// A study with these tables.
+/// A study with this config, this table of cells, and further files by name.
 pub(crate) fn study(config: &str, cells: &str, others: &[(&str, &str)]) -> Study {
     fixture::study(config, cells, NO_FAILURES, others)
 }

@@ -9,7 +9,7 @@ const AXES: &str = "scene.noise.position.fraction_of_ifd,scene.estimator";
 const PLACES: [&str; 2] = ["0.05,two-pass", "0.05,penalised"];
 /// True classes on a grid of 3 × 3 points, with a saddle ridge in one corner.
 const TRUTH: &str = "rrrrrrrss";
-/// Estimated classes on the same grid; at one point, there is no estimate.
+/// Estimated classes on the grid of `TRUTH`. At one point, there is no estimate.
 const FOUND: &str = "rrr rrpss";
 
 fn made(plots: &str, map: &str) -> Study {

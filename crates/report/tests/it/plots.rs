@@ -8,7 +8,7 @@ const BASIC: &str = "[[plot]]\nx = \"scene.noise.angular_velocity.fraction\"\ny 
 
 #[test]
 fn a_study_without_plots_gets_the_default_plot() {
-    // The default plot is equal to this plot. The first axis, the radius, is drawn along x.
+    // The plot below is equal to the default plot. The first axis, the radius, is drawn along x.
     let asked = "[[plot]]\nx = \"scene.object.radius\"\ny = \"relative_rms_error\"\n\
         series = \"scene.noise.angular_velocity.fraction\"\nscale = \"log-log\"\n";
     assert_eq!(
@@ -144,7 +144,7 @@ fn unknown_names_are_refused_with_similar_ones() {
             with("marks = [{ axis = \"y\", value = 0, label = \"\" }]"),
             &["the mark at y = 0 is exactly 0"],
         ),
-        // The valid plot before an invalid plot is not drawn either.
+        // A valid plot that precedes an invalid plot is not drawn either.
         (
             with("[[plot]]\nx = \"truth\"\ny = \"nothing\""),
             &["plot-2", "nothing"],

@@ -6,7 +6,7 @@ use palpate_report::{Study, score};
 
 // ---- Claim 15: R² of the Gaussian
 
-/// Table of R² by layout, with this number of trials and this estimator.
+/// Table of R² for each layout of the samples, with this number of trials and this estimator.
 fn profiles(by_layout: &[(&str, f64)], trials: u64, estimator: &str) -> Cells {
     let mut cells = Cells::new("scene.probe.layout,scene.estimator");
     for (layout, found) in by_layout {
@@ -112,7 +112,7 @@ fn claim_16_wants_an_end_near_the_truth_and_a_noisy_start() {
     let study = course(1.15, [1.2, 0.3], 0.1);
     let score = score(&[study]).remove(0);
     assert!(!score.measured.contains("fail"), "{score:?}");
-    // Cells without an estimate are left out.
+    // Grid points without an estimate are left out of the claim.
     holds(
         &radii(|depth| (depth > 0.6).then_some(if depth < 1.0 { [1.0, 0.3] } else { [1.0, 0.1] })),
         &["in 3 of 3 cells"],
@@ -141,7 +141,7 @@ fn claim_16_needs_the_papers_objects_estimator_and_unit() {
 // ---- Claim 17: regimes
 
 /// Sensors with radii of 5, 10 and 20 mm on a ball, a plane, and dishes with radii of 20 and 10 mm. `coverage` is the
-/// coverage if the contact is at a point, and `failure` is the failure if it is not.
+/// coverage of the intervals if the object touches at a point. Otherwise `failure` is the kind of failure.
 fn regimes(coverage: impl Fn(f64) -> f64, failure: impl Fn(f64) -> &'static str) -> Cells {
     let mut cells = Cells::new("scene.probe.radius_mm,scene.object");
     for radius in [20.0, 10.0, 5.0] {
@@ -154,7 +154,8 @@ fn regimes(coverage: impl Fn(f64) -> f64, failure: impl Fn(f64) -> &'static str)
             let relative = 1.0 / radius + curvature;
             let touches = relative > 1e-12;
             let numbers = Numbers {
-                // If all trials fail, the table contains no true value, and it is computed from the config.
+                // If all trials fail, the table contains no true value. The claim then computes the true value from the
+                // config.
                 truth: touches.then_some(relative),
                 trials: 1000,
                 failures: if touches { 0 } else { 1000 },

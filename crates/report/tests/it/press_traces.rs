@@ -9,8 +9,8 @@ const TRACE: &str = "marker,x_mm,y_mm,radial_position_mm,normal_displacement_mm,
     2,0,4,4,0.5,0,0.2\n\
     3,-4,0,4,0.5,-0.2,0\n\
     4,0,-4,4,0.5,0,-0.2\n";
-/// The third marker is lost, and the other markers are in a different order. The errors are 0.1 inward and 0.05 along
-/// the skin.
+/// Readings in which the third marker is missing and the other markers are in a different order than in the trace. The
+/// errors of the displacements are 0.1 mm inward and 0.05 mm along the skin.
 const READINGS: &str = "x_mm,y_mm,normal_displacement_mm,tangential_x_mm,tangential_y_mm\n\
     0,-4,0.6,0,-0.25\n\
     4,0,0.4,0.25,0\n\

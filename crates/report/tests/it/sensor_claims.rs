@@ -14,15 +14,15 @@ fn mean(mean: f64) -> Numbers {
 
 // ---- Claim 14: straight lines
 
-/// The change of hue at several indentations for each object (given by its number), and the shift of the centroid at
-/// several shifts and two indentations.
+/// Table of the change of hue at several indentations for each object, which is given by its number. The table also
+/// contains the shift of the centroid at several shifts and two indentations.
 fn lines(hue: impl Fn(usize, f64) -> Numbers, centroid: impl Fn(usize, f64) -> f64) -> Cells {
     let mut cells = Cells::new("scene.object,scene.motion.indentation_mm,scene.motion.shift_mm");
     for (at, (object, ..)) in OBJECTS.iter().enumerate() {
         for depth in [0.4, 0.8, 1.2] {
             for shift in [0.0, 0.5, 1.0] {
                 let place = format!("{object},{depth},{shift}");
-                // The hue at a shift other than 0 must not affect the result.
+                // The hue of a marker that is shifted along the skin must not affect the result.
                 let wild = mean(100.0 * shift);
                 let read = if shift == 0.0 { hue(at, depth) } else { wild };
                 cells.push_of(&place, "hue_change,1/mm", read, "");
@@ -53,7 +53,8 @@ fn claim_14_holds_for_straight_lines_of_any_slope() {
 #[test]
 fn claim_14_differs_for_bent_or_scattered_lines() {
     let straight = |_: usize, depth: f64| mean(0.025 * depth);
-    // A line through the values 0, 0 and 1 has R² = 3/4; a line through 0, 0.41 and 1 has R² just below 0.99.
+    // A straight line fitted to the values 0, 0 and 1 has R² = 3/4. A line fitted to 0, 0.41 and 1 has R² just below
+    // 0.99.
     let bent = |at: usize, depth: f64| mean(if at == 2 && depth < 1.0 { 0.0 } else { depth });
     differs(
         &of_lines(&lines(bent, |_, shift| 7.0 * shift)),
@@ -67,7 +68,8 @@ fn claim_14_differs_for_bent_or_scattered_lines() {
         }
     };
     differs(&of_lines(&lines(straight, sagging)), &["shifts is 0.98"]);
-    // The sum of squares is 0.0002 for the means and 3 × 0.005² for the scatter, so that R² = 0.73.
+    // The sum of squares of the means is 0.0002, and the scatter adds 3 × 0.005² to it. The line explains only the
+    // first part, so R² = 0.73.
     let scattered = |_: usize, depth: f64| Numbers {
         std: Some(0.005),
         ..mean(0.025 * depth)

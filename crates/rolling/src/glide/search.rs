@@ -1,8 +1,9 @@
 //! Searches for the contact of a spherical tip.
 //!
 //! In a view from above, a contact at `w` means that the tip's centre is at `w + r n_xy(w)`. Unlike heights, this map
-//! has no singularity at the silhouettes of closed objects. The determinant of its derivative is `det(I + r S)`. So it
-//! folds only if the object's concave curvature reaches 1/r.
+//! has no singularity at the silhouettes of closed objects. The determinant of its derivative is `det(I + r S)`. So the
+//! map folds only if the object's concave curvature reaches 1/r. Here r is the radius of the tip and S the shape
+//! operator of the object.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -11,27 +12,29 @@ use palpate_geometry::{Surface, SurfaceError};
 
 use super::touch::{Foot, GlideError};
 
-/// Maximum number of Newton steps.
+/// Largest number of Newton steps.
 const MAX_STEPS: usize = 100;
-/// Maximum number of halvings of each Newton step.
+/// Largest number of times that a Newton step is halved.
 const MAX_HALVINGS: i32 = 40;
 /// Largest accepted horizontal distance between the tip's actual centre and the centre of a tip at the contact that was
-/// found. It is relative to the lengths involved.
+/// found. The distance is relative to the lengths involved.
 pub(super) const ACCEPTED_MISS: f64 = 1e-12;
-/// Share of the tolerance. The search stops if the next Newton step is shorter. The step is an estimate of the
+/// The search stops if the next Newton step is shorter than this share of the tolerance. The step is an estimate of the
 /// contact's error; for small steps it is correct within a factor of 2.
 const STEP_SHARE: f64 = 0.5;
 /// Longest step from which the error of a contact can be estimated, in radii of the tip.
 const MAX_LAST_STEP: f64 = 1e-3;
 /// Largest distance between tip and object that counts as touching, relative to the tip's radius.
 const TOUCHING: f64 = 1e-9;
-/// Clearance below which the search is at a fold of the offset surface, if it makes no progress.
+/// If the search makes no progress and the clearance is below this value, the search is at a fold of the offset
+/// surface.
 const FOLD: f64 = 1e-3;
-/// Vertical component of the unit normal below which a contact is on the object's silhouette.
+/// If the vertical component of the unit normal is below this value, a contact counts as lying on the object's
+/// silhouette.
 const SILHOUETTE: f64 = 1e-3;
 
-/// Places under a tip, in radii from its centre: eight on a ring of radius 0.85, and eight between them on a ring of
-/// radius 0.45.
+/// Places under a tip, in radii from its centre: eight places on a ring of radius 0.85, and eight places on a ring of
+/// radius 0.45, at angles between those of the first ring.
 const PLACES: [[f64; 2]; 16] = {
     let [outer, outer_diagonal] = [0.85, 0.85 * FRAC_1_SQRT_2];
     // 0.45 times the cosine and the sine of 22.5°.
@@ -56,9 +59,9 @@ const PLACES: [[f64; 2]; 16] = {
     ]
 };
 
-/// Number of grid lines on each side of the centre line of the height grid.
+/// Number of grid lines of the height grid on each side of its centre line.
 const HALF: usize = 12;
-/// Number of grid lines along each direction of a relief.
+/// Number of grid lines of the height grid along each direction.
 const SIDE: usize = 2 * HALF + 1;
 
 /// The search for the contact of a tip that is held above a place.
@@ -77,8 +80,8 @@ impl<S: Surface> Search<'_, S> {
     /// The contact that the tip meets first.
     pub(super) fn contact(&self) -> Result<Foot, GlideError> {
         palpate_statistics::work::searched(1);
-        // The choice among several contacts must not depend on the tolerance. Therefore the error of the first contact
-        // is limited to the distance by which contacts are distinguished.
+        // The choice among several contacts must not depend on the tolerance. Therefore, if the tip may fit at several
+        // contacts, the error of the first contact is limited to the distance by which contacts are distinguished.
         let tolerance = if self.rugged {
             self.tolerance.min(TOUCHING)
         } else {
@@ -92,8 +95,9 @@ impl<S: Surface> Search<'_, S> {
         }
     }
 
-    /// Start of the search: the point of the object below the tip's centre. If there is none, it is the point of the
-    /// object closest to a point above, or else the object's default contact.
+    /// Start of the search: the point of the object below the tip's centre. If there is no such point, it is the point
+    /// of the object that is closest to a point above it. If there is no such point either, it is the object's default
+    /// contact.
     fn start(&self) -> Result<Foot, SurfaceError> {
         let beneath = self.foot(self.centre);
         let Err(off_domain) = beneath else {
@@ -141,7 +145,7 @@ impl<S: Surface> Search<'_, S> {
                 return Ok(foot);
             }
             if close {
-                // Because of rounding errors, at most one more step is useful.
+                // Because of rounding errors, at most one more step can reduce the miss.
                 let next = self.descend(&foot, &miss, &step, 1);
                 return Ok(next.map_or(foot, |(next, _)| next));
             }
@@ -158,8 +162,8 @@ impl<S: Surface> Search<'_, S> {
         Err(self.no_convergence(miss.norm()))
     }
 
-    /// The first of `step`, `step/2`, `step/4`, … that decreases the miss. If none of them does, the error states
-    /// whether the edge of the object was reached.
+    /// The first of `step`, `step/2`, `step/4`, … that decreases the miss. If no step decreases the miss, an error is
+    /// returned, which states whether the edge of the object was reached.
     fn descend(
         &self,
         foot: &Foot,
@@ -240,8 +244,8 @@ impl<S: Surface> Search<'_, S> {
         };
         let hidden = relief.summit() - height(&best);
         if hidden > TOUCHING * self.radius + 8.0 * f64::EPSILON * relief.summit().abs() {
-            // There is no contact at the highest place of the grid, so this place is at an edge of the object or on a
-            // spike.
+            // No contact was found at the highest place of the grid. Therefore this place is at an edge of the object
+            // or on a spike.
             Err(match first {
                 Err(edge @ GlideError::Surface(_)) => edge,
                 _ => self.no_convergence(hidden),
@@ -293,7 +297,7 @@ impl Relief {
         relief
     }
 
-    /// The height of the highest place of the grid.
+    /// The height of the tip's centre at the highest place of the grid.
     fn summit(&self) -> f64 {
         self.heights
             .iter()

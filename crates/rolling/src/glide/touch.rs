@@ -28,8 +28,8 @@ pub struct Touch {
     /// The centre of the tip, `point + radius · normal`; for a point, the contact itself.
     pub tip_centre: Point3<f64>,
     /// The object's curvature at the contact, in an orthonormal tangent basis. The first axis is along the level line,
-    /// the second up the slope; with the normal, they are right-handed. Where the object is level, this basis is x and
-    /// y.
+    /// the second up the slope. With the normal, the axes form a right-handed frame. Where the object is level, this
+    /// basis is x and y.
     pub curvature: CurvatureForm,
 }
 
@@ -143,20 +143,22 @@ impl Foot {
         self.point + self.normal * radius
     }
 
-    /// The smaller eigenvalue of `I + r S`, where r is the tip's radius and S the shape operator. It is 0 if the object
-    /// is as concave as the tip is convex, and negative if it is more concave.
+    /// The smaller eigenvalue of `I + r S`, where r is the tip's radius and S the shape operator. The eigenvalue is 0
+    /// if the object has a hollow with the radius of the tip, and negative if the radius of the hollow is smaller.
     pub(super) fn clearance(&self, radius: f64) -> f64 {
         1.0 + radius * self.curvature.principal().k_min
     }
 
     /// Horizontal displacement of the contact that moves the tip's centre by `miss`. It is `P (I + r S)⁻¹ P⁻¹` applied
-    /// to `miss`, where `P` is the projection onto the xy plane. `None` if `I + r S` is singular.
+    /// to `miss`. Here `P` is the projection onto the xy plane, r the radius of the tip and S the shape operator.
+    /// `None` if `I + r S` is singular.
     pub(super) fn step(&self, radius: f64, miss: &Vector2<f64>) -> Option<Vector2<f64>> {
         let along = Vector2::new(self.uphill.y, -self.uphill.x);
         let (aside, ahead) = (along.dot(miss), self.uphill.dot(miss));
         let CurvatureForm { k_uu, k_uv, k_vv } = self.curvature;
         let (level, twist, steep) = (1.0 + radius * k_uu, radius * k_uv, 1.0 + radius * k_vv);
-        // The projection onto the xy plane multiplies lengths up the slope by n_z.
+        // The projection onto the xy plane multiplies lengths up the slope by n_z, the vertical component of the
+        // normal.
         let lengthened = if twist == 0.0 {
             0.0
         } else {

@@ -91,7 +91,7 @@ impl TouchRung {
         }
     }
 
-    /// The model `model` of the user, prepared for this fingertip and object.
+    /// Prepares `model`, which the user has set, for this fingertip and object.
     pub(super) fn new(
         model: TouchModel,
         object: &Shape,
@@ -152,7 +152,8 @@ enum Kind {
 }
 
 impl Offset {
-    /// The offset surface of `object` for a tip of `tip_radius`; `None` if it is not of the same type as the object.
+    /// The offset surface of `object` for a tip of `tip_radius`; `None` if the offset surface is not of the same type
+    /// as the object.
     pub(super) fn of(object: &Shape, tip_radius: f64) -> Option<Self> {
         let (kind, radius, outwards) = match object {
             Shape::Plane(_) => (Kind::Plane, 1.0, 0.0),
@@ -174,7 +175,7 @@ impl Offset {
 
     /// The contact of the tip that is held above `centre`.
     pub(super) fn contact(&self, object: &Shape, centre: Vector2<f64>) -> Result<Foot, GlideError> {
-        // In this case, the dish is not wider than the tip.
+        // The tip does not fit into the dish if the dish is not wider than the tip.
         if self.offset_radius <= ACCEPTED_MISS * self.radius {
             return Err(GlideError::two_contacts(self.tip_radius, &centre));
         }

@@ -36,27 +36,28 @@ pub(crate) struct Dop853 {
     pub(crate) most_steps: usize,
 }
 
-/// Weighted change of the state (root mean square) in the first step, if the tolerance is 1.
+/// Intended change of the state in the first step for a tolerance of 1: the root mean square of the weighted
+/// components.
 const FIRST_CHANGE: f64 = 2.0;
-/// Factor by which the next step is shorter than its error estimate allows.
+/// Ratio of the next step to the step that the error estimate would allow.
 const SAFETY: f64 = 0.8;
 /// Smallest ratio of the next step size to this step size.
 const SHRINK: f64 = 1.0 / 3.0;
 /// Largest ratio of the next step size to this step size.
 const GROW: f64 = 6.0;
-/// Number of remaining steps below which they are all made equally long.
+/// If fewer steps than this remain, they are all made equally long.
 const LAST_FEW: f64 = 3.0;
 /// Shortest step, relative to the elapsed time.
 const SHORTEST: f64 = 1e-12;
-/// Shortest step, relative to the duration. The longer of the two limits applies.
+/// Shortest step, relative to the duration. The longer of this limit and the limit above applies.
 const SHORTEST_OF_ALL: f64 = 1e-18;
 
 impl Dop853 {
     /// Integrates from `state` over `duration_s`.
     ///
     /// If a step leaves the domain of the system, its end time becomes a barrier, and the next step is half as long. No
-    /// step goes beyond the barrier. A step that reaches the barrier removes it. If the step becomes shorter than 1e-12
-    /// of the elapsed time first, the fault of the barrier is returned.
+    /// step goes beyond the barrier. A step that reaches the barrier removes it. If the steps become shorter than 1e-12
+    /// of the elapsed time before the barrier is reached, the fault that created the barrier is returned.
     ///
     /// # Errors
     /// [`Stopped`] with the last valid state.
@@ -175,9 +176,9 @@ fn factor(excess: f64, most: f64) -> f64 {
     (SAFETY * inverse_sixteenth_root(excess)).clamp(SHRINK, most)
 }
 
-/// `x^(−1/16)` for `x >= 0`, within 7 %. This is accurate enough for a step size. It avoids roots and powers, which
-/// would delay the next step. The method uses that the bits of a double, read as an integer, are nearly proportional to
-/// its logarithm. The result is tiny for infinity and NaN.
+/// `x^(−1/16)` for `x >= 0`, within 7 %. This accuracy is enough for a step size. The computation avoids roots and
+/// powers, which would delay the next step. The method uses that the bits of a double, read as an integer, are nearly
+/// proportional to its logarithm. The result is tiny for infinity and NaN.
 #[inline]
 fn inverse_sixteenth_root(x: f64) -> f64 {
     let one = 1.0_f64.to_bits();
@@ -217,8 +218,8 @@ fn stages<const N: usize>(
     )
 }
 
-/// The state after the step, and the squared error of the step. The error is Hairer's combination of both error
-/// estimates, as the mean square of the weighted components.
+/// The state after the step, and the squared error of the step. The error combines both error estimates by Hairer's
+/// formula. It is the mean square of the weighted components.
 #[inline]
 fn end_of_step<const N: usize>(
     y: &[f64; N],
@@ -237,7 +238,8 @@ fn end_of_step<const N: usize>(
     }
     let (fifth, third) = (square(&fifth, weights, h), square(&third, weights, h));
     let blend = fifth + 0.01 * third;
-    // `blend` is 0 if both error estimates are 0, and NaN if a slope is not finite.
+    // If both error estimates are 0, `blend` is 0. If a slope is not finite, `blend` is NaN, and the result must be NaN
+    // too.
     let share = if blend > 0.0 { fifth / blend } else { blend };
     (end, fifth * share / N as f64)
 }
@@ -252,7 +254,7 @@ fn square<const N: usize>(slope: &[f64; N], weights: &[f64; N], h: f64) -> f64 {
         .sum()
 }
 
-// Row j has the weights of the earlier slopes in stage j. Weights that are zero are left out.
+// The constant Aj contains the weights of the earlier slopes in stage j. Weights that are zero are left out.
 const A2: [f64; 1] = [0.0526001519587677318785587544488];
 const A3: [f64; 2] = [
     0.0197250569845378994544595329183,
@@ -323,7 +325,7 @@ const A12: [f64; 9] = [
     12.3605671757943030647266201528,
     0.643392746015763530355970484046,
 ];
-/// Weights of the slopes 1 and 6 to 12 in the mean slope of the step. This mean is of order 8.
+/// Weights of slopes 1 and 6 to 12 in the mean slope of the step. With these weights, the method is of order 8.
 const B: [f64; 8] = [
     0.0542937341165687622380535766363,
     4.45031289275240888144113950566,

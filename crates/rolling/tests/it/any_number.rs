@@ -1,5 +1,5 @@
-//! Rolls and glides succeed on objects that are blunter than the probe. Probes, objects, motions and positions with any
-//! bit patterns return finite numbers or a named error. A roll forth and back ends where it began.
+//! Rolls and glides succeed on objects that are blunter than the probe. If the numbers of probes, objects, motions and
+//! positions have any bit patterns, the result is finite or a named error. A roll forth and back ends where it began.
 
 use nalgebra::{Vector2, Vector3};
 use palpate_geometry::formula::Formula;

@@ -9,7 +9,8 @@ use crate::scenes::{
     cylinder, dish, ellipsoid, height_field, paraboloid, plane, saddle, sphere, torus,
 };
 
-/// Random numbers from 0 to 1, which are the same in every run: the upper bits of a linear congruential generator.
+/// Random numbers from 0 to 1, which are the same in every run. They are the upper bits of a linear congruential
+/// generator.
 struct Numbers(u64);
 
 impl Numbers {
@@ -136,7 +137,7 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
         judged += 1;
         let what = format!("{:?} {} {:e}", scene.object, taken.name, scene.tolerance);
         assert!(err <= scene.tolerance, "{what}: error {err:e}");
-        // The bound is increased by the rounding errors of the reference.
+        // The bound of the chosen model's error is increased by the rounding errors of the reference.
         let bound = roller.choice().error_bound.unwrap() + 1e-13;
         assert!(err <= bound, "{what}: error {err:e} > {bound:e}");
 
@@ -152,7 +153,7 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
     }
 }
 
-/// Rolls in which the probe makes `turns` turns, one in each of four directions.
+/// Four rolls in different directions. In each roll, the probe makes `turns` turns.
 fn turns(turns: f64) -> Vec<Vec<Motion>> {
     let angle = turns * std::f64::consts::TAU;
     let directions = [0.2, 1.7, 3.3, 4.9];

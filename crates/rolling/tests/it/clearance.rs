@@ -90,7 +90,7 @@ fn overlap(roller: &Roller, motion: &Motion) -> f64 {
         };
         let (mut middle, mut half) = (centre.xy().coords, radius);
         let mut best = f64::NEG_INFINITY;
-        // Each round refines the grid around the deepest point of the previous round.
+        // Each round uses a finer grid around the deepest point of overlap in the previous round.
         for lines in [90, 12, 12, 12, 12, 12] {
             let spacing = 2.0 * half / f64::from(lines);
             let from = middle;

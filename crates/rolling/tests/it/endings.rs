@@ -30,7 +30,8 @@ fn a_dish_as_tight_as_the_probe_conforms() {
             "{error}"
         );
     }
-    // In a dish that is slightly wider than the probe, the path length is `θ/(1/R₁ − 1/R₂)`, which is one radius here.
+    // In a dish that is slightly wider than the probe, the path length is `θ/(1/R₁ − 1/R₂)`. Here θ is the roll angle,
+    // and R₁ and R₂ are the radii of probe and dish. The length is one radius in this test.
     for gap in [1.0, 1e-6, 1e-12] {
         let radius = 1.0 + gap;
         let motion = Motion::rolling(0.0, 1.0, (radius - 1.0) / radius);
@@ -55,8 +56,7 @@ fn conforming_on_the_way_is_located() {
         "{error}"
     );
     // The roll ends where the curvature κ is −1, that is, where 2 cos(2x) = (1 + sin²(2x))^{3/2}. Near this point, the
-    // speed of the contact grows without limit, so that the number of correct digits of its position is only half of
-    // that of the time.
+    // speed of the contact grows without limit, so its position has only half as many correct digits as the time.
     let x = error.on_object.x;
     let curvature = 2.0 * libm::cos(2.0 * x) / libm::pow(1.0 + libm::sin(2.0 * x).powi(2), 1.5);
     assert!(
@@ -86,7 +86,7 @@ fn errors_at_wall(object: &Shape, motion: Motion) -> [RollError; 2] {
 
 #[test]
 fn a_wall_is_located() {
-    // The object is a tilted plane, and the logarithm in its formula ends its domain at x = 1.
+    // The object is a tilted plane that ends at x = 1, because the logarithm in its formula is undefined beyond.
     let object = height_field("x + 0*ln(1 - x)", &[]);
     let motion = Motion::rolling(0.0, 1.0, 10.0);
     for error in errors_at_wall(&object, motion) {
@@ -100,13 +100,14 @@ fn a_wall_is_located() {
 
 #[test]
 fn a_vertical_wall_is_located() {
-    // The probe rolls on the parabola x = 1 − z² from z = 1 to its vertex. θ is the turn of the normal plus the arc
-    // length.
+    // The probe rolls on the parabola x = 1 − z² from z = 1 to its vertex. The roll angle θ is the turn of the normal
+    // plus the arc length, because the radius of the probe is 1.
     let object = height_field("sqrt(1 - x)", &[]);
     let theta = libm::atan(2.0_f64) + 0.5 * 5.0_f64.sqrt() + 0.25 * libm::asinh(2.0_f64);
     let motion = Motion::rolling(0.0, 1.0, 10.0);
     for error in errors_at_wall(&object, motion) {
-        // Near a vertical wall, the slope has only half as many correct digits as the height.
+        // The tolerance is large, because near a vertical wall the slope has only half as many correct digits as the
+        // height.
         assert!(
             (error.time_s - theta).abs() < 1e-5,
             "{error}, not {theta} s"

@@ -38,7 +38,7 @@ const CHARTS: [Chart; 3] = [
 
 #[test]
 fn a_start_on_a_wall_facing_x() {
-    // The projection of +x onto the tangent plane is zero, so that x₁ starts along +y.
+    // The projection of +x onto the tangent plane is zero, so the axis x₁ of the contact frame starts along +y.
     for (object, place) in [
         (sphere(2.0), (2.0, 0.0)),
         (ellipsoid(2.0, 3.0, 1.0), (2.0, 0.0)),
@@ -101,7 +101,7 @@ fn spinning_and_sliding_on_the_spot() {
             );
             assert!((end.on_probe(1.0) - first.on_probe(1.0)).norm() < 1e-12);
             assert!(end.arc_length < 1e-12);
-            // The probe turns about z₁, which points into the object.
+            // The probe turns about the z axis of the contact frame, which points into the object.
             let turned = end.object_from_probe() * Rotation3::from_scaled_axis(first.normal * 0.8);
             assert!(
                 (turned.matrix() - Matrix3::identity()).norm() < 1e-11,
@@ -109,7 +109,7 @@ fn spinning_and_sliding_on_the_spot() {
                 object.name()
             );
         }
-        // The probe slips: it turns as fast as it slides back, so that the contact on the object does not move.
+        // The probe slips on the spot: it slides back as fast as it rolls, so the contact on the object does not move.
         let slide = Motion {
             sliding: Vector2::new(0.1, -0.2),
             ..still
@@ -237,7 +237,7 @@ fn dop853_keeps_every_tolerance_for_many_turns() {
             chart: Chart::Free,
         };
         let off = off_great_circle((0.3, 0.2), 0.4, theta, model);
-        // Errors accumulate over the turns.
+        // The bound grows with the number of turns, because errors accumulate.
         let bound = tolerance * (theta / TAU).max(1.0) + 1e-14;
         assert!(off <= bound, "{tolerance:e}, {theta:e} rad: {off:e}");
     }
@@ -249,7 +249,8 @@ fn dop853_keeps_every_tolerance_for_many_turns() {
 
 #[test]
 fn charts_end_at_poles_and_chart_free_rolls_do_not() {
-    // If the contact starts at `short`, it reaches the pole at +x when the probe has turned by 0.8 rad.
+    // If the contact starts at x = `short`, it reaches the pole of the chart at +x when the probe has turned by 0.8
+    // rad.
     let short = 2.0 * libm::sin(FRAC_PI_2 - 0.8 / 3.0);
     for (start, theta) in [
         ((2.0, 0.0), 1.0),
@@ -279,8 +280,8 @@ fn meridians_from_flat_to_sharp() {
         (1e-3, 0.1, 0.09980039920556497),
         (1e12, 0.1, 5.0251382208526555e-14),
         (1e12, 3.0, 1.4292040914425157),
-        // A bowl that is almost as tight as the probe amplifies errors. The relative error of a long path is equal to
-        // the relative error of its angle.
+        // A bowl whose radius of curvature is only a little larger than the probe's radius amplifies errors. On a long
+        // path, the relative error of the length equals the relative error of the angle.
         (-0.4999995, 0.1, 0.650654102346358),
         (0.5, 1e9, 999999998.429226),
     ] {
@@ -336,7 +337,8 @@ proptest! {
         }
     }
 
-    /// Path length of a roll by 0.1 rad, by closed form and DOP853, on spheres of extreme radius ratios.
+    /// Compares the path length of a roll by 0.1 rad, by closed form and DOP853, for spheres with extreme ratios of the
+    /// radii.
     #[test]
     fn spheres_of_any_ratio(probe in decades(9.0), ratio in decades(12.0)) {
         let radius = probe * ratio;

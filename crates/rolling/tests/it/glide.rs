@@ -29,7 +29,7 @@ fn assert_at(touch: &Touch, point: [f64; 3], normal: Vector3<f64>, tolerance: f6
     assert!(turned <= 1e-12, "{} is not {normal}", touch.normal);
 }
 
-/// A zero of a function that is negative at `low` and positive at `high`.
+/// A zero of a function, found by bisection. The function is negative at `low` and positive at `high`.
 fn bisect(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
@@ -81,7 +81,7 @@ fn a_plane_and_a_turned_cylinder() {
         let point = Vector3::new(half * along, half * along, 0.0) + normal * 2.5;
         let found = touch(&cylinder(2.5, 45.0), 0.5, x, y).unwrap();
         assert_at(&found, point.into(), normal, 1e-13);
-        // Along the axis the surface is straight.
+        // Along the axis of the cylinder, the surface is straight, so the Gaussian curvature is 0.
         assert!(found.curvature.gaussian_curvature().abs() < 1e-14);
         assert!((found.curvature.mean_curvature() - 0.2).abs() < 1e-14);
     }
@@ -115,7 +115,8 @@ fn a_torus_is_touched_towards_its_core() {
 
 #[test]
 fn paraboloids_saddles_and_ellipsoids_on_a_line_of_symmetry() {
-    // In the section z = f(w), the coordinate w of the contact is the solution of w − r f'/√(1 + f'²) = x.
+    // In the section z = f(w), the contact of a tip of radius r above x has the coordinate w with w − r f'/√(1 + f'²) =
+    // x.
     let solve = |slope: &dyn Fn(f64) -> f64, radius: f64, x: f64| {
         bisect(x - 2.0 * radius, x + 2.0 * radius, |w| {
             w - radius * slope(w) / (1.0 + slope(w).powi(2)).sqrt() - x
@@ -145,7 +146,7 @@ fn paraboloids_saddles_and_ellipsoids_on_a_line_of_symmetry() {
             );
         }
     }
-    // At the point (3 sin φ, cos φ) of the ellipse, the normal has the direction (sin φ, 3 cos φ).
+    // The object's section is an ellipse. At its point (3 sin φ, cos φ), the normal has the direction (sin φ, 3 cos φ).
     for radius in [1e-3, 1.0, 100.0] {
         for part in [0.0, 0.5, 0.9, 0.999] {
             let x = part * (3.0 + radius);
@@ -160,7 +161,8 @@ fn paraboloids_saddles_and_ellipsoids_on_a_line_of_symmetry() {
     }
 }
 
-/// Objects, each with the half-width of the square in which it is touched and the radius of the largest tip that fits.
+/// Objects. Each comes with the half-width of the square in which it is touched, and with the radius of the largest tip
+/// that fits.
 fn objects() -> Vec<(Shape, f64, f64)> {
     vec![
         (sphere(2.0), 1.3, 1e3),
@@ -241,7 +243,7 @@ fn first_met(height: impl Fn(f64, f64) -> f64, radius: f64, x: f64, y: f64) -> f
 fn the_contact_met_first_counts() {
     let height = |x: f64, y: f64| 0.3 * libm::sin(2.0 * x) * libm::cos(1.5 * y) + 0.1 * x;
     let rough = height_field("0.3*sin(2*x)*cos(1.5*y) + 0.1*x", &[]);
-    // Small tips fit into the valleys; large tips touch only the ridges.
+    // The radii are chosen such that small tips fit into the valleys, and large tips touch only the ridges.
     for radius in [0.3, 0.8, 2.0, 4.0] {
         for (x, y) in [
             (0.1, 0.2),
@@ -314,7 +316,7 @@ fn contacts_lost_and_domains_left() {
         assert_eq!(error(&object, 0.5, 1.000_001 * rim, 0.0), "contact-lost");
         assert_eq!(error(&object, 0.5, 9.0 * rim, 0.0), "contact-lost");
     }
-    // This position is just inside of the rim, but rounding moves its contact to the equator.
+    // This position is just inside of the rim of the object, but rounding moves its contact to the equator.
     let near_rim = 1.875_f64.next_down();
     assert_eq!(error(&sphere(0.375), 1.5, near_rim, 0.0), "contact-lost");
     assert!(touch(&ellipsoid(3.0, 2.0, 1.0), 0.5, 0.0, 2.499).is_ok());
@@ -322,16 +324,16 @@ fn contacts_lost_and_domains_left() {
         error(&ellipsoid(3.0, 2.0, 1.0), 0.5, 0.0, 2.501),
         "contact-lost"
     );
-    // On a slope of 45° that ends at x = 1, the centre of the tip can reach x = 1 − r/√2.
+    // On a slope of 45° that ends at x = 1, the centre of a tip of radius r can reach x = 1 − r/√2.
     let slope = height_field("x + 0*ln(1 - x)", &[]);
     let rim = 1.0 - 0.5_f64.sqrt();
     assert!(touch(&slope, 1.0, rim - 1e-6, 0.0).is_ok());
-    // On a downward slope, the contact is still on the slope when the centre of the tip is already beyond the end of
+    // On a downward slope, the contact can still be on the slope if the centre of the tip is already beyond the end of
     // the slope.
     let downhill = height_field("-x + 0*ln(1 - x)", &[]);
     assert!(touch(&downhill, 1.0, 1.5, 0.0).is_ok());
     assert_eq!(error(&downhill, 1.0, 1.8, 0.0), "off-domain");
-    // A point touches the object on its own vertical line or not at all.
+    // A point tip touches the object on its own vertical line or not at all.
     let point = Glider::new(sphere(2.0), Fingertip::Point).unwrap();
     let found = point.touch(1.0, 1.0).unwrap();
     assert_eq!(found.point, Point3::new(1.0, 1.0, found.point.z));

@@ -53,7 +53,8 @@ fn closed_form_slides_too() {
 
 #[test]
 fn sphere_on_sphere_travels_as_the_formula_says() {
-    // The path length is s = θ/(1/R₁ + 1/R₂), also for many turns of the probe.
+    // The path length is s = θ/(1/R₁ + 1/R₂), also for many turns of the probe. Here θ is the roll angle, and R₁ and R₂
+    // are the radii of probe and object.
     for (object, curvature) in [
         (sphere(5.0), 0.2),
         (plane(), 0.0),
@@ -112,14 +113,14 @@ fn lines_of_symmetry_are_meridians_unless_noise_leaves_them() {
             let integrated = roll(1.0, &object, (0.0, 0.0), DOP853, motion);
             let off = difference(&rolled.roll(&[motion]).unwrap(), &integrated, 1.0);
             assert!(off < 1e-11, "{object:?} {quarter}: {off:e}");
-            // A motion in another direction is integrated.
+            // A motion in another direction has no meridian, so it is integrated.
             let aslant = Motion::rolling(1.0, 1.0, 0.8);
             let integrated = roll(1.0, &object, (0.0, 0.0), DOP853, aslant);
             let off = difference(&rolled.roll(&[aslant]).unwrap(), &integrated, 1.0);
             assert!(off < 1e-11, "{object:?}: {off:e}");
             let shift = rolled.shift(&[aslant]).unwrap();
             assert!((shift.arc_length - integrated.arc_length).abs() < 1e-11);
-            // With noise, the probe would leave the section.
+            // With noise, the meridian model is rejected, because the probe would leave the section.
             let noisy = Rolls {
                 rolls: &[vec![motion]],
                 has_noise: true,
@@ -140,7 +141,8 @@ fn lines_of_symmetry_are_meridians_unless_noise_leaves_them() {
 
 #[test]
 fn paraboloid_rolls_as_the_formula_says() {
-    // The angle is θ = α + s/R₁, where tan α = 2 c r.
+    // The roll angle is θ = α + s/R₁. Here α is the slope angle of the paraboloid, with tan α = 2 c r, s the arc
+    // length, and R₁ the radius of the probe.
     let (c, radius) = (0.8, 1.3);
     let end = roll(
         radius,
@@ -224,7 +226,8 @@ fn rolling_back_returns() {
             let end = roller.roll(&[there, back]).unwrap();
             let moved = (end.on_object - roller.first_contact().on_object).norm();
             let turned = end.object_from_probe().matrix() - Matrix3::identity();
-            // Each of the two rolls may have an error as large as its tolerance.
+            // The bound is the sum of two tolerances, because each of the two rolls may have an error as large as its
+            // tolerance.
             let off = moved.max(turned.norm());
             assert!(off < 2.0 * tolerance, "{}: {off:e}", object.name());
         }
@@ -248,7 +251,7 @@ fn motions_beyond_a_closed_form_or_a_meridian_are_integrated() {
         (paraboloid(1.0), Model::Meridian),
         (ellipsoid(2.0, 2.0, 1.0), Model::Meridian),
     ] {
-        // The model was chosen for a plain roll and is now used for other motions.
+        // The model was chosen for rolling without spin and sliding, and is now used for other motions.
         let quick = roller(1.0, &object, (0.0, 0.0), model, rolling);
         let integrated = roller(1.0, &object, (0.0, 0.0), DOP853, rolling);
         for motions in [
@@ -335,7 +338,7 @@ fn duration_for_arc_inverts_the_arc_length() {
             assert_relative_eq!(end.arc_length, arc, max_relative = 1e-12);
         }
     }
-    // The square of this arc length underflows.
+    // The arc length in this test is so small that its square underflows.
     let motion = Motion::rolling(0.3, 0.7, 1.0);
     let roller = roller(1.0, &sphere(3.0), (0.0, 0.0), Model::ClosedForm, motion);
     let found = roller.duration_for_arc(&motion, 1e-300).unwrap();
@@ -365,8 +368,8 @@ fn auto_meets_its_tolerance_and_takes_the_cheapest() {
 
 #[test]
 fn meridians_of_flat_and_of_long_spheroids() {
-    // The angle is θ = α + s/R₁. The arc length is computed by the trapezoidal rule, which is exact for a full period
-    // of a smooth function.
+    // The roll angle is θ = α + s/R₁, with the slope angle α, the arc length s and the probe's radius R₁. The arc
+    // length is computed by the trapezoidal rule, which is exact for a full period of a smooth function.
     let quarter = |a: f64, c: f64| {
         let nodes = 200_000;
         let width = std::f64::consts::FRAC_PI_2 / f64::from(nodes);

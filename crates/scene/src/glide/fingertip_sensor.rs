@@ -40,7 +40,7 @@ impl GlideSensor {
         Ok((position, self.normals.then_some(normal)))
     }
 
-    /// The round fingertip, if the sensor reports its lowest point instead of the contact.
+    /// The round fingertip, if the sensor reports its lowest point instead of the contact; otherwise `None`.
     pub(super) fn tip(&self, radius: f64) -> Option<RoundTip> {
         let is_lowest = matches!(self.kind, SensorKind::Ideal(Reports::LowestPoint));
         (is_lowest && radius > 0.0).then_some(RoundTip {

@@ -22,7 +22,7 @@ use palpate_study::config::{
 };
 use palpate_study::{FieldError, Warning};
 
-/// Relative tolerances of Newton's method that are compared with each other.
+/// Relative tolerances of Newton's method whose errors are compared.
 const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
 impl GlideScene {
@@ -105,8 +105,8 @@ impl GlideScene {
         let finest = on(TouchModel::Newton {
             tolerance: Model::SMALLEST_TOLERANCE,
         });
-        // The closed form is compared with Newton's method at the smallest tolerance. If only one of the two is
-        // possible, its error counts as 0.
+        // The closed form is compared with Newton's method at the smallest tolerance. If only one of the two can be
+        // computed, its error counts as 0.
         let best = closed.as_ref().or(finest.as_ref());
         let closed_error = match (&closed, &finest) {
             (Ok(closed), Ok(finest)) => Ok(distance(closed, finest) / radius),
@@ -143,7 +143,7 @@ impl GlideScene {
     }
 }
 
-/// The fingertip and its radius (0 for a point).
+/// The fingertip in a config, and its radius (0 for a point).
 fn tip(config: &GlideConfig) -> (Fingertip, f64) {
     match config.probe {
         FingertipConfig::Point {} => (Fingertip::Point, 0.0),
@@ -220,7 +220,8 @@ fn touches(
     Ok(touches)
 }
 
-/// Position of item `index` if `count` items are equally spaced from −1 to 1; 0 if there is only one item.
+/// Position of the item with the index `index` if `count` items are equally spaced from −1 to 1. A single item has the
+/// position 0.
 fn share(index: u32, count: u32) -> f64 {
     if count == 1 {
         0.0
@@ -249,7 +250,7 @@ fn sensor(config: &GlideSensorConfig, radius: f64) -> Result<GlideSensor, FieldE
                 cap_deg.to_radians(),
             )
             .map_err(|error| sensor_error("scene.sensor", error))?;
-            // Centred pads need no random numbers.
+            // Centred pads need no random numbers, so any stream is suitable.
             let placement = pads.place(&mut Stream::new(0, 0, Channel::PadOffset));
             GlideSensor {
                 kind: SensorKind::Pads { pads, placement },
@@ -352,7 +353,8 @@ fn grid(
     let grid_error = |error: GlideError| {
         FieldError::at("scene.evaluate.half_width", format!("the grid: {error}"))
     };
-    // If the object's curvature is constant, it is used without rounding errors: K of a cylinder is then exactly 0.
+    // If the object's curvature is the same everywhere, it is used without rounding errors. The Gaussian curvature of a
+    // cylinder is then exactly 0.
     let everywhere = object.constant_curvature();
     let place = |x: f64, y: f64| -> Result<TruePlace, FieldError> {
         let touch = truth
@@ -378,10 +380,11 @@ fn grid(
     })
 }
 
-/// Largest relative difference between the stated and the true distance between fingers that counts as rounding.
+/// Relative difference between the stated and the true distance between fingers. Up to this value, it counts as a
+/// rounding error.
 const SPACING_TOLERANCE: f64 = 1e-6;
 
-/// Warning if `inter_finger_distance` differs from the distance between neighbouring fingers.
+/// Returns a warning if `inter_finger_distance` differs from the distance between neighbouring fingers.
 fn finger_spacing(motion: &GlideMotionConfig) -> Option<Warning> {
     let stated = motion.inter_finger_distance;
     let mut positions = motion.finger_positions.clone();
@@ -397,7 +400,7 @@ fn finger_spacing(motion: &GlideMotionConfig) -> Option<Warning> {
     Some(Warning::new("stated-scale", text, numbers))
 }
 
-/// Warning if the grid extends beyond the contacts.
+/// Returns a warning if the grid of estimates extends beyond the contacts.
 fn beyond(config: &GlideConfig) -> Option<Warning> {
     let motion = &config.motion;
     let positions = || motion.finger_positions.iter().copied();
@@ -414,7 +417,7 @@ fn beyond(config: &GlideConfig) -> Option<Warning> {
     })
 }
 
-/// Largest distance between corresponding contacts.
+/// Largest distance between corresponding contacts in two lists.
 fn distance(touches: &[FingerTouch], others: &[FingerTouch]) -> f64 {
     let pairs = touches.iter().zip(others);
     pairs
@@ -422,7 +425,7 @@ fn distance(touches: &[FingerTouch], others: &[FingerTouch]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Name of the model, and the model in the form of a config.
+/// Name of the model, and the same model in the form of a config.
 fn named(model: TouchModel) -> (String, GlideModelConfig) {
     match model {
         TouchModel::Auto { tolerance } => (

@@ -70,7 +70,7 @@ fn readings_table(contacts: &[Contact], unit: LengthUnit) -> Table {
     table
 }
 
-/// Columns of the finger's number and position.
+/// Columns with the number of the finger and its position.
 fn places(unit: LengthUnit) -> impl Iterator<Item = Column> {
     let places = Column::in_length(["x", "y", "z"], Unit::Length, unit);
     std::iter::once(Column::count("finger")).chain(places)

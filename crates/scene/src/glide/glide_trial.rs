@@ -29,12 +29,12 @@ pub(crate) const GLIDE_QUANTITIES: [Quantity; 3] = [
 pub struct GlideScene {
     pub(super) seed: u64,
     pub(super) config: GlideConfig,
-    /// The true contacts.
+    /// The true contacts, for all fingers.
     pub(super) touches: Vec<FingerTouch>,
     /// Contacts that the sensor reports without noise.
     pub(super) noiseless_readings: Vec<Contact>,
     pub(super) noise: ContactNoise,
-    /// The round fingertip, if the sensor reports its lowest point instead of the contact.
+    /// The round fingertip, if the sensor reports its lowest point instead of the contact; otherwise `None`.
     pub(super) tip: Option<RoundTip>,
     pub(super) method: GlideMethod,
     pub(super) grid: TrueGrid,
@@ -69,7 +69,7 @@ pub(super) struct FingerTouch {
     pub(super) touch: Touch,
 }
 
-/// Errors of positions and normals; `None` for exact ones.
+/// Errors of the positions and the normals of contacts. An error is `None` if the readings are exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ContactNoise {
     pub(super) position: Option<PositionError>,
@@ -128,8 +128,8 @@ impl GlideScene {
         contacts
     }
 
-    /// Patch of the contacts that are read in a trial, or read without noise if `trial` is `None`, for a fit of a
-    /// graph.
+    /// Patch of the contacts that are read in a trial, for a fit of a graph. If `trial` is `None`, the contacts have no
+    /// noise.
     fn patch(&self, method: &GlideFit, trial: Option<u64>) -> Result<Patch, Ep2Error> {
         let readings = self.readings(trial);
         let contacts = match &self.tip {
@@ -139,7 +139,7 @@ impl GlideScene {
         Patch::new(&contacts, &Vector3::z())
     }
 
-    /// Fits a surface to the readings of a trial, or to readings without noise if `trial` is `None`.
+    /// Fits a surface to the contacts that are read in a trial. If `trial` is `None`, the contacts have no noise.
     pub(super) fn fit(&self, trial: Option<u64>) -> Result<GlideSurface, ShapeError> {
         Ok(match &self.method {
             GlideMethod::Graph(method) => {
@@ -260,7 +260,7 @@ impl Trials for GlideScene {
     }
 }
 
-/// Error that names the config field because of which the fit to noiseless contacts fails.
+/// Error of a fit to noiseless contacts. It names the config field because of which the fit fails.
 fn fit_error(error: &ShapeError) -> FieldError {
     let ShapeError::Contacts(error) = error else {
         return FieldError::at("scene", error);

@@ -23,7 +23,8 @@ const PATH: &str = "scene.sensor.calibration";
 #[derive(Clone, Debug)]
 pub(super) struct CameraCalibration {
     pub(super) calibration: Calibration,
-    /// Standard deviations of the errors of normal and tangential displacements near a contact.
+    /// Standard deviations of the errors of normal and tangential displacements near a contact; `None` if there are no
+    /// such errors.
     pub(super) stds: [Option<f64>; 2],
 }
 
@@ -35,8 +36,8 @@ struct CalibrationPoint {
 }
 
 impl CameraCalibration {
-    /// Calibrates a sensor by pressing its apex on a plane; the true displacements are used. `rest` contains the images
-    /// of the markers at rest.
+    /// Calibrates a sensor by presses of its apex on a plane. The true displacements in these presses are used. `rest`
+    /// contains the images of the markers at rest.
     pub(super) fn new(
         setup: &PressSetup<'_>,
         config: &CameraConfig,
@@ -85,7 +86,8 @@ impl CameraCalibration {
     }
 }
 
-/// Fits a calibration. If a marker `only` is given, the calibration of normal displacements uses this marker alone.
+/// Fits a calibration. If `only` is given, the calibration of normal displacements uses only the marker with this
+/// index.
 fn fit(
     presses: &[Vec<CalibrationPoint>],
     only: Option<usize>,
@@ -135,9 +137,9 @@ fn failed_press(plane: &PressGeometry, error: PressError) -> FieldError {
     FieldError::at(PATH, message)
 }
 
-/// Rms errors of displacements in the calibration presses, over all markers that move at least half as much as the
-/// marker that moves most. Near the contact, the motions of a marker's two discs differ most, and the readings depend
-/// most on the shape of the object.
+/// Root mean square errors of displacements in the calibration presses. Only markers that move at least half as much as
+/// the marker that moves most are used: near the contact, the motions of a marker's two discs differ most, and the
+/// readings depend most on the shape of the object.
 fn residual_stds(calibration: &Calibration, presses: &[Vec<CalibrationPoint>]) -> [Option<f64>; 2] {
     let mut errors = [Vec::new(), Vec::new()];
     for points in presses {
@@ -180,8 +182,8 @@ fn along(moved: &MarkerDisplacement) -> f64 {
     libm::hypot(moved.tangential[0], moved.tangential[1])
 }
 
-/// Limit between trial numbers that seed noise: smaller numbers are for calibration presses, larger numbers for frames
-/// at rest.
+/// Trial numbers seed the noise of frames. Numbers below this limit are for calibration presses, larger numbers are for
+/// frames at rest.
 const ABOVE_PRESSES: u64 = AT_REST - 1000;
 
 /// Inputs that determine the images of the markers at rest. They are the key of a cache.
@@ -193,7 +195,7 @@ pub(crate) struct RestFrames {
 }
 
 impl RestFrames {
-    /// Averages over `frames` frames, or uses one frame if frames have no noise.
+    /// Frames at rest whose images are averaged over `frames` frames. If frames have no noise, one frame is used.
     pub(super) fn new(camera: &SimulatedCamera, frames: u32) -> Self {
         Self {
             camera: camera.clone(),
@@ -201,7 +203,7 @@ impl RestFrames {
         }
     }
 
-    /// Number of markers.
+    /// Number of markers in each frame.
     pub(crate) fn size(&self) -> usize {
         self.camera.optics.array().places().len()
     }
@@ -251,7 +253,7 @@ pub(crate) struct CalibrationFrames {
 pub(crate) type ImageChanges = Arc<[Vec<Option<Change>>]>;
 
 impl CalibrationFrames {
-    /// Number of marker images in all presses and at rest.
+    /// Number of marker images, both in all presses and at rest.
     pub(crate) fn size(&self) -> usize {
         self.rest.size() * (1 + self.motions.len())
     }
@@ -273,7 +275,7 @@ impl CalibrationFrames {
 
 /// Mean of several images of one marker.
 fn mean(first: Marker, others: &[Marker]) -> Marker {
-    // Sums of the differences from the first image: in both centroid coordinates, hue, mean hue and size.
+    // Sums of the differences from the first image, for both centroid coordinates, the hue, the mean hue and the size.
     let mut sums = [0.0; 5];
     for marker in others {
         let turn = marker.hue_turns - first.hue_turns;

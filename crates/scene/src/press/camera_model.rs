@@ -20,7 +20,7 @@ use super::reading::gaussian;
 /// Trial number that seeds the noise of the first frame at rest. Further frames have smaller numbers.
 pub(super) const AT_REST: u64 = u64::MAX;
 
-/// The camera: its optics, and the level of detail of its simulation.
+/// The simulated camera: its optics, and the level of detail of its simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SimulatedCamera {
     pub(super) optics: Optics,
@@ -32,7 +32,7 @@ pub(super) struct SimulatedCamera {
     pub(super) seed: u64,
 }
 
-/// Level of detail of the camera's simulation.
+/// Level of detail with which the camera is simulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CameraModel {
     /// The image of each marker is computed directly, without pixels.
@@ -69,8 +69,8 @@ impl ImageNoise {
 
     /// Covariance of the errors of a marker's image.
     fn errors(&self) -> MarkerErrors {
-        // Numerical errors of an image without noise: of x and y (px), of the hue (turns) and of the logarithm of the
-        // size.
+        // Numerical errors of an image without noise: of both centroid coordinates (px), of the hue (turns), and of the
+        // logarithm of the size.
         const EXACT: [f64; 4] = [1e-7, 1e-7, 1e-9, 1e-8];
         let stds = [self.centroid, self.centroid, self.hue, self.size].map(|error| error.std());
         let mut covariance = [[0.0; 4]; 4];
@@ -108,7 +108,7 @@ pub(super) struct MarkerMeasurement {
 }
 
 impl MarkerMeasurement {
-    /// The image with its errors, in the form that a fit needs.
+    /// The image with its errors, in the form that a fit to images needs.
     pub(super) fn image(&self) -> Seen {
         marker_image(&self.marker, &self.errors)
     }
@@ -258,7 +258,7 @@ impl SimulatedCamera {
         }
     }
 
-    /// Number of pixels that are rendered per frame.
+    /// Number of pixels in a rendered frame.
     pub(super) fn pixels(&self) -> f64 {
         match self.model {
             CameraModel::Projected(_) => 0.0,
@@ -294,8 +294,8 @@ impl SimulatedCamera {
         };
         let [mut hues, mut centroids, mut sizes] = [Channel::Hue, Channel::Centroid, Channel::Size]
             .map(|channel| Stream::new(self.seed, trial, channel));
-        // Random numbers are drawn for every marker, visible or not, so that the noise of a marker does not depend on
-        // which other markers are visible.
+        // Random numbers are drawn for every marker, visible or not. Therefore the noise of a marker does not depend on
+        // the visibility of other markers.
         let noisy = |image: Option<SeenMarker>| {
             let hue = noise.hue.draw(&mut hues);
             let centroid = [(); 2].map(|()| noise.centroid.draw(&mut centroids));

@@ -20,7 +20,7 @@ const EXACT_TANGENTIAL: &str = "displacements along the skin have no error, so t
      all other displacements; set `noise.tangential_displacement`, or `sensor.tangential` = false";
 
 impl PressScene {
-    /// Models of the scene, its noise, and warnings.
+    /// Returns lines about the models of the scene, its noise, and warnings.
     pub(super) fn description(&self) -> Vec<Need> {
         let mut needs = vec![Need::from(self.model_text())];
         match &self.case {
@@ -37,7 +37,7 @@ impl PressScene {
         needs
     }
 
-    /// The model of the body, with the reason for the choice of `auto`.
+    /// Text that states the model of the body and, if it was chosen by `auto`, the reason for the choice.
     fn model_text(&self) -> String {
         let model = match self.choice.model.reference() {
             PressModelConfig::Hertz { .. } => "Hertz contact, markers at the surface: closed form",
@@ -72,7 +72,7 @@ impl PressScene {
         let text = format!("{} contact{shape}{ellipse}", regime.name());
         let mut needs = vec![Need::from(text)];
         let is_layer = matches!(self.choice.model, PressModelConfig::BondedLayer { .. });
-        // The longer semi-axis has the direction of the smaller curvature.
+        // The longer semi-axis of the contact is in the direction of the smaller curvature.
         let own = skin.curvature();
         let extents = match self.body.contact(&self.markers, &self.geometry) {
             Ok(TrueContact::Elliptic(contact, _)) => {
@@ -189,7 +189,7 @@ impl PressScene {
         needs
     }
 
-    /// Warning if the estimate fails or is biased even without noise.
+    /// Returns a warning if the estimate fails or is biased even without noise.
     fn exact_warning(&self) -> Option<Warning> {
         if let PressCase::NoPress(_) = &self.case {
             return None;
@@ -205,7 +205,7 @@ impl PressScene {
     }
 }
 
-/// Noise of the displacements and of the indentation; `None` if there is none.
+/// Text that states the noise of the displacements and of the indentation; `None` if there is no noise.
 fn displacement_noise(noise: &PressNoise) -> Option<String> {
     let errors = [
         (
@@ -258,7 +258,7 @@ fn calibration_text(camera: &CameraConfig) -> String {
     )
 }
 
-/// Noise of the camera; `None` if there is none.
+/// Text that states the noise of the camera; `None` if there is no noise.
 fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
     let mut errors = Vec::new();
     if let Some(ReadingNoise::Gaussian { std: Level(std) }) = noise.pixel {
@@ -282,13 +282,12 @@ fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
     (!errors.is_empty()).then(|| format!("noise of the camera: {}", errors.join("; ")))
 }
 
-/// Largest error of a noiseless estimate that does not count as a bias, relative to the relative curvature.
+/// Limit of the error of a noiseless estimate, relative to the relative curvature. A larger error counts as a bias.
 const BIAS_LIMIT: f64 = 0.5;
-/// Largest error of a noiseless estimate that does not count as a bias, if the interval of the estimate excludes the
-/// true value.
+/// The same limit if the interval of the noiseless estimate excludes the true value.
 const EXCLUDED_BIAS_LIMIT: f64 = 0.05;
 
-/// Warning if an estimate without noise is far from the curvature of the object.
+/// Returns a warning if an estimate without noise is far from the true curvature of the object.
 fn bias_warning(estimate: &PressEstimate, object: f64) -> Option<Warning> {
     let estimated = estimate.object_curvature();
     let relative = estimate.sensor_curvature + object;
@@ -312,10 +311,11 @@ fn bias_warning(estimate: &PressEstimate, object: f64) -> Option<Warning> {
     }
 }
 
-/// Smallest share of the variance of normal displacements that a fit with the correct body explains, without noise.
+/// A fit to noiseless readings with the correct body explains at least this share of the variance of normal
+/// displacements.
 const MIN_R_SQUARED: f64 = 0.95;
 
-/// Warning if the fit does not explain the noiseless readings well; with noise, its result is then unpredictable.
+/// Returns a warning if the fit explains noiseless readings badly. With noise, its result is then unpredictable.
 fn unexplained_warning(estimate: &PressEstimate) -> Option<Warning> {
     let explained = estimate.r_squared;
     (explained < MIN_R_SQUARED).then(|| {
@@ -325,7 +325,7 @@ fn unexplained_warning(estimate: &PressEstimate) -> Option<Warning> {
     })
 }
 
-/// Name of the body that an estimator assumes, and whether this body models displacements below the surface.
+/// Name of the body that an estimator assumes. Also returns whether this body models displacements below the surface.
 const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static str, bool) {
     match estimator {
         PressEstimatorConfig::HalfSpace { .. } => ("a half-space", true),

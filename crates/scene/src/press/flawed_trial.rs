@@ -9,7 +9,7 @@ use palpate_sweep::Observation;
 /// Errors of the readings of a press in addition to the noise of its scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PressFlaw {
-    /// Error of one normal displacement, length. Each trial has the error at another marker.
+    /// Error of one normal displacement, length. In each trial, another marker has this error.
     pub outlier: f64,
     /// Error of the stated indentation, in standard deviations of its difference from the indentation that is estimated
     /// from the displacements alone.
@@ -17,8 +17,8 @@ pub struct PressFlaw {
 }
 
 impl PressScene {
-    /// Runs a trial as [`Trials::trial`](crate::Trials::trial) does, but with a flaw in its readings, and returns the
-    /// names of the warnings of its estimate. If the fit rejects markers, `outlier` is one of these names.
+    /// Runs a trial like [`Trials::trial`](crate::Trials::trial), but with a flaw in its readings. Returns the names of
+    /// the warnings about its estimate. If the fit rejects markers, `outlier` is one of these names.
     ///
     /// # Errors
     /// The name of the failure, which stays the same in all versions.
@@ -40,8 +40,8 @@ impl PressScene {
             .map_err(|failure| failure.name())
     }
 
-    /// Standard deviation of the difference between the stated indentation and the indentation estimated from the
-    /// displacements alone, computed for readings without noise.
+    /// Standard deviation of the difference between the stated indentation and the indentation that is estimated from
+    /// the displacements alone. It is computed for readings without noise.
     fn indentation_difference_std(&self) -> Result<f64, PressFailure> {
         self.with_fit(&self.reading(None)?, |fit, reading| {
             let alone = fit.estimate(&Reading {

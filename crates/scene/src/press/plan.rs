@@ -28,7 +28,8 @@ use crate::ladder::{Accuracy, Ladder, Rung};
 
 /// Error of displacements that are computed from a layer's tables, relative to the largest displacement.
 const TABLE_ERROR: f64 = 1e-7;
-/// Number of markers from which the tables of a layer are faster than direct solutions for all markers.
+/// If there are at least this number of markers, the tables of a layer are faster than direct solutions for all
+/// markers.
 const MANY_MARKERS: usize = 1000;
 
 impl PressScene {
@@ -76,7 +77,7 @@ impl PressScene {
             Ok(contact) => setup.case(contact, camera)?,
             Err(error) => PressCase::NoPress(*error),
         };
-        // A press with a camera has no bound, because `noise` does not contain the errors of the camera.
+        // A press with a camera has no Cramér–Rao bound, because `noise` does not contain the errors of the camera.
         let bounds = contact
             .ok()
             .filter(|_| camera.is_none())
@@ -158,7 +159,7 @@ pub(super) struct PressSetup<'a> {
 }
 
 impl PressSetup<'_> {
-    /// The true press of a contact and its sensor, or the reason for which there is no press.
+    /// The true press of a contact and its sensor, or the reason for which such a press is impossible.
     fn case(
         &self,
         contact: &TrueContact<'_>,
@@ -249,7 +250,7 @@ impl PressSetup<'_> {
         })
     }
 
-    /// The fit to marker images; `None` if the config states another estimator.
+    /// The fit to marker images; `None` if the config states an estimator that does not use images.
     fn image_estimator(
         &self,
         camera: &SimulatedCamera,
@@ -277,7 +278,7 @@ impl PressSetup<'_> {
     }
 
     /// Cramér–Rao bounds of a fit that assumes the true body. `None` for a fit that cannot describe the true press: a
-    /// Gaussian, or a fit of one curvature to an object that has two.
+    /// Gaussian, or a fit of one curvature to an object with two curvatures.
     fn bounds(
         &self,
         noise: &PressNoise,
@@ -320,17 +321,17 @@ impl PressSetup<'_> {
     }
 }
 
-/// The model that is used, and the reason for it.
+/// The model that is used, and the reason for its choice.
 #[derive(Clone, Debug)]
 pub(super) struct Choice {
     /// The model in the form of a config; it is never `auto`.
     pub(super) model: PressModelConfig,
     pub(super) reason: String,
-    /// Tolerance of `auto`; `None` if the config names the model.
+    /// Largest error that `auto` allows; `None` if the config names the model.
     pub(super) tolerance: Option<f64>,
 }
 
-/// Smallest tolerance that `auto` accepts. The solved layer, the most accurate model, has errors of about this size.
+/// Smallest tolerance that `auto` accepts. The most accurate model, the solved layer, has errors of about this size.
 const SMALLEST_TOLERANCE: f64 = 1e-9;
 /// Largest tolerance that `auto` accepts.
 const LARGEST_TOLERANCE: f64 = 1.0;
@@ -341,7 +342,7 @@ pub(super) struct PressRungs {
     /// Model in the config, which may be `auto`.
     requested: PressModelConfig,
     radius: f64,
-    /// Depth of the markers (midway between their discs) and, with a camera, depths of both discs.
+    /// Depth of the markers (midway between their discs). With a camera, the depths of both discs follow.
     depths: Vec<f64>,
 }
 
@@ -380,7 +381,7 @@ impl PressRungs {
         }
         let rungs = self.measure(markers, geometry)?;
         let reference = self.requested.reference();
-        // Hertz contact and the half-space have the same cost, so that their errors decide which one is chosen.
+        // Hertz contact and the half-space have the same cost, so the more accurate of the two is chosen.
         let cheap = rungs.iter().filter_map(|(model, accuracy)| {
             let error = accuracy.error().filter(|&error| error <= tolerance)?;
             model.thickness().is_none().then_some((model, error))
@@ -416,7 +417,7 @@ impl PressRungs {
         })
     }
 
-    /// All models, the fastest first. Their errors are relative to the last model.
+    /// All models, from the fastest to the slowest. Their errors are relative to the last model.
     fn measure(
         &self,
         markers: &Markers,
@@ -491,7 +492,7 @@ impl PressRungs {
     }
 }
 
-/// Largest difference from the displacements `reference`, relative to the largest of these.
+/// Largest difference between two lists of displacements, relative to the largest displacement in `reference`.
 fn relative_error(moved: &[MarkerDisplacement], reference: &[MarkerDisplacement]) -> Accuracy {
     let size = |normal: f64, [x, y]: [f64; 2]| libm::hypot(libm::hypot(normal, x), y);
     let differences = moved.iter().zip(reference).map(|(one, other)| {

@@ -9,14 +9,14 @@ use super::trial::PressScene;
 use super::truth::TrueContact;
 use crate::trace::{CameraTrace, Trace, counted};
 
-/// Number of points in a profile.
+/// Number of points in a profile of displacements.
 const PLACES: u32 = 121;
-/// Length of a profile, which begins at the centre of the contact, in contact radii. For an elliptic contact, the
-/// profile is along the longer axis.
+/// Length of a profile of displacements, as a multiple of the contact radius. The profile begins at the centre of the
+/// contact. For an elliptic contact, it is along the longer axis.
 const REACH: f64 = 3.0;
 
 impl PressScene {
-    /// Records one press: with the noise of trial number `trial`, or without noise if it is `None`.
+    /// Records one press. `trial` is the number of the trial whose noise is used; `None` for a press without noise.
     pub(super) fn record(
         &self,
         trial: Option<u64>,
@@ -75,8 +75,8 @@ impl PressScene {
         })
     }
 
-    /// Empty table of profiles, which are true and estimated displacements as functions of the distance from the
-    /// contact. Fields of values that an estimate does not contain stay empty.
+    /// Empty table of profiles, which contain true and estimated displacements as functions of the distance from the
+    /// contact. Fields for values that an estimate lacks stay empty.
     pub(crate) fn profile_table(unit: LengthUnit) -> MapTable {
         let names = [
             "radial_position",
@@ -134,8 +134,8 @@ impl PressScene {
             )?),
         };
         let moves_tangentially = body.moves_tangentially();
-        // For a Gaussian, the gain is the amplitude of the displacement; for other bodies, it is a property of the
-        // sensor and does not affect the displacement.
+        // For a Gaussian, the gain is the amplitude of the displacement. For other bodies, the gain is a property of
+        // the sensor and does not affect the displacement.
         let amplitude = estimate
             .gain
             .filter(|_| !moves_tangentially)

@@ -61,7 +61,7 @@ impl PressReading {
         has_lost.then(|| layout.subset(&self.tracked))
     }
 
-    /// Adds an error to one normal displacement. The marker depends on the number of the trial.
+    /// Adds an error to one normal displacement. The number of the trial determines the marker.
     pub(super) fn add_outlier(&mut self, error: f64, trial: u64) {
         let count = self.normal.len() as u64;
         let marker = trial.checked_rem(count).unwrap_or(0) as usize;
@@ -96,7 +96,7 @@ pub(super) enum PressSensor {
 }
 
 impl PressSensor {
-    /// Reads a press: with the noise of trial number `trial`, or without noise if it is `None`.
+    /// Reads a press. `trial` is the number of the trial whose noise is used; `None` for a reading without noise.
     pub(super) fn read(
         &self,
         truth: &TruePress,
@@ -149,7 +149,8 @@ pub(super) struct IndentationSensor {
 }
 
 impl IndentationSensor {
-    /// Reads the indentation of a press: with the noise of trial number `trial`, or without noise if it is `None`.
+    /// Reads the indentation of a press. `trial` is the number of the trial whose noise is used; `None` for a reading
+    /// without noise.
     pub(super) fn read(&self, geometry: &PressGeometry, trial: Option<u64>) -> f64 {
         let error = trial.map_or(0.0, |trial| {
             let mut stream = Stream::new(self.seed, trial, Channel::Indentation);
@@ -159,7 +160,7 @@ impl IndentationSensor {
     }
 }
 
-/// Errors of the readings of a press.
+/// Errors of the readings of a press, for all markers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PressNoise {
     /// Error of each normal displacement.
@@ -212,7 +213,8 @@ impl PressNoise {
         })
     }
 
-    /// Whether trials differ. The arguments state whether tangential displacements and the indentation are read.
+    /// Whether the readings differ between trials. The arguments state whether tangential displacements and the
+    /// indentation are read.
     pub(super) fn is_random(&self, has_tangential: bool, has_indentation: bool) -> bool {
         self.normal.is_random()
             || (has_tangential && self.tangential.is_random())
@@ -226,7 +228,7 @@ impl PressNoise {
     }
 
     /// Adds the errors of a trial to the readings of all markers of the layout. Errors are also drawn for markers that
-    /// are not tracked, so that the error of a marker does not depend on which other markers are tracked.
+    /// are not tracked. Therefore the error of a marker does not depend on the tracking of other markers.
     fn add_to(&self, markers: &mut [Option<MarkerReading>], trial: u64) {
         let stream = |channel| Stream::new(self.seed, trial, channel);
         let gain = 1.0 + self.gain.draw(&mut stream(Channel::Gain));
@@ -259,13 +261,14 @@ impl MarkerReading {
     }
 }
 
-/// Gaussian error with the standard deviation `std`, or 0 without one; `noise` is the name of its config field.
+/// Gaussian error with the standard deviation `std`; without `std`, the error is 0. `noise` is the name of the config
+/// field of the error.
 pub(super) fn gaussian(std: Option<f64>, noise: &str) -> Result<GaussianError, FieldError> {
     GaussianError::new(std.unwrap_or(0.0))
         .map_err(|error: InvalidSensor| FieldError::at(format!("scene.noise.{noise}.std"), error))
 }
 
-/// Number of markers that a kind of noise affects; an error if it exceeds `markers`.
+/// Number of markers that a kind of noise affects. Returns an error if it exceeds `markers`, the number of all markers.
 fn marker_count(count: Option<u32>, noise: &str, markers: usize) -> Result<usize, FieldError> {
     let count = count.unwrap_or(0) as usize;
     if count <= markers {
@@ -298,9 +301,9 @@ pub(super) struct CameraPressSensor {
 /// Change of a marker's image in a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MarkerChange {
-    /// Change of the hue of the marker's summed light, turns.
+    /// Change of the hue of the marker's summed light from rest to press, turns.
     pub(super) hue_turns: f64,
-    /// Change of the marker's mean hue, turns.
+    /// Change of the marker's mean hue from rest to press, turns.
     pub(super) mean_hue_turns: f64,
     /// Shift of the marker's centroid, px at the scale of the image centre.
     pub(super) shift_px: f64,
@@ -351,8 +354,8 @@ impl CameraPressSensor {
         self.lost_markers > 0 || self.camera.is_random || self.variation.is_some()
     }
 
-    /// Tracks the markers of a press: with the noise and the sensor of trial number `trial`, or without noise if it is
-    /// `None`.
+    /// Tracks the markers of a press. `trial` is the number of the trial whose noise and sensor are used; `None` for
+    /// tracks without noise.
     fn read(&self, truth: &TruePress, trial: Option<u64>) -> Result<CameraReading, PressFailure> {
         let (tracks, own_rest) = match (&self.variation, trial) {
             (Some(variation), Some(number)) => {
@@ -387,7 +390,7 @@ impl CameraPressSensor {
         changes.enumerate().map(reading).collect()
     }
 
-    /// Frames at rest and pressed, if the camera renders frames.
+    /// Frames at rest and pressed; `None` if the camera does not render frames.
     pub(super) fn frames(
         &self,
         truth: &TruePress,

@@ -25,7 +25,7 @@ const fn rest_number(trial: u64) -> u64 {
     AT_REST.wrapping_sub(NUMBERS_PER_TRIAL.wrapping_mul(trial.wrapping_add(2)))
 }
 
-/// Draws the sensor parameters of each trial.
+/// Draws new parameters of the sensor in each trial.
 #[derive(Clone, Debug)]
 pub(super) struct SensorVariation {
     errors: Vec<GaussianError>,
@@ -34,14 +34,14 @@ pub(super) struct SensorVariation {
     /// Nominal depths of the magenta and the yellow discs, length.
     depths: [f64; 2],
     rest_frames: u32,
-    /// Largest misalignment of a marker, as a share of the diameter of the yellow disc.
+    /// Largest misalignment of a marker, relative to the diameter of the yellow disc.
     misalignment: f64,
 }
 
 /// The sensor of one trial.
 pub(super) struct VariedSensor {
     pub(super) camera: SimulatedCamera,
-    /// Motions of the discs in the press.
+    /// Motions of both discs of each marker in the press.
     pub(super) motions: Vec<MarkerMotion>,
     /// Images of the markers at rest, with their covariances.
     pub(super) rest: Arc<[Option<Seen>]>,
@@ -71,8 +71,8 @@ impl SensorVariation {
         }))
     }
 
-    /// Draws the sensor of a trial, whose parameters scatter about the parameters of the `nominal` sensor, and moves
-    /// its discs by a press.
+    /// Draws the sensor of a trial, and moves its discs by a press. The parameters of the sensor scatter about those of
+    /// the `nominal` sensor.
     pub(super) fn sensor(
         &self,
         nominal: &SimulatedCamera,
@@ -87,7 +87,7 @@ impl SensorVariation {
         let departure = nominal.optics.possible(Departure::of(numbers));
         let optics = nominal.optics.departed(&departure)?;
         let array = optics.array().clone();
-        // The number 0 seeds the misalignments in scenes whose trials share one sensor.
+        // The number 0 is reserved: it seeds the misalignments in scenes whose trials share one sensor.
         let array = array.misaligned(self.misalignment, nominal.seed, trial.wrapping_add(1))?;
         let camera = SimulatedCamera {
             optics: optics.misaligned(&array.misalignments())?,
@@ -107,7 +107,7 @@ impl SensorVariation {
         })
     }
 
-    /// Motions of the discs in a press, if the discs are deeper than the nominal depth by `deeper`.
+    /// Motions of the discs in a press. The depths of the discs exceed their nominal depths by `deeper`.
     fn motions(
         &self,
         geometry: &PressGeometry,

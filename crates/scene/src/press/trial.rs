@@ -22,10 +22,10 @@ use crate::ladder::Ladder;
 use crate::scene::{Need, Trials};
 use crate::trace::{Trace, TraceError};
 
-/// Quantities of presses, in the order of the tables. The elements are the quantities of all presses; of a camera
-/// (errors of each tracked marker, change of hue and shift of the marker under the contact, and results of tracking);
-/// of an object with a radius; of an elliptic fit; of an elliptic fit to an object with an axis; and of a body whose
-/// modulus is stated.
+/// Quantities of presses, in the order of the tables. Each element lists the quantities of one kind of press: of all
+/// presses; of a camera (errors of each tracked marker, change of hue and shift of the marker under the contact, and
+/// results of tracking); of an object with a radius; of an elliptic fit; of an elliptic fit to an object with an axis;
+/// and of a body whose modulus is stated.
 const QUANTITIES: [&[Quantity]; 6] = [
     &[
         Quantity::RELATIVE_CURVATURE,
@@ -54,8 +54,8 @@ const QUANTITIES: [&[Quantity]; 6] = [
     &[Quantity::FORCE],
 ];
 
-/// The quantities of every combination of these elements. If bit n of the index is 1, the combination contains element
-/// n of [`QUANTITIES`].
+/// The quantities of every combination of elements of [`QUANTITIES`]. If bit n of the index is 1, the combination
+/// contains the element n.
 static COMBINATIONS: LazyLock<Vec<Vec<Quantity>>> = LazyLock::new(|| {
     let combination = |bits: usize| {
         let some = QUANTITIES.iter().enumerate();
@@ -89,14 +89,14 @@ pub struct PressScene {
     pub(super) exact: OnceLock<Result<PressEstimate, PressFailure>>,
 }
 
-/// A press with its sensor, or the reason for which there is no press.
+/// A press with its sensor, or the reason for which the press is impossible.
 #[derive(Clone, Debug)]
 pub(super) enum PressCase {
     Press {
         truth: TruePress,
         sensor: PressSensor,
     },
-    /// The press is impossible. Every trial fails with the name of this error.
+    /// The press is impossible. Every trial fails with the name of the error.
     NoPress(PressError),
 }
 
@@ -108,7 +108,7 @@ impl PressCase {
         }
     }
 
-    /// The camera that reads the press; `None` for a direct sensor, and if there is no press.
+    /// The camera that reads the press. `None` for a direct sensor, and if the press is impossible.
     pub(super) fn camera(&self) -> Option<&CameraPressSensor> {
         self.press().ok().and_then(|(_, sensor)| sensor.camera())
     }
@@ -119,7 +119,7 @@ impl PressCase {
 pub(super) enum PressEstimator {
     /// A fit to displacements of markers and, if the config uses it, a fit to images of markers.
     Fit(ForwardFit, Option<ImageEstimator>),
-    /// The fit cannot be built. Every trial fails with the name of this error.
+    /// The fit cannot be built. Every trial fails with the name of the error.
     NoFit(PressError),
 }
 
@@ -159,7 +159,8 @@ impl PressScene {
         fit.map_or([None; 2], |fit| [fit.normal_std, fit.tangential_std])
     }
 
-    /// Readings of the sensor: with the noise of trial number `trial`, or without noise if it is `None`.
+    /// Readings of the sensor. `trial` is the number of the trial whose noise is used; `None` for readings without
+    /// noise.
     pub(super) fn reading(&self, trial: Option<u64>) -> Result<PressReading, PressFailure> {
         let (truth, sensor) = self.case.press()?;
         sensor.read(truth, &self.noise, trial)
@@ -186,7 +187,7 @@ impl PressScene {
         })
     }
 
-    /// Calls `then` with the fit to displacements and the readings in the form that this fit needs.
+    /// Calls `then` with the fit to displacements, and with the readings in the form that this fit needs.
     pub(super) fn with_fit<T>(
         &self,
         reading: &PressReading,
@@ -267,7 +268,7 @@ impl PressScene {
             Quantity::R_SQUARED,
             Observation::plain(estimate.r_squared, 1.0),
         );
-        // If the object is estimated to be flat, its radius is not finite.
+        // If the estimated curvature is 0, the radius is not finite.
         let radius = estimate.most_likely_object_curvature().recip();
         if let Some(truth) = self.geometry.object.radius
             && radius.is_finite()
@@ -291,7 +292,8 @@ impl PressScene {
             }
             if let Some(truth) = self.true_value(Quantity::AXIS_DEG) {
                 let [axis, std] = [principal.axis, principal.axis_std].map(f64::to_degrees);
-                // Two axes that differ by half a turn are the same axis.
+                // Angles that differ by half a turn are the same axis, so the estimate is moved to within a quarter
+                // turn of the true angle.
                 let value = truth + half_turn(axis - truth);
                 let [low, high] = [-NORMAL_95, NORMAL_95].map(|width| Some(value + width * std));
                 let interval = Interval { low, high };
@@ -396,8 +398,8 @@ impl Trials for PressScene {
             || self.noise.is_random(self.has_tangential, has_indentation)
     }
 
-    /// An error if there are too few markers, or if a setting of the estimator is invalid. If there is no press, or if
-    /// the camera cannot image it, the scene can still run, but its trials fail.
+    /// Returns an error if there are too few markers, or if a setting of the estimator is invalid. It is no error if
+    /// the press is impossible or if the camera cannot image it: the scene can still run, but its trials fail.
     fn estimable(&self) -> Result<(), FieldError> {
         match self.exact() {
             Err(PressFailure::Press(error @ PressError::TooFewMarkers { .. })) => {
@@ -434,7 +436,7 @@ impl Trials for PressScene {
     }
 
     /// Cramér–Rao bound for the scene's own body and noise. Fitted parameters count as unknown. Given parameters have
-    /// the noise that is drawn or, if none is drawn, the standard deviation in the config.
+    /// the noise that trials draw. If trials draw no noise for them, they have the standard deviation in the config.
     fn std_bound(&self, quantity: usize) -> Option<f64> {
         let bounds = self.bounds?;
         let quantity = *self.quantities().get(quantity)?;
@@ -484,8 +486,8 @@ fn outcome(estimated: &Estimated, truth: f64) -> Observation {
 }
 
 /// Whether the 50, 80 and 95 % intervals contain the true value. The 95 % interval is part of the estimate. The
-/// half-widths of the others follow from its half-width as for a normal distribution or, on a side without a bound,
-/// from `std`.
+/// half-widths of the other intervals follow from its half-width, as for a normal distribution. On a side without a
+/// bound, they follow from `std`.
 fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
     let Estimated {
         value,

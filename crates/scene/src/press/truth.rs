@@ -23,12 +23,13 @@ pub(super) struct TruePress {
     pub(super) force_per_young: Option<f64>,
     /// Displacements of the markers, at the point midway between their discs.
     pub(super) markers: Vec<MarkerDisplacement>,
-    /// Motions of both discs of each marker; empty without a camera.
+    /// Motions of both discs of each marker; empty if there is no camera.
     pub(super) discs: Vec<MarkerMotion>,
 }
 
 impl TruePress {
-    /// Computes the press with this contact. `discs` are the discs of the markers, if there is a camera.
+    /// Computes the true values of the press with this contact. `discs` are the discs of the markers, if there is a
+    /// camera.
     pub(super) fn new(
         body: &SoftBody,
         markers: &Markers,
@@ -167,7 +168,7 @@ fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], Fi
 pub(super) enum TrueContact<'b> {
     /// Contact with an object that has one curvature.
     Round(Contact<'b>),
-    /// Contact with an object that has two curvatures, and the depth of the points.
+    /// Contact with an object that has two curvatures, and the depth of the points whose displacements are computed.
     Elliptic(EllipticContact, f64),
 }
 
@@ -208,8 +209,8 @@ impl TrueContact<'_> {
 #[derive(Clone, Debug)]
 pub(super) struct SoftBody {
     pub(super) body: Body,
-    /// Poisson's ratio, and the depth of the points (0 for the model Hertz), from which displacements by a sideways
-    /// shift are computed; `None` if the model has no such displacements.
+    /// Poisson's ratio, and the depth of the points (0 for the model Hertz). Displacements by a sideways shift are
+    /// computed from them. `None` if the model has no such displacements.
     pub(super) sideways: Option<(f64, f64)>,
 }
 
@@ -234,7 +235,7 @@ impl SoftBody {
         Ok(Self { body, sideways })
     }
 
-    /// Contact of a press with the skin above these markers.
+    /// Contact of a press with the skin. The skin is that of these markers.
     pub(super) fn contact(
         &self,
         markers: &Markers,
@@ -300,8 +301,8 @@ struct Discs {
     strain: Option<DiscStrain>,
 }
 
-/// Displacements of the discs of one colour and, if they follow the strain of the skin, the relative widening of each
-/// disc and of the skin around it.
+/// Displacements of the discs of one colour. If the discs follow the strain of the skin, the second part is the
+/// relative widening of each disc and of the skin around it.
 type DiscDisplacements = (Vec<MarkerDisplacement>, Option<Vec<[f64; 2]>>);
 
 impl Discs {
@@ -403,10 +404,10 @@ impl<'a> DiscMarkers<'a> {
 /// Distance above and below a disc at which displacements of the skin are computed, in radii of the sensor.
 const STRAIN_STEP: f64 = 0.0025;
 
-/// Skin just above and just below the discs of one colour. The strain follows from the difference of the displacements
-/// there.
+/// Skin just above and just below the discs of one colour. The strain of the discs follows from the difference between
+/// the displacements of the two.
 struct DiscStrain {
-    /// Share of the skin's strain that the discs follow.
+    /// Share of the skin's strain that the discs follow: 1 if they strain like the skin.
     share: f64,
     above: SoftBody,
     below: SoftBody,
@@ -415,7 +416,8 @@ struct DiscStrain {
 }
 
 impl DiscStrain {
-    /// Skin around discs at `depth`, but not deeper than `deepest`. `body` builds the soft body at a depth.
+    /// Skin just above and just below discs at `depth`, but not deeper than `deepest`. `body` builds the soft body at a
+    /// depth.
     fn new(
         share: f64,
         depth: f64,
@@ -432,8 +434,8 @@ impl DiscStrain {
         })
     }
 
-    /// Relative widening of each disc in a press, and of the skin around it. If an incompressible skin is compressed
-    /// along its normal, it widens in both tangential directions by half of the normal strain.
+    /// Relative widening of each disc in a press, and of the skin around it. An incompressible skin that is compressed
+    /// along its normal widens in both tangential directions, by half of the normal strain.
     fn stretches(
         &self,
         markers: &Markers,

@@ -13,7 +13,7 @@ use super::motion_noise::{MotionNoise, Roll};
 pub(super) struct LinearRolls {
     radius: f64,
     probes: Vec<LinearRoll>,
-    /// Distribution of the error of each component of the rotation; `None` without an error.
+    /// Distribution of the error of each component of the rotation; `None` if the rotation has no error.
     error: Option<Distribution>,
 }
 
@@ -22,9 +22,9 @@ pub(super) struct LinearRolls {
 struct LinearRoll {
     /// Path of the contact along u and v, for the commanded rotation.
     commanded: [f64; 2],
-    /// Change of the path per unit error of the rotation about x.
+    /// Change of the contact's path per unit error of the rotation about x.
     per_error_x: [f64; 2],
-    /// Change of the path per unit error of the rotation about y.
+    /// Change of the contact's path per unit error of the rotation about y.
     per_error_y: [f64; 2],
     reported: ProbeRotation,
 }
@@ -51,10 +51,10 @@ impl LinearRoll {
         }
     }
 
-    /// Path of the contact with these errors of the rotation, in units of the size of the errors.
+    /// Path of the contact if the rotation has these errors, which are in units of the size of the errors.
     #[inline(always)]
     fn path(&self, [error_x, error_y]: [f64; 2]) -> [f64; 2] {
-        // This is no closure, because a closure that is not inlined would not use the vector instructions of its
+        // This is not a closure, because a closure that is not inlined would not use the vector instructions of its
         // caller.
         let ([u, v], [u_x, v_x], [u_y, v_y]) = (self.commanded, self.per_error_x, self.per_error_y);
         [
@@ -65,8 +65,8 @@ impl LinearRoll {
 }
 
 impl LinearRolls {
-    /// Rolls of probes that report the commanded rotations. Returns `None` if the rolls have no linear closed form, if
-    /// noise changes the motion during a roll, or if the noise is a measurement error.
+    /// Rolls of probes that report the commanded rotations. Returns `None` in three cases: the rolls have no linear
+    /// closed form, noise changes the motion during a roll, or the noise is a measurement error.
     pub(super) fn new(
         roller: &Roller,
         rolls: &[Roll],
@@ -126,8 +126,8 @@ impl LinearRolls {
         let half_turn = self.half_turn_squared();
         let mut streams = Streams::new(seed, first, Channel::AngularVelocity);
         for (number, &probe) in self.probes.iter().enumerate() {
-            // Errors are drawn first, and paths are computed in a second loop, because processors overlap short loops
-            // best.
+            // Errors are drawn first, and paths are computed in a second loop, because processors execute short loops
+            // with the most overlap.
             many.draw(self.error, &mut streams, count);
             match number {
                 0 => many.add::<true>(probe, half_turn, count),
@@ -135,7 +135,7 @@ impl LinearRolls {
             }
         }
         let long = &many.long[..count];
-        // The sum is almost always 0.
+        // The sum is almost always 0, because hardly any path is longer than halfway around its probe.
         match long.iter().sum::<u64>() {
             0 => long.len(),
             _ => long.iter().take_while(|&&long| long == 0).count(),
@@ -211,7 +211,7 @@ impl ManyRolls {
         streams: &mut Streams<BATCH_SIZE>,
         count: usize,
     ) {
-        // The distribution is matched outside of the loops, so that each loop has one fixed distribution.
+        // The distribution is matched outside of the loops, so that the distribution within each loop is fixed.
         match error {
             None => (),
             Some(Distribution::Uniform) => {
@@ -316,7 +316,8 @@ mod tests {
     #[test]
     fn side_by_side_is_one_by_one_to_the_last_bit() {
         for noise in NOISES {
-            // Rolls of 31 s end near halfway around the probe: in some trials beyond it, in others before it.
+            // Rolls of 31 s end about halfway around the probe. In some trials, they end beyond this point, and in
+            // other trials before it.
             for duration_s in [1.0, 31.0] {
                 let scene = scene(duration_s, noise);
                 let (mut trial, mut together) = (0, 0);

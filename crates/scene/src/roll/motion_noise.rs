@@ -16,7 +16,7 @@ pub(super) struct MotionNoise {
     pub(super) side: Side,
 }
 
-/// The commanded roll of one probe, without noise.
+/// The commanded roll of one probe, with its results without noise.
 #[derive(Clone, Debug)]
 pub(super) struct Roll {
     pub(super) command: Motion,
@@ -24,7 +24,7 @@ pub(super) struct Roll {
     pub(super) rotation: Vector2<f64>,
     /// Displacement of the contact on the probe.
     pub(super) displacement: Vector2<f64>,
-    /// Relief of the object along the roll; `None` if noise cannot move the probe into the object.
+    /// Relief of the object along the roll; `None` if noise cannot move the probe so far that it overlaps the object.
     pub(super) terrain: Option<Terrain>,
 }
 
@@ -44,9 +44,9 @@ impl MotionNoise {
         }
     }
 
-    /// Bound on the distance (length) by which noise moves the centre of a probe of radius `radius` away from its
-    /// commanded position in a roll by `rotation` (rad): the largest possible distance, but at most six standard
-    /// deviations.
+    /// Bound on the distance (length) by which noise moves the centre of a probe away from its commanded position. The
+    /// probe has the radius `radius` and rolls by `rotation` (rad). The bound is the largest possible distance, but at
+    /// most six standard deviations.
     pub(super) fn stray(&self, radius: f64, rotation: &Vector2<f64>) -> f64 {
         if self.side == Side::Measurement {
             return 0.0;
@@ -55,8 +55,8 @@ impl MotionNoise {
             Distribution::Uniform => self.error.fraction(),
             Distribution::Gaussian => f64::INFINITY,
         };
-        // The centre moves by the radius times the rotation. The factor √2 accounts for the two components of the
-        // noise, and the factor 2 for the curvature of the path on the object.
+        // The distance that the centre moves is the radius times the rotation. The factor √2 is for the two components
+        // of the noise, and the factor 2 is for the curvature of the path on the object.
         let share = 2.0 * std::f64::consts::SQRT_2 * bound.min(6.0 * self.relative_rotation_std());
         share * radius * rotation.norm()
     }
@@ -127,7 +127,7 @@ impl NoiseTrial {
         }
     }
 
-    /// The actual motions of the probe when `command` is commanded.
+    /// The motions that the probe actually makes when `command` is commanded.
     pub(super) fn motions(&mut self, command: &Motion) -> Vec<Motion> {
         let Some((noise, stream)) = &mut self.0 else {
             return vec![*command];
@@ -145,7 +145,7 @@ impl NoiseTrial {
     }
 }
 
-/// Displacement of the contact on a probe; an error if the probe overlaps the terrain.
+/// Displacement of the contact on a probe. Returns an error if the probe overlaps the terrain.
 #[inline]
 fn cleared_shift(
     roller: &Roller,

@@ -48,8 +48,8 @@ impl RollScene {
 
         let (roller, commands) = roller(config, probe, object, noise)?;
         let reading_noise = ReadingNoise {
-            // In the config, the noise is a fraction of the whole rate of rotation, including spin; here, it is a
-            // fraction of the tangential part.
+            // In the config, the noise is a fraction of the whole rate of rotation, including spin. Here, the noise is
+            // a fraction of the tangential part of the rate.
             relative_rotation_std: noise.map_or(0.0, |noise| noise.relative_rotation_std())
                 * libm::hypot(config.motion.spin_rad_per_s / rate(&config.motion), 1.0),
             rotation_std_rad: rotation_sensor.std_rad(),
@@ -91,7 +91,7 @@ impl RollScene {
         distinct(&commands, pieces)
     }
 
-    /// Measures the error of each model that can compute this scene.
+    /// Measures the error of each model that can compute the rolls of this scene.
     pub(super) fn measured_ladder(&self) -> Ladder {
         let rolls = self.noiseless();
         let rolls = Rolls {
@@ -239,7 +239,7 @@ fn roller(
             durations.push((*command, duration_s));
             command.duration_s = duration_s;
         }
-        // The choice of the model depends on the distance that the probes roll.
+        // The choice of the model depends on the distance that the probes roll, so the roller is set up again.
         roller = set_up(&commands)?;
     }
     Ok((roller, commands))
@@ -267,7 +267,7 @@ fn commands(config: &RollMotionConfig) -> Vec<Motion> {
         .collect()
 }
 
-/// The commands without repetitions, each cut into `pieces`.
+/// The commands without repetitions. Each command is cut into `pieces` motions.
 fn distinct(commands: &[Motion], pieces: u32) -> Vec<Vec<Motion>> {
     let mut rolls: Vec<Vec<Motion>> = Vec::new();
     for command in commands {
@@ -304,7 +304,7 @@ fn noiseless(
         let fail = |error: RollError| format!("probe {probe} cannot roll: {error}");
         let shift = roller.shift(&[command]);
         if shift.is_err() {
-            // If the probe overlaps the object at the start, this overlap is reported instead.
+            // An overlap of the probe with the object at the start is reported with priority.
             let start = Motion {
                 duration_s: 0.0,
                 ..command

@@ -139,16 +139,16 @@ impl SensorTrial<'_> {
     }
 }
 
-/// Errors of the rotation that a probe reports.
+/// Sensor of the rotation of a probe, with its errors.
 #[derive(Clone, Debug)]
 pub(super) struct RotationSensor {
     error: GaussianError,
-    /// Rate at which the error of each component grows during a roll, rad/s.
+    /// Rate at which the error of each component of the rotation grows during a roll, rad/s.
     drift_rad_per_s: f64,
     encoder: Option<Encoder>,
 }
 
-/// The rotation sensor in one trial.
+/// The rotation sensor during one trial.
 pub(super) struct RotationTrial<'a> {
     sensor: &'a RotationSensor,
     errors: Stream,
@@ -185,7 +185,7 @@ impl RotationSensor {
         !self.is_random() && self.error.bias() == 0.0 && self.drift_rad_per_s == 0.0
     }
 
-    /// Config path of the larger of the two errors.
+    /// Config path of the larger of the sensor's two errors.
     pub(super) fn path(&self) -> &'static str {
         match self.encoder {
             Some(encoder) if encoder.std_rad() >= self.error.std() => "scene.noise.encoder",

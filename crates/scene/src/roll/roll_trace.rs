@@ -30,7 +30,7 @@ impl RollScene {
         for (probe, roll) in self.rolls.iter().enumerate() {
             let command = &roll.command;
             let (motions, rotation) = match self.noise.map(|noise| noise.side) {
-                // This draws the measured rotation without rolling the probe.
+                // This branch draws the measured rotation without rolling the probe.
                 Some(Side::Measurement) => {
                     let (_, rotation) = noise
                         .roll(&self.roller, roll)

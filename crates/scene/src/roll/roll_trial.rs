@@ -42,17 +42,18 @@ pub struct RollScene {
     pub(super) rotation_sensor: RotationSensor,
     pub(super) reading_noise: ReadingNoise,
     pub(super) fit: RollFit,
-    /// Closed form of the rolls; `None` unless all rolls are linear and report the same rotations in every trial.
+    /// Closed form of the rolls. `None` unless all rolls are linear and the reported rotations are the same in every
+    /// trial.
     pub(super) linear: Option<LinearRolls>,
     pub(super) truth: Truth,
     pub(super) directions_path: &'static str,
     /// Largest error that `auto` allows when it chooses the model; `None` if the config names the model.
     pub(super) tolerance: Option<f64>,
-    /// Chart of the integrators that are compared.
+    /// Chart of the integrators that are compared with each other.
     pub(super) chart: Chart,
 }
 
-/// The fit for the commanded rotations, which a trace does not need.
+/// The fit for the commanded rotations. A trace does not need this fit.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub(super) enum RollFit {
@@ -71,14 +72,14 @@ impl RollFit {
     }
 }
 
-/// Curvature of the object at the first contact, and length of the noiseless rolls.
+/// True values: curvature of the object at the first contact, and length of the noiseless rolls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Truth {
     pub(super) curvature: CurvatureForm,
     pub(super) arc_length: f64,
 }
 
-/// A batch of trials. Its code is compiled for every vector width.
+/// A batch of trials that run together. Its code is compiled for every vector width.
 struct Together<'a> {
     seed: u64,
     linear: &'a LinearRolls,
@@ -91,7 +92,7 @@ struct Together<'a> {
 }
 
 impl WithSimd for Together<'_> {
-    /// Number of trials before the first failed trial.
+    /// Number of trials before the first trial that fails.
     type Output = usize;
 
     #[inline(always)]
@@ -106,9 +107,9 @@ impl WithSimd for Together<'_> {
 }
 
 impl Together<'_> {
-    /// Runs the trials, and returns the number of trials before the first failure. It must be compiled in this crate:
-    /// crates that call [`RollScene::side_by_side`] are compiled with fewer optimisations, so that the code would not
-    /// be vectorised there.
+    /// Runs the trials, and returns the number of trials before the first failure. The function must be compiled in
+    /// this crate: crates that call [`RollScene::side_by_side`] are compiled with fewer optimisations, which would not
+    /// vectorise it.
     #[inline(never)]
     fn run(self, arch: Arch) -> usize {
         arch.dispatch(self)
@@ -240,7 +241,7 @@ impl RollScene {
         ]
     }
 
-    /// Runs a trial of a roll of any kind.
+    /// Runs a trial of rolls of any kind, with or without errors of the reported rotations.
     #[inline(never)]
     fn sensor_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let is_measured = !self.rotation_sensor.is_exact()
@@ -264,7 +265,8 @@ impl RollScene {
         fit.estimate(&moments).map_err(|error| error.name())
     }
 
-    /// Runs a trial in which the reported rotations are the same as in every other trial.
+    /// Runs a trial in which the reported rotations are the same as in every other trial, but the rolls may be of any
+    /// kind.
     fn general_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let fit = self.fit.get()?;
         let mut moments = Moments::default();
@@ -307,7 +309,7 @@ impl RollScene {
         let curvature = self.truth.curvature.principal();
         let sharper = curvature.k_min.abs().max(curvature.k_max.abs());
         let error = rounding_std(self.roller.probe().radius(), sharper) / sharper;
-        // If the error is larger, the object counts as a plane, which needs no warning.
+        // An error above this range means that the object counts as a plane, which needs no warning.
         (1e-3..1e12).contains(&error).then(|| {
             let share = Number::rounded(error);
             Warning::new(

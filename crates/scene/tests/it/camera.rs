@@ -10,7 +10,8 @@ use palpate_study::config::{LengthUnit, Study, parse};
 use palpate_sweep::Observation;
 use palpate_tracking::Equidistant;
 
-/// Config of a press with the sensor of the 2020 paper: a layer 5 mm thick on a core, pressed 1 mm deep onto a plane.
+/// Config of a press with the sensor of the 2020 paper: a layer with a thickness of 5 mm on a core. The indentation on
+/// a plane is 1 mm.
 fn text(sensor: &str, noise: &str) -> String {
     format!(
         r#"name = "a-study"
@@ -81,7 +82,7 @@ fn an_image_without_errors_yields_displacements_and_draws_nothing() {
     for (from, limit) in [("hue", 0.012), ("size", 0.004), ("both", 0.002)] {
         let sensor = format!(r#"kind = "projected", normal_from = "{from}""#);
         let scene = scene(&text(&sensor, ""));
-        // Nothing is random, so one trial is enough and all trials are equal.
+        // Nothing is random in this scene, so one trial is enough and all trials are equal.
         assert_eq!(scene.trials(1000), 1);
         let normal = outcomes(&scene, 0, "normal_displacement");
         assert_eq!(normal.len(), 77);
@@ -108,7 +109,8 @@ fn rendered_and_projected_cameras_agree() {
         ("normal_displacement", 0.01),
         ("tangential_displacement", 0.003),
         ("hue_change", 2e-4),
-        // Pixels at the edge of two aligned discs contain hues on both sides of red.
+        // A pixel at the edge of two aligned discs may have a hue on either side of red, so the mean hue has a larger
+        // error.
         ("mean_hue_change", 0.015),
         ("centroid_shift", 0.02),
     ] {
@@ -149,7 +151,7 @@ fn errors_of_images_have_the_stated_size() {
         .map(|trial| only(&noisy, trial, "hue_change").estimate - truth.truth)
         .collect();
     let mean = errors.iter().sum::<f64>() / 400.0;
-    // The mean of the 16 frames at rest has a standard error of 0.001/√16 = 0.00025, which all trials have in common.
+    // The mean of the 16 frames at rest has a standard error of 0.001/√16 = 0.00025. All trials share this error.
     assert!(mean.abs() < 0.001, "{mean}");
     let spread = errors
         .iter()
@@ -171,7 +173,8 @@ fn frames_at_rest_are_averaged() {
             } = only(&noisy, trial, "hue_change");
             estimate - truth
         });
-        // For 1000 frames at rest and 200 presses, the standard error is 0.001 √(1/1000 + 1/200) = 7.7e-5.
+        // With 1000 frames at rest and 200 presses, the mean error has a standard error of 0.001 √(1/1000 + 1/200) =
+        // 7.7e-5.
         let mean = errors.sum::<f64>() / 200.0;
         assert!(mean.abs() < 2.3e-4, "{seed}: {mean}");
     }
@@ -274,7 +277,7 @@ fn sensors_that_cannot_be_are_refused_at_the_field() {
             camera(r#"kind = "rendered", k5 = -0.2"#, ""),
             "scene.sensor.k3",
         ),
-        // Only the edge of a marker is inside of the field of view.
+        // Only the edge of this marker is inside of the field of view.
         (
             camera(r#"kind = "projected", field_deg = 1.0"#, ""),
             "scene.sensor",
@@ -328,16 +331,16 @@ fn a_sideways_shift_moves_the_centroid() {
         only(&scene, 0, "centroid_shift").estimate
     };
     let [once, twice] = [shifted(0.5), shifted(1.0)];
-    // Share of the shift that the discs follow at the depths 1 and 3 under a contact with a² = R δ. The scale of the
-    // image is f = 319.5 px / 65°.
+    // The discs at the depths 1 and 3 follow a share of the shift. The radius of the contact is a² = R δ, with the
+    // effective radius R and the indentation δ. The scale of the image is f = 319.5 px / 65°.
     let apex = Markers::new(Skin::new(20.0).unwrap(), &[[0.0; 2]]).unwrap();
     let followed = |depth: f64| {
         let moved = apex.shifted(0.5, depth, 20_f64.sqrt(), [0.0; 2], 1.0);
         moved.unwrap()[0].tangential[0] / (20.0 - depth)
     };
     let expected = 319.5 / 65_f64.to_radians() * 0.5 * 0.5 * (followed(1.0) + followed(3.0));
-    // Two effects are neglected here: the discs also move towards the camera, and the visible share of each disc
-    // changes.
+    // The expected value neglects two effects: the discs also move towards the camera, and the visible share of each
+    // disc changes.
     assert!((once / expected - 1.0).abs() < 0.07, "{once} {expected}");
     assert!((twice / once - 2.0).abs() < 0.05, "{once} {twice}");
 }

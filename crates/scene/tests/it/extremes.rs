@@ -5,7 +5,7 @@ use palpate_scene::Scenes;
 use palpate_study::config::parse;
 
 const PLANE: &str = "{ kind = \"plane\" }";
-/// Estimator of presses whose indentation is stated, without noise.
+/// Estimator of presses with an exactly stated indentation.
 const KNOWN: &str = "estimator = { kind = \"half-space\", indentation = \"known\" }";
 
 fn scene(kind: &str, probe: &str, object: &str, motion: &str, lines: &str) -> String {
@@ -80,8 +80,8 @@ fn relative(text: &str) -> Result<Vec<[f64; 2]>, String> {
         of_it.fold(0.0, |largest: f64, (.., truth)| largest.max(truth.abs()))
     };
     let pairs = all.iter().filter_map(|&(quantity, estimate, truth)| {
-        // In a press, the curvature of the object is the relative curvature minus the curvature of the sensor;
-        // therefore, its error is compared with the relative curvature. The radius of the object is compared as its
+        // The curvature of the object is computed as the relative curvature minus the curvature of the sensor.
+        // Therefore its error is compared with the relative curvature. The radius of the object is compared as its
         // inverse.
         let is_of_object = ["object_curvature", "object_radius"].contains(&quantity);
         let scale = largest(if is_of_object {
@@ -105,13 +105,14 @@ fn scenes_without_noise_are_exact() {
         (roll(1e9, &sphere(3e9), 0.5, ""), 1.0),
         (press(1e-9, &sphere(30e-9), 0.05, KNOWN), 1.0),
         (press(1e9, &sphere(30e9), 0.05, KNOWN), 1.0),
-        // Errors of the shift are amplified by 1 + R₂/R₁, where R₂/R₁ is the ratio of the object's radius to the
-        // probe's radius.
+        // Errors of the shift are amplified by 1 + R₂/R₁, where R₁ is the radius of the probe and R₂ the radius of the
+        // object.
         (roll(1.0, &sphere(1e-9), 0.1, ""), 1.0),
         (roll(1.0, &sphere(1e12), 0.1, ""), 1e12),
         (press(1.0, &sphere(20e12), 0.01, KNOWN), 1e12),
         (press(1.0, &sphere(1e308), 0.01, KNOWN), 1.0),
-        // The estimated curvature consists mostly of rounding errors of the positions.
+        // The curvature of this object is so small that the estimate consists mostly of rounding errors of the
+        // positions.
         (glide(1.0, &sphere(2e9), ""), 1e10),
         (roll(1.0, PLANE, 1e-12, ""), 1.0),
         (roll(1.0, &sphere(2.0), 1e-12, ""), 1.0),
@@ -190,7 +191,7 @@ fn errors_are_the_same_in_any_unit() {
             assert!((here[0] - there[0]).abs() <= 1e-9, "{here:?} {there:?}");
         }
     };
-    // The contact of a press cannot be detected if the noise is 10.
+    // If the noise were 10, the contact of a press could not be detected.
     for noise in [1e-9, 0.1] {
         same(&|unit| noisy_press(unit, noise));
     }

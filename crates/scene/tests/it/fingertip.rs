@@ -42,8 +42,8 @@ fn values(text: &str) -> Vec<(&'static str, f64)> {
 fn folding_strain_equals_the_closed_form() {
     let strains = values(&text(GORES, ""));
     assert_eq!(strains.len(), 2);
-    // The shear at the upper end of a seam is s = π/n. The largest stretch there is σ = s/2 + √(1 + s²/4), and the
-    // strain is σ − 1.
+    // The shear at the upper end of a seam is s = π/n, with the number of gores n. The largest stretch at this end is σ
+    // = s/2 + √(1 + s²/4), and the strain is σ − 1.
     let shear = std::f64::consts::PI / 4.0;
     let greatest = 0.5 * shear + (1.0 + 0.25 * shear * shear).sqrt() - 1.0;
     assert_eq!(strains[0].0, "greatest_fold_strain");
@@ -63,7 +63,7 @@ fn the_image_area_follows_from_the_lens() {
         found[2].1
     };
     let polar = 50_f64.to_radians();
-    // An equidistant lens magnifies areas by θ/sin θ, and a pinhole lens by 1/cos³ θ.
+    // At the polar angle θ, an equidistant lens magnifies areas by θ/sin θ, and a pinhole lens by 1/cos³ θ.
     let fisheye = area("fisheye", 50.0) / area("fisheye", 0.0);
     assert!(
         (fisheye / (polar / libm::sin(polar)) - 1.0).abs() < 2e-3,
@@ -75,7 +75,7 @@ fn the_image_area_follows_from_the_lens() {
         "{pinhole}"
     );
     // At the apex, the image of the magenta disc is larger than that of the yellow disc. The disc has the diameter 2
-    // and the distance 17 from the camera; f = 319.5 px / 65°.
+    // and the distance 17 from the camera, and the focal length is f = 319.5 px / 65°.
     let f = 319.5 / 65_f64.to_radians();
     let expected = std::f64::consts::PI * (f / 17.0_f64).powi(2);
     let apex = area("fisheye", 0.0);

@@ -3,7 +3,7 @@
 use palpate_scene::{Scene, Scenes};
 use palpate_study::config::{LengthUnit, parse};
 
-/// Config of three fingers on the patch of the 1996 paper. `lines` adds fields of the scene.
+/// Config of three fingers on the patch of the 1996 paper. `lines` contains additional fields of the scene.
 fn text(probe: &str, object: &str, lines: &str) -> String {
     format!(
         r#"name = "a-study"
@@ -58,7 +58,8 @@ fn of_saddle(a: f64, x: f64, y: f64) -> (f64, f64) {
     let (p, q) = (2.0 * a * x, -2.0 * a * y);
     let d = 1.0 + p * p + q * q;
     let gaussian = -4.0 * a * a / (d * d);
-    // H is positive where the surface is convex: −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}), with r = 2a = −t.
+    // The mean curvature H is positive if the surface is convex: H = −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}),
+    // with r = 2a = −t and s = 0.
     let mean = -a * (q * q - p * p) / libm::pow(d, 1.5);
     (gaussian, mean)
 }
@@ -201,7 +202,7 @@ fn pads_quantise_position_and_normal_alike() {
         let (truth, reading) = (numbers(truth), numbers(reading));
         let mut off = 0.0_f64;
         for axis in 0..3 {
-            // The position that is reported is the centre of the tip minus radius · normal.
+            // The reported position is the centre of the tip minus the radius times the normal.
             let [centre, normal, position] =
                 [truth[7 + axis], reading[4 + axis], reading[1 + axis]];
             assert!((position - (centre - 2.0 * normal)).abs() < 1e-12);
@@ -211,7 +212,7 @@ fn pads_quantise_position_and_normal_alike() {
         pads.insert(format!("{} {}", reading[4], reading[5]));
     }
     assert!((4..15).contains(&pads.len()), "{}", pads.len());
-    // Pads with a very small pitch report the true contacts.
+    // Pads with a very small pitch report the true contacts almost exactly.
     let fine = traced(1e-6);
     for (truth, reading) in fine.contacts.rows.iter().zip(&fine.readings.rows) {
         let (truth, reading) = (numbers(truth), numbers(reading));
@@ -313,7 +314,7 @@ fn maps_hold_truth_and_estimate_of_every_place() {
 
 #[test]
 fn noise_in_lengths_is_that_in_shares_of_the_fingers_distance() {
-    // The distance between fingers is 0.5, so that a share of it and a length are different numbers.
+    // The distance between fingers is 0.5, so a fraction of this distance and a length are different numbers.
     let near = "inter_finger_distance = 0.5";
     let trial_of = |lines: &str| {
         let text = text(POINT, SADDLE, lines).replace("inter_finger_distance = 1.0", near);
@@ -332,7 +333,7 @@ fn noise_in_lengths_is_that_in_shares_of_the_fingers_distance() {
     ] {
         let noise = |position: &str| format!("noise = {{ position = {{ {position} }} }}\n");
         assert_eq!(trial_of(&noise(share)), trial_of(&noise(length)));
-        // The same is true for the noise that is stated to the estimator.
+        // The noise that is stated to the estimator can also be a fraction or a length.
         let stated = |key: &str| {
             format!(
                 "{}estimator = {{ kind = \"penalised\", {key} }}\n",

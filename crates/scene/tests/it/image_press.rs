@@ -83,7 +83,7 @@ fn intervals_hold_over_redrawn_sensors() {
         squared += (outcome.estimate - outcome.truth).powi(2);
         stated += outcome.std.map_or(0.0, |std| std * std);
     }
-    // If 95 % intervals are correct, 51 or fewer of 60 contain the true value with a probability of 0.3 %.
+    // With correct 95 % intervals, the probability that 51 or fewer of 60 contain the true value is 0.3 %.
     assert!(held > 51, "{held} of 60");
     // The root of a sum of 60 squares has a relative standard error of 9 %.
     let ratio = (stated / squared).sqrt();
@@ -137,7 +137,7 @@ fn curvatures_are_right_in_the_mean_over_sensors() {
     let mean = found.iter().map(error).sum::<f64>() / count;
     let squares = found.iter().map(|outcome| (error(outcome) - mean).powi(2));
     let scatter = (squares.sum::<f64>() / (count - 1.0)).sqrt();
-    // The standard error of the mean of 120 errors is 0.09 times their scatter. The mean of the most likely curvatures
-    // differs from the true value by 0.6 times the scatter.
+    // The standard error of the mean of 120 errors is 0.09 times their standard deviation (scatter). The mean of the
+    // most likely curvatures differs from the true value by 0.6 times the scatter.
     assert!(mean.abs() < 0.3 * scatter, "{mean} {scatter}");
 }

@@ -39,7 +39,7 @@ fn a_roll_on_a_sphere_is_in_closed_form() {
     let model = ModelConfig::Roll(RollModelConfig::ClosedForm {});
     assert_eq!(ladder.taken().model, model);
     meets_its_tolerance(&ladder);
-    // The model `meridian` is impossible, because the contact is not at the apex of a graph.
+    // The model `meridian` cannot compute this scene, because the contact is not at the apex of a graph.
     let meridian = &ladder.rungs[1];
     assert_eq!(meridian.name, "meridian");
     assert_eq!(meridian.accuracy.error(), None);
@@ -204,8 +204,8 @@ fn a_layer_is_solved_only_where_it_is_thin() {
     };
     let thin = press(1.0, &auto(4.0, 1e-3), 0.5, HALF_SPACE);
     assert!(taken(&thin).0.starts_with("bonded layer"));
-    // A core far below the contact reduces the displacement by a share of about a/t, the contact radius divided by the
-    // thickness.
+    // The layer is on a core. If the core is far below the contact, it reduces the displacement by a share of about
+    // a/t, where a is the contact radius and t the thickness of the layer.
     let thick = press(0.01, &auto(20.0, 1e-3), 1e-9, HALF_SPACE);
     let ladder = ladder(&thick);
     let [_, half_space, layer] = &ladder.rungs[..] else {
@@ -219,7 +219,7 @@ fn a_layer_is_solved_only_where_it_is_thin() {
 #[test]
 fn an_estimator_uses_the_layer_of_auto() {
     let estimator = r#"{ kind = "bonded-layer" }"#;
-    // The tolerance is so large that `auto` chooses the half-space. The estimator nevertheless assumes the layer.
+    // Because the tolerance is large, `auto` chooses the half-space. The estimator nevertheless assumes the layer.
     let model = r#"{ kind = "auto", thickness = 20.0, tolerance = 0.2 }"#;
     let text = press(1.0, model, 0.1, estimator);
     let study = config::parse("study.toml", &text).unwrap();
@@ -232,7 +232,8 @@ fn an_estimator_uses_the_layer_of_auto() {
         outcomes
     };
     let auto = outcomes(&study.scene(0).unwrap());
-    // If `auto` is replaced by the chosen model in the config, the estimator still uses the thickness of the layer.
+    // If `auto` is replaced in the config by the model that it chose, the estimator still uses the thickness of the
+    // layer.
     let mut explicit = study.clone();
     explicit.config.scene = explicit
         .config

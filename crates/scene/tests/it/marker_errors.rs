@@ -1,4 +1,5 @@
-//! Errors of markers that the tracker states, compared with the scatter over frames that differ only in pixel noise.
+//! Compares the errors of markers that the tracker states with the scatter of the markers over frames that differ only
+//! in pixel noise.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, Discs, Layout, Lens, MarkerArray, MarkerMotion, Optics,
@@ -62,8 +63,8 @@ impl Look {
     }
 }
 
-/// Difference between `at` and the marker nearest to it: x and y (px), hue (turns), logarithm of the size; and the
-/// index of the marker.
+/// Differences between `at` and the marker nearest to it: in x and y (px), in hue (turns), and in the logarithm of the
+/// size. Also returns the index of the marker.
 fn beyond(found: &Found, at: &[f64; 4]) -> ([f64; 4], usize) {
     let away = |marker: &Marker| {
         let [x, y] = [0, 1].map(|axis| marker.centroid_px[axis] - at[axis]);
@@ -84,8 +85,8 @@ fn beyond(found: &Found, at: &[f64; 4]) -> ([f64; 4], usize) {
     (numbers, nearest)
 }
 
-/// Root mean squares over all markers, for frames that differ only in pixel noise: of the mean error (bias), of the
-/// scatter about the mean, and of the standard deviation that the tracker states.
+/// Root mean squares over all markers of three values: the mean error (bias), the scatter about the mean, and the
+/// standard deviation that the tracker states. The frames differ only in pixel noise.
 #[derive(Debug, Default)]
 struct Errors {
     bias: [f64; 4],
@@ -99,7 +100,7 @@ fn errors(looks: &mut [Look], frames: u64) -> Errors {
     for look in looks {
         let found: Vec<Found> = (0..frames).map(|frame| look.found(frame)).collect();
         for at in look.projected() {
-            // Markers that touch another marker or the rim are left out, because they are not found as separate
+            // Markers that touch another marker or the rim are excluded, because they are not found as separate
             // markers.
             let is_there = |found: &Found| {
                 let ([x, y, ..], _) = beyond(found, &at);
@@ -164,15 +165,15 @@ fn the_stated_errors_of_markers_equal_their_scatter() {
             scatter, stated, ..
         } = errors(&mut look, 12);
         let ratios = [0, 1, 2, 3].map(|number| scatter[number] / stated[number]);
-        // Each of the 77 markers has 11 degrees of freedom, so that a ratio has a relative standard error of 2.5 %.
+        // Each of the 77 markers has 11 degrees of freedom, so the relative standard error of a ratio is 2.5 %.
         for ratio in ratios {
             assert!((0.75..1.08).contains(&ratio), "{size_px} px: {ratios:?}");
         }
     }
 }
 
-/// In frames, the mean hue is biased by pixels at edges, which mix colours. The smaller the pixels, the smaller the
-/// bias.
+/// In frames, the mean hue is biased by pixels at the edges of discs, which mix colours. The smaller the pixels are,
+/// the smaller is the bias.
 #[test]
 fn mean_hues_of_frames_have_the_bias_of_their_edges() {
     for (size_px, bias, scatter) in [(265, 0.0..0.006, 0.010), (1060, 0.0..0.003, 0.002)] {

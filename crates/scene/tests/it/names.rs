@@ -38,7 +38,7 @@ fn every_name_is_explained() {
         Verdict::FlatWithinNoise,
         Verdict::NotResolved,
     ];
-    // Contact regimes of a sensor with curvature 1.
+    // Names of the contact regimes of a sensor with the curvature 1.
     let regimes = [1.0, 0.0, -0.5, -1.0, -2.0].map(|object| ContactRegime::of(1.0, object).name());
     let names = variants
         .iter()
@@ -85,7 +85,7 @@ fn quantities_are_those_of_their_scenes() {
                 quantity.name
             );
         }
-        // The quantities of a press depend on its object, model and estimator; the quantities of a fingertip depend on
+        // The quantities of a press depend on its object, model and estimator. The quantities of a fingertip depend on
         // its parts.
         let listed = Quantity::ALL
             .iter()

@@ -5,7 +5,8 @@ use palpate_study::Table;
 use palpate_study::config::{LengthUnit, parse};
 use palpate_sweep::Observation;
 
-/// Config of a press with the indentation 1 by a sensor with radius 20. `lines` adds fields of the scene.
+/// Config of a press by a sensor with the radius 20 and the indentation 1. `lines` contains additional fields of the
+/// scene.
 fn text(object: &str, lines: &str) -> String {
     format!(
         r#"name = "a-study"
@@ -80,7 +81,7 @@ fn without_noise_every_object_is_found() {
             ("effective_radius", 1.0 / relative_curvature),
             ("object_curvature", curvature),
             ("indentation", 1.0),
-            // The contact radius a follows from a² = R δ.
+            // The contact radius a follows from a² = R δ, with the effective radius R and the indentation δ.
             ("contact_radius", libm::pow(relative_curvature, -0.5)),
             ("r_squared", 1.0),
             ("object_radius", 1.0 / curvature),
@@ -95,7 +96,7 @@ fn without_noise_every_object_is_found() {
             );
             let off = (outcome.estimate - truth).abs();
             assert!(off < 1e-6 * truth.abs().max(0.05), "{name}: {outcome:?}");
-            // Without noise there is no bound.
+            // Without noise, there is no Cramér–Rao bound.
             let place = scene.quantities().iter().position(|one| one.name == name);
             assert_eq!(scene.std_bound(place.unwrap()), None);
         }
@@ -117,7 +118,7 @@ fn without_noise_both_curvatures_and_the_axis_are_found() {
     for (object, larger, smaller, axis) in [
         (cylinder(10.0, 30.0), 0.1, 0.0, 30.0),
         (cylinder(40.0, 260.0), 0.025, 0.0, 80.0),
-        // The curvatures are z/x² and z/y², computed from the semi-axes.
+        // The principal curvatures are z/x² and z/y², where x, y and z are the semi-axes.
         (ellipsoid([20.0, 10.0, 16.0]), 0.16, 0.04, 0.0),
         (ellipsoid([10.0, 20.0, 16.0]), 0.16, 0.04, 90.0),
     ] {
@@ -203,7 +204,7 @@ fn an_ellipsoid_of_equal_axes_is_a_ball() {
 
 #[test]
 fn the_force_is_in_newtons() {
-    // Young's modulus is 600 kPa, so that E* = 800 kPa. The unit kPa mm² is equal to mN.
+    // Young's modulus is 600 kPa and Poisson's ratio is 0.5, so E* is 800 kPa. The unit kPa mm² is equal to mN.
     let force = |object: &str, model: &str, estimator: &str, unit: &str| {
         let lines = format!("model = {{ {model}, modulus_kpa = 600 }}\n{estimator}");
         let lines = text(object, &lines).replace("seed = 3", &format!("length_unit = \"{unit}\""));
@@ -222,8 +223,8 @@ fn the_force_is_in_newtons() {
         truth
     };
     let half_space = "kind = \"half-space\"";
-    // The force is 4/3 E* √R δ^(3/2) with R = 16 mm and δ = 1 mm. If the same numbers are lengths in metres, the
-    // lengths are 1000 times as long.
+    // The force is 4/3 E* √R δ^(3/2), with the effective radius R = 16 mm and the indentation δ = 1 mm. If the same
+    // numbers are lengths in metres, the lengths are 1000 times as long.
     let closed = 4.0 / 3.0 * 800.0 * 4.0 * 1e-3;
     for (unit, factor) in [("mm", 1.0), ("m", 1e6), ("um", 1e-6)] {
         let force = force(BALL, half_space, "", unit);
@@ -232,7 +233,8 @@ fn the_force_is_in_newtons() {
             "{unit} {force}"
         );
     }
-    // The force is 2/3 π a b p₀, with the golden values of press/tests/it/elliptic-half-space.csv.
+    // The force is 2/3 π a b p₀, with the semi-axes a and b and the peak pressure p₀. They come from the golden values
+    // of press/tests/it/elliptic-half-space.csv.
     let golden = 2.0 / 3.0 * std::f64::consts::PI * 4.89968578679 * 2.13762746926;
     let golden = golden * 0.205202786617 * 0.8;
     let ellipse = force(&cylinder(8.0, 0.0), half_space, ELLIPTIC, "mm");
@@ -253,7 +255,7 @@ fn the_force_is_in_newtons() {
 #[test]
 fn both_curvatures_and_the_axis_reach_their_bounds() {
     let noise = NOISE.replace("0.07", "0.02");
-    // The axis is near the end of its range, so that some estimates are beyond 90° and appear at −90°.
+    // The axis is near the end of its range, so some estimates are beyond 90° and are reported near −90°.
     let text = text(&cylinder(10.0, 89.0), &format!("{noise}{ELLIPTIC}"));
     let scene = scene_of(&text.replace("indentation = 1.0 }", "indentation = 2.0 }"));
     let (trials, names) = (
@@ -283,7 +285,7 @@ fn both_curvatures_and_the_axis_reach_their_bounds() {
         );
         assert!(held[index] >= 52, "{name}: {held:?}");
     }
-    // One curvature cannot describe the press, so that the estimate has no bound.
+    // A single curvature cannot describe this press, so the estimate has no bound.
     let round = "estimator = { kind = \"half-space\" }\n";
     let scene = scene_of(&self::text(
         &cylinder(10.0, 0.0),
@@ -339,7 +341,7 @@ fn markers_move_away_from_the_contact_wherever_it_is() {
         assert!(position == 0.0 || outward > 0.0, "{row:?}");
         assert!(across.abs() < 1e-12, "{row:?}");
     }
-    // The contact is now at the second marker, which moves as the apex moved before. The apex moves as the second
+    // The contact is now at the second marker. This marker moves as the apex moved before. The apex moves as the second
     // marker moved before, but in the opposite direction.
     let moved = rows(&off_apex);
     assert!(moved[1][3] < 1e-12 && (moved[1][4] - apex[0][4]).abs() < 1e-12);
@@ -371,8 +373,8 @@ fn noise_has_the_stated_size_and_frames_average_it() {
         let indentation: f64 = stated.sum::<f64>() / 500.0;
         [normal / count, tangential / count, indentation].map(f64::sqrt)
     };
-    // The standard deviation of 4,620 draws has a standard error of 1 %, and the standard deviation of 500 draws has
-    // one of 3 %.
+    // The standard deviation of 4,620 draws has a relative standard error of 1 %, and the standard deviation of 500
+    // draws has one of 3 %.
     let single = sample("");
     let four = sample("sensor = { kind = \"direct\", frames = 4 }\n");
     for (found, expected, tolerance) in [
@@ -505,20 +507,22 @@ fn intervals_have_their_coverage_and_bounds_are_reached() {
         let object = outcomes.iter().find(|(name, _)| *name == "object_radius");
         assert_eq!(object.unwrap().1.interval_holds, outcome.interval_holds);
     }
-    // Of 200 intervals of 50, 80 and 95 %, the expected numbers that contain the true value are 100 ± 7.1, 160 ± 5.7
-    // and 190 ± 3.1.
+    // Of 200 intervals with the probabilities 50, 80 and 95 %, the expected numbers that contain the true value are 100
+    // ± 7.1, 160 ± 5.7 and 190 ± 3.1.
     for (held, expected) in held.iter().zip([72..=128, 138..=182, 178..=199]) {
         assert!(expected.contains(held), "{held} of {expected:?}");
     }
     let (rms, bound) = ((square / trials as f64).sqrt(), scene.std_bound(0).unwrap());
     assert!(rms > 0.85 * bound && rms < 1.25 * bound, "{rms} {bound}");
-    // The bounds of the radii and of the object's curvature are computed from this bound.
+    // The Cramér–Rao bounds of the radii and of the object's curvature are computed from the bound of the relative
+    // curvature.
     let radius = 1.0 / 0.0625;
     let close = |found: Option<f64>, expected: f64| (found.unwrap() / expected - 1.0).abs() < 1e-9;
     assert!(close(scene.std_bound(1), bound * radius * radius));
     assert!(close(scene.std_bound(2), bound) && close(scene.std_bound(6), bound * 6400.0));
     assert_eq!(scene.std_bound(5), None);
-    // Without a stated indentation, the bound is larger. A Gaussian has no bound, because it is not the true body.
+    // Without a stated indentation, the Cramér–Rao bound is larger. A fit of a Gaussian has no bound, because a
+    // Gaussian is not the true body.
     let of = |estimator: &str| {
         scene_of(&text(BALL, &format!("{NOISE}estimator = {estimator}\n"))).std_bound(0)
     };
@@ -526,7 +530,7 @@ fn intervals_have_their_coverage_and_bounds_are_reached() {
     assert_eq!(of(r#"{ kind = "gaussian" }"#), None);
 }
 
-/// The needs of a scene as text, one per line.
+/// The lines of `palpate check` about a scene, as text.
 fn needs_of(scene: &Scene) -> String {
     let needs = scene.needs().into_iter().map(|need| need.to_string());
     needs.collect::<Vec<_>>().join("\n")
@@ -624,8 +628,8 @@ fn needs_describe_the_scene() {
         assert!(plain.lines().any(|need| need == line), "{line}: {plain}");
     }
     assert!(!plain.contains("warning"), "{plain}");
-    // The contact radius is a = 6.32. The indentation is a atanh(a/R) = 2.0710 by Sneddon's relation and 2 by Hertz's
-    // relation.
+    // The contact radius is a = 6.32. For this radius, the indentation is a atanh(a/R) = 2.0710 by Sneddon's relation,
+    // and 2 by Hertz's relation.
     let wide = needs(PLANE, "2.0", "");
     assert!(
         wide.contains("warning: the contact's radius is 0.32 of the sensor's, past 0.3: by Sneddon's relation it takes an indentation 3.5 % larger than by Hertz's"),
@@ -778,7 +782,7 @@ fn every_layout_and_estimator_runs() {
             let outcomes = outcomes(&scene_of(&text), 0)
                 .unwrap_or_else(|name| panic!("{name}: {layout} {estimator}"));
             let (_, radius) = outcomes[1];
-            // If the c of a Gaussian is not calibrated, its radius is arbitrary.
+            // If the constant c of a Gaussian is stated instead of calibrated, the estimated radius is arbitrary.
             let tolerance = if estimator.contains("c = ") {
                 10.0
             } else {

@@ -78,8 +78,7 @@ fn a_bias_and_a_drift_shift_all_measured_rotations() {
                 "{noise}: {read} {exact}"
             );
         }
-        // Errors of rolls in opposite directions would cancel each other; therefore, these two rolls are at right
-        // angles.
+        // The two rolls are at right angles, because errors of rolls in opposite directions would cancel each other.
         let curvature = trial(&scene, 0)[3].0;
         assert_eq!((curvature - 0.25).abs() < 1e-12, shift == 0.0, "{noise}");
     }
@@ -88,7 +87,8 @@ fn a_bias_and_a_drift_shift_all_measured_rotations() {
 #[test]
 fn hexagonal_pads_err_less_than_square_ones() {
     let ball = r#"{ kind = "sphere", radius = 4 }"#;
-    // The path has 0.08. A square grid reads a whole number of pads exactly, so the pitches differ.
+    // The path has a length of 0.08. A square grid whose pitch divides this length reads it exactly, so several pitches
+    // are used.
     let square_sum = |layout: &str| -> f64 {
         let pitches = [0.017, 0.019, 0.021, 0.023].iter();
         let squares = pitches.map(|pitch| {
@@ -105,7 +105,7 @@ fn hexagonal_pads_err_less_than_square_ones() {
         squares.sum()
     };
     let ratio = (square_sum("hexagonal") / square_sum("square")).sqrt();
-    // An independent count of the shifts' errors over these pitches has the ratio 0.84.
+    // An independent count of the errors of shifts over these pitches has the ratio 0.84.
     assert!((0.7..1.0).contains(&ratio), "{ratio}");
 }
 
@@ -153,7 +153,7 @@ fn a_trial_can_be_replayed_alone() {
     assert!((1..20).all(|number| forwards[number] != forwards[0]));
 }
 
-/// All models compute the same rolls, so that equal random draws result in equal estimates.
+/// All models compute the same rolls, so equal random draws lead to equal estimates.
 #[test]
 fn models_share_draws_and_results() {
     let object = r#"{ kind = "sphere", radius = 4 }"#;
@@ -214,9 +214,9 @@ fn a_noisy_measurement_is_quantised_once() {
     let coarse = scene(sphere, &noise(", encoder = { step_rad = 0.03 }"));
     let fine = scene(sphere, &noise(", encoder = { step_rad = 1e-9 }"));
     let none = scene(sphere, &noise(""));
-    // Because of the noise, readings cross the limits of the encoder's steps, so that trials differ.
+    // The noise moves readings across the limits of the encoder's steps, so trials differ.
     assert_ne!(trial(&coarse, 0), trial(&coarse, 1));
-    // If the steps are much smaller than the noise, they have no effect.
+    // Encoder steps that are much smaller than the noise have no effect.
     let (fine, none) = (trial(&fine, 0)[0].0, trial(&none, 0)[0].0);
     assert!((fine - none).abs() < 1e-6, "{fine} {none}");
 }
@@ -289,8 +289,8 @@ fn duration_angle_or_path_determine_the_length_of_a_roll() {
     assert!((twice[4].1 - 2.0 * of_time[4].1).abs() < 1e-14);
 }
 
-/// Rms error, mean error and mean reported standard error of the normal curvature along u, over 500 trials. A star
-/// consists of four rolls of 20° by a probe with radius 9 on a cylinder with radius 20.
+/// Three values for the normal curvature along u, over 500 trials: root mean square error, mean error, and mean
+/// reported standard error. A star consists of four rolls of 20° by a probe with radius 9 on a cylinder with radius 20.
 fn errors_of_stars(stars: usize, lines: &str) -> [f64; 3] {
     let directions = [[0, 90, 180, 270]].repeat(stars).concat();
     let text = format!(
@@ -331,7 +331,7 @@ fn repeated_rolls_over_pads_err_as_they_state() {
             "{stars}: {rms} {stated}"
         );
         assert!(mean.abs() < 0.3 * rms, "{stars}: {mean} {rms}");
-        // If all rolls start at the same place, more stars do not reduce the error.
+        // If all rolls of a trial start at the same place on a pad, more stars do not reduce the error.
         let [rms, _, stated] = errors_of_stars(stars, &pads("random-per-trial"));
         assert!((0.0025..0.0037).contains(&rms), "{stars}: {rms}");
         assert!(
@@ -363,7 +363,8 @@ fn rotations_err_as_they_state() {
         ),
     ] {
         let [rms, mean, stated] = errors_of_stars(4, &format!("noise = {{ {noise} }}"));
-        // Eight rolls determine the curvature along u. The error of the rotation is amplified by 1 + R₂/R₁.
+        // The expected error: eight rolls determine the curvature along u, and the error of the rotation is amplified
+        // by 1 + R₂/R₁, with the radii R₁ of the probe and R₂ of the object.
         let due = std_deg / 20.0 / 8.0_f64.sqrt() * (1.0 / 9.0 + 1.0 / 20.0);
         assert!((stated / due - 1.0).abs() < 0.1, "{noise}: {stated} {due}");
         assert!(
@@ -395,7 +396,7 @@ fn a_probe_inside_the_object_is_refused_before_the_run() {
             "{error}"
         );
     }
-    // Without noise, the probe just misses the step; with noise, it hits the step in some trials.
+    // Without noise, the probe just misses the step. With noise, it hits the step in some trials.
     let step = "1.5*(1+tanh(20*(x-1.5)))";
     assert!(roll(1.0, step, "").is_ok());
     let noisy = roll(

@@ -44,7 +44,8 @@ fn is_lattice(pitch_rad: f64) -> bool {
     pitch_rad > 0.0 && (2.0..=1e15).contains(&pads)
 }
 
-/// The sensor, if it could be made. Panics if valid settings result in an error, or invalid settings in a sensor.
+/// The sensor, if its settings are valid (`is_good`). Panics if valid settings result in an error, or invalid settings
+/// in a sensor.
 fn made_if<T: std::fmt::Debug>(is_good: bool, made: Result<T, InvalidSensor>) -> Option<T> {
     assert_eq!(made.is_ok(), is_good, "{made:?}");
     made.ok()
@@ -130,7 +131,8 @@ proptest! {
             let turned = Vector2::new(place[0], place[1]);
             let read = encoder.read(&mut stream, &turned);
             for (read, angle) in read.iter().zip(&turned) {
-                // If the step is smaller than the rounding error of the angle, the reading is equal to the angle.
+                // The bound includes rounding errors. If the step is smaller than the rounding error of the angle, the
+                // reading is equal to the angle.
                 let bound = size + 2.0 * f64::EPSILON * angle.abs();
                 prop_assert!((read - angle).abs() <= bound, "{encoder:?}: {read:e}, not {angle:e}");
             }
@@ -148,7 +150,8 @@ proptest! {
         let due = Vector3::new(cos * libm::sin(angle), sin * libm::sin(angle), libm::cos(angle));
         prop_assert!((direction_at(&displacement) - due).amax() <= 3e-15);
         let back = displacement_between(&Vector3::z(), &direction_at(&displacement));
-        // The closer a direction is to the opposite pole, the less accurately it determines the displacement.
+        // The bound grows near the opposite pole, because a direction there determines the displacement less
+        // accurately.
         let bound = 1e-15 * angle * (1.0 + angle / libm::sin(angle));
         prop_assert!((back - displacement).norm() <= bound.max(4e-16 * angle), "{back}");
         if far.iter().all(|&x| is_tame(x)) {
@@ -187,7 +190,7 @@ fn rates_err_by_the_stated_share() {
         let squares: f64 = (0..10_000)
             .map(|_| error.draw(&mut stream, 5.0).norm_squared())
             .sum();
-        // The bound is five standard deviations of the root mean square of this many Gaussian draws.
+        // The bound is five standard deviations of the root mean square of this number of Gaussian draws.
         let share = (squares / 20_000.0).sqrt() / (5.0 * std);
         assert!((share - 1.0).abs() < 0.025, "{distribution:?}: {share}");
         assert!((error.relative_std() - std).abs() < 1e-15);

@@ -47,8 +47,8 @@ proptest! {
         let lattice = UniformLattice::with_pitch(pitch).unwrap();
         let at = direction(z, azimuth);
         let found = (lattice.direction(lattice.nearest(&at)) - at).norm();
-        // The distance from any point to the nearest pad is at most 0.83 pitches in the plane, and at most 1 pitch near
-        // a pole.
+        // The distance from any point to the nearest pad is at most 0.83 pitches where the lattice resembles a plane
+        // lattice, and at most 1 pitch near a pole.
         prop_assert!(found < 1.05 * pitch, "{found} pitches {}", found / pitch);
     }
 }

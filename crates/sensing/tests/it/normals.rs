@@ -17,7 +17,7 @@ fn below(limit: f64) -> f64 {
 }
 
 /// χ² test of the counts in intervals of 1/16, up to more than six standard deviations. Intervals in the tails have too
-/// few counts, so that each tail is tested as a whole.
+/// few counts for the test. Therefore each tail is tested as a whole.
 #[test]
 fn every_interval_and_both_tails_have_their_share() {
     const PER_UNIT: f64 = 16.0;
@@ -47,8 +47,8 @@ fn every_interval_and_both_tails_have_their_share() {
         let (low, high) = (&counts[..MIDDLE - beyond], &counts[MIDDLE + beyond..]);
         for tail in [low, high] {
             let count = f64::from(tail.iter().sum::<u32>());
-            // Beyond five standard deviations, 4.8 numbers are expected. The probability of none is 1/120, that of 16
-            // or more is 1/10,000.
+            // The expected count of numbers beyond five standard deviations is 4.8. The count is 0 with a probability
+            // of 1/120, and 16 or more with a probability of 1/10,000.
             assert!(
                 (count - expected).abs() < 4.0 * expected.sqrt() + 2.0 && count > 0.0,
                 "{units}: {count} of {expected}"
@@ -82,7 +82,7 @@ fn no_draw_depends_on_another() {
             for (sums, own) in sums.iter_mut().zip(own) {
                 for (sums, other) in sums.iter_mut().zip(other) {
                     sums[0] += own * other;
-                    // The squares show dependence of draws that are uncorrelated.
+                    // Also compare the squares, because these reveal a dependence of draws that are uncorrelated.
                     sums[1] += (own * own - 1.0) * (other * other - 1.0);
                 }
             }
@@ -90,7 +90,8 @@ fn no_draw_depends_on_another() {
         for (i, sums) in sums.iter().enumerate() {
             for (j, [product, square]) in sums.iter().enumerate() {
                 let is_itself = index == 0 && i == j;
-                // The variances are 1 and 4. With a probability of 0.998, the largest of 3,000 scores is below 5.
+                // The products of draws have the variance 1, and the products of squares the variance 4. With a
+                // probability of 0.998, the largest of 3,000 scores is below 5.
                 let scores = [*product, square / 2.0].map(|sum| sum / (TRIALS as f64).sqrt());
                 let independent = scores.iter().all(|score| score.abs() < 5.0);
                 assert!(independent != is_itself, "{index} {i} {j}: {scores:?}");
@@ -113,7 +114,7 @@ fn pairs_have_no_direction() {
             counts[usize::from(is_far)][(turn * SECTORS as f64) as usize % SECTORS] += 1;
         }
     }
-    // Half of the pairs are longer than √(2 ln 2).
+    // Half of the pairs are longer than √(2 ln 2), so short and long pairs are tested separately.
     let expected = DRAWS as f64 / 2.0 / (2 * SECTORS) as f64;
     let squares = counts
         .iter()

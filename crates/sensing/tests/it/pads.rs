@@ -17,7 +17,8 @@ fn read(pads: &Pads, trial: u64, displacement: Vector2<f64>) -> Vector2<f64> {
 
 #[test]
 fn the_papers_reading_of_a_fifty_millimetre_sphere() {
-    // With R₁ = 10 mm, R₂ = 50 mm and a rotation of 0.1 rad, the shift is 0.833 mm. Pads of both pitches report 1 mm.
+    // A probe of radius 10 mm rolls by 0.1 rad on a ball of radius 50 mm. The contact moves by 0.833 mm. Pads of both
+    // pitches report 1 mm.
     let moved = 0.1 / (1.0 / 10.0 + 1.0 / 50.0);
     for pitch in [0.5, 1.0] {
         let pads = pads(pitch, PadLayout::Square, PadOffset::Centred);
@@ -55,7 +56,7 @@ fn hexagonal_pads_read_the_nearest_centre() {
             assert!(centres.iter().any(|centre| (centre - found).norm() < 1e-12));
         }
     }
-    // The second moment of a hexagon is 5/72 pitch².
+    // The mean squared error per axis is the second moment of a hexagon, 5/72 pitch².
     let per_axis = square / f64::from(2 * count);
     assert!(
         (per_axis / (0.25 * 5.0 / 72.0) - 1.0).abs() < 0.02,
@@ -90,9 +91,9 @@ fn centred_pads_draw_nothing() {
 
 #[test]
 fn quantisation_error_is_that_of_two_ends() {
-    // The error of each end of a shift is uniformly distributed over a pad. In a square grid, both ends are in the same
-    // grid, so that a shift by a whole number of pads plus f has the mean square error f (1 − f) in squared pad
-    // pitches.
+    // The error of each end of a shift is uniformly distributed over a pad. In a square grid, the errors of both ends
+    // depend on each other. If the shift is a whole number of pads plus the fraction f, its mean square error is f (1 −
+    // f) in squared pad pitches.
     for (layout, expected) in [
         (PadLayout::Square, 0.5 * (0.24 + 0.16)),
         (PadLayout::Uniform, 1.0 / 6.0),

@@ -80,7 +80,7 @@ pub fn with_fields(
     to_text(file, &config)
 }
 
-/// Adds a sweep axis for each of these fields, with its values, and returns the text of the changed config.
+/// Adds a sweep axis for each of the fields `axes` with its values, and returns the text of the changed config.
 ///
 /// ```
 /// use palpate_study::config::with_axes;

@@ -116,7 +116,7 @@ impl Fault {
         }
     }
 
-    /// Adds a key or an index in front of the path and of the location.
+    /// Returns the fault with a key or an index in front of its path and of its location.
     pub(super) fn under(self, key: impl std::fmt::Display) -> Self {
         let join = |path: &str| match path {
             "" => key.to_string(),
@@ -129,7 +129,7 @@ impl Fault {
         }
     }
 
-    /// Restricts the location to a part of the field.
+    /// Returns the fault with its location restricted to a part of the field.
     pub(super) fn at(self, part: impl std::fmt::Display) -> Self {
         let location = match self.location.as_str() {
             "" => part.to_string(),

@@ -7,8 +7,8 @@ use std::ops::Range;
 
 impl Study {
     /// Error in a field of a cell that is found only when the config is used, for example a pitch that is larger than
-    /// the probe. Its position in the text is the field; the sweep, if a sweep sets the field; or the nearest parent,
-    /// if the field is missing.
+    /// the probe. Its position in the text is the position of the field. If a sweep sets the field, it is the position
+    /// in the sweep; if the field is missing, it is the position of the nearest parent.
     pub fn error_at(&self, cell: usize, path: &str, message: impl Into<String>) -> ConfigError {
         self.error_within(cell, path, None, message.into())
     }

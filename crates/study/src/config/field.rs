@@ -41,7 +41,7 @@ impl Label {
     }
 }
 
-/// Words for a field whose unit is the unit in the header of its column. `segments` are the keys of its path.
+/// Words for a field that is displayed in the unit of its column's header. `segments` are the keys of the field's path.
 fn plain(segments: &[&str]) -> String {
     match segments {
         ["noise", "wrong markers", "count"] => "wrong markers".to_owned(),
@@ -93,7 +93,8 @@ fn plain(segments: &[&str]) -> String {
 }
 
 /// Name of a swept field without its unit, and its unit as written in the header of its column. The schema of configs
-/// states which ending is a unit. If no field has such a column, the form of the header decides ([`split_unit`]).
+/// states which ending is a unit. If no field has such a column, the form of the header determines the unit
+/// ([`split_unit`]).
 ///
 /// ```
 /// use palpate_study::config::field;
@@ -134,8 +135,8 @@ fn in_schema(header: &str) -> Option<(&str, &str)> {
 /// Units with which keys of configs may end.
 const IN_KEYS: [&str; 5] = ["rad_per_s", "rad", "deg", "s", "px"];
 
-/// Whether the schema defines the name of a field. `false` if the author of the config chooses the name (parameters of
-/// a formula); `None` if there is no such field.
+/// Whether the schema defines the name of a field. The result is `false` if the author of the config chooses the name
+/// (parameters of a formula), and `None` if there is no such field.
 fn known(keys: &[&str]) -> Option<bool> {
     if !fields_at(&SCHEMA, keys).is_empty() {
         return Some(true);

@@ -44,7 +44,8 @@ impl Study {
         }
         let refuse = |message| Err(ConfigError::of_field(self.file(), name, message));
         let ending = format!(".{name}");
-        // First search the kinds that this config has. Only if they have no such field, search all kinds.
+        // First search the fields of the kinds that this config has. Search the fields of all kinds only if these kinds
+        // have no such field.
         for in_any_kind in [false, true] {
             let mut paths = paths(&tree, in_any_kind);
             paths.retain(|path| path.ends_with(&ending));
@@ -151,8 +152,8 @@ pub(super) fn unknown_path(tree: &Value, path: &str) -> Option<String> {
     (!keys.is_empty()).then(|| unknown_key(tree, table, key))
 }
 
-/// Message for a single key that no field has. It lists fields with a similar key, the most similar first. If there are
-/// none, it lists the tables of the scene.
+/// Message for a single key that no field has. The message lists fields with a similar key, the most similar first. If
+/// no key is similar, it lists the tables of the scene.
 fn unknown_name(tree: &Value, name: &str) -> String {
     const MAX_SIMILAR: usize = 5;
     const MIN_SIMILARITY: f64 = 0.8;

@@ -164,9 +164,9 @@ impl Grid {
     }
 }
 
-/// Adds the tables and lists that contain a swept field but are missing in the config. They receive their defaults.
-/// Without defaults they are empty, and have the only kind that has the swept field. The error states the value that
-/// prevents this.
+/// Adds the tables and lists that contain a swept field but are missing in the config. An added table or list has its
+/// default value. Without a default, it is empty, or has only the key `kind` if a single kind has the swept field. The
+/// error states the value that prevents adding the table.
 fn add_parents(root: &mut Value, path: &str) -> Result<(), String> {
     for (end, _) in path.match_indices('.') {
         let parent = &path[..end];

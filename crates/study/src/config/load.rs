@@ -233,7 +233,8 @@ fn check_stop(base: &Value, axes: &[Axis]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Validates every row of every axis against the limits of its fields, together with the first rows of the other axes.
+/// Validates every row of every axis against the limits of the axis's fields. The other axes have their first rows in
+/// these checks.
 fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
     let (first, _) = grid.tree(0);
     for (place, axis) in grid.axes.iter().enumerate() {
@@ -303,8 +304,8 @@ fn checked(source: &Source, grid: &Grid, cell: usize) -> Result<StudyConfig, Con
     let config = check(&tree).and_then(|config| fault.map_or(Ok(config), Err));
     config.map_err(|fault| {
         let fault = grid.in_text(cell, fault);
-        // State the cell only if its swept values cause the error, that is, if the config without the sweeps is valid
-        // or has another error.
+        // State the cell in the error only if its swept values cause the error, that is, if the config without the
+        // sweeps is valid or has another error.
         let alone = check(&grid.base);
         let of_cell = alone.as_ref() != Err(&fault) && !grid.axes.is_empty();
         let error = source.error(fault);
@@ -364,7 +365,7 @@ impl Study {
         &self.source.file
     }
 
-    /// Tree of the first cell. Swept fields whose path does not exist are missing in it.
+    /// Tree of the first cell. The tree does not contain swept fields whose path does not exist.
     pub(super) fn first_tree(&self) -> Value {
         self.grid.tree(0).0
     }
@@ -399,7 +400,7 @@ impl Study {
         })
     }
 
-    /// Number of trials that the config states for a cell. It is found without making the cell.
+    /// Number of trials that the config states for a cell. This function does not compute the cell.
     pub fn trials_of(&self, cell: usize) -> u64 {
         let swept = self.grid.axis("trials").and_then(|(axis, place)| {
             let faster = self.grid.axes.iter().rev();
@@ -503,8 +504,8 @@ impl Study {
         (0..self.cell_count()).filter_map(|number| self.cell(number).ok())
     }
 
-    /// Swept fields that the config also states: their paths, each with a note that the sweep replaces the stated
-    /// value. Empty for a config that palpate wrote.
+    /// Paths of swept fields that the config also sets, each with a note that the sweep replaces the stated value. The
+    /// list is empty for a config that palpate wrote.
     pub fn swept_over(&self) -> Vec<(String, String)> {
         const MOST_VALUES: usize = 8;
         let note = |(axis, place): (&Axis, usize), path: &str, written: &Value| {

@@ -106,7 +106,7 @@ impl PlotKind {
         }
     }
 
-    /// Kind of scene that has the plot's table; `None` if all kinds have it.
+    /// Kind of scene that has the plot's table; `None` if all kinds of scenes have this table.
     pub fn scene(self) -> Option<&'static str> {
         match self {
             Self::Lines => None,

@@ -203,8 +203,8 @@ impl PressEstimatorConfig {
         }
     }
 
-    /// Sets the settings whose default is the model's value, from the model's thickness (if it has one) and Poisson's
-    /// ratio.
+    /// Sets the settings whose default is the model's value. `of_thickness` is the model's thickness, if the model has
+    /// a layer; `of_poisson` is its Poisson's ratio.
     pub(super) fn keep(&mut self, of_thickness: Option<f64>, of_poisson: f64) {
         match self {
             Self::HalfSpace { poisson, .. } | Self::Elliptic { poisson, .. } => {

@@ -141,7 +141,7 @@ impl RollMotionConfig {
         let Some(rolls) = self.rolls else {
             return self.directions_deg.clone();
         };
-        // Two opposite rolls do not span the tangent plane.
+        // Spread two rolls over half a turn, because two opposite rolls do not span the tangent plane.
         let turn_deg = if rolls == 2 { 180.0 } else { 360.0 };
         let direction = |roll| turn_deg * f64::from(roll) / f64::from(rolls);
         (0..rolls).map(direction).collect()

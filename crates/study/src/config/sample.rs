@@ -73,8 +73,9 @@ pub(super) fn star(grid: &Grid, rows: &[Vec<usize>]) -> Vec<usize> {
     cells
 }
 
-/// Sample of the given rows of an axis, in ascending order. A few rows are all returned. Of many rows, the sample
-/// contains rows that are spread evenly, the first row, the last row, and the given rows that are extremes of the axis.
+/// Sample of the given rows of an axis, in ascending order. If there are only a few rows, all of them are returned. Of
+/// many rows, the sample contains rows that are spread evenly, the first row, the last row, and the given rows that are
+/// extremes of the axis.
 pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec<usize> {
     let rows: Vec<usize> = rows.into_iter().collect();
     let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else {

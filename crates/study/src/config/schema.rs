@@ -91,7 +91,7 @@ fn tidy(schema: &mut Json) {
     }
 }
 
-/// Merges nested variants into one list. They exclude each other.
+/// Merges nested lists of variants into one list. This is possible because the variants exclude each other.
 fn flattened(variants: Vec<Json>) -> Vec<Json> {
     let alone = |variant: Json| match variant["oneOf"].as_array() {
         Some(inner) => inner.clone(),
@@ -134,8 +134,8 @@ pub(super) fn fields_at<'a>(schema: &'a Json, keys: &[&str]) -> Vec<&'a Json> {
         .collect()
 }
 
-/// The unit of a field. All kinds that have the key state the same unit. The items of an array have the unit of the
-/// array.
+/// The unit of a field. The result does not depend on the kind, because all kinds that have the key state the same
+/// unit. The items of an array have the unit of the array.
 pub(super) fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
     let unit = |field: &'a Json| field["x-unit"].as_str();
     let parents = (1..=keys.len()).rev();

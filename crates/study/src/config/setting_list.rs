@@ -1,5 +1,4 @@
-//! The settings of a config table, one by one, for a command line or a form. Also functions that replace some settings
-//! of a table.
+//! Lists the settings of a config table for a command line or a form, and replaces some settings of a table.
 
 use std::any::TypeId;
 use std::collections::HashMap;
@@ -184,8 +183,8 @@ struct Known {
     settings: Vec<Setting>,
 }
 
-/// Cache of the schema and the settings of each type of config table. They are computed only once, because this takes
-/// longer than some estimates.
+/// Cache of the schema and the settings of each type of config table. Each schema is computed only once, because this
+/// takes longer than some estimates.
 static KNOWN: LazyLock<Mutex<HashMap<TypeId, Arc<Known>>>> = LazyLock::new(Mutex::default);
 
 fn known<T: JsonSchema + 'static>() -> Arc<Known> {

@@ -154,8 +154,8 @@ impl SceneConfig {
         }
     }
 
-    /// The scene with another model. Settings of the estimator whose default is the present model's value keep this
-    /// value. `None` if the model belongs to another kind of scene.
+    /// The scene with another model. Settings of the estimator whose default is the value of the current model keep
+    /// this value. Returns `None` if `model` belongs to another kind of scene.
     #[must_use]
     pub fn with_model(&self, model: &ModelConfig) -> Option<Self> {
         let mut scene = self.clone();

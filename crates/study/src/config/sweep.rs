@@ -220,7 +220,7 @@ pub(super) struct Target {
 }
 
 impl Target {
-    /// Fault that concerns the name of the field itself.
+    /// Fault whose location is the name of the field in the config.
     pub(super) fn fault(&self, message: String) -> Fault {
         Fault {
             location: self.location.clone(),
@@ -552,8 +552,8 @@ fn range(ends: [f64; 2], count: u32, spacing: Spacing) -> Result<Range, Fault> {
     })
 }
 
-/// A number rounded to 12 digits: 0.3 instead of 0.30000000000000004. The result is the same on machines whose
-/// logarithms round differently.
+/// A number rounded to 12 digits: 0.3 instead of 0.30000000000000004. Rounding makes the result equal on machines whose
+/// logarithms differ in the last digits.
 pub(super) fn rounded(number: f64) -> f64 {
     format!("{number:.11e}").parse().unwrap_or(number)
 }

@@ -1,4 +1,4 @@
-//! Configs of studies, from the text to the cells.
+//! Tests the configs of studies, from the text to the cells.
 
 mod alternatives;
 mod arguments;
@@ -14,7 +14,7 @@ mod text;
 
 use palpate_study::config::{ConfigError, Study, parse};
 
-/// A valid study without a sweep. Its text has eight lines.
+/// A valid study without a sweep. Its text has eight lines, so an added section begins in line 9.
 const BASE: &str = r#"name = "a-study"
 length_unit = "cm"
 

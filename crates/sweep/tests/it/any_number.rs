@@ -1,4 +1,5 @@
-//! For any numbers, statistics are finite. The order of the blocks changes them only by rounding.
+//! For trials with any numbers, the statistics are finite. The order of the blocks changes the statistics only by
+//! rounding errors.
 
 use palpate_sweep::{BLOCK, Observation};
 use proptest::prelude::*;

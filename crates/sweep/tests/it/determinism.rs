@@ -41,7 +41,7 @@ fn one_two_and_seven_threads_return_the_same_bits() {
     assert_eq!(digits(&run_with(7, &cells)), digits(&one));
 }
 
-/// A trial that fails in every seventh case. Up to five trials between two failures are run together.
+/// An experiment of which every seventh trial fails. Up to five trials between two failures are run together.
 struct Together;
 
 impl Trial for Together {
@@ -126,8 +126,8 @@ fn a_cancelled_run_starts_no_more_trials_and_returns_no_results() {
         let error = streamed(threads, &sweep, &cancelled).unwrap_err();
         assert!(matches!(error, SweepError::Cancelled), "{error}");
         let begun = begun.load(Ordering::Relaxed);
-        // A single thread stops after the current trial, not after the block. A second thread stops when it reads the
-        // flag.
+        // With a single thread, the run stops after the current trial, not after the block. A second thread stops when
+        // it reads the flag.
         assert!((100..1000 * BLOCK).contains(&begun), "{begun}");
         assert!(threads > 1 || begun == 100, "{begun}");
     }
@@ -181,8 +181,8 @@ fn cells_are_set_up_once_each_and_few_are_alive() {
         assert!(trials_of.eq(trials.iter().copied()));
         let [alive, most] = counts.map(AtomicU64::into_inner);
         assert_eq!((set_ups.into_inner(), alive), (CELLS as u64, 0));
-        // At one time, there is one experiment per thread, and in addition those whose trials are divided between two
-        // jobs.
+        // At any time, each thread uses one experiment. In addition, the experiments exist whose trials are divided
+        // between two jobs.
         assert!((1..60).contains(&most), "{most}");
     }
 }

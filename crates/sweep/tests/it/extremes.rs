@@ -9,8 +9,8 @@ fn summary(trials: u64, of: impl Fn(u64) -> Observation + Sync) -> Summary {
     run_cell(trials, &observing(of)).quantities[0]
 }
 
-/// The numbers 1, 2, … n have the mean (n + 1)/2, the mean square (n + 1)(2n + 1)/6 and the variance n(n + 1)/12,
-/// multiplied by the unit.
+/// The test uses the numbers 1, 2, … n, multiplied by a unit. In this unit, their mean is (n + 1)/2, their mean square
+/// is (n + 1)(2n + 1)/6, and their variance is n(n + 1)/12.
 #[test]
 fn sequences_in_any_unit_have_their_closed_forms() {
     for unit in [1e-320, 1e-300, 1e-150, 1e300] {
@@ -33,7 +33,7 @@ fn sequences_in_any_unit_have_their_closed_forms() {
             close(found.std, (n * (n + 1.0) / 12.0).sqrt());
             close(found.mean_reported_std, 1.0);
         }
-        // If a share p of the errors is 1 and all others are 0, the mean square is p, and the variance of the mean
+        // If a share p of the n errors is 1 and all others are 0, the mean square is p, and the variance of the mean
         // square is p (1 − p)/(n − 1).
         let quarter = summary(4096, |trial| {
             observation(if trial % 4 == 3 { unit } else { 0.0 }, 0.0, None)
@@ -45,7 +45,7 @@ fn sequences_in_any_unit_have_their_closed_forms() {
         let found = summary(2001, |trial| {
             observation((trial as f64 - 1000.0) * unit, 0.0, None)
         });
-        // In quantiles, numbers below 2.3e-308 count as 0.
+        // Numbers below 2.3e-308 count as 0 in quantiles, so the expected quantile is then 0.
         let side = if unit < 1e-310 { 0.0 } else { 900.0 };
         for (found, due) in [(found.q05, -side), (found.q50, 0.0), (found.q95, side)] {
             assert_abs_diff_eq!(found.unwrap() / unit, due, epsilon = 3.6);

@@ -76,8 +76,8 @@ fn rms_errors_scatter_as_stated() {
             .map(|(rms, _)| (rms - mean).powi(2))
             .sum::<f64>();
         let stated = found.iter().map(|(_, std)| std * std).sum::<f64>() / sets;
-        // The standard deviation of 400 numbers has a relative standard error of 3.5 %; the tolerance is four times as
-        // large.
+        // The standard deviation of 400 numbers has a relative standard error of 3.5 %; the tolerance is four standard
+        // errors.
         let scattered = (square / (sets - 1.0)).sqrt();
         assert_relative_eq!(scattered, stated.sqrt(), max_relative = 0.14);
     }
@@ -106,7 +106,8 @@ fn a_normal_sample_has_the_normal_quantiles_and_coverage() {
             "{share}"
         );
     }
-    // The expected value is σ/√(2n); its accuracy is that of the fourth moment.
+    // The expected standard error of the rms error is σ/√(2n) for n trials. Its accuracy is limited by the accuracy of
+    // the sample's fourth moment.
     let of_rms = std / (2.0 * trials as f64).sqrt();
     assert_relative_eq!(
         summary.rms_error_std.unwrap(),

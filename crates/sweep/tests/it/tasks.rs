@@ -224,8 +224,8 @@ fn threads_that_share_a_cell_do_not_change_results() {
         (1, 1_000_000, 0.5),
         // Each trial has nine observations. They are added up after each trial and not stored until the block ends.
         (9, 1_000_000, 0.02),
-        // The rule does not end a cell. The last trial is at the end of a block, within a later block, or within the
-        // first block.
+        // With a required standard error of 0, the rule never ends a cell. The last trial is at the end of a block,
+        // within a later block, or within the first block.
         (1, 2048, 0.0),
         (1, 2500, 0.0),
         (1, 700, 0.0),
@@ -254,7 +254,8 @@ fn equal_observations_of_a_trial_count_as_one() {
         trials(StoppingStatistic::RmsError, 16, true, 1.0, 0),
         8 * BLOCK
     );
-    // If the errors are independent, fewer trials are needed: the relative standard error is 1/√(2 · 16 N).
+    // If the errors are independent, fewer trials are needed: with 16 observations in each of N trials, the relative
+    // standard error is 1/√(2 · 16 N).
     assert_eq!(
         trials(StoppingStatistic::RmsError, 16, false, 1.0, 0),
         BLOCK

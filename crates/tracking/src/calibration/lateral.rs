@@ -11,14 +11,15 @@ use super::normal::range;
 pub struct LateralPoint {
     /// Displacement along the skin, length. The components are along the axes at the marker's place.
     pub tangential: [f64; 2],
-    /// Shift of the image along the same axes, px: the focal length f times the angle of the shift.
+    /// Shift of the image along the same axes, px. It is the focal length (px per radian) multiplied by the angle of
+    /// the shift.
     pub shift_px: [f64; 2],
     /// Inward displacement, length, if it was measured.
     pub normal: Option<f64>,
 }
 
-/// Ratio of the centroid's shift to the tangential displacement. It is the function p₀ + p₁ u of the normal
-/// displacement u.
+/// Ratio of the centroid's shift to the tangential displacement. The ratio is p₀ + p₁ u, where u is the normal
+/// displacement and p₀ and p₁ are fitted.
 ///
 /// ```
 /// use palpate_tracking::{LateralCalibration, LateralPoint};
@@ -36,13 +37,14 @@ pub struct LateralPoint {
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LateralCalibration {
-    /// Coefficient p₀, px per length.
+    /// Coefficient p₀, the ratio at a normal displacement of 0, px per length.
     pub px_per_length: f64,
-    /// Standard error of the coefficient p₀.
+    /// Standard error of the coefficient p₀, px per length.
     pub px_per_length_std: Option<f64>,
-    /// Coefficient p₁, px per length squared; `None` with fewer than two different normal displacements.
+    /// Coefficient p₁, the change of the ratio per normal displacement, px per length squared. `None` if the points
+    /// have fewer than two different normal displacements.
     pub per_indentation: Option<f64>,
-    /// Standard error of the coefficient p₁.
+    /// Standard error of the coefficient p₁, px per length squared.
     pub per_indentation_std: Option<f64>,
     /// Root mean square of the residuals of the fit, divided by the slope, length.
     pub residual_rms: f64,
@@ -178,7 +180,7 @@ fn along(point: &LateralPoint) -> [f64; 2] {
     [length, along_x * shift_x + along_y * shift_y]
 }
 
-/// A fit of both coefficients, p₀ and p₁.
+/// A fit of both coefficients of the ratio p₀ + p₁ u, where u is the normal displacement.
 struct WithIndentation {
     coefficients: [f64; 2],
     stds: Option<[f64; 2]>,
@@ -187,7 +189,7 @@ struct WithIndentation {
 }
 
 impl WithIndentation {
-    /// Fits both coefficients; `None` if the normal displacements do not determine them.
+    /// Fits both coefficients; `None` if the normal displacements do not determine them, for example if all are equal.
     fn fit(along: &[[f64; 2]], normal: &[f64]) -> Option<Self> {
         let largest = |numbers: &mut dyn Iterator<Item = f64>| {
             numbers.fold(0.0, |largest: f64, one| largest.max(one.abs()))
@@ -197,7 +199,8 @@ impl WithIndentation {
         if depth == 0.0 {
             return None;
         }
-        // The numbers are scaled by the largest displacements. The fitted equation is then y = x (c_0 + c_1 u).
+        // The numbers are scaled by the largest displacements. The fitted equation is then y = x (c_0 + c_1 u), with
+        // the scaled shift y, tangential displacement x and normal displacement u.
         let rows = || {
             let points = along.iter().zip(normal);
             points.map(|([x, y], u)| (x / length, x / length * (u / depth), *y))
@@ -264,7 +267,7 @@ mod tests {
         let read = fitted.read([7.4, -3.7], 0.2).expect("finite");
         assert_relative_eq!(read[0], 1.0, max_relative = 1e-9);
         assert_relative_eq!(read[1], -0.5, max_relative = 1e-9);
-        // Beyond the fitted range, the slope is the slope at the nearer limit.
+        // Outside of the fitted range of normal displacements, the slope is the slope at the nearer end of the range.
         assert_relative_eq!(fitted.slope(10.0), 7.6, max_relative = 1e-9);
         assert!(fitted.slope(f64::NAN).is_finite());
     }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::CalibrationError;
 
-/// Largest number whose squares can be summed without overflow.
+/// Largest magnitude of a number whose square can be added to other squares without overflow.
 const LARGEST: f64 = 1e100;
 
 /// A least-squares line: a signal, such as the hue in turns or the shift in px, as a function of a known displacement.
@@ -63,7 +63,7 @@ pub(super) fn fit(
     let freedom = points.len() - 1 - usize::from(has_intercept);
     let mean_square = (freedom > 0).then(|| residuals / freedom as f64);
     let unit = signal / length;
-    // If the relative slope is smaller than this, the line explains no more than the mean.
+    // If the relative slope is below 1e-12, the line explains no more of the variance than the mean does.
     if slope.abs() < 1e-12 {
         return Err(CalibrationError::NoSlope { what: words.signal });
     }

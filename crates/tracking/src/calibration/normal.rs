@@ -19,8 +19,9 @@ pub enum NormalFrom {
     /// displacements at the depths of the discs.
     #[default]
     Hue,
-    /// Size. If a disc at the distance ρ from the camera moves inward by u, its image becomes larger by the factor ρ/(ρ
-    /// - u). Therefore the nearness 1 - 1/e^growth equals u/ρ, which is proportional to the displacement.
+    /// Size. If a disc at the distance ρ from the camera moves inward by u, its image is enlarged by the factor ρ/(ρ −
+    /// u). The logarithm of this factor is the growth. Therefore the nearness 1 − 1/e^growth equals u/ρ, which is
+    /// proportional to the displacement.
     Size,
     /// Hue and nearness, with the weights that fit the known displacements best. The two features depend on different
     /// displacements, so the result depends on the shape of the contact.
@@ -57,7 +58,7 @@ pub struct NormalPoint {
     pub normal: f64,
     /// Change of the marker's hue, turns.
     pub hue_turns: f64,
-    /// Change of the logarithm of the marker's diameter.
+    /// Change of the natural logarithm of the marker's diameter.
     pub growth: f64,
 }
 
@@ -96,8 +97,8 @@ pub struct MarkerGain {
 
 impl NormalCalibration {
     /// Fits one slope to all points. Also fits a slope for each marker with at least three different displacements, and
-    /// stores it if it is at least twice its standard error. These slopes of single markers are only used after a call
-    /// of [`NormalCalibration::per_marker`].
+    /// stores this slope if it is at least twice its standard error. These slopes of single markers are only used after
+    /// a call of [`NormalCalibration::per_marker`].
     ///
     /// # Errors
     /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, or for
@@ -169,14 +170,14 @@ impl NormalCalibration {
     }
 }
 
-/// Nearness: 1 - 1/e^growth, the relative decrease of a marker's distance from the camera.
+/// Relative decrease of a marker's distance from the camera: 1 - 1/e^growth. It is called nearness.
 fn nearness(growth: f64) -> f64 {
     -libm::expm1(-growth)
 }
 
 fn signal(weights: [f64; 2], hue_turns: f64, nearness: f64) -> f64 {
     let [per_turn, per_nearness] = weights;
-    // A feature whose weight is zero is skipped, because its value may be NaN.
+    // A feature whose weight is zero is skipped, because its value may be NaN, and 0 · NaN is NaN.
     let part = |weight: f64, number: f64| if weight == 0.0 { 0.0 } else { weight * number };
     part(per_turn, hue_turns) + part(per_nearness, nearness)
 }
@@ -329,7 +330,8 @@ mod tests {
 
     #[test]
     fn both_features_have_their_weights() {
-        // The points satisfy u = 10 hue + 5 nearness, so they determine both weights.
+        // The displacements u are 10 hue + 5 nearness, and hue and nearness vary independently. Therefore the points
+        // determine both weights.
         let points: Vec<NormalPoint> = [(0.01, 0.02), (0.02, 0.01), (0.03, 0.05), (-0.01, 0.04)]
             .map(|(hue, nearness): (f64, f64)| {
                 let normal = 10.0 * hue + 5.0 * nearness;

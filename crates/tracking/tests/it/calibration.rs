@@ -114,7 +114,7 @@ fn the_published_hue() {
     let line = fitted.with_intercept.unwrap();
     assert_line(&line, [0.0258, 0.85, 0.154], [1e-4, 0.01, 0.001]);
     assert_eq!((line.count, fitted.range), (39, [0.0929, 1.264]));
-    // These numbers were computed with another program.
+    // The expected standard errors were computed with another program.
     assert_abs_diff_eq!(line.slope_std.unwrap(), 0.00179, epsilon = 1e-5);
     assert_abs_diff_eq!(line.intercept.unwrap(), -0.00127, epsilon = 1e-5);
     assert_abs_diff_eq!(line.residual_std.unwrap(), 0.1579, epsilon = 1e-4);
@@ -139,7 +139,8 @@ fn the_published_hue_of_each_object() {
     }
 }
 
-/// An independent reading of the figure gave 7.0 px/mm; the paper states an R² of 0.99.
+/// The test compares the fit with an independent reading of the figure, which gave 7.0 px/mm, and with the paper's R²
+/// of 0.99.
 #[test]
 fn the_published_shift() {
     let fitted = LateralCalibration::fit(&shift_points()).unwrap();
@@ -278,7 +279,8 @@ fn lines_of_any_size_have_their_slope() {
     }
 }
 
-/// The displacement is 10 times the hue in turns, or 5 times 1 − exp(−growth), which is at most 1.
+/// In this calibration, the displacement is 10 times the hue in turns, or 5 times the nearness 1 − exp(−growth), which
+/// is at most 1.
 #[test]
 fn changes_of_any_size_give_a_displacement_or_none() {
     let points: Vec<NormalPoint> = (0..9)

@@ -28,8 +28,8 @@ fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-/// Checks that interpolated displacements, which are means of the markers' displacements, do not exceed these. The
-/// points are at, between and near the markers.
+/// Checks that interpolated displacements do not exceed the displacements of the markers, because they are means of
+/// these. The tested points are at, between and near the markers.
 fn assert_means(field: &Field) {
     let markers = field.markers();
     for one in markers {
@@ -60,7 +60,7 @@ fn rings_and_nets() {
             [radius * cosine, radius * sine]
         })
     };
-    // The markers of a ring lie on one circle, so that rounding decides which of them form triangles.
+    // The triangulation is not unique for markers on a circle. Rounding decides which of the markers form triangles.
     assert_means(&field(ring(12, 0.3).chain([[0.0, 0.0]])));
     assert_means(&field(ring(7, 0.2).chain(ring(14, 0.4))));
     let net = |step: f64| (0..16).map(move |k| [f64::from(k % 4) * step, f64::from(k / 4) * step]);

@@ -16,8 +16,8 @@ fn away(marker: &Marker, place: [f64; 2]) -> f64 {
     )
 }
 
-/// Root mean square errors: of the centroid, px; of the hue, turns; of the size, relative. Each true marker must be
-/// found exactly once, and no other marker may be found.
+/// Root mean square errors of the centroid (px), of the hue (turns) and of the size (relative). Each true marker must
+/// be found exactly once, and no other marker may be found.
 fn errors(found: &[Marker], truth: &[Truth], reach: f64) -> [f64; 3] {
     assert_eq!(found.len(), truth.len());
     let mut squares = [0.0; 3];
@@ -71,7 +71,8 @@ fn misaligned_discs_on_a_bright_ground() {
         apart: 0.0,
         blur_px: 0.0,
         falloff: 0.0,
-        // Without noise, all pixels of one colour would have the same rounding error, of up to half a level.
+        // A little noise is added. Without it, all pixels of one colour would have the same rounding error of up to
+        // half a level.
         noise: 0.5,
     };
     let worst = Bright {
@@ -128,8 +129,8 @@ fn misaligned_discs_on_a_bright_ground() {
 
 #[test]
 fn a_photograph() {
-    // The list was made by eye, from enlargements with a grid, one quadrant after the other. `clear` markers are away
-    // from the rim, `touching` markers reach or nearly reach the rim, and `cut` markers are partly beyond it. The
+    // The list of the true markers was made by eye from enlargements of the photograph with a grid. `clear` markers are
+    // away from the rim, `touching` markers reach or nearly reach the rim, and `cut` markers are partly beyond it. The
     // position is the centre of both discs together, accurate to about 2 px.
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/camera-frame-265px");
     let frame = image::open(format!("{data}.png")).unwrap().to_rgb8();

@@ -1,5 +1,5 @@
-//! A unit sphere rolls by 6 rad over a unit sphere and over the paraboloid z = −r²: DOP853 of ode_solvers integrates
-//! Montana's contact equations in charts.
+//! Simulates a unit sphere that rolls by 6 rad over a unit sphere and over the paraboloid z = −r². DOP853 of
+//! ode_solvers integrates Montana's contact equations in charts.
 //!
 //! Prints one line of JSON per task. The error is the largest difference from the closed form, in any coordinate of the
 //! contact on either body.
@@ -9,7 +9,8 @@ use std::time::Instant;
 
 use ode_solvers::{Dop853, OutputType, SVector, System};
 
-/// Latitude and longitude on the probe, the object's two coordinates, and the angle between the charts.
+/// State of the contact: latitude and longitude on the probe, two coordinates on the object, and the angle between both
+/// charts.
 type State = SVector<f64, 5>;
 
 const RATE: f64 = 0.1;
@@ -42,7 +43,8 @@ struct OverParaboloid;
 
 impl System<f64, State> for OverParaboloid {
     fn system(&self, _: f64, state: &State, rate: &mut State) {
-        // Slopes of z, and the Gauss frame that follows from them: x' and y' per unit of velocity along its axes.
+        // Slopes of the surface z, and the Gauss frame that follows from them: the changes of x and y per unit of
+        // velocity along the axes of this frame.
         let (p, q) = (-2.0 * state[2], -2.0 * state[3]);
         let square = 1.0 + p * p;
         let (first, area) = (square.sqrt(), (square + q * q).sqrt());
@@ -71,7 +73,7 @@ impl System<f64, State> for OverParaboloid {
 fn roll<S: System<f64, State>>(system: S, latitude: f64) -> State {
     let first = State::from([0.0, 0.0, latitude, 0.0, DIRECTION]);
     let end = ANGLE / RATE;
-    // Dense output would extrapolate the last point, so it is not used.
+    // Do not use dense output, because it would extrapolate the last point.
     let mut solver = Dop853::from_param(
         system,
         0.0,
@@ -94,7 +96,7 @@ fn roll<S: System<f64, State>>(system: S, latitude: f64) -> State {
     *solver.y_out().last().expect("the end of the roll")
 }
 
-/// Largest difference between two contacts in any coordinate.
+/// Largest difference of any coordinate between the two contacts of a pair.
 fn largest<const N: usize>(pairs: [([f64; 3], [f64; 3]); N]) -> f64 {
     let differences = pairs
         .iter()

@@ -21,7 +21,7 @@ pub struct Blemishes {
     pub pixel_std: f64,
 }
 
-/// Seams between gores. They are meridians that start at the apex. The first seam is along +x.
+/// Seams between gores. Each seam is a meridian that starts at the apex. The first seam is along +x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seams {
     /// Number of gores per turn.
@@ -66,8 +66,8 @@ impl Blemishes {
     }
 }
 
-/// A Gaussian blur. It stores the last rows that it has read, each already blurred along the row. It also stores the
-/// weights of the neighbouring pixels.
+/// A Gaussian blur. It stores the last rows that it has read, each already blurred along the row. In addition, it
+/// stores the weights of the neighbouring pixels.
 pub(super) struct Blur {
     /// Weights of the pixel itself and of its neighbours on one side, up to 3.5 standard deviations. The weights of the
     /// pixel and of the neighbours on both sides sum to 1.
@@ -129,7 +129,7 @@ impl Blur {
 pub(super) struct SeamLines {
     /// Unit vectors along the seams, with y up.
     lines: Vec<[f64; 2]>,
-    /// Sine of the angle that half the width of a seam covers at the sensor's centre.
+    /// Sine of half the angle that the width of a seam covers at the sensor's centre.
     half_width: f64,
     /// Upper bound of half the width of a seam in the image, px.
     widest: f64,
@@ -159,7 +159,7 @@ impl SeamLines {
         })
     }
 
-    /// Calls `filter` for each pixel of a row that a seam covers at least partly, with the share of light that the seam
+    /// For each pixel of a row that a seam covers at least partly, calls `filter` with the share of light that the seam
     /// transmits. The row is `y` px above the centre of the image.
     pub(super) fn paint(
         &mut self,
@@ -179,8 +179,8 @@ impl SeamLines {
                 } else {
                     libm::hypot(x, y)
                 };
-                // Half the width of the seam in pixels. The width is an angle at the sensor's centre. `lateral_rad` is
-                // the angle that one pixel covers in the direction across the seam.
+                // Half the width of the seam in pixels. It is the half-width as an angle at the sensor's centre,
+                // divided by `lateral_rad`, the angle that one pixel covers across the seam.
                 let half = self.half_width / camera.ray(x, y).lateral_rad.max(f64::MIN_POSITIVE);
                 // A seam that is narrower than a pixel covers only a share of the pixel.
                 let share = (0.5 + half - aside).clamp(0.0, (2.0 * half).min(1.0));
@@ -200,8 +200,8 @@ impl SeamLines {
     }
 }
 
-/// Range of columns of a row that contains all pixels within `distance` of a line through the centre of the image. It
-/// is limited to `within`.
+/// Range of columns of a row that contains all pixels within `distance` of a line through the centre of the image. The
+/// result is limited to the range `within`.
 fn crossed(
     line: &[f64; 2],
     y: f64,

@@ -25,7 +25,7 @@ struct DiscRaster {
     direction: [f64; 3],
     cosine: f64,
     per_sine: f64,
-    /// Largest |v·n − cos α| of pixels that are crossed by the edge.
+    /// Largest value of |v·n − cos α| for the directions v of pixels that the edge of the disc crosses.
     band: f64,
     /// Factor by which the effect of the disc is multiplied. It is below 1 for a disc that is smaller than a pixel, so
     /// that the disc is drawn fainter.
@@ -61,7 +61,7 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
     let size = f64::from(camera.size_px());
     // The rectangle is around the middle of the disc or, if this is outside of the field, around the nearest point of
     // the rim. `reach` is an upper bound of the distance from this point to the edge of the disc. If the disc crosses
-    // the rim, the shortest path on the sphere may leave the field, and a path inside the field is longer.
+    // the rim, the bound must be larger, because the shortest path on the sphere may leave the field.
     let crosses = polar + radius > rim;
     let reach = if crosses { 4.0 * radius } else { radius };
     let farthest = (polar + radius).min(rim);
@@ -104,16 +104,17 @@ impl DiscRaster {
         }
     }
 
-    /// Distance of a direction v from the edge of the disc, positive inside the disc: v·n − cos α.
+    /// Distance of a direction v from the edge of the disc, measured as v·n − cos α. Here n is the direction of the
+    /// disc's middle, and α is its angular radius. The distance is positive inside the disc.
     #[inline]
     fn inside(&self, ray: &Ray, [x, y]: [f64; 2]) -> f64 {
         let [n_x, n_y, n_z] = self.direction;
         (n_x * x + n_y * y) * ray.lateral_rad + (n_z * ray.cosine - self.cosine)
     }
 
-    /// Share of the pixel at (x, y) from the centre of the image that the disc covers. The share minus 1/2 is an odd
-    /// function of v·n − cos α. The cosine v·n is linear in the solid angle, so the shares of all pixels add up to the
-    /// area of the disc.
+    /// Share of the pixel that the disc covers, for the pixel at (x, y) from the centre of the image. The share minus
+    /// 1/2 is an odd function of v·n − cos α. The cosine v·n is linear in the solid angle, so the shares of all pixels
+    /// add up to the area of the disc.
     #[inline]
     fn cover(&self, camera: &Camera, ray: &Ray, inside: f64, [x, y]: [f64; 2]) -> DiscCover {
         if inside.abs() >= self.band {
@@ -171,9 +172,9 @@ impl MarkerRaster {
         })
     }
 
-    /// Calls `paint` for each pixel of a row that the discs cover at least partly, with the column and the covered
-    /// shares. Only columns in the given range are used. The row is `y` px above the centre of the image, which is in
-    /// the column `middle`.
+    /// For each pixel of a row that the discs cover at least partly, calls `paint` with the column and the covered
+    /// shares. Pixels outside of the given range of columns are skipped. The row is `y` px above the centre of the
+    /// image, which is in the column `middle`.
     pub(super) fn cover(
         &self,
         camera: &Camera,
@@ -261,8 +262,9 @@ fn length([x, y]: [f64; 2]) -> f64 {
 }
 
 /// Share of a pixel that both discs cover. If both edges cross the pixel, the share depends on the angle between the
-/// edges. If the discs lie in the same direction, it is the smaller of the two shares. If they lie in opposite
-/// directions, it is the amount by which the sum of the shares exceeds 1. At right angles, it is their product.
+/// edges. If the discs lie in the same direction from the pixel, it is the smaller of the two shares. If they lie in
+/// opposite directions, it is the amount by which the sum of the shares exceeds 1. If the directions are at a right
+/// angle, it is the product of the shares.
 #[inline]
 fn shared(one: &DiscCover, other: &DiscCover) -> f64 {
     let product = one.share * other.share;
@@ -287,7 +289,7 @@ fn shared(one: &DiscCover, other: &DiscCover) -> f64 {
 mod tests {
     use super::*;
 
-    /// The covered share, estimated by counting the points of a grid that are covered.
+    /// Share of a pixel on one side of an edge, estimated by counting points of a grid that are on this side.
     fn counted(inside: f64, turn: f64) -> f64 {
         const SIDE: u32 = 400;
         let (sine, cosine) = libm::sincos(turn);
@@ -315,7 +317,8 @@ mod tests {
 
     #[test]
     fn directions_turn_with_the_place() {
-        // To the left of the centre, outward is towards smaller columns, and increasing azimuth is downward.
+        // For a point to the left of the centre, outward is towards smaller columns, and increasing azimuth is
+        // downward.
         assert_eq!(in_columns_and_rows([1.0, 0.0], [-2.0, 0.0]), [-2.0, 0.0]);
         assert_eq!(in_columns_and_rows([0.0, 1.0], [-2.0, 0.0]), [0.0, -2.0]);
         assert_eq!(in_columns_and_rows([0.5, 0.2], [0.0, 0.0]), [0.5, 0.2]);

@@ -66,7 +66,7 @@ impl Row {
             for (level, other) in blurred.levels.iter_mut().skip(3 * step).zip(behind) {
                 *level += weight * other;
             }
-            // Beyond its ends, the row is continued with the values at its ends.
+            // Beyond its ends, the row is continued with the values of its first and last pixel.
             for column in 0..step.min(last + 1) {
                 for channel in 0..3 {
                     blurred.levels[3 * column + channel] += weight * self.levels[channel];
@@ -230,7 +230,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Paints the pixels outside of the image circle.
+    /// Paints the pixels of a row that are outside of the image circle.
     fn cut(&self, number: usize, touched: &Range<usize>, row: &mut Row) {
         let rim = self.camera.rim_px();
         let [middle, middle_row] = self.camera.centre_px();

@@ -58,7 +58,7 @@ impl Tree {
         }
     }
 
-    /// Precedence of the operator in the expression that is applied last.
+    /// Precedence of the operator that is applied last in the expression.
     fn level(&self) -> u8 {
         match self {
             Self::Operator('+' | '-', ..) => 1,
@@ -95,7 +95,7 @@ proptest! {
     fn values_are_exact(tree in tree(&['+', '-', '*', '/']), x in -2.0..2.0_f64, y in -2.0..2.0_f64) {
         let expected = tree.value(x, y);
         let Ok(formula) = Formula::parse(&tree.explicit(), &BTreeMap::new()) else {
-            return Ok(()); // 1/(2 - 2)
+            return Ok(()); // a constant part of the expression is not finite, as in 1/(2 - 2)
         };
         let found = formula.value(x, y);
         prop_assert!(found == expected || !(found.is_finite() || expected.is_finite()));

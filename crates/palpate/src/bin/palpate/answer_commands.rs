@@ -1,4 +1,4 @@
-//! `palpate design`, `palpate distinguish` and `palpate sensitivity`.
+//! Implements the commands `palpate design`, `palpate distinguish` and `palpate sensitivity`.
 
 use std::time::{Duration, Instant};
 
@@ -18,7 +18,7 @@ use crate::progress;
 use crate::results::drawings;
 use crate::run::overridden;
 
-/// Time after which a progress bar is shown. Shorter work shows none.
+/// Time after which a progress bar is shown. If the work takes less time, no progress bar appears.
 const QUIET_TIME: Duration = Duration::from_secs(1);
 
 pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
@@ -61,7 +61,7 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     print(&args.answer, lines, || found.to_json(&study))
 }
 
-/// The question in the arguments of `palpate design`, for a study.
+/// Makes the question that the arguments of `palpate design` ask about a study.
 fn question(args: &DesignArgs, study: &Study) -> Result<Question, AnswerError> {
     let sought = match (&args.maximise, &args.minimise) {
         (Some(name), _) => Some((name, Extreme::Largest)),
@@ -165,7 +165,7 @@ pub(crate) fn sensitivity(args: &SensitivityArgs) -> Result<(), Failure> {
     print(&args.answer, found.lines(), || found.to_json(&study))
 }
 
-/// Converts the error of a question that cannot be answered to a failure. It counts as bad usage (exit status 2).
+/// Converts the error of a question that cannot be answered to a failure with exit status 2 (bad usage).
 fn failure(error: AnswerError) -> Failure {
     match error {
         AnswerError::Config(error) => Failure::usage(error),
@@ -173,8 +173,8 @@ fn failure(error: AnswerError) -> Failure {
     }
 }
 
-/// Directory for the files of an answer, if `--out` names one. It is opened before the work, so that an unwritable directory
-/// fails early.
+/// Directory for the files of an answer, if `--out` names one. The directory is opened before the work, so that an
+/// unwritable directory causes an error early.
 fn open_dir(args: &AnswerArgs) -> Result<Option<LockedDir>, Failure> {
     let guard = Guard::new([&args.config], args.force);
     let out = args.out.as_ref();

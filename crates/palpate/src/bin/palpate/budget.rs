@@ -1,4 +1,5 @@
-//! `--budget` and `--target-error`: chooses the number of trials and the model, and describes the choice.
+//! Implements the options `--budget` and `--target-error`: chooses the number of trials and the model, and describes
+//! the choice.
 
 use std::num::NonZeroUsize;
 use std::time::Instant;
@@ -14,7 +15,8 @@ use crate::cli::RunArgs;
 use crate::duration::{exact, roughly, two_digits};
 use crate::failure::Failure;
 
-/// A study with the chosen number of trials and model, the lines to print about this choice, and its warnings.
+/// A study with the chosen number of trials and the chosen model; also the lines to print about this choice, and the
+/// warnings of the planning.
 pub(crate) struct Allowed {
     pub(crate) study: Study,
     pub(crate) lines: Vec<String>,
@@ -125,7 +127,7 @@ fn warnings(plan: &Plan, numbers: &[usize]) -> Warnings {
     warnings
 }
 
-/// Reason for the number of trials: whether the target error or the budget decides it, and the expected error of the
+/// Text with the reason for the number of trials (the target error or the budget), and the expected error of the
 /// results.
 fn reason(plan: &Plan, target: Option<f64>) -> String {
     let expected = match plan.expected_error {

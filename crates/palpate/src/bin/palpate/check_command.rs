@@ -1,4 +1,4 @@
-//! `palpate check`.
+//! Implements the command `palpate check`.
 
 use std::fmt::Write;
 use std::time::{Duration, Instant};
@@ -35,7 +35,8 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
     output::print(&text(&study.config.name, &check))
 }
 
-/// The text that `palpate check` prints. If only a sample of the cells was checked, it states how they were chosen.
+/// The text that `palpate check` prints. If only a sample of the cells was checked, the text states how the sample was
+/// chosen.
 fn text(name: &str, check: &Check) -> String {
     let mut text = String::new();
     let (mut not_set_up, mut at_most) = (String::new(), "");
@@ -99,7 +100,8 @@ fn text(name: &str, check: &Check) -> String {
     text
 }
 
-/// Text about the measured coverage of the intervals, and text about the random scenes in which it was measured.
+/// Text about the measured coverage of the intervals, and text about the random scenes in which the coverage was
+/// measured.
 fn intervals(coverage: &Coverage) -> [Option<String>; 2] {
     let measured = |family: &Family| {
         let [share, lowest] = [family.coverage95, family.lowest].map(|share| 100.0 * share);
@@ -144,7 +146,8 @@ fn rungs(rungs: &Rungs) -> Vec<String> {
     }
 }
 
-/// Description of the errors in the list of models: the quantity, and the length that its error is divided by.
+/// Describes the errors in the list of models: the quantity with the error, and the length by which its error is
+/// divided.
 fn errors_of(ladder: &Ladder) -> &'static str {
     match ladder.taken().model {
         ModelConfig::Roll(_) => {

@@ -1,4 +1,4 @@
-//! The arguments of the commands.
+//! Defines the arguments of all commands.
 
 mod answers;
 mod estimate_args;

@@ -1,4 +1,4 @@
-//! Durations as people write them, for example 1.5h.
+//! Reads and writes durations as people write them, for example 1.5h.
 
 use std::time::Duration;
 

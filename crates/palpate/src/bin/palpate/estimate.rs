@@ -1,4 +1,4 @@
-//! `palpate estimate`.
+//! Implements the command `palpate estimate`.
 
 mod force;
 mod glide;

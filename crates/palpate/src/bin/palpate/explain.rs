@@ -1,4 +1,4 @@
-//! `palpate explain` and `palpate schema --quantities`: prints the meanings of words.
+//! Implements `palpate explain` and `palpate schema --quantities`, which print the meanings of words.
 
 use std::fmt::Write as _;
 
@@ -17,7 +17,7 @@ const WIDTH: usize = 100;
 
 /// Parts of a scene that have kinds.
 const PARTS: [&str; 6] = ["probe", "object", "model", "sensor", "noise", "estimator"];
-/// Word for the table of the kinds of scenes.
+/// Word that `palpate explain` explains by the table of the kinds of scenes.
 const SCENES: &str = "scenes";
 
 /// Prints the meaning of a word; without a word, lists all words.
@@ -109,7 +109,7 @@ pub(crate) fn glossary() -> Result<(), Failure> {
     output::print(text.trim_end())
 }
 
-/// Kinds of scenes, each with its parts: their kinds, or the keys of a part without kinds.
+/// Kinds of scenes, each with its parts. A part has a text that lists its kinds, or its keys if it has no kinds.
 fn scenes() -> Vec<(String, Vec<(&'static str, String)>)> {
     let schema = schema();
     let text = |value: &Value| value.as_str().map(str::to_owned);

@@ -1,4 +1,4 @@
-//! Failures of commands.
+//! Defines the failures of commands, with their exit status and their message.
 
 use std::fmt;
 use std::process::ExitCode;
@@ -27,13 +27,14 @@ impl Failure {
         Self::Work(error.into())
     }
 
-    /// Failure for a number in `--cell` that is not the number of a cell of the study.
+    /// Failure for a value of `--cell` that is not the number of a cell of the study.
     pub(crate) fn no_cell(cell: usize, study: &Study) -> Self {
         let last = study.cell_count() - 1;
         Self::Usage(anyhow!("--cell is {cell}; the study has cells 0 to {last}"))
     }
 
-    /// Converts an error of running trials. It counts as bad usage if the config does not describe a possible scene.
+    /// Converts an error of running trials to a failure. The failure is bad usage if the config does not describe a
+    /// possible scene.
     pub(crate) fn of_sweep(error: SweepError<ConfigError>) -> Self {
         match error {
             SweepError::SetUp(error) => Self::usage(error),

@@ -21,7 +21,7 @@ use crate::output::names::JOURNAL;
 
 /// First bytes of a journal; the last byte is the version of the format.
 const MAGIC: &[u8; 8] = b"palpate\x05";
-/// Bytes of pending rows above which the rows are written to the file.
+/// Pending rows are written to the file when they have more than this number of bytes.
 const MAX_PENDING: usize = 1 << 18;
 /// Time between two writes of pending rows to the file, and between two synchronisations of the file with the disk.
 const INTERVAL: Duration = Duration::from_secs(1);
@@ -31,12 +31,12 @@ const MAX_RECORD: u32 = 1 << 30;
 /// Header of a journal: it identifies the run.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub(crate) struct Header {
-    /// Version of palpate.
+    /// Version of palpate that wrote the journal.
     pub(crate) version: String,
     /// Config of the run, with the text of `run.toml`.
     pub(crate) config: String,
     pub(crate) request: RunRequest,
-    /// Warnings of the planning and of the cells that were checked before the run.
+    /// Warnings of the planning, and warnings of the cells that were checked before the run.
     pub(crate) warnings: Warnings,
     /// Number of tasks of this run, that is, of this shard.
     pub(crate) tasks: u64,
@@ -49,7 +49,7 @@ pub(crate) struct Header {
 pub(crate) struct RunRequest {
     /// Config with all defaults and overrides, before the number of trials and the model are chosen.
     pub(crate) config: String,
-    /// Budget and target error.
+    /// Text of the arguments that state the time budget and the target error.
     pub(crate) goal: String,
     pub(crate) every_nth_cell: u64,
     /// Number of the shard, and number of all shards; `None` for a run of the whole study.
@@ -69,11 +69,11 @@ enum Record {
     End,
 }
 
-/// A finished cell with its rows in the tables.
+/// A finished cell with its table rows.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(crate) struct CellRecord {
     pub(crate) cell: u64,
-    /// Rows of `cells.csv`, `failures.csv` and `map.csv`, and those rows of the table of trials that no earlier record
+    /// Rows of `cells.csv`, `failures.csv` and `map.csv`, and the rows of the table of trials that no earlier record
     /// contains.
     pub(crate) rows: [String; 4],
     pub(crate) trials: u64,
@@ -192,9 +192,9 @@ pub(crate) struct Journal {
     path: PathBuf,
     pending: Vec<CellRecord>,
     pending_bytes: usize,
-    /// Buffer for the next frame. It is reused, so that no memory is allocated for each frame.
+    /// Buffer for the next frame. All frames use the same buffer, so that no memory is allocated for each frame.
     frame: Vec<u8>,
-    /// Time of the last record.
+    /// Time at which the last record was written.
     written: Instant,
     /// Start of the last synchronisation with the disk.
     synced: Instant,
@@ -255,13 +255,13 @@ impl Journal {
         }
     }
 
-    /// Adds trial rows of an unfinished cell.
+    /// Adds rows of the table of trials for a cell that is not finished yet.
     pub(crate) fn trials(&mut self, trials: TrialRows) -> io::Result<()> {
         self.flush()?;
         self.frame(&Record::Trials(trials))
     }
 
-    /// Writes the pending cells.
+    /// Writes the pending cells to the journal.
     pub(crate) fn flush(&mut self) -> io::Result<()> {
         if self.pending.is_empty() {
             return Ok(());
@@ -481,7 +481,8 @@ pub(crate) fn read(dir: &Path) -> Result<Option<JournalState>, Failure> {
                 }
                 found.time += Duration::from_millis(ms);
             }
-            // These rows belong to a cell that may be unfinished. They are counted when the cell is finished.
+            // Do not count these rows here: their cell may be unfinished, and rows are counted when their cell is
+            // finished.
             Record::Trials(_) => continue,
             Record::End => found.is_ended = true,
         }

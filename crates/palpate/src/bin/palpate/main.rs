@@ -1,4 +1,4 @@
-//! The `palpate` command line.
+//! The program `palpate`: parses the command line and runs the requested command.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,
@@ -30,7 +30,7 @@ use clap::{CommandFactory, FromArgMatches};
 use cli::{Cli, Command, ErrorFormat, Estimator, Scheduler};
 use failure::Failure;
 
-/// What `palpate` prints without a command.
+/// Text that `palpate` prints if the user gives no command.
 const FIRST_STEPS: &str = "\
 palpate estimates the curvature of a surface from touch. Four first steps, in a clone of the repository:
 

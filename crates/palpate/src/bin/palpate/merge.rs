@@ -1,4 +1,4 @@
-//! `palpate merge`.
+//! Implements the command `palpate merge`.
 
 use std::collections::BTreeMap;
 use std::fs;

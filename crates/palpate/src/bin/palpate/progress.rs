@@ -1,4 +1,4 @@
-//! Progress of long work on standard error: a bar on a terminal, otherwise one line per minute.
+//! Shows the progress of long work on standard error: as a bar on a terminal, otherwise as one line per minute.
 
 use std::io::IsTerminal;
 use std::sync::Mutex;
@@ -48,7 +48,7 @@ impl Progress {
         }
     }
 
-    /// Adds finished trials. Any thread may call it.
+    /// Adds finished trials. Any thread may call this function.
     pub(crate) fn add(&self, trials: u64) {
         let done = trials + self.done.fetch_add(trials, Ordering::Relaxed);
         if self.is_terminal {
@@ -74,7 +74,7 @@ impl Progress {
         }
     }
 
-    /// Clears the bar.
+    /// Removes the progress bar from the terminal.
     pub(crate) fn end(&self) {
         self.bar.finish_and_clear();
     }
@@ -94,8 +94,8 @@ impl Progress {
     }
 }
 
-/// Progress bar with rate and remaining time, if standard error is a terminal. The number of `things` is set later; the
-/// bar appears with the first progress.
+/// Progress bar with rate and remaining time, if standard error is a terminal. The total number of `things` is set
+/// later. The bar appears at the first progress.
 pub(crate) fn bar_of(things: &str) -> ProgressBar {
     let style = ProgressStyle::with_template(&format!(
         "{{wide_bar}} {{human_pos}}/{{human_len}} {things}, {{per_sec}}, {{eta}} left{{msg}}"

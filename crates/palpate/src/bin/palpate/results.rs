@@ -1,4 +1,4 @@
-//! `palpate plot`, `palpate report` and `palpate trace`.
+//! Implements the commands `palpate plot`, `palpate report` and `palpate trace`.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use crate::output::{self, Guard, LockedDir, OutputFile, StudyId, refuse_no_direc
 
 pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
     refuse_no_directory(&args.dir)?;
-    // From here on, this process holds the lock of the directory.
+    // This process holds the lock of the directory until the end of this function.
     let mut folder = LockedDir::open(&args.dir, Guard::new([], args.force))?;
     let study = load_results(&args.dir)?;
     let mut drawn = figures(&study).map_err(Failure::work)?;
@@ -152,7 +152,7 @@ pub(crate) fn trace_files(trace: &Trace) -> Result<Vec<(&'static str, Vec<u8>)>,
     Ok(files)
 }
 
-/// Converts the error of a trace to a failure. It counts as bad usage if the config allows no trace, but not if the
+/// Converts the error of a trace to a failure. The failure is bad usage if the config allows no trace, but not if the
 /// traced trial ends early.
 pub(crate) fn trace_failure(error: TraceError) -> Failure {
     match error {

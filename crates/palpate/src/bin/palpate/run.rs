@@ -1,4 +1,4 @@
-//! `palpate run`.
+//! Implements the command `palpate run`.
 
 mod journal_run;
 mod run_tables;
@@ -25,7 +25,7 @@ use journal_run::{JournalRun, journal_to_resume};
 pub(crate) use journal_run::difference;
 pub(crate) use run_tables::{Drafts, TrialsOut, output_names, requested_trace, write_results};
 
-/// Largest number of threads. Starting more threads would only take time.
+/// Largest number of threads that a run starts.
 const MAX_THREADS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(255);
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
@@ -136,7 +136,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         None => {
             let mut known = planned.clone();
             known.merge(simulation.check_warnings().clone());
-            // In a sampled study, each cell reports its warnings when it runs, so do not count them twice.
+            // In a study of which only a sample was checked, each cell reports its warnings when it runs. So do not
+            // count the warnings of the check as well.
             let is_sampled = simulation.is_sampled();
             (known.clone(), if is_sampled { planned } else { known })
         }
@@ -225,7 +226,8 @@ pub(crate) fn overridden(
     Ok(study)
 }
 
-/// Text of the arguments that choose trials and model. It is compared with the text of an earlier run.
+/// Text of the arguments that choose the number of trials and the model. A resumed run compares this text with the text
+/// in the journal.
 fn goal_of(args: &RunArgs) -> String {
     let budget = args.budget.map(|budget| format!("--budget {budget:?}"));
     let target = args

@@ -1,4 +1,4 @@
-//! `palpate sensor`.
+//! Implements the command `palpate sensor`.
 
 mod calibrate;
 mod pattern;

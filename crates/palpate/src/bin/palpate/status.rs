@@ -1,4 +1,4 @@
-//! `palpate status`.
+//! Implements the command `palpate status`.
 
 use std::fmt::Write;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! `palpate submit slurm`.
+//! Implements the command `palpate submit slurm`.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -22,8 +22,8 @@ const JOBS: &str = "jobs.txt";
 const SHARDS: &str = "shards";
 const LOGS: &str = "logs";
 
-/// Longest job, in minutes, that gets no signal one minute before its end, because one minute would be a large part of
-/// its time.
+/// Jobs up to this length, in minutes, get no signal one minute before their end, because one minute would be a large
+/// part of their time.
 const SHORT_MIN: u64 = 3;
 
 pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
@@ -95,7 +95,7 @@ pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
     ))
 }
 
-/// Numbers of the shards that are not finished. Rejects a directory with shards of another run.
+/// Numbers of the shards that are not finished yet. Rejects a directory that contains shards of another run.
 fn left(out: &Path, of: u64, config: &str) -> Result<Vec<u64>, Failure> {
     let place = out.join(SHARDS);
     let known = match place.is_dir() {

@@ -89,7 +89,7 @@ fn codes(
 fn sound_images_seldom_have_a_misfit() {
     let codes = codes(PRESSES, || fit(None, ROUGHLY), Some(STATED), |_| {});
     assert_eq!(codes.len() as u64, PRESSES);
-    // At 5 %, 6 of 120 presses are expected to have a misfit; the probability of more than 11 is 2 %.
+    // By chance, 6 of 120 presses (5 %) are expected to have a misfit; the probability of more than 11 is 2 %.
     assert!(misfit_share(&codes, None) <= 11.0 / 120.0, "{codes:?}");
 }
 
@@ -108,7 +108,7 @@ fn another_body_is_found() {
     }
 }
 
-/// The markers move outward or in alternating directions, as no contact moves them.
+/// The markers move outward or in alternating directions, which no contact can cause.
 #[test]
 fn motions_that_no_press_causes_are_another_body() {
     let refused = |change: fn(&mut [[MarkerDisplacement; 2]])| {
@@ -132,7 +132,7 @@ fn motions_that_no_press_causes_are_another_body() {
     assert_eq!([outward, apart], [["other-body"; 2]; 2]);
 }
 
-/// Two more shallow contacts are added, one on each side.
+/// Two more shallow contacts are added, one on each side of the first.
 #[test]
 fn an_elongated_press_is_not_round() {
     let bodies = bodies(None, 0.0);
@@ -172,7 +172,7 @@ fn another_indentation_than_stated_is_found() {
     }
 }
 
-/// The error of one marker is too small for the marker to be left out.
+/// The error of one marker is too small for the marker to be rejected as an outlier.
 #[test]
 fn one_marker_is_named() {
     let change = |moved: &mut [[MarkerDisplacement; 2]]| {

@@ -112,7 +112,7 @@ impl Press {
     }
 }
 
-/// Images of which only the first `count` markers are visible.
+/// Images in which only the first `count` markers are visible.
 fn few(count: usize) -> Vec<Option<Seen>> {
     let seen = PRESS.pressed().into_iter().enumerate();
     seen.map(|(marker, seen)| seen.filter(|_| marker < count))
@@ -141,7 +141,7 @@ fn noiseless_presses_are_estimated_within_a_thousandth_of_a_standard_deviation()
         }));
     }
     presses.extend([1e-20, 100.0].map(|stated| Press { stated, ..PRESS }));
-    // The markers extend to x = 8, so that a contact at x = 15 is outside of the grid.
+    // The markers extend to x = 8, so a contact at x = 15 is outside of the grid.
     presses.extend([0.0, 1e-300, 15.0].map(|x| Press { x, ..PRESS }));
     presses.push(Press {
         object: -0.99,

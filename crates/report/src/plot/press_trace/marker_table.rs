@@ -5,7 +5,7 @@ use crate::{Files, ReportError, phrases};
 use palpate_study::label::spoken_unit;
 use palpate_study::number;
 
-/// Names of the columns that are read from `trace.csv`, in the order in which they are used.
+/// Names of the columns that are read from `trace.csv`, in the order in which the code uses them.
 const TRACE: [&str; 6] = [
     "x",
     "y",
@@ -131,7 +131,7 @@ fn add_readings(
 }
 
 impl Trace {
-    /// Number of markers without a reading.
+    /// Number of markers that have no reading.
     pub(super) fn lost(&self) -> usize {
         let lost = |marker: &&Marker| marker.reading.is_none();
         self.markers.iter().filter(lost).count()

@@ -1,14 +1,14 @@
 //! Computes the direction away from the contact at each marker. The place of the contact is found by a fit to the
 //! distances between the markers and the contact.
 
-/// Number of steps of the search for the curvature of the skin.
+/// Number of equal steps in the first stage of the search for the curvature of the skin.
 const STEPS: u32 = 60;
-/// Number of bisections of the step that contains the best value.
+/// Number of golden-section steps that then narrow the range around the best curvature.
 const REFINEMENTS: u32 = 60;
-/// Largest product of the skin's curvature and the largest distance from the contact. At π, this distance would be half
-/// a great circle.
+/// Largest curvature of the skin in the search, multiplied by the largest distance from the contact. If this product is
+/// π, the distance is half a great circle.
 const ROUNDEST: f64 = 3.1;
-/// Regularisation of the least squares. It is added to the diagonal of the matrix, relative to the matrix's trace, and
+/// Regularisation of the least squares, relative to the matrix's trace. It is added to the diagonal of the matrix. It
 /// makes the solution unique even if the places do not determine all unknowns.
 const RIDGE: f64 = 1e-13;
 /// Distance below which a marker counts as being at the contact, relative to the largest distance of all markers.

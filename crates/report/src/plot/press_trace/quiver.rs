@@ -25,11 +25,11 @@ const MIN_DISPLACEMENT: f64 = 1e-290;
 const TRUE: f64 = 15.0;
 /// Width of the arrow of a reading, which is drawn over the true displacement.
 const READ: f64 = 6.0;
-/// Length of a sample in the key.
+/// Length of a sample in the key, in drawing units.
 const SAMPLE: i32 = 120;
 /// Width and height of the strip of shades in the key, in drawing units.
 const STRIP: Point = (78, 570);
-/// Number of shades in the strip.
+/// Number of shades in the strip of the key.
 const SHADES: i32 = 95;
 /// Colour of the smallest normal displacement. Arrows are visible on it.
 const LIGHT: Colour = Colour(252, 252, 252);

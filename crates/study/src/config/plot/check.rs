@@ -24,7 +24,7 @@ pub(in crate::config) fn check(
     })
 }
 
-/// Checks the plots of a `plot` section that the schema has accepted, as far as this is possible without the study. The
+/// Checks the plots of a `plot` section that the schema has accepted. Only rules that need no study are checked. The
 /// plots must have different names and only the keys of their kind, and their points must have as many x values as y
 /// values.
 pub(in crate::config) fn check_alone(section: &Value, plots: &[PlotConfig]) -> Result<(), Fault> {
@@ -178,7 +178,7 @@ fn check_points(
 }
 
 /// Checks that the plot has the series and the panel that its points name. The names of the lines of a profile are not
-/// checked, because they appear only in its table.
+/// checked, because they appear only in the table of a run.
 fn check_place(points: &Points, plot: &PlotConfig, grid: &Grid) -> Result<(), Fault> {
     for (key, value, column, path) in [
         ("series", &points.series, "series", &plot.series),

@@ -1,4 +1,4 @@
-//! Alternative fields for the length of a roll.
+//! Tests the three alternative fields for the length of a roll.
 
 use palpate_study::config::{SceneConfig, parse, to_toml, with_fields};
 use serde_json::json;
@@ -62,7 +62,7 @@ fn a_number_of_rolls_stands_for_their_directions() {
     let directions = |motion: &str| {
         let text = edited("duration_s = 1.0", &format!("duration_s = 1.0, {motion}"));
         let study = parse("study.toml", &text).unwrap();
-        // The saved config does not contain both fields.
+        // The saved config contains only one of the alternative fields.
         let saved = parse("run.toml", &to_toml(&study.config)).unwrap();
         assert_eq!(saved.config, study.config);
         let SceneConfig::Roll(roll) = study.config.scene else {

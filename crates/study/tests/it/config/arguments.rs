@@ -1,4 +1,5 @@
-//! Fields and values of `--set` and `--vary`: short names, units, tables that are missing in the config, and labels.
+//! Tests fields and values of `--set` and `--vary`: short names, units, tables that are missing in the config, and
+//! labels.
 
 use palpate_study::config::{SceneConfig, Study, Varied, Vary, parse};
 
@@ -90,7 +91,7 @@ object.radius=2cm..1mm | study.toml: scene.object.radius: the range 2cm..1mm run
     assert!(error.ends_with(expected), "{error}");
 }
 
-/// The study with these fields; their names and values are resolved first.
+/// The study with the fields of these arguments. Names and values of the fields are resolved first.
 fn with(study: &Study, arguments: &[&str]) -> Result<Study, String> {
     let resolve = |argument: &&str| {
         let vary: Vary = argument.parse().unwrap();
@@ -124,7 +125,7 @@ fn tables_that_the_config_leaves_out_are_made() {
             r#"{ rotation = { kind = "gaussian", std_rad = 0.1 }, encoder = { step_deg = 0.1 } }"#,
         ),
         (
-            // The kind may come after the fields that it has.
+            // The kind of a table may come after the fields of this kind.
             &[
                 "angular_velocity.fraction=0.1",
                 "angular_velocity.kind=uniform",

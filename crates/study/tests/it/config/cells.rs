@@ -1,4 +1,4 @@
-//! The cells of sweeps, and errors whose position is in a sweep.
+//! Tests the cells of sweeps, and errors whose position is in a sweep.
 
 use super::{edited, study};
 use palpate_study::config::{ObjectConfig, SceneConfig, Study, parse};

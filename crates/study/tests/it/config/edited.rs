@@ -1,4 +1,4 @@
-//! Configs that are created and changed by code.
+//! Tests configs that are created and changed by code.
 
 use palpate_study::config::{of_json, parse, with_axes, with_fields};
 use serde_json::{Value, json};

@@ -1,4 +1,4 @@
-//! Every number of a scene can be swept and varied; otherwise, a message states the reason.
+//! Tests that every number of a scene can be swept and varied, or that a message states why this is impossible.
 
 use palpate_study::config::{Takes, parse, schema, to_toml};
 use serde_json::{Value as Json, json};
@@ -133,7 +133,8 @@ fn values(schema: &Json) -> Vec<Json> {
     found[..2].iter().map(written).collect()
 }
 
-/// A scene in which `field` is valid. The tables on its path that have no suitable default are added, unless `is_bare`.
+/// A scene in which `field` is valid. Unless `is_bare`, the tables on the field's path that have no suitable default
+/// are added.
 fn scene(base: &Json, root: &Json, field: &Field, is_bare: bool) -> Json {
     let kind = |depth: usize| {
         let path = field.path[..depth].join(".");
@@ -286,7 +287,7 @@ fn the_message_about_a_field_of_a_missing_table_states_what_to_write() {
             Ok(_) => continue,
             Err(error) => error.to_string(),
         };
-        // Even if the table can be added, a rule of the scene may reject the field.
+        // A rule of the scene may reject the field even if its table can be added.
         if !said.contains("names nothing") {
             continue;
         }

@@ -1,4 +1,4 @@
-//! Studies with many cells, of which only a sample is checked.
+//! Tests studies with so many cells that only a sample of the cells is checked.
 
 use std::collections::BTreeSet;
 
@@ -47,7 +47,8 @@ fn of_a_million_cells_a_sample_has_every_value_and_every_corner() {
 
 #[test]
 fn cells_of_plain_values_are_those_that_the_schema_checks() {
-    // If an axis has tables as values, each cell is validated with the whole schema.
+    // If an axis has tables as values, each cell is validated with the whole schema. The cells must equal those of a
+    // study with plain values, which are validated value by value.
     let plain = MILLION.replace("count = 1000", "count = 7");
     let table = format!(
         "{plain}[[sweep]]\npath = \"scene.probe\"\nvalues = [{{ label = \"p\", kind = \"sphere\", radius = 2.0 }}]\n"
@@ -143,7 +144,7 @@ fn a_value_that_is_beyond_its_limit_is_found_wherever_it_stands() {
 
 #[test]
 fn a_cell_that_is_not_in_the_sample_is_checked_when_it_is_asked_for() {
-    // In the last cells, the markers are 5.149 deep. Only one model has a layer that is thinner.
+    // In the last cells, the marker depth is 5.149. Only one model has a layer that is thinner than this depth.
     let study = |thin: Option<usize>| {
         let depths: Vec<String> = (0..150)
             .map(|n| (5.0 + f64::from(n) / 1000.0).to_string())

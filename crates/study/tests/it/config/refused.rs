@@ -1,4 +1,4 @@
-//! Invalid configs: position, field and reason in the error.
+//! Tests the position, the field and the reason in the errors of invalid configs.
 
 use palpate_study::config::parse;
 
@@ -101,7 +101,7 @@ object => objct | 7:1 scene.objct | did you mean `object`?
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 2\ncount = 4294967295 | 9:1 sweep.0 | at most 1000000
 "#;
 
-/// A sweep of one field, which a plot may use.
+/// A sweep of one field; a plot may use this field.
 const SWEPT: &str = "[[sweep]]\npath = \"scene.object.radius\"\nvalues = [1, 2]\n";
 
 const PLOTS: &str = r#"

@@ -1,4 +1,4 @@
-//! The schema states the unit of every number exactly once.
+//! Tests that the schema states the unit of every number exactly once.
 
 use palpate_study::config::schema;
 use serde_json::Value;
@@ -115,8 +115,8 @@ fn every_field_and_kind_is_described() {
     });
 }
 
-/// Column headers and `to_toml` rely on this rule. Defaults that are tables are not compared, because they have kinds
-/// themselves.
+/// Column headers and `to_toml` rely on the rule that kinds with the same key have the same unit and default. Defaults
+/// that are tables are not compared, because these tables have kinds themselves.
 #[test]
 fn kinds_that_share_a_key_share_its_unit_and_default() {
     properties(&schema(), &mut |key, property| {

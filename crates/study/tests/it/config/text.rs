@@ -1,4 +1,4 @@
-//! Files and texts: encodings, line ends, and excerpts of unusual lines.
+//! Tests config files and texts: encodings, line ends, and excerpts of unusual lines.
 
 use super::{BASE, edited, error, study};
 use palpate_study::config::{load, parse};

@@ -1,4 +1,4 @@
-//! Arguments of `palpate design` and `palpate distinguish`.
+//! Defines the arguments of `palpate design`, `palpate distinguish` and `palpate sensitivity`.
 
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;

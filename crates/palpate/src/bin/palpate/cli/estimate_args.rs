@@ -1,4 +1,4 @@
-//! The arguments of `palpate estimate`.
+//! Defines the arguments of `palpate estimate`.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use super::form::FormArgs;
 use super::number::{not_negative, positive};
 use super::settings::Settings;
 
-/// Paragraph on the format of tables, which every help text of `palpate estimate` contains.
+/// Paragraph about the format of tables. Every help text of `palpate estimate` contains this paragraph.
 macro_rules! tables {
     () => {
         "The table may be CSV with commas, semicolons, tabs or spaces, with decimal points or commas, in UTF-8,
@@ -180,7 +180,7 @@ Examples:
   palpate estimate press examples/press-readings.csv \\
     --like examples/press-a-ball.toml --indentation 1.5");
 
-/// A study that supplies the settings that no flag states.
+/// Arguments of a study that supplies all settings that no flag states.
 #[derive(Debug, Args)]
 pub(crate) struct LikeArgs {
     /// Read the settings below from this study; a flag overrides the setting of the study.

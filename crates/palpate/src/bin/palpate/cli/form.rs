@@ -1,4 +1,4 @@
-//! Arguments about the format of a table of readings.
+//! Defines the arguments about the format of a table of readings.
 
 use clap::Args;
 use palpate_recorded::{Decimal, Delimiter, Form, column_names};
@@ -28,7 +28,7 @@ pub(crate) struct FormArgs {
 }
 
 impl FormArgs {
-    /// Name of the first given flag that has an effect only on tables; `None` if no such flag was given.
+    /// Name of the first flag in the arguments that affects only tables; `None` if the arguments have no such flag.
     pub(crate) fn given(&self) -> Option<&'static str> {
         match self {
             Self {

@@ -1,4 +1,4 @@
-//! Arguments that are numbers, vectors or units.
+//! Parses arguments that are numbers, vectors or units.
 
 use palpate_study::config::{LengthUnit, Range};
 

@@ -1,4 +1,4 @@
-//! The arguments of `palpate sensor`.
+//! Defines the arguments of `palpate sensor`.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! Flags for the settings of an estimator and of readings: one flag for each key of the config.
+//! Makes the command-line flags for the settings of estimators and readings: one flag for each key of the config.
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -20,13 +20,13 @@ use serde_json::{Map, Value as Json};
 use super::number::vector;
 use crate::failure::{flag, with_flags};
 
-/// A table of a config whose keys are available as flags. The flag `--method` states its key `kind`.
+/// A table of a config whose keys are available as flags. The flag `--method` sets the key `kind` of the table.
 pub(crate) trait Flagged:
     Default + Serialize + DeserializeOwned + JsonSchema + 'static
 {
     /// Name of the group of flags.
     const GROUP: &'static str;
-    /// Keys that have no flag of their own, because another flag states their value.
+    /// Keys without a flag of the same name, because another flag states their value.
     const NO_FLAGS: &'static [&'static str] = &[];
 }
 
@@ -40,7 +40,7 @@ impl Flagged for GlideEstimatorConfig {
 
 impl Flagged for PressEstimatorConfig {
     const GROUP: &'static str = "press estimator";
-    // The flag `--indentation` states the value itself.
+    // The key `indentation` has no flag here, because the flag `--indentation` states the value of the indentation.
     const NO_FLAGS: &'static [&'static str] = &["indentation"];
 }
 
@@ -54,7 +54,7 @@ impl Flagged for GlideOptions {
 
 impl Flagged for PressOptions {
     const GROUP: &'static str = "presses";
-    // Only a table of readings has this setting, so it is not a flag of `sensor track`.
+    // The setting `radial_scale` applies only to tables of readings, so it is not a flag of `sensor track`.
     const NO_FLAGS: &'static [&'static str] = &["radial_scale"];
 }
 
@@ -72,7 +72,7 @@ impl<T> Settings<T> {
         Some(format!("--{}", flag(key)))
     }
 
-    /// Returns these settings together with `others`.
+    /// Returns a map with these settings and the settings `others`.
     pub(crate) fn and<U>(&self, others: &Settings<U>) -> Map<String, Json> {
         let mut all = self.given.clone();
         all.extend(others.given.clone());

@@ -1,4 +1,4 @@
-//! `palpate estimate force`.
+//! Implements the command `palpate estimate force`.
 
 use palpate_recorded::{LoadOptions, estimate_force, parse_load_curve};
 

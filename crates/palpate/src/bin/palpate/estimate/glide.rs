@@ -1,4 +1,4 @@
-//! `palpate estimate glide`.
+//! Implements the command `palpate estimate glide`.
 
 use std::path::Path;
 

@@ -31,8 +31,8 @@ impl Like {
         }))
     }
 
-    /// Options of an estimate from the study. Lengths are converted to the unit of the readings; if this unit is not
-    /// stated, they keep the unit of the study.
+    /// Options of an estimate from the study. Lengths are converted to the unit of the readings. If the unit of the
+    /// readings is not stated, lengths keep the unit of the study.
     pub(crate) fn options<T>(
         &self,
         unit: Option<LengthUnit>,

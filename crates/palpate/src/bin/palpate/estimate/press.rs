@@ -1,4 +1,4 @@
-//! `palpate estimate press`.
+//! Implements the command `palpate estimate press`.
 
 use palpate_recorded::{PictureOptions, PressOptions, estimate_press, parse_press};
 use palpate_study::config::LengthUnit;

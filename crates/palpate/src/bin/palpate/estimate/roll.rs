@@ -1,4 +1,4 @@
-//! `palpate estimate roll`.
+//! Implements the command `palpate estimate roll`.
 
 use palpate_recorded::{Form, RollOptions, estimate_roll, parse_roll};
 

@@ -1,4 +1,4 @@
-//! An estimate in at most six lines, for a person at a terminal.
+//! Summary of an estimate in at most six lines, for a person at a terminal.
 
 use palpate_statistics::Number;
 use serde_json::Value;
@@ -18,12 +18,13 @@ const QUANTITIES: [&str; 12] = [
     "contact_radius",
     "rms_misfit",
 ];
-/// Largest number of quantities.
+/// Largest number of quantities in a summary.
 const MAX_SHOWN: usize = 5;
-/// Number of rows that are listed.
+/// Largest number of left-out rows that a summary lists.
 const LISTED_ROWS: usize = 8;
 
-/// The estimate in lines: the verdict with the first quantity, other quantities, and the readings that are used.
+/// Summary of an estimate in lines of text: the verdict with the first quantity, other quantities, and the number of
+/// readings.
 pub(super) fn summary(estimate: &Value) -> String {
     let along = quantity(
         "curvature along the stroke",
@@ -41,7 +42,7 @@ pub(super) fn summary(estimate: &Value) -> String {
     lines.join("\n")
 }
 
-/// A quantity with its interval; `None` for one without the key of an interval.
+/// Text of a quantity with its interval; `None` if the quantity has no key for an interval.
 fn quantity(key: &str, value: &Value) -> Option<String> {
     value.get("interval95")?;
     let unit = value.get("unit")?.as_str()?;
@@ -71,7 +72,7 @@ fn quantity(key: &str, value: &Value) -> Option<String> {
     })
 }
 
-/// Shape or class, with its probability.
+/// Text with the shape or the shape class of the object, and its probability.
 fn verdict(estimate: &Value) -> Option<String> {
     if !estimate["stroke"].is_null() {
         return Some("not resolved across".to_owned());
@@ -94,7 +95,7 @@ fn verdict(estimate: &Value) -> Option<String> {
     ))
 }
 
-/// Number of readings, and those that are left out.
+/// Text with the number of readings, and the rows that are left out.
 fn readings(estimate: &Value) -> Option<String> {
     let mut counts = ["contacts", "markers", "probes"].into_iter();
     let (what, count) = counts.find_map(|what| Some((what, estimate[what].as_u64()?)))?;

@@ -71,7 +71,8 @@ pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
 }
 
 impl LockedDir {
-    /// Locks a directory, and removes temporary files of dead processes. Creates the directory if it is missing.
+    /// Locks a directory, and removes the temporary files of processes that ended. Creates the directory if it is
+    /// missing.
     pub(crate) fn open(dir: &Path, guard: Guard) -> Result<Self, Failure> {
         make_directory(dir)?;
         let lock = Lock::new(dir)?;
@@ -257,7 +258,7 @@ impl LockedDir {
     }
 }
 
-/// Lock of a directory. It is released when the process ends.
+/// Lock of a directory. The lock is released when its process ends.
 pub(crate) struct Lock {
     /// The directory is locked while this file is open.
     _file: File,
@@ -271,7 +272,7 @@ impl Lock {
         file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
     }
 
-    /// Locks a directory. If another process has locked it, the error states the number of this process.
+    /// Locks a directory. If another process has locked the directory, the error states the number of that process.
     fn new(dir: &Path) -> Result<Self, Failure> {
         let path = dir.join(LOCK_NAME);
         let shown = path.display();
@@ -313,7 +314,7 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // An error is ignored, because a lock file that remains does not block other processes.
+        // Ignore an error, because a remaining lock file does not block other processes.
         let _ = fs::remove_file(&self.path);
     }
 }

@@ -45,7 +45,7 @@ pub(crate) struct StudyId {
     study: String,
     /// SHA-256 of the study's config, as `run.toml` states it.
     config: String,
-    /// For a figure or a score: SHA-256 of the `cells.csv` that it was made from.
+    /// SHA-256 of the `cells.csv` from which a figure or a score was made; `None` for other files.
     #[serde(skip_serializing_if = "Option::is_none")]
     cells: Option<String>,
 }
@@ -87,7 +87,7 @@ impl Manifest {
         Self { version, files }
     }
 
-    /// Reads the manifest of a directory; `None` if it has none.
+    /// Reads the manifest of a directory; `None` if the directory has no manifest.
     pub(crate) fn read(dir: &Path) -> Result<Option<Self>, Failure> {
         let path = dir.join(MANIFEST);
         let fault = |what: String| {

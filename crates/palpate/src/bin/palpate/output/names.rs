@@ -30,7 +30,7 @@ pub(crate) const FAILURES_PARQUET: &str = "failures.parquet";
 pub(crate) const MAP_PARQUET: &str = "map.parquet";
 /// File names of the warnings of a run, as lines and as JSON. The files exist only if there are warnings.
 pub(crate) const WARNINGS: [&str; 2] = ["warnings.txt", "warnings.json"];
-/// File names of the answer of `palpate design`: its tables, its text, its config, and the name of its figure.
+/// File names of the answer of `palpate design`: its tables, its text, its config and its figure.
 pub(crate) const DESIGN: &str = "design.csv";
 pub(crate) const DESIGN_REGION: &str = "region.csv";
 pub(crate) const DESIGN_WORDS: &str = "design.txt";
@@ -40,7 +40,7 @@ pub(crate) const DESIGN_FIGURE: &str = "design";
 pub(crate) const DISTINGUISH: &str = "distinguish.csv";
 pub(crate) const DISTINGUISH_WORDS: &str = "distinguish.txt";
 pub(crate) const DISTINGUISH_FIGURE: &str = "distinguish";
-/// Answer of `sensitivity`: its table, its text, and the name of its figure.
+/// File names of the answer of `palpate sensitivity`: its table, its text and its figure.
 pub(crate) const SENSITIVITY: &str = "sensitivity.csv";
 pub(crate) const SENSITIVITY_WORDS: &str = "sensitivity.txt";
 pub(crate) const SENSITIVITY_FIGURE: &str = "sensitivity";

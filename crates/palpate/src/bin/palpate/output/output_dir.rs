@@ -1,4 +1,4 @@
-//! Output directory: decides which of its files palpate may overwrite.
+//! Decides which files of an output directory palpate may overwrite.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -16,8 +16,8 @@ use crate::failure::Failure;
 /// Directory for the files of a command. The command overwrites only files that palpate wrote.
 pub(crate) struct OutputDir {
     pub(crate) dir: PathBuf,
-    /// Manifest of the directory. If the directory has the config of a run but no manifest, this is a manifest of all
-    /// files in it whose names palpate uses.
+    /// Manifest of the directory. If the directory has the config of a run but no manifest, this field lists all files
+    /// in the directory whose names palpate uses.
     pub(crate) manifest: Option<Manifest>,
     guard: Guard,
 }
@@ -88,7 +88,7 @@ impl OutputDir {
         })
     }
 
-    /// Rejects a file that palpate did not write. Without the new contents, only the manifest decides.
+    /// Rejects a file that palpate did not write. If the new contents are not known, only the manifest decides.
     pub(crate) fn refuse(
         &self,
         name: &str,
@@ -161,7 +161,7 @@ impl OutputDir {
 }
 
 /// Whether an existing file begins like the new contents: with the same header, the same first comment, or the same
-/// title of a page. Always false for pictures.
+/// title of a page. The result is always false for pictures.
 pub(crate) fn begins_as(path: &Path, contents: &[u8]) -> bool {
     let Some(head) = head_of(contents) else {
         return false;

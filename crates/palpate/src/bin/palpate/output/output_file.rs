@@ -93,7 +93,7 @@ impl OutputFile {
         staged.and_then(StagedFile::persist).map_err(Failure::work)
     }
 
-    /// Creates the directory of the file, and removes temporary files of dead processes there.
+    /// Creates the directory of the file, and removes temporary files that ended processes left there.
     fn make_folder(&self, path: &Path) -> Result<(), Failure> {
         let dir = folder_of(path);
         make_directory(dir).map_err(|failure| {

@@ -1,4 +1,4 @@
-//! Tables in Parquet format: each column has a type, and its unit in the metadata.
+//! Reads and writes tables in Parquet format. Each column has a type, and its unit is in the metadata.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -35,7 +35,7 @@ pub(super) struct Writer<W: Write + Send> {
 
 /// Values of a column that are not written yet. A missing value has no entry here.
 struct Values {
-    /// For each row, 1 if it has a value, otherwise 0.
+    /// One number per row: 1 if the row has a value, otherwise 0.
     levels: Vec<i16>,
     present: Present,
 }
@@ -69,7 +69,7 @@ impl<W: Write + Send> Writer<W> {
         })
     }
 
-    /// Adds rows, given as CSV text.
+    /// Adds the rows of a CSV text to the table.
     pub(super) fn write(&mut self, rows: &str) -> io::Result<()> {
         let mut rows = Rows::without_header(rows.as_bytes());
         while let Some((_, row)) = rows.next_row().map_err(io::Error::other)? {
@@ -93,7 +93,7 @@ impl<W: Write + Send> Writer<W> {
         Ok(())
     }
 
-    /// Writes the collected rows.
+    /// Writes the collected rows as one row group.
     fn write_group(&mut self) -> Result<(), ParquetError> {
         let mut group = self.file.next_row_group()?;
         let mut columns = self.columns.iter_mut();
@@ -136,7 +136,7 @@ impl<W: Write + Send> Writer<W> {
     }
 }
 
-/// Column without values.
+/// A column with an empty list of values.
 fn empty_column(column: Column) -> (Column, Values) {
     let present = match column.values {
         ColumnType::Number => Present::Numbers(Vec::new()),

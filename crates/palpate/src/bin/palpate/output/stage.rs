@@ -1,4 +1,4 @@
-//! Files that have temporary names until they are complete. The writing process holds a lock on them.
+//! Writes files under temporary names until they are complete. The writing process holds a lock on them.
 
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, BufWriter, ErrorKind, Seek, Write};
@@ -84,7 +84,7 @@ impl Contents<'_> {
         }
     }
 
-    /// Whether the file at `path` has exactly the contents `self`, or is empty or missing.
+    /// Whether the file at `path` has exactly these contents, is empty, or is missing.
     pub(crate) fn are_in(&self, path: &Path) -> bool {
         match self {
             Self::Bytes(bytes) => holds(path, bytes),
@@ -97,7 +97,7 @@ impl Contents<'_> {
     }
 }
 
-/// Whether a file has exactly these contents, or is empty or missing.
+/// Whether the file at `path` has exactly these contents, is empty, or is missing.
 pub(crate) fn holds(path: &Path, contents: &[u8]) -> bool {
     let length = fs::metadata(path).map_or(0, |found| found.len());
     length == 0
@@ -106,7 +106,7 @@ pub(crate) fn holds(path: &Path, contents: &[u8]) -> bool {
 
 /// Complete file that still has a temporary name.
 pub(crate) struct StagedFile<'a> {
-    /// Path that messages name.
+    /// Path of the file, as messages show it.
     shown: PathBuf,
     place: Place<'a>,
 }
@@ -216,7 +216,7 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Removes temporary files of dead processes, that is, temporary files that no process has locked.
+/// Removes temporary files of processes that ended, that is, temporary files that no process has locked.
 pub(crate) fn remove_abandoned(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     for entry in entries {
@@ -238,7 +238,7 @@ pub(crate) fn remove_abandoned(folder: &Path) {
     }
 }
 
-/// Whether an open file still has this path.
+/// Whether the path `path` still leads to this open file.
 pub(crate) fn is_named(file: &File, path: &Path) -> bool {
     let open = file.try_clone().and_then(Handle::from_file);
     matches!((open, Handle::from_path(path)), (Ok(open), Ok(named)) if open == named)
@@ -252,7 +252,8 @@ fn locked_file(folder: &Path) -> io::Result<NamedTempFile> {
             .prefix(PREFIX)
             .rand_bytes(RANDOM)
             .tempfile_in(folder)?;
-        // If the file system has no locks, no process removes abandoned files.
+        // Without the lock, other processes cannot detect that the file is in use. So if the file system has no locks,
+        // no process removes abandoned files.
         let is_locked = file.as_file().lock().is_ok();
         if !is_locked || is_named(file.as_file(), file.path()) {
             return Ok(file);

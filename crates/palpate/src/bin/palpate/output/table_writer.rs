@@ -14,7 +14,7 @@ use super::output_dir::begins_as;
 use super::parquet;
 use crate::failure::Failure;
 
-/// Writer of a table in one of the two formats.
+/// Writer of a table in one of the two formats, CSV or Parquet.
 pub(crate) struct TableWriter<W: Write + Send> {
     /// Name of the table, for messages.
     name: String,
@@ -60,7 +60,7 @@ impl<W: Write + Send> TableWriter<W> {
         }
     }
 
-    /// Adds rows, given as CSV text.
+    /// Adds the rows of a CSV text to the table.
     pub(crate) fn write(&mut self, rows: &str) -> Result<(), Failure> {
         let written = match &mut self.sink {
             Sink::Csv(sink) => sink.write_all(rows.as_bytes()),

@@ -27,12 +27,12 @@ pub(super) struct JournalRun<'s, 'a> {
     warnings: Warnings,
     /// Number of finished tasks.
     tasks: u64,
-    /// Rows of the table of trials for the unfinished cell that are not yet in the journal, as CSV text.
+    /// CSV text of the unfinished cell's rows in the table of trials that are not yet in the journal.
     rows: String,
     is_shared: bool,
 }
 
-/// Bytes of pending rows of the table of trials above which the rows are written to the journal.
+/// Pending rows of the table of trials are written to the journal when they have more than this number of bytes.
 const MAX_PENDING_BYTES: usize = 1 << 20;
 
 impl<'s, 'a> JournalRun<'s, 'a> {
@@ -251,7 +251,7 @@ pub(super) fn journal_to_resume(
     )))
 }
 
-/// The first lines in which two configs differ.
+/// Text with the first lines in which two configs differ.
 pub(crate) fn difference(old: &str, new: &str) -> String {
     const MAX_LINES: usize = 8;
     let only = |sign: char, text: &str, other: &str| {

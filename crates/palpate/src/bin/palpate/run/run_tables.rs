@@ -1,4 +1,4 @@
-//! Tables of a run, written from its journal or from the journals of its shards.
+//! Writes the tables of a run from its journal, or from the journals of its shards.
 
 use std::path::Path;
 
@@ -63,7 +63,7 @@ impl TrialsOut {
         self.file.refuse_other(is_ours)
     }
 
-    /// Prints a message; to standard error if the table goes to standard output.
+    /// Prints a message to standard output, or to standard error if the table of trials goes to standard output.
     pub(crate) fn print(trials_out: Option<&Self>, text: &str) -> Result<(), Failure> {
         match trials_out {
             Some(trials) => trials.file.print(text),
@@ -99,7 +99,7 @@ impl TrialsTable<'_> {
 /// Rejects a path of `--trials-out` that is the path of another output file of the run.
 fn refuse_own(path: &Path, out: &Path, study: &Study) -> Result<(), Failure> {
     let [own, dir] = [folder_of(path), out].map(|dir| {
-        // An absolute path is used instead if the directory does not exist.
+        // If the directory does not exist, its path cannot be canonicalised, so use its absolute path.
         let known = dir.canonicalize().or_else(|_| std::path::absolute(dir));
         known.unwrap_or_else(|_| dir.to_owned())
     });

@@ -1,4 +1,4 @@
-//! `palpate sensor calibrate`.
+//! Implements the command `palpate sensor calibrate`.
 
 use std::path::{Path, PathBuf};
 

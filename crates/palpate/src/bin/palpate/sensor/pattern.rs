@@ -1,4 +1,4 @@
-//! `palpate sensor pattern`.
+//! Implements the command `palpate sensor pattern`.
 
 use palpate_scene::CutPattern;
 use palpate_study::config;

@@ -1,4 +1,4 @@
-//! `palpate sensor track`.
+//! Implements the command `palpate sensor track`.
 
 use std::path::Path;
 
@@ -39,7 +39,7 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
         ),
         ("difference.png", output::png(&difference)?),
     ];
-    // The tables are written even if the two frames show different sensors.
+    // Write the tables even if the two frames show different sensors.
     let grid = args.grid.unwrap_or(GRID) as usize;
     let filter = args.filter.unwrap_or(0.0);
     let file = args.out.join("readings.csv").display().to_string();
@@ -88,7 +88,7 @@ fn summary(counts: &TrackCounts, out: &Path) -> String {
     )
 }
 
-/// The method of reading frames that the arguments state; `None` if they state none.
+/// Method of reading frames that the arguments state; `None` if the arguments state no method.
 fn reader(args: &TrackArgs) -> Result<Option<FrameReader>, Failure> {
     let like = Like::of(&args.sensor.like)?;
     let study = like.as_ref().map(|like| &like.config);
