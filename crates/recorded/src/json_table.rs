@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use csv::StringRecord;
+use palpate_study::readings::spelt;
 use serde_json::Value as Json;
 
 use super::error::RecordedError;
@@ -11,6 +12,9 @@ use super::text_table::{Record, RowResult, Text};
 
 /// Maximum number of columns; rows may lack some of them.
 const MAX_KEYS: usize = 1_000;
+
+/// Maximum number of components of a vector or a quaternion.
+const MAX_COMPONENTS: usize = 4;
 
 /// Where the rows of a table are.
 enum Rows<'a> {
@@ -133,7 +137,15 @@ fn columns(
             .all(|(row, item)| row.parse::<u64>().is_ok() && is_scalar(item)),
         _ => false,
     };
-    if object.len() < 2 || object.len() > MAX_KEYS || !object.values().all(is_column) {
+    // A few numbers may be a vector of one row, unless the name is that of an axis.
+    let is_long = |value: &Json| value.as_array().map_or(0, Vec::len) > MAX_COMPONENTS;
+    let is_of_axis = |name: &String| {
+        let name = spelt(name);
+        let mut words = name.split('_');
+        words.any(|word| matches!(word, "x" | "y" | "z" | "u" | "v"))
+    };
+    let is_table = object.keys().any(is_of_axis) || object.values().any(is_long);
+    if !is_table || object.len() < 2 || object.len() > MAX_KEYS || !object.values().all(is_column) {
         return Ok(None);
     }
     let (mut names, mut columns) = (Vec::new(), Vec::<Vec<Json>>::new());

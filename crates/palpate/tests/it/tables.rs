@@ -226,7 +226,7 @@ radial_position,normal_displacement,y,x\n0,1,2,3\n | - | :1 | both places x, y a
 x,y,normal_displacement,tangential_x,tangential_y\n0,0,0,0,NaN\n | - | :2 | column `tangential_y`
 x,y,normal_displacement\n0,0,1\n1,1,1e200\n2,2,1\n3,1,1\n4,1,1\n | - | :3 | marker 1
 x,y,normal_displacement\n0,0,1\n1,0,1\n | - | - | 2 marker(s) give 2 equation(s)
-x,y,normal_displacement\n1,1,9\n1,1,9\n1,1,9\n1,1,9\n1,1,9\n1,1,9\n | - | - | no contact
+x,y,normal_displacement\n1,1,9\n1,1,9\n1,1,9\n1,1,9\n1,1,9\n1,1,9\n | - | - | 1 marker(s) give 1 equation(s)
 x,y,normal_displacement\n0,0,0\n9,0,0\n0,9,0\n9,9,0\n4,4,0\n4,0,0\n | - | - | no contact
 "#;
 
