@@ -134,9 +134,9 @@ const TRACKS: &str = "
 --method image | --like is missing, but --method image requires it
 --like direct.toml --method image | scene.sensor: must have a camera
 --like plain.toml --method image | `discs` is missing
---like camera.toml --sensor-radius 20 | --sensor-radius is of no use
---like camera.toml --normal-std 0.1 | --normal-std is of no use
---like camera.toml --px-per-rad 176 | --px-per-rad is of no use
+--like camera.toml --sensor-radius 20 | --sensor-radius has no effect
+--like camera.toml --normal-std 0.1 | --normal-std has no effect
+--like camera.toml --px-per-rad 176 | --px-per-rad has no effect
 --like camera.toml --baseline fitted | --baseline
 --like camera.toml --indentation-std 0.1 | a given --indentation
 --like camera.toml --indentation 6 | less than --thickness, 5

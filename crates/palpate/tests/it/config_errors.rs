@@ -38,7 +38,7 @@ evaluate => estimator = { kind = "penalised", criterion = "reml", gamma = 2.0 }\
 
 /// Plots that cannot be drawn for a study that sweeps over two radii. Rows: `sections | path | words of the reason`.
 const PLOTS: &str = r#"
-[[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "radius" | plot.0.quantity | is no column
+[[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "radius" | plot.0.quantity | is not a column
 [[plot]]\nx = "scene.object.radius"\ny = "trials" | plot.0 | several rows share scene.object.radius = 5
 [[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "arc_length"\nscale = "log-y"\nmarks = [{ axis = "y", value = -1.0, label = "a" }] | plot.0 | the mark at y = -1
 [[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "arc_length"\ncompare = "trials" | plot.0.compare | another unit

@@ -63,7 +63,7 @@ fn the_glossary_has_words_quantities_statistics_and_keys() {
         "| `rms_error` | Root mean square of the errors. |",
         "| `object` of a roll | sphere, dish, plane, cylinder, ellipsoid,",
         "| `noise` of a roll | angular_velocity, ",
-        "| `scene.object.kind` | `dish`: The inside of a sphere, touched on its lower half. |",
+        "| `scene.object.kind` | `dish`: The inside of a sphere. The probe touches its lower half. |",
     ] {
         assert!(glossary.contains(&format!("\n{row}")), "{row}: {glossary}");
     }

@@ -190,7 +190,7 @@ fn another_run_is_refused_and_the_journal_is_kept() {
             .palpate(&format!("run c.toml --out o {arguments}"))
             .said(2);
         assert!(said.contains(words), "{said}");
-        assert!(said.contains("give --restart"), "{said}");
+        assert!(said.contains("use --restart"), "{said}");
         assert_eq!(fs::read(desk.path("o/journal.palpate")).unwrap(), journal);
     }
     desk.palpate("run c.toml --out o --trials 7 --restart")

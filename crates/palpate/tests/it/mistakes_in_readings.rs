@@ -153,7 +153,7 @@ fn a_pitch_longer_than_the_shifts_causes_a_warning() {
         let noise = RollOptions::noise_of_pads(8.0, pitch).unwrap();
         let found = of_rolls(&rotations, &shifts, noise);
         assert_eq!(
-            found.iter().any(|one| one.contains("is the pitch right")),
+            found.iter().any(|one| one.contains("is the pitch correct")),
             is_long,
             "{pitch}: {found:?}"
         );
@@ -166,7 +166,7 @@ fn a_pitch_longer_than_the_shifts_causes_a_warning() {
         ..RollOptions::new(8.0)
     };
     let said = estimate_roll(readings, &options).unwrap_err().to_string();
-    assert!(!said.contains("is the pitch right"), "{said}");
+    assert!(!said.contains("is the pitch correct"), "{said}");
 }
 
 /// Noisy contacts of three fingers on z = −0.03 x² − 0.012 x y − 0.008 y² + 0.1 x, with their normals.

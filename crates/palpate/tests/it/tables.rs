@@ -153,7 +153,7 @@ fn units_come_from_the_header_or_the_option() {
 
 const NO_ROLLS: &str = r#"
 2.125,0.25 => 2.125 | - | :2 | 4 fields; the header has 5
-2.125 => 2,125 | - | :2 | decimal ones
+2.125 => 2,125 | - | :2 | decimal signs
 2.125 => four | - | :2 | column `shift_u_mm`: `four` is not a number
 2.125 =>  | - | :2 | column `shift_u_mm`: is empty
 2.125 => NaN | - | :2 | column `shift_u_mm`: must be finite, is NaN

@@ -62,7 +62,7 @@ fn bad_maps_are_refused() {
         ("x = \"truth\"", &["plot.0.x", "class-map", "where"][..]),
         (
             "where = { \"scene.estimato\" = 1 }",
-            &["scene.estimato", "known: scene.estimator,"],
+            &["scene.estimato", "possible: scene.estimator,"],
         ),
         (
             "where = { \"scene.estimator\" = \"cubic\" }",

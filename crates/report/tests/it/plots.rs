@@ -120,16 +120,16 @@ fn unknown_names_are_refused_with_similar_ones() {
             change("relative_mean_abs", "relative_mean_absolute"),
             &[
                 "y = \"relative_mean_absolute_error\"",
-                "known: relative_mean_abs_error,",
+                "possible: relative_mean_abs_error,",
             ],
         ),
         (
             change("object.radius", "object.radios"),
-            &["series", "known: scene.object.radius_cm,"],
+            &["series", "possible: scene.object.radius_cm,"],
         ),
         (
             change("curvature_u", "curvature"),
-            &["quantity", "known: normal_curvature_u"],
+            &["quantity", "possible: normal_curvature_u"],
         ),
         (
             with("where = { \"scene.object.size\" = 5 }"),

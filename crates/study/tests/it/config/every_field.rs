@@ -288,7 +288,7 @@ fn the_message_about_a_field_of_a_missing_table_states_what_to_write() {
             Err(error) => error.to_string(),
         };
         // A rule of the scene may reject the field even if its table can be added.
-        if !said.contains("names nothing") {
+        if !said.contains("does not exist") {
             continue;
         }
         let is_helpful = said.contains(".kind` too") || said.contains("write it there");

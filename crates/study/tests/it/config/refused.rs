@@ -72,7 +72,7 @@ const SWEEPS: &str = r#"
 [[sweep]]\npath = "scene.object.radius"\nvalues = [1]\nfrom = 2 | 9:1 sweep.0 | both `values` and `from`
 [[sweep]]\npath = "scene.object.radius"\nvalues = [1, 2, 1.0] | 11:17 sweep.0 | 1 occurs twice
 [[sweep]]\npath = "scene.object.radus"\nvalues = [1] | 10:8 scene.object.radus | did you mean `radius`?
-[[sweep]]\npath = "scene.object.radius.x"\nvalues = [1] | 10:8 scene.object.radius.x | names nothing: `scene.object.radius` is the number 5
+[[sweep]]\npath = "scene.object.radius.x"\nvalues = [1] | 10:8 scene.object.radius.x | does not exist: `scene.object.radius` is the number 5
 [[sweep]]\npath = "scene.motion.directions_deg.8"\nvalues = [1] | 10:8 scene.motion.directions_deg.8 | has no item `8`
 [[sweep]]\npath = ""\nvalues = [1] | 10:8 sweep.0 | cannot sweep
 [[sweep]]\npath = "plot.0.x"\nvalues = ["b"] | 10:8 sweep.0 | cannot sweep
@@ -87,7 +87,7 @@ const SWEEPS: &str = r#"
 [[sweep]]\npath = "scene.object.radius"\nvalues = [1, "two"] | 11:14 scene.object.radius | expected a number
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = -1\ncount = 3 | 13:9 scene.object.radius | must be > 0
 [[sweep]]\npath = "scene.object"\nvalues = [{ label = 1, kind = "plane" }] | 11:21 sweep.0.values.0.label | not empty
-[[sweep]]\npath = "scene.object"\nvalues = [{ label = "a", kind = "plane" }, { label = "a", kind = "dish", radius = 9 }] | 11:44 sweep.0 | a stands twice
+[[sweep]]\npath = "scene.object"\nvalues = [{ label = "a", kind = "plane" }, { label = "a", kind = "dish", radius = 9 }] | 11:44 sweep.0 | a occurs twice
 [[sweep]]\npath = "scene.object"\nvalues = [{ label = "a", kind = "plane" }, { label = "b", kind = "dish" }] | 11:44 scene.object.radius | missing key
 [[sweep]]\npath = "scene.object.kind"\nvalues = ["sphere", "plane"] | 7:29 scene.object.radius | unknown key for kind `plane`
 [[sweep]]\npath = "scene.object.radius"\nfrom = 0\nto = 2\ncount = 3\nspacing = "log" | 11:8 sweep.0.from | must be > 0 where spacing
@@ -170,7 +170,7 @@ from = 2, => from = -2, | 11:9 scene.object.radius | must be > 0
 /// A rule that determines the number of trials.
 const RULE: &str = "stop = { relative_standard_error = 0.01, max_trials = 50000 }\n";
 const RULES: &str = r#"
-name => trials = 7\nname | 2:10 trials | is not `stop.max_trials`
+name => trials = 7\nname | 2:10 trials | differs from `stop.max_trials`
 [[sweep]]\npath = "trials"\nvalues = [3] | 11:8 trials | `stop` decides
 0.01 => 0.0 | 1:36 stop.relative_standard_error | must be > 0
 0.01 => 1.5 | 1:36 stop.relative_standard_error | must be <= 1
@@ -207,13 +207,13 @@ fn bad_sweeps() {
 #[test]
 fn bad_plots() {
     refuses(&format!("{BASE}{SWEPT}"), PLOTS);
-    let map = r#"[[plot]]\nkind = "profile" | 10:8 plot.0.kind | from a press"#;
+    let map = r#"[[plot]]\nkind = "profile" | 10:8 plot.0.kind | a scene of kind press"#;
     refuses(GLIDE, map);
     let presses = r#"
 marker_depth = 2 => marker_depth = 2, layout = "hexagon" | 5:75 scene.probe.layout | or a table whose `kind` is one of gores
 marker_depth = 2 => marker_depth = 2, layout = { kind = "lattice", pitch = 1, cap = 60 } | 5:106 scene.probe.layout.cap | did you mean `cap_deg`?
-[[plot]]\nkind = "class-map" | 9:8 plot.0.kind | from a glide
-[[plot]]\nkind = "contacts" | 9:8 plot.0.kind | from a glide
+[[plot]]\nkind = "class-map" | 9:8 plot.0.kind | a scene of kind glide
+[[plot]]\nkind = "contacts" | 9:8 plot.0.kind | a scene of kind glide
 "#;
     refuses(PRESS, presses);
     for (base, plot) in [
