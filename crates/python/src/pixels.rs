@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 
 use crate::error;
 
-/// Frame of a camera, from the array of an argument.
-pub(crate) fn frame(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Frame> {
+/// Frame of a camera, from the array of an argument; `srgb` states that its pixels are encoded by sRGB.
+pub(crate) fn frame(name: &str, value: &Bound<'_, PyAny>, srgb: bool) -> PyResult<Frame> {
     let numpy = get_array_module(value.py())?;
     let array = numpy.call_method1("ascontiguousarray", (value,))?;
     let array = array.cast_into::<PyArray3<u8>>().map_err(|error| {
@@ -27,7 +27,8 @@ pub(crate) fn frame(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Frame> {
         [Ok(width), Ok(height)] => palpate::frame(name, width, height, bytes),
         _ => None,
     };
-    frame.ok_or_else(|| error::shape(name, "(h, w, 3)", array.shape()))
+    let linear = frame.map(|frame| if srgb { frame.linearised() } else { frame });
+    linear.ok_or_else(|| error::shape(name, "(h, w, 3)", array.shape()))
 }
 
 /// Pixels of an image as an array (h, w, 3) of uint8.

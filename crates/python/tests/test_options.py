@@ -9,7 +9,7 @@ import pytest
 # Command-line options that concern only files and the terminal, so Python has no such arguments.
 OF_FILES = {
     "columns", "decimal", "delimiter", "error-format", "force", "format", "json", "map", "markdown", "out", "quiet", "restart",
-    "shard",
+    "rotation-frame", "shard",
 }
 
 # Options with another name in Python: Python reserves the name, or another name is clearer in a call.

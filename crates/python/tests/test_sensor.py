@@ -105,7 +105,7 @@ def test_a_press_is_fitted_to_frames():
         palpate.track(seen.rest, seen.pressed, method="image", like=CAMERA)
     with pytest.raises(palpate.ReadingsError, match="colours swapped"):
         palpate.track(seen.rest[..., [0, 2, 1]], seen.pressed[..., [0, 2, 1]], **known)
-    with pytest.raises(palpate.ArgumentError, match="like is needed") as caught:
+    with pytest.raises(palpate.ArgumentError, match="like is missing") as caught:
         palpate.track(seen.rest, seen.pressed, method="image")
     assert caught.value.argument == "like"
     with pytest.raises(palpate.ConfigError, match="must have a camera"):

@@ -561,8 +561,9 @@ def calibrate_frames(
     source: str = "hue",
     per_marker: bool = False,
     length_unit: str | None = None,
+    srgb: bool = False,
 ) -> Calibration: ...
-def calibrate_camera(rest: ArrayLike, study: Study, *, cell: int = 0) -> CameraCalibration: ...
+def calibrate_camera(rest: ArrayLike, study: Study, *, cell: int = 0, srgb: bool = False) -> CameraCalibration: ...
 def track(
     rest: ArrayLike,
     pressed: ArrayLike,
@@ -571,6 +572,7 @@ def track(
     px_per_rad: float | None = None,
     grid: int = 30,
     filter: float = 0.0,
+    srgb: bool = False,
     like: Study | None = None,
     cell: int = 0,
     **settings: Any,

@@ -217,6 +217,8 @@ fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
 ///     Focal length of the fisheye; by default the scale in the middle of the frames is used everywhere.
 /// source, per_marker, length_unit
 ///     The same arguments as in `calibrate`.
+/// srgb : bool
+///     Whether the pixels are encoded by the curve of sRGB, as most cameras write them, instead of linear in the light.
 ///
 /// Returns
 /// -------
@@ -228,7 +230,7 @@ fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
 ///     For frames of different sizes, without markers or of another sensor; for points that do not determine a slope.
 #[pyfunction]
 #[pyo3(signature = (rest, pressed, *, normal=None, tangential=None, px_per_rad=None, source="hue", per_marker=false,
-    length_unit=None))]
+    length_unit=None, srgb=false))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn calibrate_frames(
     py: Python<'_>,
@@ -240,6 +242,7 @@ pub(crate) fn calibrate_frames(
     source: &str,
     per_marker: bool,
     length_unit: Option<&str>,
+    srgb: bool,
 ) -> PyResult<Calibration> {
     let known = |name: &'static str, numbers: Option<Bound<'_, PyAny>>| {
         let of_frames = |numbers: Bound<'_, PyAny>| {
@@ -263,9 +266,9 @@ pub(crate) fn calibrate_frames(
         let message = "frames need normal or tangential: a displacement of the marker under the contact for each";
         return Err(error::argument("normal", &[], None, message));
     }
-    let rest = frame("rest", rest)?;
+    let rest = frame("rest", rest, srgb)?;
     let frames = pressed.iter().enumerate();
-    let frames = frames.map(|(place, one)| frame(&format!("pressed[{place}]"), one));
+    let frames = frames.map(|(place, one)| frame(&format!("pressed[{place}]"), one, srgb));
     let frames: Vec<recorded::Frame> = frames.collect::<PyResult<_>>()?;
     let unit = self::length_unit(length_unit)?;
     let report = py.detach(|| {

@@ -81,6 +81,8 @@ impl CameraCalibration {
 ///     camera may differ by a tenth of the sensor's radius and 5 degrees.
 /// cell : int
 ///     Number of the study's cell, from 0.
+/// srgb : bool
+///     Whether the pixels are encoded by the curve of sRGB, as most cameras write them, instead of linear in the light.
 ///
 /// Returns
 /// -------
@@ -99,14 +101,15 @@ impl CameraCalibration {
 /// ------
 /// Least squares of centroid, hue and size of the markers, as `palpate sensor calibrate --rest`.
 #[pyfunction]
-#[pyo3(signature = (rest, study, *, cell=0))]
+#[pyo3(signature = (rest, study, *, cell=0, srgb=false))]
 pub(crate) fn calibrate_camera(
     py: Python<'_>,
     rest: &Bound<'_, PyAny>,
     study: &Bound<'_, Study>,
     cell: usize,
+    srgb: bool,
 ) -> PyResult<CameraCalibration> {
-    let rest = frame("rest", rest)?;
+    let rest = frame("rest", rest, srgb)?;
     let cell = study.get().study().cell(cell).map_err(error::config)?;
     let camera = py.detach(|| recorded::calibrate_camera(&rest, &cell.config));
     Ok(CameraCalibration {

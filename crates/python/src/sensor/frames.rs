@@ -44,6 +44,8 @@ record!(
 ///     Points along each side of the field's grid, from 1 to 1000.
 /// filter : float
 ///     Standard deviation of the Gaussian that smooths the field, length along the skin.
+/// srgb : bool
+///     Whether the pixels are encoded by the curve of sRGB, as most cameras write them, instead of linear in the light.
 /// like, cell
 ///     The same arguments as in `estimate_press`.
 /// **settings
@@ -68,8 +70,8 @@ record!(
 /// ------
 /// X. Lin et al., ICRA 2020.
 #[pyfunction]
-#[pyo3(signature = (rest, pressed, *, calibration=None, px_per_rad=None, grid=30, filter=0.0, like=None, cell=0,
-    **settings))]
+#[pyo3(signature = (rest, pressed, *, calibration=None, px_per_rad=None, grid=30, filter=0.0, srgb=false, like=None,
+    cell=0, **settings))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn track<'py>(
     py: Python<'py>,
@@ -79,11 +81,12 @@ pub(crate) fn track<'py>(
     px_per_rad: Option<f64>,
     grid: usize,
     filter: f64,
+    srgb: bool,
     like: Option<Bound<'_, Study>>,
     cell: usize,
     settings: Option<Bound<'_, PyDict>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let frames = [frame("rest", rest)?, frame("pressed", pressed)?];
+    let frames = [frame("rest", rest, srgb)?, frame("pressed", pressed, srgb)?];
     let given = given(
         settings.as_ref(),
         [setting::<PressOptions>, setting::<PressEstimatorConfig>],
