@@ -11,6 +11,7 @@ use super::{plot, sample, schema, sweep, tree, validate};
 use crate::bounded_read::read_limited;
 use crate::readings::{check_names, columns_of};
 use crate::table::ColumnType;
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 use std::io::ErrorKind;
@@ -334,20 +335,21 @@ fn cell_config(
     number: usize,
     has_plain_values: bool,
 ) -> Result<StudyConfig, ConfigError> {
-    let plain: Option<StudyConfig> = match has_plain_values.then(|| grid.tree(number)) {
-        Some((tree, None)) => deserialise(&tree).ok(),
+    let plain = match has_plain_values.then(|| grid.tree(number)) {
+        Some((tree, None)) => StudyConfig::deserialize(tree).ok(),
         _ => None,
     };
     let plain = plain.filter(|config| config.scene.check().is_ok());
     plain.map_or_else(|| checked(source, grid, number), Ok)
 }
 
-/// Converts a validated tree to a config. All configs are read from the same type of tree, because the compiler would
-/// generate the code of all configs again for each other type.
+/// Deserialises a validated tree. Tracking the path of an error costs time, so it starts after an error.
 fn deserialise<T: DeserializeOwned>(tree: &Value) -> Result<T, Fault> {
-    serde_path_to_error::deserialize(tree.clone()).map_err(|error| Fault {
-        path: error.path().to_string(),
-        ..Fault::new(error.inner().to_string().trim_end())
+    T::deserialize(tree.clone()).or_else(|_| {
+        serde_path_to_error::deserialize(tree.clone()).map_err(|error| Fault {
+            path: error.path().to_string(),
+            ..Fault::new(error.inner().to_string().trim_end())
+        })
     })
 }
 
