@@ -175,7 +175,7 @@ impl Region {
 
     /// Best value of the optimised field that certainly meets the target; `None` if there is none, or if no field is
     /// optimised.
-    pub(crate) fn best(&self) -> Option<Best<'_>> {
+    pub fn best(&self) -> Option<Best<'_>> {
         let sought = self.question.sought.as_ref()?;
         let (field, place) = self.sought_field(sought);
         let number = |value: f64| field.number(value).unwrap_or(value);

@@ -47,7 +47,7 @@ impl Files {
     }
 
     /// Whether there is a file of this name.
-    pub(crate) fn contain(&self, name: &str) -> bool {
+    pub fn contain(&self, name: &str) -> bool {
         match &self.texts {
             Some(texts) => texts.contains_key(name),
             None => self.path(name).exists(),

@@ -46,7 +46,7 @@ impl Contact {
     ///
     /// # Errors
     /// Errors of [`Surface::contact_at`].
-    pub(crate) fn first<S: Surface>(surface: &S, x: f64, y: f64) -> Result<Self, SurfaceError> {
+    pub fn first<S: Surface>(surface: &S, x: f64, y: f64) -> Result<Self, SurfaceError> {
         let on_object = surface.contact_at(x, y)?;
         let normal = surface.level_set(&on_object)?.normal;
         // The axis is +x, projected onto the tangent plane. On a wall whose normal is along x, the axis is +y instead.

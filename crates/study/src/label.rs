@@ -35,7 +35,7 @@ impl Label {
 
     /// Label of shares that are displayed in percent; `unit` is a percent sign, optionally with its reference, such as
     /// `% of the IFD`.
-    pub(crate) fn in_percent(words: impl Into<String>, unit: &str) -> Self {
+    pub fn in_percent(words: impl Into<String>, unit: &str) -> Self {
         Self {
             words: words.into(),
             unit: unit.to_owned(),

@@ -35,7 +35,6 @@ const BATCHES: u64 = 32;
 /// let runner = Runner::new(&RunOptions::default())?;
 /// let mut batches = Batches::from_trial(0);
 /// runner.grow(vec![Growth { trial: &Dice, batches: &mut batches, trials: 1000 }]);
-/// assert_eq!(batches.trials(), 1024);
 /// let rms = batches.estimate(|all| all.quantities[0].rms_error).ok_or("all trials succeed")?;
 /// assert!((rms.value - 1.25_f64.sqrt()).abs() < 1e-12);
 /// // All batches have the same errors, so the standard error is 0.

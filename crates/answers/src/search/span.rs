@@ -1,17 +1,6 @@
 //! The range of a field that a search explores.
 
 /// A range of a field's values.
-///
-/// ```
-/// use palpate_sweep::Span;
-///
-/// // If the ends are positive and far apart, a gap is a ratio.
-/// let pitch = Span::new(0.05, 2.0, false);
-/// assert!(pitch.is_log);
-/// assert_eq!(pitch.gap(0.4, 0.42), 0.42 / 0.4 - 1.0);
-/// // Otherwise it is a difference, relative to half the range.
-/// assert_eq!(Span::new(-1.0, 1.0, false).gap(0.0, 0.05), 0.05);
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
     /// Smallest value of the range.
@@ -87,13 +76,6 @@ impl Span {
     ///
     /// If only whole numbers are allowed, the values are rounded to whole numbers. A range that contains at most
     /// `2 * count` whole numbers returns all of them, and a range that contains none returns an empty list.
-    ///
-    /// ```
-    /// use palpate_sweep::Span;
-    ///
-    /// assert_eq!(Span::new(0.1, 10.0, false).spread(3, 0.05), [0.1, 1.0, 10.0]);
-    /// assert_eq!(Span::new(2.0, 5.0, true).spread(3, 0.05), [2.0, 3.0, 4.0, 5.0]);
-    /// ```
     pub(crate) fn spread(&self, count: usize, gap: f64) -> Vec<f64> {
         let (first, last) = (self.from.ceil(), self.to.floor());
         if self.is_whole && first > last {

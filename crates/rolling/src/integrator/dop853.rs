@@ -10,23 +10,6 @@ use super::{Integrated, Stopped, System, stage, weighted};
 use crate::RollFault;
 
 /// DOP853 with adaptive steps.
-///
-/// ```
-/// use palpate_rolling::RollFault;
-/// use palpate_rolling::integrator::{Dop853, System};
-///
-/// struct Decay;
-/// impl System<1> for Decay {
-///     fn derivative(&self, state: &[f64; 1], rate: &mut [f64; 1]) -> Result<(), RollFault> {
-///         rate[0] = -state[0];
-///         Ok(())
-///     }
-/// }
-/// let method = Dop853 { tolerance: 1e-12, most_steps: 1000 };
-/// let end = method.integrate(&Decay, [1.0], 2.0).map_err(|stopped| stopped.fault)?;
-/// assert!((end.state[0] - libm::exp(-2.0)).abs() < 1e-10);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Dop853 {
     /// Largest accepted local error of a step. The error is the root mean square of the weighted errors of the
