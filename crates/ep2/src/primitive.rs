@@ -578,16 +578,15 @@ fn place_derivative(pose: &Pose) -> SMatrix<f64, 3, UNKNOWNS> {
     all
 }
 
-/// Whether the contacts vary in only one direction along the surface, except for noise.
-fn is_line(candidates: &[Candidate], used: &Cloud) -> bool {
-    let best = &candidates[Shape::Cylinder as usize].solution;
-    let pose = best.pose.based_at(&start::middle(used));
+/// Whether contacts with this variance of the positions vary in only one direction along the surface, except for noise.
+fn is_line(pose: &Pose, cloud: &Cloud, variance: f64) -> bool {
+    let pose = pose.based_at(&start::middle(cloud));
     let mut spread = Matrix2::zeros();
-    for place in &used.places {
+    for place in &cloud.places {
         let q = (pose.axes * (place - pose.point)).xy();
-        spread += q * q.transpose() / used.places.len() as f64;
+        spread += q * q.transpose() / cloud.places.len() as f64;
     }
-    SymmetricEigen::new(spread).eigenvalues.min() < MIN_SPREAD_RATIO * best.variances[0]
+    SymmetricEigen::new(spread).eigenvalues.min() < MIN_SPREAD_RATIO * variance
 }
 
 /// The most probable shape, and the probabilities of a plane, a sphere, a cylinder and none of these.
@@ -610,8 +609,12 @@ fn choose(
         one.solution.deviance(stated, correlations) + unknowns * libm::log(equations)
     };
     let mut criteria: Vec<f64> = candidates.iter().map(criterion).collect();
-    // If the contacts lie on one line, the fits of a sphere and a cylinder differ only because of position errors.
-    if is_line(candidates, used) {
+    // If the contacts lie on one line, the fits of a sphere and a cylinder differ only because of position errors. A shape
+    // that does not fit has a variance far above that of the noise.
+    let variances = candidates.iter().map(|one| one.solution.variances[0]);
+    let variance = variances.fold(f64::INFINITY, f64::min);
+    let cylinder = &candidates[Shape::Cylinder as usize].solution.pose;
+    if is_line(cylinder, used, variance) {
         let best = criteria[Shape::Sphere as usize].min(criteria[Shape::Cylinder as usize]);
         criteria[Shape::Sphere as usize] = best;
         criteria[Shape::Cylinder as usize] = best;

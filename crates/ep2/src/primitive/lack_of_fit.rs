@@ -177,7 +177,19 @@ fn tested(
 ) -> LackOfFit {
     let pose = &solution.pose;
     let counts = solution.equations.counts;
-    let equations = counts[0] / correlations[0] + counts[1] / correlations[1];
+    // Across a line of contacts, normals differ from those of the shape because of errors of the positions.
+    let is_line = super::is_line(pose, cloud, solution.variances[0]);
+    let kinds = if is_line || cloud.normals.is_empty() {
+        1
+    } else {
+        4
+    };
+    let of_normals = if kinds > 1 {
+        counts[1] / correlations[1]
+    } else {
+        0.0
+    };
+    let equations = counts[0] / correlations[0] + of_normals;
     let basis = Basis::new(pose, cloud, equations);
     let terms = basis.exponents.len();
     let mut rows = Rows {
@@ -190,7 +202,6 @@ fn tested(
     let columns = rows.columns();
     let weights: [f64; 2] =
         std::array::from_fn(|kind| 1.0 / (solution.variances[kind] * correlations[kind]));
-    let kinds = if cloud.normals.is_empty() { 1 } else { 4 };
     let mut filled = vec![vec![0.0; columns]; 4];
     let mut gram = DMatrix::zeros(columns, columns);
     let mut right = DVector::zeros(columns);

@@ -4,21 +4,18 @@ use std::f64::consts::PI;
 
 use nalgebra::{Point3, Rotation3, Vector3};
 use palpate_ep2::Contact;
+use palpate_sensing::{Channel, Stream};
 
-/// A generator of uniform and normal random numbers.
-pub(super) struct Random(u64);
+/// Random numbers that depend on a seed.
+pub(super) struct Random(Stream);
 
 impl Random {
     pub(super) fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x1996)
+        Self(Stream::new(seed, 0, Channel::Position))
     }
 
     pub(super) fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        0.5 + 0.5 * self.0.symmetric_uniform()
     }
 
     pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
@@ -31,8 +28,7 @@ impl Random {
     }
 
     pub(super) fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * libm::log(1.0 - self.uniform())).sqrt();
-        radius * libm::cos(2.0 * PI * self.uniform())
+        self.0.standard_normal()
     }
 
     pub(super) fn vector(&mut self) -> Vector3<f64> {
