@@ -18,6 +18,8 @@ const LISTED_ROWS: usize = 10;
 const MIN_CORRELATION: f64 = 1.5;
 /// If the probability of the chosen shape is below this value, a warning mentions another shape.
 const MIN_PROBABILITY: f64 = 0.9;
+/// A warning is given if the p-value of the fit of a stated shape is below this value.
+const MIN_P_VALUE: f64 = 0.005;
 /// Number of iterations in which contacts are divided into two groups.
 const GROUP_ITERATIONS: usize = 5;
 
@@ -138,5 +140,11 @@ pub(super) fn shape_warnings(fit: &ShapeFit, unit: LengthUnit) -> Vec<Warning> {
         ("uncertain-shape", unsure),
     ];
     let warning = |(code, text)| Warning::of(code, text);
-    texts.into_iter().filter_map(warning).collect()
+    let mut warnings: Vec<Warning> = texts.into_iter().filter_map(warning).collect();
+    // A shape that the user stated is not compared with others.
+    if fit.probabilities.is_none() && fit.p_value < MIN_P_VALUE {
+        let text = format!("the contacts deviate from the {name} by {misfit} {unit} (rms), and not as noise does: they may be of another shape, and the intervals are not reliable");
+        warnings.push(Warning::new("poor-fit", text, [("p_value", fit.p_value)]));
+    }
+    warnings
 }

@@ -113,6 +113,9 @@ fn a_flat_log_bounds_the_radius() {
         "{open}"
     );
     assert_eq!(codes(&open), ["not-resolved"]);
+    // A ball is no plane, also if the user states a plane.
+    let ball = estimate(&ball(&|_| None), "plane").unwrap();
+    assert_eq!(codes(&ball), ["poor-fit"]);
     let plane = estimate(&flat, "shape").unwrap();
     assert_eq!(
         [&plane["shape"], &plane["radius"]],
