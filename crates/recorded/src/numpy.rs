@@ -119,7 +119,7 @@ impl<'a> NumpyTable<'a> {
             () if bytes.starts_with(MAGIC) => {
                 Array::of(Cow::Borrowed(bytes)).and_then(Self::single)
             }
-            () if bytes.starts_with(b"PK\x03\x04") => Self::archive(bytes),
+            () if bytes.starts_with(b"PK") => Self::archive(bytes),
             () => return None,
         };
         Some(table.map_err(|message| file.error(message)))
@@ -282,7 +282,7 @@ impl<'a> NumpyTable<'a> {
 impl<'a> Array<'a> {
     /// Parses the header of a `.npy` file: a Python dictionary with the keys `descr`, `fortran_order` and `shape`.
     fn of(bytes: Cow<'a, [u8]>) -> Result<Self, String> {
-        let damaged = || "is no sound .npy array: its header is damaged".to_owned();
+        let damaged = || "is not a valid .npy array: its header is damaged".to_owned();
         let start = match bytes.get(6) {
             Some(1) => 10,
             Some(2 | 3) => 12,
@@ -330,7 +330,7 @@ impl<'a> Array<'a> {
         match needed {
             Some(needed) if needed == held => Ok(array),
             _ => Err(format!(
-                "is no sound .npy array: shape {} does not fit {held} bytes of data",
+                "is not a valid .npy array: shape {} does not fit {held} bytes of data",
                 array.shape_text()
             )),
         }
@@ -361,7 +361,7 @@ fn fields(text: &str) -> Result<Vec<(String, Scalar, usize)>, String> {
     let parts: Vec<&str> = list.map_or("", |(list, _)| list).split('\'').collect();
     for part in parts.get(1..).unwrap_or_default().chunks(4) {
         let [name, _, kind, after] = part else {
-            return Err("is no sound .npy array: its type is damaged".to_owned());
+            return Err("is not a valid .npy array: its type is damaged".to_owned());
         };
         let shape = after.trim_start_matches(',').trim_start().strip_prefix('(');
         let shape = shape.and_then(|rest| rest.split_once(')'));
@@ -374,7 +374,7 @@ fn fields(text: &str) -> Result<Vec<(String, Scalar, usize)>, String> {
         ));
     }
     match fields.is_empty() {
-        true => Err("is no sound .npy array: its type is damaged".to_owned()),
+        true => Err("is not a valid .npy array: its type is damaged".to_owned()),
         false => Ok(fields),
     }
 }

@@ -15,7 +15,7 @@ pub(super) type Member<'a> = (String, Cow<'a, [u8]>);
 
 /// Returns all files of an archive, in its order.
 pub(super) fn members(bytes: &[u8]) -> Result<Vec<Member<'_>>, String> {
-    let truncated = || "is no sound zip archive: it is truncated".to_owned();
+    let truncated = || "is not a valid zip archive: it is truncated".to_owned();
     let last = bytes.len().checked_sub(END).ok_or_else(truncated)?;
     let mut ends = (last.saturating_sub(MAX_COMMENT)..=last).rev();
     let end = ends.find(|&at| bytes[at..].starts_with(b"PK\x05\x06"));
@@ -57,7 +57,7 @@ pub(super) fn members(bytes: &[u8]) -> Result<Vec<Member<'_>>, String> {
         let is_sound = |contents: &Cow<'_, [u8]>| crc32fast::hash(contents) as usize == checksum;
         let contents = contents.filter(is_sound);
         let contents =
-            contents.ok_or_else(|| format!("is no sound zip archive: `{name}` is damaged"))?;
+            contents.ok_or_else(|| format!("is not a valid zip archive: `{name}` is damaged"))?;
         members.push((name, contents));
         at +=
             46 + [extra, comment].iter().sum::<usize>() + number(entry, 28, 2).unwrap_or_default();

@@ -270,7 +270,7 @@ fn damaged_files_are_refused_with_the_reason() {
     for (contents, words) in [
         (
             array[..800].to_vec(),
-            "r: is no sound .npy array: shape (30, 3) does not fit 672 bytes",
+            "r: is not a valid .npy array: shape (30, 3) does not fit 672 bytes",
         ),
         (array[..50].to_vec(), "its header is damaged"),
         (edited("(30, 3)", "(3, 30)"), "the 30 columns have no names"),
@@ -280,7 +280,7 @@ fn damaged_files_are_refused_with_the_reason() {
         (not_a_number, "r:11: column `y`: must be finite, is NaN"),
         (
             archive[..archive.len() - 30].to_vec(),
-            "is no sound zip archive: it is truncated",
+            "is not a valid zip archive: it is truncated",
         ),
         (damaged, "is damaged"),
         (
