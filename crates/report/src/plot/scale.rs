@@ -139,6 +139,11 @@ impl Scale {
         }
     }
 
+    /// Whether the axis has names instead of numbers.
+    pub(crate) fn is_named(&self) -> bool {
+        !self.names.is_empty()
+    }
+
     /// The axis with the largest number of ticks whose labels fit below a panel of this width. An axis of names keeps
     /// all names. Long names are wrapped, with a `gap` between neighbours.
     pub(crate) fn fitted(mut self, panel: i32, gap: i32) -> Self {

@@ -197,7 +197,10 @@ impl Plot {
             points,
         } = &self.series;
         let series = entries.iter().map(|(text, style)| {
-            let sample = marked(Sample::line(line(style.colour)), *style, MARKER);
+            let sample = match self.x.is_named() {
+                true => Sample::symbol(Symbol::new(*style, MARKER)),
+                false => marked(Sample::line(line(style.colour)), *style, MARKER),
+            };
             (sample, text.clone())
         });
         let compared = compared.iter().flat_map(|(solid, dashed)| {
@@ -231,8 +234,11 @@ impl Plot {
             let label = if at == 0 { mark.label.as_str() } else { "" };
             mark.draw(label, content, panel)?;
         }
+        // Names have no order, so no line joins their values.
         for line in &content.lines {
-            self.stroke(line, panel)?;
+            if line.dashed || !self.x.is_named() {
+                self.stroke(line, panel)?;
+            }
         }
         // Draw the markers last, so that lines do not cross them.
         let marked = |line: &&Line| self.marker > 0.0 && !line.dashed;
