@@ -42,8 +42,8 @@ subjects! {
         "shard": "Part of a run: every N-th grid point, so that several processes or machines share a run. `palpate merge` combines the shards.";
         "sweep": "An axis along which fields of the config are varied. A swept value replaces the value that the config states for the field.";
         "rung": "One of several models for the same contact, ordered by cost, from a cheap closed form to a general integrator. `palpate check` prints the chosen model, and error and cost of the next cheaper and the next more exact model.";
-        "auto": "The setting of a model that chooses the cheapest model whose error is at most the tolerance.";
-        "tolerance": "Largest relative error of a contact model that `auto` may choose. It concerns the forward model, not the noise of a sensor.";
+        "auto": "Setting of the contact model. With it, palpate chooses the cheapest model whose error is at most the tolerance.";
+        "tolerance": "Largest relative error of a contact model that `auto` may choose. It limits the error of the contact model, not the noise of a sensor.";
         "roll": "A scene in which a round probe rolls on an object by a small angle. The object's curvature is estimated from the distance that the contact moves (EP1).";
         "glide": "A scene in which fingers slide over a patch of an object. The curvature at every point of the patch is estimated from the contact points (EP2).";
         "press": "A scene in which a soft ball with markers under its skin is pressed once onto an object. The object's curvature is estimated from the displacements of the markers.";
@@ -110,7 +110,7 @@ subjects! {
         "plane": "Estimator of glides: the plane through the contacts, without outliers.";
         "sphere": "Estimator of glides: the sphere through the contacts, on any side of it and without outliers.";
         "cylinder": "Estimator of glides: the circular cylinder through the contacts, on any side of it and without outliers.";
-        "shape": "Estimator of glides: the most probable of plane, sphere and cylinder, or none of these.";
+        "shape": "Estimator of glides. It chooses the most probable of plane, sphere and cylinder, or finds that none of them fits.";
         "penalised": "Estimator of glides: it fits a spline to contacts and normals, with a penalty on roughness. The weight of the penalty is chosen by the noise of the readings.";
         "two-pass": "Estimator of glides from the 1996 paper: a smoothing spline, and a second one that also uses \
             tangents. Its lengths are in units of the inter-finger distance (IFD).";

@@ -50,8 +50,7 @@ pub(crate) struct Sums {
 /// Variances of the pixels of a window, and the sums from which the errors of the marker are computed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PixelErrors {
-    /// Sums over the pixels of the window of 1, x, y, x², xy and y². The offsets x and y are relative to the `middle`
-    /// of the sums.
+    /// Sums of 1, x, y, x², xy and y² over the pixels of the window, where x and y are offsets from `middle`.
     pub(crate) window: [f64; 6],
     /// Variance of each colour of a pixel, in squared shares of light.
     pub(crate) pixel: [f64; 3],

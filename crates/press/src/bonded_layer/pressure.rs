@@ -134,8 +134,9 @@ impl Pressure {
     }
 }
 
-/// −∫ φ'/t dt over a contact of radius 1. For n = 2j, the integral −∫ P_n'/t dt over [0, 1] is (−1)ʲ n (2/3)(4/5) ⋯
-/// ((n−2)/(n−1)). P₀ is the pressure of a flat punch; its term is 1.
+/// Pressure in the middle of a contact of radius 1: −∫ φ'/t dt over [0, 1], where φ is a series of Legendre polynomials
+/// P_n with these coefficients. For n = 2j, the integral of P_n is (−1)ʲ n (2/3)(4/5) ⋯ ((n−2)/(n−1)). The term of P₀,
+/// which stands for a flat punch, is 1.
 fn middle(coefficients: &[f64]) -> f64 {
     let (mut product, mut sign) = (1.0, -1.0);
     let mut sum = coefficients[0];

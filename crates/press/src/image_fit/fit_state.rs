@@ -21,8 +21,8 @@ pub(super) struct FitState {
     pub(super) state: State,
     pub(super) residuals: Residuals,
     pub(super) slopes: Slopes,
-    /// For each used marker, norm of the derivative of its whitened image with respect to an inward displacement of
-    /// both discs.
+    /// For each marker that the fit uses: the norm of the derivative of its whitened image with respect to an inward
+    /// displacement of both discs.
     pub(super) normal_slopes: Vec<f64>,
     pub(super) sums: Sums,
     /// Whether the search reuses derivatives as long as their predictions of chi-squared are good.

@@ -36,7 +36,7 @@ fn frame(bytes: &[u8]) -> Result<Frame, String> {
     frame.map_err(|error| error.to_string())
 }
 
-/// Curvature by the frames of the field, with the camera that the frame at rest shows.
+/// Curvature of the pressed object, and the ends of its interval. The camera is calibrated from the frame at rest.
 fn curvature([rest, pressed]: [Frame; 2]) -> [f64; 3] {
     let study = parse("field.toml", SENSOR).unwrap();
     let camera = calibrate_camera(&rest, &study.config).unwrap();
