@@ -143,7 +143,9 @@ pub(super) fn shape_warnings(fit: &ShapeFit, unit: LengthUnit) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = texts.into_iter().filter_map(warning).collect();
     // A shape that the user stated is not compared with others.
     if fit.probabilities.is_none() && fit.p_value < MIN_P_VALUE {
-        let text = format!("the contacts deviate from the {name} by {misfit} {unit} (rms), and not as noise does: they may be of another shape, and the intervals are not reliable");
+        let text = format!(
+            "the contacts deviate from the {name} by {misfit} {unit} (rms), and not as noise does: they may be of another shape, and the intervals are not reliable"
+        );
         warnings.push(Warning::new("poor-fit", text, [("p_value", fit.p_value)]));
     }
     warnings

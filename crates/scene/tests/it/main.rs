@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod camera;
+mod elliptic_press;
 mod extremes;
 mod fingertip;
 mod glide;

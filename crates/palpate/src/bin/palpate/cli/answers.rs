@@ -10,7 +10,7 @@ use palpate::config::{Varied, Vary};
 
 use crate::duration;
 
-/// Arguments that `palpate design` and `palpate distinguish` share.
+/// Arguments that `palpate design`, `palpate distinguish` and `palpate sensitivity` share.
 #[derive(Debug, Args)]
 pub(crate) struct AnswerArgs {
     /// The study's config, a TOML file.
