@@ -4,6 +4,9 @@ use super::bounds::{Bound, percent, range, short, span};
 use super::row::Row;
 use crate::records::by_key;
 
+/// Largest number of values that a sentence lists one by one. Of more values, it states the lowest and the highest.
+const LONGEST_LIST: usize = 8;
+
 /// Influence of a check on the verdict.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
@@ -173,6 +176,16 @@ fn shown(
         "n" => Some(items.len().to_string()),
         "range" => ranges().map(|range| span(range, show)),
         "max" => ranges().map(|(_, high)| show(high)),
+        "list" if items.len() > LONGEST_LIST => {
+            let lowest = items
+                .iter()
+                .min_by(|a, b| a.range.0.total_cmp(&b.range.0))?;
+            let highest = items
+                .iter()
+                .max_by(|a, b| a.range.1.total_cmp(&b.range.1))?;
+            let (low, high) = (listed(lowest), listed(highest));
+            Some(format!("{low} to {high} in {} cases", items.len()))
+        }
         "list" => Some(items.iter().map(listed).collect::<Vec<_>>().join(", ")),
         _ => None,
     }
