@@ -161,25 +161,15 @@ fn study_with_two_sweeps(counts: [usize; 2]) -> String {
 
 #[test]
 fn a_sample_of_a_million_cells_is_checked_and_reported() {
-    for counts in [[1000, 1000], [1, 1_000_000]] {
-        let text = study_with_two_sweeps(counts);
-        let text = match counts {
-            [1, _] => edited(&text, "from = 20\nto = 80", "from = 20\nto = 20"),
-            _ => text,
-        };
-        let printed = Desk::with(&text).palpate("check c.toml").printed();
-        let all = counts[0] * counts[1];
-        assert!(
-            printed.contains(&format!("cells   {all}, of which ")),
-            "{printed}"
-        );
-        assert!(printed.contains("\ntrials  at most "), "{printed}");
-        assert!(
-            printed.contains("sample  every swept value against the limits of its field; "),
-            "{printed}"
-        );
-        assert!(printed.contains(" cells together: "), "{printed}");
-    }
+    let text = study_with_two_sweeps([1000, 1000]);
+    let printed = Desk::with(&text).palpate("check c.toml").printed();
+    assert!(printed.contains("cells   1000000, of which "), "{printed}");
+    assert!(printed.contains("\ntrials  at most "), "{printed}");
+    assert!(
+        printed.contains("sample  every swept value against the limits of its field; "),
+        "{printed}"
+    );
+    assert!(printed.contains(" cells together: "), "{printed}");
 }
 
 #[test]
