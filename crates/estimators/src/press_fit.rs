@@ -189,13 +189,13 @@ pub fn large_contact_warning(
     let reason = match sneddon_indentation(1.0, share) {
         _ if is_layer => "strains are not small".to_owned(),
         Ok(sneddon) => format!(
-            "by Sneddon's relation it takes an indentation {:.1} % larger than by Hertz's",
+            "Sneddon's relation gives an indentation that is {:.1} % larger than Hertz's",
             100.0 * (sneddon / (share * share) - 1.0)
         ),
         Err(_) => format!("it is wider than the {whose}"),
     };
     let text = format!(
-        "the contact's radius is {share:.2} of the {whose}'s, past {LARGE_CONTACT}: {reason}"
+        "the contact's radius is {share:.2} of the {whose}'s radius, above {LARGE_CONTACT}: {reason}"
     );
     Some(Warning::new("large-contact", text, [("share", share)]))
 }

@@ -112,8 +112,8 @@ pub enum PressError {
     /// All markers moved equally, or they did not move more than their noise. If there is no contact, fewer than 5 % of
     /// the readings are mistaken for a contact (`cargo xtask intervals press`).
     #[error(
-        "no contact to be seen: the best fit explains the readings only {improvement:.1} better \
-         than none does (chi-squared; {needed:.1} are needed)",
+        "no contact was found: the best fit of a press reduces chi-squared by {improvement:.1}; \
+         at least {needed:.1} is needed",
         improvement = Number(*improvement)
     )]
     NoContact {
@@ -125,9 +125,8 @@ pub enum PressError {
     /// The markers moved, but not as in a press on this body: either no press explains the readings better than no
     /// contact, or very sharp objects of any curvature explain them equally well.
     #[error(
-        "the markers moved, but not as a press moves this body: residuals have a chi-squared of {chi_squared:.1}, where noise \
-         alone leaves about {freedom}; the body, its thickness or the depth of the markers is another, or noise is larger \
-         than stated",
+        "the markers moved, but not as in a press on this body: chi-squared of the residuals is {chi_squared:.1}, and noise \
+         alone would give about {freedom}; the stated body, its thickness, the depth of the markers or the noise is wrong",
         chi_squared = Number(*chi_squared)
     )]
     OtherBody {

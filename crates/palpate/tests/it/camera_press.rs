@@ -290,7 +290,7 @@ fn errors_name_frames_and_arguments_that_do_not_match() {
     desk.palpate(&format!(
         "sensor track t/rest.png t/rest.png --out o {IMAGE}"
     ))
-    .fails(1, "no contact to be seen");
+    .fails(1, "no contact was found");
     // The stated layer thickness is wrong, so the interval is wider, and a warning states the cause.
     let estimate = track(&desk, &format!("{FRAMES} {IMAGE} --thickness 6"));
     let warnings = estimate["warnings"].to_string();

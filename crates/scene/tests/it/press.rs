@@ -446,14 +446,14 @@ fn needs_describe_the_scene() {
     // and 2 by Hertz's relation.
     let wide = needs(PLANE, "2.0", "");
     assert!(
-        wide.contains("warning: the contact's radius is 0.32 of the sensor's, past 0.3: by Sneddon's relation it takes an indentation 3.5 % larger than by Hertz's"),
+        wide.contains("warning: the contact's radius is 0.32 of the sensor's radius, above 0.3: Sneddon's relation gives an indentation that is 3.5 % larger than Hertz's"),
         "{wide}"
     );
     // The contact radius is a = 1.35 mm, and the radius of the ball is R = 2 mm. By Sneddon's relation, the indentation
     // is (a/2) ln((R + a)/(R − a)).
     let sharp = needs(r#"{ kind = "sphere", radius = 2 }"#, "1.0", "");
     assert!(
-        sharp.contains("warning: the contact's radius is 0.67 of the object's, past 0.3: by Sneddon's relation it takes an indentation 21.4 % larger than by Hertz's"),
+        sharp.contains("warning: the contact's radius is 0.67 of the object's radius, above 0.3: Sneddon's relation gives an indentation that is 21.4 % larger than Hertz's"),
         "{sharp}"
     );
     let surface = needs(PLANE, "1.0", "model = { kind = \"hertz\" }\n");
