@@ -17,6 +17,10 @@ mod least_squares;
 mod linear_law;
 mod misfit;
 mod reading;
+mod roll_series;
+mod series_error;
+mod series_estimate;
+mod series_fit;
 mod symmetric;
 
 pub use batch::{BATCH_SIZE, BatchEstimates, BatchMoments, Moments, ProbeRotation};
@@ -26,6 +30,10 @@ pub use least_squares::LeastSquares;
 pub use linear_law::rounding_std;
 pub use palpate_statistics::{GoodnessOfFit, Misfit};
 pub use reading::{PadStart, ProbeReading, ReadingNoise};
+pub use roll_series::{PadCell, Places, RollSample, RollSeries, SeriesMethod, SeriesNoise};
+pub use series_error::SeriesError;
+pub use series_estimate::{Exclusion, Quantity, RollReport, SeriesEstimate};
+pub use series_fit::estimate_series;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,0 +1,190 @@
+//! Readings of rolls in time: rotations of the probe and the active pads or contact points.
+
+use nalgebra::{Vector2, Vector3};
+
+use crate::SeriesError;
+
+/// One sample of a roll.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RollSample {
+    /// Time since the start of the roll, s.
+    pub time_s: f64,
+    /// Rotation vector of the probe since the start of the roll, rad: its direction is the axis and its length the
+    /// angle of the finite rotation. The axes are those of the pads, carried from the pads' origin to the start of the
+    /// roll along the great circle between them.
+    pub rotation: Vector3<f64>,
+    /// Centre of the active pad, or the contact point, length. The coordinates are those of the exponential map of the
+    /// probe at the pads' origin.
+    pub place: Vector2<f64>,
+}
+
+/// The samples of one roll.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RollSeries {
+    /// Contact point at the start of the roll, in the coordinates of [`RollSample::place`]; `None` if it is unknown.
+    pub start: Option<Vector2<f64>>,
+    /// The samples, in the order of their times.
+    pub samples: Vec<RollSample>,
+}
+
+/// The area that belongs to one pad, relative to the centre of the pad: a convex polygon that is symmetric about the
+/// centre.
+///
+/// ```
+/// use nalgebra::Vector2;
+/// use palpate_ep1::PadCell;
+///
+/// let cell = PadCell::hexagonal(1.0);
+/// assert!(cell.contains(&Vector2::new(0.49, 0.0)) && !cell.contains(&Vector2::new(0.51, 0.0)));
+/// assert!(cell.contains(&Vector2::new(0.0, 0.57)) && !cell.contains(&Vector2::new(0.0, 0.58)));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PadCell {
+    pitch: f64,
+    /// Number of pairs of opposite edges: 2 for squares, 3 for hexagons.
+    pairs: usize,
+}
+
+impl PadCell {
+    /// Largest number of edges of a pad.
+    pub(crate) const MAX_EDGES: usize = 6;
+
+    /// A square pad with edges along u and v. `pitch` is the distance between neighbouring pads.
+    pub const fn square(pitch: f64) -> Self {
+        Self { pitch, pairs: 2 }
+    }
+
+    /// A hexagonal pad in rows of neighbours along u. `pitch` is the distance between neighbouring pads.
+    pub const fn hexagonal(pitch: f64) -> Self {
+        Self { pitch, pairs: 3 }
+    }
+
+    /// Distance between neighbouring pads.
+    pub const fn pitch(&self) -> f64 {
+        self.pitch
+    }
+
+    /// Whether a place, relative to the centre of the pad, is in the pad.
+    pub fn contains(&self, place: &Vector2<f64>) -> bool {
+        let half = 0.5 * self.pitch;
+        self.normals().all(|normal| normal.dot(place) <= half)
+    }
+
+    /// Number of edges.
+    pub(crate) const fn edges(&self) -> usize {
+        2 * self.pairs
+    }
+
+    /// Unit normals of the edges, in the order of their angles. Each edge is half a pitch from the centre.
+    pub(crate) fn normals(&self) -> impl Iterator<Item = Vector2<f64>> + use<> {
+        let half_root = 0.5 * 3.0_f64.sqrt();
+        let all = match self.pairs {
+            2 => [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]],
+            _ => [[1.0, 0.0], [0.5, half_root], [-0.5, half_root]],
+        };
+        let pairs = self.pairs;
+        (0..2 * pairs).map(move |edge| {
+            let sign = if edge < pairs { 1.0 } else { -1.0 };
+            Vector2::from(all[edge % pairs]) * sign
+        })
+    }
+}
+
+/// What the places of the samples are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Places {
+    /// Centres of active pads.
+    Pads(PadCell),
+    /// Contact points.
+    Contacts {
+        /// Standard deviation of each component, length. If it and all other noise is 0, the method estimates the
+        /// standard deviation from the residuals.
+        std: f64,
+    },
+}
+
+/// Noise of the measured rotations.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SeriesNoise {
+    /// Standard deviation of each component of each sample, rad. The errors of all samples are independent.
+    pub rotation_std_rad: f64,
+    /// Standard deviation of an error that is drawn once for each roll and component, divided by the rotation.
+    pub relative_rotation_std: f64,
+    /// Standard deviation of each component of each sample, divided by the rotation.
+    pub relative_sample_std: f64,
+}
+
+impl SeriesNoise {
+    /// Whether the rotations have no noise.
+    pub fn is_exact(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// Methods that estimate curvature from series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SeriesMethod {
+    /// The curvature is constant along the rolls. Pads bound the contact at each sample.
+    PadEdge,
+    /// The curvature changes along the rolls.
+    Trajectory,
+}
+
+/// Checks numbers that do not depend on the method.
+///
+/// # Errors
+/// [`SeriesError`] for a radius, pitch or noise out of range, samples that are not finite, and times that do not
+/// increase.
+pub(crate) fn check(
+    radius: f64,
+    places: &Places,
+    noise: &SeriesNoise,
+    rolls: &[RollSeries],
+) -> Result<(), SeriesError> {
+    let is_size = |size: f64| (0.0..f64::INFINITY).contains(&size);
+    let is_place_sound = match places {
+        Places::Pads(cell) => cell.pitch > 1e-9 * radius && cell.pitch <= radius,
+        Places::Contacts { std } => is_size(*std) && *std <= radius,
+    };
+    let sizes = [
+        noise.rotation_std_rad,
+        noise.relative_rotation_std,
+        noise.relative_sample_std,
+    ];
+    let are_sizes = sizes.iter().all(|&size| is_size(size) && size < 1.0);
+    let is_radius = (1e-50..1e50).contains(&radius);
+    if !(is_radius && is_place_sound && are_sizes) {
+        return Err(SeriesError::OutOfRange);
+    }
+    for (roll, series) in rolls.iter().enumerate() {
+        let start = series.start.unwrap_or_default();
+        if !is_on_probe(radius, &start) {
+            return Err(SeriesError::OffProbe { roll, sample: 0 });
+        }
+        let mut last = f64::NEG_INFINITY;
+        for (sample, reading) in series.samples.iter().enumerate() {
+            let sum = reading.time_s + reading.rotation.sum() + reading.place.sum();
+            if !sum.is_finite() {
+                return Err(SeriesError::NotFinite { roll, sample });
+            }
+            if reading.time_s <= last {
+                return Err(SeriesError::TimeOrder {
+                    roll,
+                    sample,
+                    time_s: reading.time_s,
+                    last_s: last,
+                });
+            }
+            last = reading.time_s;
+            if !is_on_probe(radius, &reading.place) {
+                return Err(SeriesError::OffProbe { roll, sample });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether the chart of the probe contains a place.
+fn is_on_probe(radius: f64, place: &Vector2<f64>) -> bool {
+    place.norm_squared() < (std::f64::consts::PI * radius).powi(2)
+}

@@ -1,0 +1,82 @@
+//! Errors of series that do not determine the curvature.
+
+use palpate_statistics::Number;
+use strum::{IntoStaticStr, VariantNames};
+use thiserror::Error;
+
+/// Reasons why a set of series does not determine a curvature. Rolls and samples are counted from 0.
+#[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
+#[strum(serialize_all = "kebab-case")]
+pub enum SeriesError {
+    /// The radius of the probe, the pitch or a noise is out of range.
+    #[error("the probe's radius, the pitch of the pads or a noise is out of range")]
+    OutOfRange,
+    /// A number of a sample is not finite.
+    #[error("roll {roll}, sample {sample} (counting from 0): a number is not finite")]
+    NotFinite {
+        /// Number of the roll.
+        roll: usize,
+        /// Number of the sample.
+        sample: usize,
+    },
+    /// A time is not later than the time of the sample before.
+    #[error(
+        "roll {roll}, sample {sample} (counting from 0): the time {} s is not after the time {} s of the sample before",
+        Number(*time_s),
+        Number(*last_s)
+    )]
+    TimeOrder {
+        /// Number of the roll.
+        roll: usize,
+        /// Number of the sample.
+        sample: usize,
+        /// Time of the sample, s.
+        time_s: f64,
+        /// Time of the sample before, s.
+        last_s: f64,
+    },
+    /// A place is more than half a turn from the pads' origin.
+    #[error("roll {roll}, sample {sample} (counting from 0): the place is not on the probe")]
+    OffProbe {
+        /// Number of the roll.
+        roll: usize,
+        /// Number of the sample.
+        sample: usize,
+    },
+    /// Too few rolls are usable.
+    #[error("{rolls} usable roll(s); at least 2 in different directions are needed")]
+    TooFewRolls {
+        /// Number of usable rolls.
+        rolls: usize,
+    },
+    /// The readings do not determine the curvature in some direction.
+    #[error(
+        "the readings do not determine the curvature at {:.1} degrees from u; add a roll in this direction, or roll further",
+        direction_rad.to_degrees()
+    )]
+    Undetermined {
+        /// Direction in which the curvature is undetermined, as an angle from u towards v, rad.
+        direction_rad: f64,
+    },
+    /// The rotations of a roll contradict its places.
+    #[error(
+        "roll {roll} (counting from 0) contradicts the other rolls or its own rotations: the contact would be {} outside of its pad",
+        Number::rounded(*distance)
+    )]
+    Contradiction {
+        /// Number of the roll.
+        roll: usize,
+        /// Smallest distance of the contact from its pads that any curvature needs, length.
+        distance: f64,
+    },
+    /// The contact moved against the direction of the rolls.
+    #[error("the contact moved against the direction of the rolls: this is not a rolling contact")]
+    NotRolling,
+}
+
+impl SeriesError {
+    /// The stable name of this kind of error.
+    pub fn name(&self) -> &'static str {
+        self.into()
+    }
+}
