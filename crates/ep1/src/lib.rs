@@ -11,13 +11,18 @@
 //! [`LeastSquares`].
 
 mod batch;
+mod crossings;
 mod error;
 mod estimate;
+mod feasible_set;
 mod least_squares;
 mod linear_law;
 mod misfit;
+mod pad_edge;
 mod reading;
+mod roll_fit;
 mod roll_series;
+mod rolled_path;
 mod series_error;
 mod series_estimate;
 mod series_fit;

@@ -46,9 +46,6 @@ pub struct PadCell {
 }
 
 impl PadCell {
-    /// Largest number of edges of a pad.
-    pub(crate) const MAX_EDGES: usize = 6;
-
     /// A square pad with edges along u and v. `pitch` is the distance between neighbouring pads.
     pub const fn square(pitch: f64) -> Self {
         Self { pitch, pairs: 2 }

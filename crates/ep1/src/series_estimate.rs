@@ -1,9 +1,18 @@
 //! Estimates from series of rolls.
 
-use nalgebra::Matrix2;
-use palpate_geometry::{CurvatureForm, ShapeThresholds};
+use nalgebra::{Matrix2, Matrix3, Vector3};
+use palpate_geometry::{CurvatureForm, ShapeClass, ShapeThresholds};
+use palpate_statistics::{NORMAL_95, student_half_width};
 
+use crate::feasible_set::{OPEN, normal_nodes};
+use crate::pad_edge::PadEdgeSet;
+use crate::series_fit::inverse_slopes;
 use crate::{Estimate, Measured};
+
+/// Number of directions in which the bounds of principal curvatures are computed.
+const DIRECTIONS: usize = 16;
+/// Number of times that a bound is linearised around its last point.
+const BOUND_STEPS: usize = 4;
 
 /// A curvature of the object at the common start of the rolls, in the axes of the pads.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,14 +46,27 @@ pub enum Exclusion {
 }
 
 /// The part of one roll in a fit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RollReport {
-    /// Number of crossings of pad edges that the fit uses.
+    /// Number of crossings of pad edges.
     pub crossings: usize,
-    /// Probability of a larger contradiction to the other rolls by chance; `None` if no noise is stated.
+    /// Probability of a larger contradiction to the other rolls by chance. `None` if it cannot be tested.
     pub p_value: Option<f64>,
     /// Why the fit does not use the roll; `None` if it uses it.
     pub left_out: Option<Exclusion>,
+}
+
+/// The distribution of the errors.
+#[derive(Clone, Debug)]
+pub(crate) enum Uncertainty {
+    /// The errors of the mobility are normally distributed.
+    NormalMobility,
+    /// The errors of the curvature form are normally distributed.
+    NormalForm,
+    /// The noise was estimated from residuals with these degrees of freedom.
+    Student(usize),
+    /// The readings are exact, so that a set contains the true mobility.
+    Set(PadEdgeSet),
 }
 
 /// An estimate from series of rolls.
@@ -52,31 +74,54 @@ pub struct RollReport {
 pub struct SeriesEstimate {
     /// The object's curvature form at the common start of the rolls, in the axes of the pads, 1/length.
     pub curvature: CurvatureForm,
-    /// Covariance of the curvatures along u, along v and mixed, to first order, 1/length².
+    /// Covariance of the curvatures along u, along v and mixed, to first order, 1/length². With noise it is the inverse
+    /// of the Fisher information, so that the roots of its diagonal are the Cramér–Rao bounds.
     pub covariance: [[f64; 3]; 3],
     /// Number of terms of the curvature along a path that the fit uses. It is 1 if the curvature is constant.
     pub terms: usize,
     /// One report for each roll.
     pub rolls: Vec<RollReport>,
-    /// Cramér–Rao bounds of the standard errors of the curvatures along u, along v and mixed, 1/length.
-    pub cramer_rao: [f64; 3],
-    pub(crate) probe_curvature: f64,
-    pub(crate) arc_length: f64,
+    radius: f64,
+    arc_length: f64,
+    uncertainty: Uncertainty,
 }
 
 impl SeriesEstimate {
+    /// The estimate with the form `relative / radius − 1 / radius`. `covariance` is the one of the entries uu, uv, vv of
+    /// `relative`.
+    pub(crate) fn new(
+        radius: f64,
+        relative: &Matrix2<f64>,
+        covariance: Matrix3<f64>,
+        terms: usize,
+        rolls: Vec<RollReport>,
+        arc_length: f64,
+        uncertainty: Uncertainty,
+    ) -> Self {
+        const ORDER: [usize; 3] = [0, 2, 1];
+        let scale = 1.0 / radius;
+        Self {
+            curvature: CurvatureForm {
+                k_uu: (relative[(0, 0)] - 1.0) * scale,
+                k_uv: relative[(0, 1)] * scale,
+                k_vv: (relative[(1, 1)] - 1.0) * scale,
+            },
+            covariance: ORDER.map(|row| ORDER.map(|at| covariance[(row, at)] * scale * scale)),
+            terms,
+            rolls,
+            radius,
+            arc_length,
+            uncertainty,
+        }
+    }
+
     /// The estimate without intervals, as [`LeastSquares`](crate::LeastSquares) returns it.
     pub fn estimate(&self) -> Estimate {
         let form = self.curvature;
-        let measured = |value: f64, gradient: [f64; 3]| {
-            let along = self.covariance.map(|row| dot(&row, &gradient));
-            let std = dot(&along, &gradient).max(0.0).sqrt();
-            Measured {
-                value,
-                std: Some(std),
-            }
+        let measured = |value: f64, gradient: [f64; 3]| Measured {
+            value,
+            std: Some(self.std(gradient)),
         };
-        let relative = Matrix2::identity() * self.probe_curvature + form.matrix();
         Estimate {
             curvature: form,
             normal_curvature_u: measured(form.k_uu, [1.0, 0.0, 0.0]),
@@ -87,25 +132,240 @@ impl SeriesEstimate {
             ),
             mean_curvature: measured(form.mean_curvature(), [0.5, 0.5, 0.0]),
             arc_length: self.arc_length,
-            probe_curvature: self.probe_curvature,
-            mobility: relative.try_inverse().unwrap_or_default(),
+            probe_curvature: 1.0 / self.radius,
+            mobility: self.mobility(),
         }
     }
 
     /// The 95 % interval of a quantity. An end is `None` if the interval has no end on this side.
-    pub fn interval95(&self, _quantity: Quantity) -> [Option<f64>; 2] {
-        [None, None]
+    pub fn interval95(&self, quantity: Quantity) -> [Option<f64>; 2] {
+        let form = self.curvature;
+        let interval = match quantity {
+            Quantity::Normal { angle_rad } => {
+                let (sin, cos) = libm::sincos(angle_rad);
+                let std = self.std([cos * cos, sin * sin, 2.0 * sin * cos]);
+                self.around(form.normal_curvature(angle_rad), std)
+            }
+            Quantity::Mean => self.around(form.mean_curvature(), self.std([0.5, 0.5, 0.0])),
+            Quantity::PrincipalMin => {
+                let [std, ..] = form.principal_stds(&self.covariance);
+                self.around(form.principal().k_min, std)
+            }
+            Quantity::PrincipalMax => {
+                let [_, std, _] = form.principal_stds(&self.covariance);
+                self.around(form.principal().k_max, std)
+            }
+            Quantity::Gaussian => self.gaussian_interval(),
+        };
+        let Some(bounds) = self.bounds(quantity) else {
+            return interval;
+        };
+        let within =
+            |end: Option<f64>, bound: Option<f64>, inner: fn(f64, f64) -> f64| match (end, bound) {
+                (Some(end), Some(bound)) => Some(inner(end, bound)),
+                (end, bound) => end.or(bound),
+            };
+        [
+            within(interval[0], bounds[0], f64::max),
+            within(interval[1], bounds[1], f64::min),
+        ]
     }
 
     /// The range of a quantity over all curvatures that agree with exact rotations and pads. An end is `None` if the
     /// range has no end on this side. `None` if the rotations or the places have noise.
-    pub fn bounds(&self, _quantity: Quantity) -> Option<[Option<f64>; 2]> {
-        None
+    pub fn bounds(&self, quantity: Quantity) -> Option<[Option<f64>; 2]> {
+        let Uncertainty::Set(set) = &self.uncertainty else {
+            return None;
+        };
+        let in_directions = || {
+            (0..DIRECTIONS).map(|at| {
+                let angle_rad = std::f64::consts::PI * at as f64 / DIRECTIONS as f64;
+                self.bounds(Quantity::Normal { angle_rad })
+                    .unwrap_or_default()
+            })
+        };
+        let least = |one: Option<f64>, other: Option<f64>| Some(one?.min(other?));
+        let most = |one: Option<f64>, other: Option<f64>| Some(one?.max(other?));
+        match quantity {
+            Quantity::PrincipalMin => {
+                let upper = in_directions()
+                    .filter_map(|[_, upper]| upper)
+                    .reduce(f64::min);
+                let lower = in_directions()
+                    .map(|[lower, _]| lower)
+                    .reduce(least)
+                    .flatten();
+                Some([lower, upper])
+            }
+            Quantity::PrincipalMax => {
+                let lower = in_directions()
+                    .filter_map(|[lower, _]| lower)
+                    .reduce(f64::max);
+                let upper = in_directions()
+                    .map(|[_, upper]| upper)
+                    .reduce(most)
+                    .flatten();
+                Some([lower, upper])
+            }
+            _ => Some([-1.0, 1.0].map(|sign| self.end(set, quantity, sign))),
+        }
     }
 
-    /// The probability of each shape class, in the order of [`ShapeClass::ALL`](palpate_geometry::ShapeClass::ALL).
-    pub fn class_probabilities(&self, _thresholds: &ShapeThresholds) -> [f64; 8] {
-        [0.125; 8]
+    /// The largest value (`sign` is 1) or the smallest value (`sign` is −1) of a quantity over the set. The quantity is
+    /// linearised around the last point that was found.
+    fn end(&self, set: &PadEdgeSet, quantity: Quantity, sign: f64) -> Option<f64> {
+        let value = |point: &Vector3<f64>| -> Option<f64> {
+            let mobility = set.centre + point;
+            let mobility = Matrix2::new(mobility.x, mobility.y, mobility.y, mobility.z);
+            let is_rolling = mobility.determinant() > 0.0 && mobility.trace() > 0.0;
+            let relative = mobility.try_inverse().filter(|_| is_rolling)?;
+            Some(self.value(&relative, quantity))
+        };
+        let mut at = set.mean;
+        let mut best: Option<f64> = None;
+        for _ in 0..BOUND_STEPS {
+            let step = 1e-6;
+            let here = value(&at)?;
+            let slope = |axis: usize| -> Option<f64> {
+                let mut moved = at;
+                moved[axis] += step;
+                Some((value(&moved)? - here) / step)
+            };
+            let gradient = Vector3::new(slope(0)?, slope(1)?, slope(2)?);
+            let corner = set.set.furthest(&(gradient * sign))?;
+            if corner.amax() > 0.999 * OPEN {
+                return None;
+            }
+            let found = value(&corner)?;
+            if best.is_some_and(|best| (found - best) * sign <= 1e-12 * best.abs()) {
+                break;
+            }
+            best = Some(found);
+            at = corner;
+        }
+        best
+    }
+
+    /// The probability of each shape class, in the order of [`ShapeClass::ALL`].
+    pub fn class_probabilities(&self, thresholds: &ShapeThresholds) -> [f64; 8] {
+        let mut probabilities = [0.0; 8];
+        let (mut count, radius) = (0.0, self.radius);
+        for relative in self.draws().flatten() {
+            let gaussian = self.value(&relative, Quantity::Gaussian);
+            let mean = self.value(&relative, Quantity::Mean);
+            let class = match (gaussian * radius * radius).is_finite() && mean.is_finite() {
+                true => thresholds.classify(gaussian, mean),
+                false => ShapeClass::Peak,
+            };
+            probabilities[class as usize] += 1.0;
+            count += 1.0;
+        }
+        probabilities.map(|sum| sum / f64::max(count, 1.0))
+    }
+
+    fn value(&self, relative: &Matrix2<f64>, quantity: Quantity) -> f64 {
+        let scale = 1.0 / self.radius;
+        let form = CurvatureForm {
+            k_uu: (relative[(0, 0)] - 1.0) * scale,
+            k_uv: relative[(0, 1)] * scale,
+            k_vv: (relative[(1, 1)] - 1.0) * scale,
+        };
+        match quantity {
+            Quantity::Normal { angle_rad } => form.normal_curvature(angle_rad),
+            Quantity::Gaussian => form.gaussian_curvature(),
+            Quantity::Mean => form.mean_curvature(),
+            Quantity::PrincipalMin => form.principal().k_min,
+            Quantity::PrincipalMax => form.principal().k_max,
+        }
+    }
+
+    fn relative(&self) -> Matrix2<f64> {
+        Matrix2::identity() + self.curvature.matrix() * self.radius
+    }
+
+    /// Distance that the contact moves per radian.
+    fn mobility(&self) -> Matrix2<f64> {
+        self.relative().try_inverse().unwrap_or_default() * self.radius
+    }
+
+    /// Standard error of a quantity with this gradient with respect to the curvatures uu, vv and uv.
+    fn std(&self, gradient: [f64; 3]) -> f64 {
+        let along = self.covariance.map(|row| dot(&row, &gradient));
+        dot(&along, &gradient).max(0.0).sqrt()
+    }
+
+    /// Half-width of a 95 % interval, in standard errors.
+    fn half_width(&self) -> f64 {
+        match self.uncertainty {
+            Uncertainty::Student(freedom) => student_half_width(0.95, freedom),
+            _ => NORMAL_95,
+        }
+    }
+
+    const fn is_form_normal(&self) -> bool {
+        matches!(self.uncertainty, Uncertainty::NormalForm)
+    }
+
+    /// The interval of a curvature. If the errors of the mobility are normally distributed, the ends of the mobility's
+    /// interval are converted. The interval is open if the mobility can be 0.
+    fn around(&self, curvature: f64, std: f64) -> [Option<f64>; 2] {
+        let half = self.half_width() * std;
+        let flat = 1.0 / self.radius;
+        let relative = curvature + flat;
+        if !half.is_finite() {
+            return [None, None];
+        }
+        if self.is_form_normal() {
+            return [Some((curvature - half).max(-flat)), Some(curvature + half)];
+        }
+        let share = half / relative;
+        let upper = (share < 1.0).then(|| relative / (1.0 - share) - flat);
+        [Some(relative / (1.0 + share) - flat), upper]
+    }
+
+    /// Draws of the relative curvature form in units of the probe's curvature. `None` for a draw that is beyond all
+    /// curvatures.
+    fn draws(&self) -> impl Iterator<Item = Option<Matrix2<f64>>> {
+        const ORDER: [usize; 3] = [0, 2, 1];
+        let scale = self.radius * self.radius;
+        let of_form = Matrix3::from_fn(|row, at| self.covariance[ORDER[row]][ORDER[at]] * scale);
+        let relative = self.relative();
+        let mobility = relative.try_inverse().unwrap_or_default();
+        let is_form_normal = self.is_form_normal();
+        let (centre, covariance) = match is_form_normal {
+            true => (relative, of_form),
+            false => {
+                let slopes = inverse_slopes(&mobility);
+                (mobility, slopes * of_form * slopes.transpose())
+            }
+        };
+        let floor = Matrix3::identity() * (1e-30 + 1e-14 * covariance.trace());
+        let root = (covariance + floor).cholesky().map(|root| root.unpack());
+        let root = root.unwrap_or_default() * (self.half_width() / NORMAL_95).min(1e3);
+        normal_nodes().iter().map(move |node| {
+            let change = root * node;
+            let drawn = centre + Matrix2::new(change.x, change.y, change.y, change.z);
+            let is_rolling = drawn.determinant() > 0.0 && drawn.trace() > 0.0;
+            match is_form_normal {
+                true => Some(drawn),
+                false => drawn.try_inverse().filter(|_| is_rolling),
+            }
+        })
+    }
+
+    fn gaussian_interval(&self) -> [Option<f64>; 2] {
+        if !self.half_width().is_finite() {
+            return [None, None];
+        }
+        let value = |relative: Option<Matrix2<f64>>| {
+            relative.map_or(f64::INFINITY, |relative| {
+                self.value(&relative, Quantity::Gaussian)
+            })
+        };
+        let mut all: Vec<f64> = self.draws().map(value).collect();
+        all.sort_unstable_by(f64::total_cmp);
+        let at = |share: f64| all[(share * (all.len() - 1) as f64).round() as usize];
+        [at(0.025), at(0.975)].map(|end| end.is_finite().then_some(end))
     }
 }
 

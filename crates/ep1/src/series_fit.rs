@@ -1,7 +1,31 @@
 //! Estimates curvature from series of rolls.
 
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use palpate_statistics::{chi_squared_tail, ratio_tail};
+
+use crate::crossings::{crossings, drive, runs};
+use crate::pad_edge::{BoundedRoll, pad_edge_set};
+use crate::roll_fit::{FitNoise, Observation, RollData, SeriesFit};
 use crate::roll_series::check;
-use crate::{Places, RollSeries, SeriesError, SeriesEstimate, SeriesMethod, SeriesNoise};
+use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, RollRotations};
+use crate::series_estimate::Uncertainty;
+use crate::{
+    Exclusion, Places, RollReport, RollSample, RollSeries, SeriesError, SeriesEstimate,
+    SeriesMethod, SeriesNoise,
+};
+
+/// Significance level at which a roll is left out, divided by the number of rolls.
+const OUTLIER_LEVEL: f64 = 1e-3;
+/// Number of contact points of a roll that a fit uses. More contact points are averaged in groups.
+const GROUPS: usize = 24;
+/// Changes of the coefficients below this value end the steps of a fit.
+const TOLERANCE: f64 = 1e-12;
+/// Changes below this value end the fit that only locates the set of exact readings.
+const ROUGH_TOLERANCE: f64 = 1e-4;
+/// Largest standard deviation of a determined mobility, divided by the mobility.
+const MAX_SPREAD: f64 = 0.5;
+/// If the mobility differs between directions by more than this ratio, the crossings are located again.
+const ISOTROPY: f64 = 0.02;
 
 /// The curvature from series of rolls of a probe of `radius`.
 ///
@@ -9,12 +33,355 @@ use crate::{Places, RollSeries, SeriesError, SeriesEstimate, SeriesMethod, Serie
 /// [`SeriesError`] if a number is out of range, if a roll contradicts the others, or if the rolls do not determine the
 /// curvature.
 pub fn estimate_series(
-    _method: SeriesMethod,
+    method: SeriesMethod,
     radius: f64,
     places: &Places,
     noise: &SeriesNoise,
     rolls: &[RollSeries],
 ) -> Result<SeriesEstimate, SeriesError> {
     check(radius, places, noise, rolls)?;
-    Err(SeriesError::TooFewRolls { rolls: 0 })
+    let mut problem = Problem {
+        method,
+        radius,
+        places,
+        noise,
+        rolls,
+        reports: vec![RollReport::default(); rolls.len()],
+    };
+    problem.estimate()
+}
+
+struct Problem<'r> {
+    method: SeriesMethod,
+    radius: f64,
+    places: &'r Places,
+    noise: &'r SeriesNoise,
+    rolls: &'r [RollSeries],
+    reports: Vec<RollReport>,
+}
+
+impl<'r> Problem<'r> {
+    fn estimate(&mut self) -> Result<SeriesEstimate, SeriesError> {
+        let is_exact = matches!(self.places, Places::Pads(_)) && self.noise.is_exact();
+        let is_set = is_exact && self.method == SeriesMethod::PadEdge;
+        let tolerance = if is_set { ROUGH_TOLERANCE } else { TOLERANCE };
+        let noise = self.fit_noise();
+        let undetermined = self.undetermined();
+        let flat = LocalShape {
+            terms: 1,
+            tensors: [0.0; MAX_COEFFICIENTS],
+        };
+        loop {
+            let (mut data, mut bounded) = self.prepare(&Matrix2::identity());
+            let is_used = |roll: &&RollData| !roll.observations.is_empty();
+            let usable = data.iter().filter(is_used).count();
+            if usable < 2 {
+                return Err(SeriesError::TooFewRolls { rolls: usable });
+            }
+            let mut first =
+                SeriesFit::<3>::new(&data, &noise, flat, tolerance).ok_or(undetermined)?;
+            let mobility = first.shape.relative().try_inverse().unwrap_or_default();
+            let uneven = libm::hypot(mobility[(0, 0)] - mobility[(1, 1)], 2.0 * mobility[(0, 1)]);
+            if uneven > ISOTROPY * mobility.trace() && !self.noise.is_exact() {
+                (data, bounded) = self.prepare(&mobility);
+                first =
+                    SeriesFit::new(&data, &noise, first.shape, tolerance).ok_or(undetermined)?;
+            }
+            if largest_spread(&first) > MAX_SPREAD {
+                return Err(undetermined);
+            }
+            if self.method == SeriesMethod::Trajectory {
+                return self.trajectory(&data, &noise, first);
+            }
+            let worst = self.p_values(&data, &first);
+            if !is_set {
+                if let Some(roll) = worst {
+                    self.reports[roll].left_out = Some(Exclusion::Inconsistent);
+                    continue;
+                }
+                return Ok(self.of_fit(&first, 1));
+            }
+            let Places::Pads(cell) = self.places else {
+                return Err(SeriesError::OutOfRange);
+            };
+            let pitch = cell.pitch() / self.radius;
+            let set = pad_edge_set(&bounded, &data, &first, pitch, cell);
+            if let Some(set) = set {
+                for report in &mut self.reports {
+                    report.p_value = None;
+                }
+                let mobility = set.centre + set.mean;
+                let mobility = Matrix2::new(mobility.x, mobility.y, mobility.y, mobility.z);
+                let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
+                let covariance = set.covariance;
+                let uncertainty = Uncertainty::Set(set);
+                return Ok(self.result(&shape, covariance, true, 1, &first, uncertainty));
+            }
+            // The roll whose crossings contradict the others most is left out.
+            let least = data.iter().min_by(|one, other| {
+                let p_value = |roll: &RollData| self.reports[roll.roll].p_value.unwrap_or(1.0);
+                p_value(one).total_cmp(&p_value(other))
+            });
+            let Some(least) = least.filter(|_| data.len() > 3) else {
+                return Err(SeriesError::Contradiction {
+                    roll: 0,
+                    distance: 0.0,
+                });
+            };
+            self.reports[least.roll].left_out = Some(Exclusion::Inconsistent);
+        }
+    }
+
+    /// The rolls that a fit uses, with their pads.
+    fn prepare(&mut self, mobility: &Matrix2<f64>) -> (Vec<RollData>, Vec<BoundedRoll<'r>>) {
+        let scale = 1.0 / self.radius;
+        let mut data = Vec::with_capacity(self.rolls.len());
+        let mut bounded = Vec::with_capacity(self.rolls.len());
+        let rolls = self.rolls;
+        for (roll, (series, report)) in rolls.iter().zip(&mut self.reports).enumerate() {
+            if report.left_out == Some(Exclusion::Inconsistent) {
+                continue;
+            }
+            let samples = &series.samples;
+            report.left_out = match samples.last() {
+                None => Some(Exclusion::TooFewSamples),
+                Some(_) if samples.len() < 2 => Some(Exclusion::TooFewSamples),
+                Some(_)
+                    if samples
+                        .iter()
+                        .all(|one| drive(&one.rotation) == Vector2::zeros()) =>
+                {
+                    Some(Exclusion::NoRotation)
+                }
+                Some(_) => None,
+            };
+            if report.left_out.is_some() {
+                continue;
+            }
+            let guess = series.start.unwrap_or(samples[0].place) * scale;
+            let (rotations, observations, start_std, runs) = match self.places {
+                Places::Pads(cell) => {
+                    let pitch = cell.pitch() * scale;
+                    let runs = runs(self.radius, samples);
+                    let all = crossings(samples, &runs, pitch, cell, self.noise, mobility);
+                    report.crossings = all.len();
+                    if all.is_empty() {
+                        report.left_out = Some(Exclusion::NoCrossing);
+                    }
+                    let rotations: Vec<_> = all.iter().map(|crossing| crossing.rotation).collect();
+                    let observations: Vec<_> = all.into_iter().map(Observation::Crossing).collect();
+                    (rotations, observations, pitch / 12.0_f64.sqrt(), runs)
+                }
+                Places::Contacts { .. } => {
+                    let (rotations, observations) = groups(samples, scale);
+                    (rotations, observations, f64::INFINITY, Vec::new())
+                }
+            };
+            data.push(RollData {
+                roll,
+                is_start_known: series.start.is_some(),
+                start: guess,
+                start_std,
+                rotations: RollRotations::new(rotations.into_iter()),
+                observations,
+            });
+            bounded.push(BoundedRoll { series, runs });
+        }
+        (data, bounded)
+    }
+
+    fn fit_noise(&self) -> FitNoise {
+        let contact_std = match self.places {
+            Places::Contacts { std } => std / self.radius,
+            Places::Pads(_) => 0.0,
+        };
+        FitNoise {
+            contact_std: if self.is_noise_stated() {
+                contact_std
+            } else {
+                1.0
+            },
+            rotation_std: self.noise.rotation_std_rad,
+            relative_sample_std: self.noise.relative_sample_std,
+            relative_roll_std: self.noise.relative_rotation_std,
+        }
+    }
+
+    /// Whether the errors of all readings have a stated size. If not, the residuals determine it.
+    fn is_noise_stated(&self) -> bool {
+        !self.noise.is_exact() || !matches!(self.places, Places::Contacts { std: 0.0 })
+    }
+
+    /// Stores the p-value of each roll. Returns the roll that contradicts the others significantly.
+    fn p_values<const N: usize>(&mut self, data: &[RollData], fit: &SeriesFit<N>) -> Option<usize> {
+        let mut worst = (OUTLIER_LEVEL / data.len() as f64, None);
+        for (roll, state) in data.iter().zip(&fit.rolls) {
+            let Some((fall, freedom)) = fit.fall_without(state) else {
+                continue;
+            };
+            if freedom == 0 || roll.observations.is_empty() {
+                continue;
+            }
+            let p_value = match self.is_noise_stated() {
+                true => chi_squared_tail(fall, freedom),
+                false => {
+                    let others = (fit.chi_squared - fall).max(0.0);
+                    ratio_tail(fall, freedom, others, fit.freedom.saturating_sub(freedom))
+                }
+            };
+            self.reports[roll.roll].p_value = Some(p_value);
+            if p_value < worst.0 {
+                worst = (p_value, Some(roll.roll));
+            }
+        }
+        worst.1.filter(|_| data.len() > 3)
+    }
+
+    /// The fit with the number of terms that has the least information criterion of Akaike.
+    fn trajectory(
+        &mut self,
+        data: &[RollData],
+        noise: &FitNoise,
+        first: SeriesFit<3>,
+    ) -> Result<SeriesEstimate, SeriesError> {
+        let mut best = (self.criterion(&first, 3), self.of_fit(&first, 1));
+        let mut shape = first.shape;
+        self.p_values(data, &first);
+        self.more_terms::<7>(data, noise, &mut shape, &mut best);
+        self.more_terms::<12>(data, noise, &mut shape, &mut best);
+        self.more_terms::<18>(data, noise, &mut shape, &mut best);
+        best.1.rolls.clone_from(&self.reports);
+        Ok(best.1)
+    }
+
+    fn more_terms<const N: usize>(
+        &mut self,
+        data: &[RollData],
+        noise: &FitNoise,
+        shape: &mut LocalShape,
+        best: &mut (f64, SeriesEstimate),
+    ) {
+        shape.terms += 1;
+        let Some(fit) = SeriesFit::<N>::new(data, noise, *shape, TOLERANCE) else {
+            return;
+        };
+        *shape = fit.shape;
+        let criterion = self.criterion(&fit, N);
+        if criterion < best.0 {
+            self.p_values(data, &fit);
+            *best = (criterion, self.of_fit(&fit, shape.terms));
+        }
+    }
+
+    /// The information criterion of Akaike.
+    fn criterion<const N: usize>(&self, fit: &SeriesFit<N>, coefficients: usize) -> f64 {
+        let penalty = 2.0 * coefficients as f64;
+        match self.is_noise_stated() {
+            true => fit.chi_squared + penalty,
+            false => {
+                let count = (fit.freedom + coefficients) as f64;
+                count * libm::log((fit.chi_squared / count).max(1e-300)) + penalty
+            }
+        }
+    }
+
+    fn of_fit<const N: usize>(&self, fit: &SeriesFit<N>, terms: usize) -> SeriesEstimate {
+        let mut covariance = fit.covariance.fixed_view::<3, 3>(0, 0).into_owned();
+        let mut uncertainty = match self.noise.is_exact() {
+            true => Uncertainty::NormalMobility,
+            false => Uncertainty::NormalForm,
+        };
+        if !self.is_noise_stated() {
+            covariance *= fit.chi_squared / fit.freedom.max(1) as f64;
+            uncertainty = Uncertainty::Student(fit.freedom);
+        }
+        self.result(&fit.shape, covariance, terms == 1, terms, fit, uncertainty)
+    }
+
+    /// The result for a shape with the covariance of the mobility (uu, uv, vv), or of the curvatures.
+    fn result<const N: usize>(
+        &self,
+        shape: &LocalShape,
+        covariance: Matrix3<f64>,
+        is_of_mobility: bool,
+        terms: usize,
+        fit: &SeriesFit<N>,
+        uncertainty: Uncertainty,
+    ) -> SeriesEstimate {
+        let relative = shape.relative();
+        let covariance = match is_of_mobility {
+            true => {
+                let slopes = inverse_slopes(&relative);
+                slopes * covariance * slopes.transpose()
+            }
+            false => covariance,
+        };
+        let lengths: f64 = fit.rolls.iter().map(|roll| roll.length).sum();
+        let arc_length = self.radius * lengths / fit.rolls.len().max(1) as f64;
+        SeriesEstimate::new(
+            self.radius,
+            &relative,
+            covariance,
+            terms,
+            self.reports.clone(),
+            arc_length,
+            uncertainty,
+        )
+    }
+
+    /// The error for readings that do not determine the curvature in the direction in which the rolls are shortest.
+    fn undetermined(&self) -> SeriesError {
+        let mut gram = Matrix2::zeros();
+        for roll in self.rolls {
+            if let Some(last) = roll.samples.last() {
+                let drive = drive(&last.rotation);
+                gram += drive * drive.transpose();
+            }
+        }
+        let direction = 0.5 * libm::atan2(-2.0 * gram[(0, 1)], gram[(1, 1)] - gram[(0, 0)]);
+        SeriesError::Undetermined {
+            direction_rad: direction,
+        }
+    }
+}
+
+/// Derivatives of the entries uu, uv, vv of the inverse of a mobility with respect to the entries of the mobility.
+/// `relative` is this inverse.
+pub(crate) fn inverse_slopes(relative: &Matrix2<f64>) -> Matrix3<f64> {
+    let units = [
+        Matrix2::new(1.0, 0.0, 0.0, 0.0),
+        Matrix2::new(0.0, 1.0, 1.0, 0.0),
+        Matrix2::new(0.0, 0.0, 0.0, 1.0),
+    ];
+    let columns = units.map(|unit| {
+        let change = -(relative * unit * relative);
+        Vector3::new(change[(0, 0)], change[(0, 1)], change[(1, 1)])
+    });
+    Matrix3::from_columns(&columns)
+}
+
+/// Largest standard deviation of a mobility in any direction, relative to the mean mobility.
+fn largest_spread(fit: &SeriesFit<3>) -> f64 {
+    let mobility = fit.shape.relative().try_inverse().unwrap_or_default();
+    let largest = fit.covariance.diagonal().max().max(0.0).sqrt();
+    2.0 * largest / mobility.trace().max(1e-300)
+}
+
+/// Means of contact points and of their rotations over groups of successive samples.
+fn groups(samples: &[RollSample], scale: f64) -> (Vec<Vector3<f64>>, Vec<Observation>) {
+    let count = samples.len().min(GROUPS);
+    let mut rotations = Vec::with_capacity(count);
+    let mut observations = Vec::with_capacity(count);
+    for group in 0..count {
+        let [from, to] = [group, group + 1].map(|edge| edge * samples.len() / count);
+        let share = 1.0 / (to - from) as f64;
+        let (mut rotation, mut place) = (Vector3::zeros(), Vector2::zeros());
+        for sample in &samples[from..to] {
+            rotation += sample.rotation * share;
+            place += sample.place * share;
+        }
+        rotations.push(rotation);
+        observations.push(Observation::Contact(place * scale, (to - from) as f64));
+    }
+    (rotations, observations)
 }

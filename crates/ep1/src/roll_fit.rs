@@ -1,0 +1,316 @@
+//! Weighted least squares through the rolling equations, for crossings of pad edges and for contact points.
+//!
+//! The unknowns are the coefficients of the object's shape, and for each roll its start and the error of its rotation.
+//! The unknowns of a roll are eliminated from the normal equations, so that the cost is proportional to the number of
+//! rolls. Errors of measured rotations would attenuate the estimate if the derivatives used the measured rotations.
+//! Therefore the derivatives use the rotations without their estimated errors (errors in variables).
+
+use nalgebra::{Matrix2, Matrix2x3, Matrix4, SMatrix, SVector, Vector2, Vector4};
+
+use crate::crossings::Crossing;
+use crate::rolled_path::{LocalShape, PathPoint, RollRotations, StartFrame, by_coefficients};
+
+/// Largest number of steps.
+const MAX_STEPS: usize = 30;
+
+/// One reading of a roll.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Observation {
+    /// A crossing of a pad edge.
+    Crossing(Crossing),
+    /// The mean of several contact points, and their number.
+    Contact(Vector2<f64>, f64),
+}
+
+/// A roll that a fit uses. Distances are in radii of the probe.
+#[derive(Clone, Debug)]
+pub(crate) struct RollData {
+    /// Number of the roll among all rolls.
+    pub(crate) roll: usize,
+    pub(crate) is_start_known: bool,
+    /// The start, or a first guess.
+    pub(crate) start: Vector2<f64>,
+    /// Standard deviation of the first guess; infinite if it has no weight.
+    pub(crate) start_std: f64,
+    /// Rotations at the observations.
+    pub(crate) rotations: RollRotations,
+    pub(crate) observations: Vec<Observation>,
+}
+
+/// Noise of the readings.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FitNoise {
+    /// Standard deviation of contact points, in radii of the probe.
+    pub(crate) contact_std: f64,
+    /// Standard deviation of the rotation of each sample, rad and relative.
+    pub(crate) rotation_std: f64,
+    pub(crate) relative_sample_std: f64,
+    /// Standard deviation of the relative error of all rotations of a roll.
+    pub(crate) relative_roll_std: f64,
+}
+
+/// The state and the normal equations of one roll after elimination of its own unknowns.
+#[derive(Clone, Debug)]
+pub(crate) struct RollFit<const N: usize> {
+    pub(crate) start: Vector2<f64>,
+    error: Vector2<f64>,
+    /// Ratio of the true to the measured rotation.
+    ratio: f64,
+    pub(crate) information: SMatrix<f64, N, N>,
+    pub(crate) gradient: SVector<f64, N>,
+    pub(crate) chi_squared: f64,
+    /// Number of scalar readings minus the number of unknowns of the roll.
+    pub(crate) freedom: usize,
+    step: Vector4<f64>,
+    /// Change of the unknowns of the roll with the coefficients.
+    response: SMatrix<f64, 4, N>,
+    /// Length of the path.
+    pub(crate) length: f64,
+}
+
+/// The result of a fit.
+#[derive(Clone, Debug)]
+pub(crate) struct SeriesFit<const N: usize> {
+    pub(crate) shape: LocalShape,
+    /// Sum of the normal equations of the rolls. For one term, the unknowns are the entries uu, uv, vv of the mobility;
+    /// otherwise they are the coefficients of the shape.
+    pub(crate) information: SMatrix<f64, N, N>,
+    pub(crate) covariance: SMatrix<f64, N, N>,
+    pub(crate) rolls: Vec<RollFit<N>>,
+    pub(crate) chi_squared: f64,
+    pub(crate) freedom: usize,
+}
+
+impl<const N: usize> RollFit<N> {
+    fn new(roll: &RollData) -> Self {
+        Self {
+            start: roll.start,
+            error: Vector2::zeros(),
+            ratio: 1.0,
+            information: SMatrix::zeros(),
+            gradient: SVector::zeros(),
+            chi_squared: 0.0,
+            freedom: 0,
+            step: Vector4::zeros(),
+            response: SMatrix::zeros(),
+            length: 0.0,
+        }
+    }
+
+    /// Change of the start with the mobility.
+    pub(crate) fn start_response(&self) -> Matrix2x3<f64> {
+        self.response.fixed_view::<2, 3>(0, 0).into_owned()
+    }
+
+    /// Computes the contacts and the normal equations of the roll.
+    fn linearise(
+        &mut self,
+        roll: &RollData,
+        noise: &FitNoise,
+        shape: &LocalShape,
+        path: &mut Vec<PathPoint>,
+    ) -> Option<()> {
+        roll.rotations.path(shape, &self.error, self.ratio, path)?;
+        let frame = StartFrame::new(&self.start);
+        let mut of_shape = SMatrix::<f64, N, N>::zeros();
+        let mut mixed = SMatrix::<f64, 4, N>::zeros();
+        let mut own = Matrix4::zeros();
+        let mut gradient = SVector::<f64, N>::zeros();
+        let mut own_gradient = Vector4::zeros();
+        let (mut chi_squared, mut count) = (0.0, 0);
+        let knows_error = noise.relative_roll_std == 0.0;
+        let relative = shape.relative();
+        for (observation, at) in roll.observations.iter().zip(&*path) {
+            let place = frame.place(at);
+            let by_drive = place.by_path * at.mobility;
+            let size = self.ratio * at.drive.norm();
+            let (residual, weight, rotation_error, rows) = match observation {
+                Observation::Crossing(crossing) => {
+                    let residual = crossing.offset - crossing.normal.dot(&place.place);
+                    let across = by_drive.tr_mul(&crossing.normal);
+                    let variance = across.norm_squared() * crossing.std * crossing.std
+                        + crossing.gap * crossing.gap / 12.0;
+                    let error = across * (crossing.std * crossing.std * residual / variance);
+                    let normal = crossing.normal;
+                    let weight = normal * normal.transpose() / variance;
+                    (normal * residual, weight, error, 1)
+                }
+                Observation::Contact(contact, samples) => {
+                    let residual = contact - place.place;
+                    let variance = (noise.rotation_std * noise.rotation_std
+                        + (noise.relative_sample_std * size).powi(2))
+                        / samples;
+                    let covariance = Matrix2::identity()
+                        * (noise.contact_std * noise.contact_std / samples)
+                        + by_drive * by_drive.transpose() * variance;
+                    let weight = covariance.try_inverse()?;
+                    let error = by_drive.tr_mul(&(weight * residual)) * variance;
+                    (residual, weight, error, 2)
+                }
+            };
+            let x = at.x + at.mobility * rotation_error;
+            let slopes: SMatrix<f64, 2, N> = if shape.terms == 1 {
+                let drive = relative * x;
+                let columns = [[drive.x, 0.0], [drive.y, drive.x], [0.0, drive.y]];
+                let by_mobility = Matrix2x3::from_columns(&columns.map(Vector2::from));
+                let slopes = place.by_path * by_mobility;
+                SMatrix::from_fn(|row, column| slopes[(row, column.min(2))])
+            } else {
+                by_coefficients(shape.terms, &x, &by_drive)
+            };
+            let mut own_slopes = SMatrix::<f64, 2, 4>::zeros();
+            if !roll.is_start_known {
+                own_slopes
+                    .fixed_view_mut::<2, 2>(0, 0)
+                    .copy_from(&place.by_start);
+            }
+            if !knows_error {
+                own_slopes
+                    .fixed_view_mut::<2, 2>(0, 2)
+                    .copy_from(&(by_drive * -size));
+            }
+            let weighted = weight * residual;
+            of_shape += slopes.tr_mul(&(weight * slopes));
+            mixed += own_slopes.tr_mul(&(weight * slopes));
+            own += own_slopes.tr_mul(&(weight * own_slopes));
+            gradient += slopes.tr_mul(&weighted);
+            own_gradient += own_slopes.tr_mul(&weighted);
+            chi_squared += residual.dot(&weighted);
+            count += rows;
+        }
+        // A known start and a known error are fixed by their weights.
+        let prior = 1.0 / (roll.start_std * roll.start_std);
+        let error_prior = match knows_error {
+            true => 1.0,
+            false => noise.relative_roll_std.powi(-2),
+        };
+        for part in 0..2 {
+            if roll.is_start_known {
+                own[(part, part)] = 1.0;
+            } else {
+                own[(part, part)] += prior;
+                own_gradient[part] += prior * (roll.start[part] - self.start[part]);
+            }
+            own[(part + 2, part + 2)] += error_prior;
+            own_gradient[part + 2] -= error_prior * self.error[part];
+            chi_squared += error_prior * self.error[part] * self.error[part];
+        }
+        let inverse = own.cholesky()?.inverse();
+        self.response = -inverse * mixed;
+        self.step = inverse * own_gradient;
+        self.information = of_shape + mixed.tr_mul(&self.response);
+        self.gradient = gradient - mixed.tr_mul(&self.step);
+        self.chi_squared = chi_squared;
+        self.freedom = count - if roll.is_start_known { 0 } else { count.min(2) };
+        if let Some(last) = path.last() {
+            self.length = last.x.norm();
+            let true_drive = last.drive - self.error * (self.ratio * last.drive.norm());
+            self.ratio = true_drive.norm() / last.drive.norm().max(1e-300);
+        }
+        Some(())
+    }
+}
+
+impl<const N: usize> SeriesFit<N> {
+    /// Fits `rolls`, starting from `shape`. The steps end if the coefficients change by less than `tolerance`. `None`
+    /// if the readings do not determine the coefficients.
+    pub(crate) fn new(
+        rolls: &[RollData],
+        noise: &FitNoise,
+        shape: LocalShape,
+        tolerance: f64,
+    ) -> Option<Self> {
+        let mut fit = Self {
+            shape,
+            information: SMatrix::zeros(),
+            covariance: SMatrix::zeros(),
+            rolls: rolls.iter().map(RollFit::new).collect(),
+            chi_squared: 0.0,
+            freedom: 0,
+        };
+        let mut path = Vec::new();
+        let mut last_change = f64::INFINITY;
+        for _ in 0..MAX_STEPS {
+            let mut gradient = SVector::<f64, N>::zeros();
+            fit.information = SMatrix::zeros();
+            (fit.chi_squared, fit.freedom) = (0.0, 0);
+            for (roll, state) in rolls.iter().zip(&mut fit.rolls) {
+                state.linearise(roll, noise, &fit.shape, &mut path)?;
+                fit.information += state.information;
+                gradient += state.gradient;
+                fit.chi_squared += state.chi_squared;
+                fit.freedom += state.freedom;
+            }
+            fit.freedom = fit.freedom.saturating_sub(N);
+            fit.covariance = inverse_of(&fit.information)?;
+            let full = fit.covariance * gradient;
+            let (shape, share) = moved(&fit.shape, &full)?;
+            let step = full * share;
+            fit.shape = shape;
+            let mut change = step.amax();
+            for state in &mut fit.rolls {
+                let own = state.step * share + state.response * step;
+                // The start stays near the readings even if the first guess of the shape is bad.
+                change = change.max(own.amax());
+                state.start += own.fixed_rows::<2>(0);
+                state.error += own.fixed_rows::<2>(2);
+            }
+            let is_settled = change < 1e-7 && change > 0.5 * last_change;
+            if change < tolerance || is_settled {
+                return fit.chi_squared.is_finite().then_some(fit);
+            }
+            last_change = change;
+        }
+        None
+    }
+
+    /// Increase of chi-squared that is due to this roll, and its degrees of freedom. `None` if the other rolls do not
+    /// determine the coefficients.
+    pub(crate) fn fall_without(&self, roll: &RollFit<N>) -> Option<(f64, usize)> {
+        let others = inverse_of(&(self.information - roll.information))?;
+        let fall = roll.chi_squared + roll.gradient.dot(&(others * roll.gradient));
+        fall.is_finite().then_some((fall, roll.freedom))
+    }
+}
+
+/// Inverse of a matrix of normal equations, scaled by its diagonal. `None` if it is singular within rounding errors.
+fn inverse_of<const N: usize>(information: &SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, N>> {
+    let scale = information.diagonal().map(|entry| 1.0 / entry.sqrt());
+    let scaled = SMatrix::<f64, N, N>::from_fn(|row, column| {
+        information[(row, column)] * scale[row] * scale[column]
+    });
+    let root = scaled.cholesky()?;
+    if root.l_dirty().diagonal().min() < 1e-6 {
+        return None;
+    }
+    let inverse = root.inverse();
+    Some(SMatrix::from_fn(|row, column| {
+        inverse[(row, column)] * scale[row] * scale[column]
+    }))
+}
+
+/// The shape after a step, and the share of the step that was done. The step is shortened if the contact could not
+/// roll.
+fn moved<const N: usize>(shape: &LocalShape, step: &SVector<f64, N>) -> Option<(LocalShape, f64)> {
+    let mut share = 1.0;
+    for _ in 0..12 {
+        let mut tried = *shape;
+        if shape.terms == 1 {
+            let mobility = shape.relative().try_inverse()?
+                + Matrix2::new(step[0], step[1], step[1], step[2]) * share;
+            if mobility.determinant() > 1e-12 && mobility.trace() > 0.0 {
+                return Some((LocalShape::of_mobility(&mobility)?, share));
+            }
+        } else {
+            for (tensor, step) in tried.tensors.iter_mut().zip(step.iter()) {
+                *tensor += step * share;
+            }
+            let relative = tried.relative();
+            if relative.determinant() > 1e-12 && relative.trace() > 0.0 {
+                return Some((tried, share));
+            }
+        }
+        share *= 0.5;
+    }
+    None
+}
