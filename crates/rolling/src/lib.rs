@@ -41,6 +41,7 @@ mod meridian;
 mod model;
 mod motion;
 mod roller;
+mod sampled_path;
 
 pub use clearance::Terrain;
 pub use contact::{Contact, Shift};
@@ -51,6 +52,7 @@ pub use ladder_errors::MeasuredRung;
 pub use model::{Choice, InvalidRoll, Model, Rolls, TOLERANCES};
 pub use motion::Motion;
 pub use roller::{Probe, Roller};
+pub use sampled_path::PathPoint;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -318,7 +318,11 @@ impl Roller {
         Ok(duration_s)
     }
 
-    fn advance(&self, from: &Contact, motion: &Motion) -> Result<(Contact, usize), RollError> {
+    pub(crate) fn advance(
+        &self,
+        from: &Contact,
+        motion: &Motion,
+    ) -> Result<(Contact, usize), RollError> {
         let at_start = |fault| RollError::new(fault, 0.0, from.on_object);
         if !motion.is_finite() {
             return Err(at_start(RollFault::NotFinite));
@@ -346,6 +350,10 @@ impl Roller {
         } else {
             Err(at_start(RollFault::NotFinite))
         }
+    }
+
+    pub(crate) const fn rung(&self) -> &Rung {
+        &self.rung
     }
 
     pub(crate) fn setting(&self) -> Setting<'_> {
