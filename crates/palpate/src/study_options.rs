@@ -17,7 +17,11 @@ use palpate_study::config::{LengthUnit, StudyConfig};
 #[expect(clippy::missing_errors_doc, reason = "the module has them")]
 pub fn roll(study: &StudyConfig, unit: LengthUnit) -> Result<RollOptions, StudyMismatch> {
     RollOptions::from_study(study, unit, |config| {
-        Ok(RollScene::new(config, study.seed)?.reading_noise())
+        let scene = RollScene::new(config, study.seed)?;
+        Ok((
+            scene.reading_noise(),
+            scene.series_noise().unwrap_or_default(),
+        ))
     })
 }
 

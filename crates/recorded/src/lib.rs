@@ -6,7 +6,7 @@
 //! | rows to columns of numbers in one unit | `header`, `table_layout`, `decimal`, `reading_table` |
 //! | columns to readings | `roll_recording`, `glide_recording`, `press_recording`, `calibration` |
 //! | settings, also of a study | `roll_options`, `glide_options`, `press_options`, `study_options` |
-//! | readings to an estimate | `roll_estimate`, `roll_sets`, `glide_estimate`, `press_estimate`, `load_curve` |
+//! | readings to an estimate | `roll_estimate`, `roll_series`, `glide_estimate`, `press_estimate`, `load_curve` |
 //! | warnings | `roll_warnings`, `glide_warnings`, `log_warnings`, `press_warnings`, with the words of `misfit_warning` |
 //! | frames to tracked markers | `frame_pair`, `overlay` |
 //! | tracked markers to an estimate | `camera_reading` by a calibration, `image_estimate` by the markers' images |
@@ -50,6 +50,7 @@ mod roll_estimate;
 mod roll_options;
 mod roll_recording;
 mod roll_rotation;
+mod roll_series;
 mod roll_warnings;
 mod shape_report;
 mod source;
@@ -90,6 +91,7 @@ pub use roll_estimate::{RollEstimate, RollValues, estimate_roll};
 pub use roll_options::{RollOptions, RollSettings};
 pub use roll_recording::{RollRecording, parse_roll};
 pub use roll_rotation::RotationFrame;
+pub use roll_series::SeriesOptions;
 pub use study_options::StudyMismatch;
 pub use table_format::{Decimal, Delimiter, Form, column_names};
 pub use value::Value;

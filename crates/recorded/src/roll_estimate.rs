@@ -15,9 +15,10 @@ use super::error::{RecordedError, explained};
 use super::press_report::Radius;
 use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
+use super::roll_series::{LeftOutProbe, QUANTITIES, SeriesResult, estimate_of_series};
 use super::roll_warnings::units;
 use super::value::{FORMAT_VERSION, Value};
-use palpate_study::config::{LengthUnit, RollEstimatorConfig};
+use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};
 
 /// A probe whose contact did not move although the probe rolled.
@@ -35,7 +36,7 @@ struct UnresolvedProbe {
 
 /// Estimate of the curvature from recorded rolls. Results whose computation takes longer than the estimate are computed
 /// only when their methods are called.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct RollEstimate {
     pub(super) recorded: RollRecording,
     pub(super) options: RollOptions,
@@ -52,6 +53,8 @@ pub struct RollEstimate {
     pub(super) repeated: Option<String>,
     /// Number of rolls in the recording.
     probes: usize,
+    /// The result of a method for time series; `None` for least squares.
+    pub(super) series: Option<SeriesResult>,
 }
 
 /// Curvatures and lengths estimated from rolls.
@@ -99,6 +102,14 @@ struct RollReport {
     radius: Radius,
     /// Text that states the source of the standard errors.
     std_from: &'static str,
+    /// Number of terms of the curvature along a roll. Only methods for time series have it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    terms: Option<usize>,
+    /// Smallest and largest curvatures that agree with exact rotations and pads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bounds: Option<BTreeMap<&'static str, [Option<f64>; 2]>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    left_out_probes: Vec<LeftOutProbe>,
     unresolved_probes: Vec<UnresolvedProbe>,
     /// p-value of the goodness of fit by the stated noise; `null` if no noise is stated.
     p_value: Option<f64>,
@@ -125,7 +136,7 @@ impl RollEstimate {
             };
             value(measured, Unit::PerLength)
         };
-        RollValues {
+        let mut values = RollValues {
             normal_curvature_u: value(estimate.normal_curvature_u, Unit::PerLength),
             normal_curvature_v: value(estimate.normal_curvature_v, Unit::PerLength),
             gaussian_curvature: value(estimate.gaussian_curvature, Unit::PerLengthSquared),
@@ -138,11 +149,35 @@ impl RollEstimate {
             amplification_u: estimate.amplification(0.0),
             amplification_v: estimate.amplification(FRAC_PI_2),
             residual_rms: bare(self.residual, Unit::Length),
+        };
+        if let Some(series) = &self.series {
+            let curvatures = [
+                &mut values.normal_curvature_u,
+                &mut values.normal_curvature_v,
+                &mut values.gaussian_curvature,
+                &mut values.mean_curvature,
+                &mut values.principal_curvature_min,
+                &mut values.principal_curvature_max,
+            ];
+            for (value, (_, quantity)) in curvatures.into_iter().zip(QUANTITIES) {
+                value.interval95 = Some(series.estimate.interval95(quantity));
+            }
         }
+        values
+    }
+
+    /// Smallest and largest curvatures that agree with exact rotations and pads; `None` if the rotations have noise.
+    fn bounds(&self) -> Option<BTreeMap<&'static str, [Option<f64>; 2]>> {
+        let estimate = &self.series.as_ref()?.estimate;
+        let bounds = |(name, quantity)| Some((name, estimate.bounds(quantity)?));
+        QUANTITIES.into_iter().map(bounds).collect()
     }
 
     /// p-value of the goodness of fit by the stated noise; `None` if no noise is stated.
     pub fn p_value(&self) -> Option<f64> {
+        if self.series.is_some() {
+            return None;
+        }
         let goodness = self
             .estimate
             .goodness(self.options.noise, &self.recorded.readings);
@@ -161,11 +196,20 @@ impl Serialize for RollEstimate {
         let values = self.values();
         let report = RollReport {
             format_version: FORMAT_VERSION,
-            method: "least-squares",
+            method: self
+                .series
+                .as_ref()
+                .map_or("least-squares", |series| series.method),
             probes: self.probes,
             radius: Radius::of_mean(&values.mean_curvature, self.unit),
             values,
             std_from: self.std_from,
+            terms: self.series.as_ref().map(|series| series.estimate.terms),
+            bounds: self.bounds(),
+            left_out_probes: self
+                .series
+                .as_ref()
+                .map_or_else(Vec::new, |series| series.left_out(&self.recorded)),
             unresolved_probes: self.unresolved(),
             p_value: self.p_value(),
             warnings: self.warnings(),
@@ -180,8 +224,9 @@ impl RollEstimate {
         let Self {
             recorded, options, ..
         } = self;
-        let still = |(_, reading): &(usize, &ProbeReading)| {
-            reading.shift == Vector2::zeros() && reading.rotation != Vector2::zeros()
+        let still = |(place, reading): &(usize, &ProbeReading)| match &self.series {
+            Some(series) => series.is_unresolved(*place),
+            None => reading.shift == Vector2::zeros() && reading.rotation != Vector2::zeros(),
         };
         let bound = |(place, reading): (usize, &ProbeReading)| {
             let resolution = options.noise.shift_resolution;
@@ -229,8 +274,14 @@ pub fn estimate_roll(
     options: &RollOptions,
 ) -> Result<RollEstimate, RecordedError> {
     let probes = recorded.readings.len();
+    if let Some(series) = &mut recorded.series {
+        let start = options.series.start.map(Vector2::from);
+        series.rolls.iter_mut().for_each(|roll| roll.start = start);
+    }
+    let (has_series, has_pads) = (recorded.series.is_some(), options.series.pads.is_some());
+    let is_of_ends = options.estimator.method(has_series, has_pads).0 == "least-squares";
     let repeated = match options.noise.pad_start {
-        PadStart::PerRoll => recorded.leave_out_copies(),
+        PadStart::PerRoll if is_of_ends => recorded.leave_out_copies(),
         _ => None,
     };
     let source = &recorded.source;
@@ -269,7 +320,32 @@ pub fn estimate_roll(
         fail(explained(message, error.name()))
     };
 
-    let RollEstimatorConfig::LeastSquares = options.estimator;
+    if let Some(series) = estimate_of_series(&recorded, options, unit).map_err(fail)? {
+        let estimate = series.estimate();
+        return Ok(RollEstimate {
+            options: options.clone(),
+            unit,
+            covariance: Some(series.estimate.covariance),
+            residual: estimate.residual(readings).0,
+            estimate,
+            half_width: NORMAL_95,
+            std_from: match options.series.noise.is_exact() {
+                true if recorded
+                    .series
+                    .as_ref()
+                    .is_some_and(|readings| readings.has_pads) =>
+                {
+                    "the pads' edges"
+                }
+                true if options.series.contact_std == 0.0 => "the residuals",
+                _ => "the stated noise",
+            },
+            repeated: None,
+            probes,
+            series: Some(series),
+            recorded,
+        });
+    }
     let fit = |noise| LeastSquares::fitted(options.probe_radius, noise, readings).map_err(refused);
     let mut noise = options.noise;
     let (mut fitted, mut estimate) = fit(noise)?;
@@ -302,6 +378,7 @@ pub fn estimate_roll(
         std_from,
         repeated,
         probes,
+        series: None,
     })
 }
 

@@ -1,13 +1,15 @@
 //! Settings of an estimate from rolls.
 
-use palpate_ep1::{PadStart, ReadingNoise};
+use palpate_ep1::{PadCell, PadStart, ReadingNoise, SeriesNoise};
 use palpate_statistics::Number;
 use palpate_study::config::{
-    LengthUnit, RollEstimatorConfig, SettingError, split_settings, with_settings,
+    LengthUnit, PadLayout, RollEstimatorConfig, SettingError, split_settings, with_settings,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
+
+use super::roll_series::SeriesOptions;
 
 /// Settings of rolls that a user states; `None` for settings that are not given. Lengths are in the unit of the
 /// readings.
@@ -21,15 +23,22 @@ pub struct RollSettings {
     /// whose contact did not move sets an upper bound on the object's radius.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub pitch: Option<f64>,
-    /// Standard deviation of each component of a shift, for a sensor without pads, in the readings' length unit.
+    /// Standard deviation of each component of a shift, or of a contact point in time series, for a sensor without pads, in the readings' length unit.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub shift_std: Option<f64>,
-    /// Standard deviation of each component of a rotation, rad.
+    /// Standard deviation of each component of a rotation, rad. In time series, each sample has its own error.
     #[schemars(extend("minimum" = 0, "maximum" = std::f64::consts::PI))]
     pub rotation_std_rad: Option<f64>,
-    /// Standard deviation of each component of a rotation, as a fraction of the rotation's magnitude.
+    /// Standard deviation of each component of a rotation, as a fraction of the rotation's magnitude. In time series, all
+    /// samples of a roll have the same error as a fraction.
     #[schemars(extend("minimum" = 0, "maximum" = 1))]
     pub relative_rotation_std: Option<f64>,
+    /// Arrangement of the pads, for time series; square by default.
+    pub pad_layout: Option<PadLayout>,
+    /// Contact point at the start of every time series, in the coordinates of the pads and in the readings' length unit.
+    /// By default it is unknown.
+    #[schemars(extend("x-unit" = "length"))]
+    pub start: Option<[f64; 2]>,
 }
 
 /// Settings of an estimate that the readings do not state.
@@ -44,6 +53,8 @@ pub struct RollOptions {
     /// Noise and resolution of the readings; lengths are in the same unit. If no noise is stated, standard errors
     /// follow from the residuals.
     pub noise: ReadingNoise,
+    /// Settings of the methods for time series.
+    pub series: SeriesOptions,
 }
 
 impl RollOptions {
@@ -54,6 +65,7 @@ impl RollOptions {
             estimator: RollEstimatorConfig::default(),
             length_unit: None,
             noise: ReadingNoise::default(),
+            series: SeriesOptions::default(),
         }
     }
 
@@ -123,8 +135,10 @@ impl RollOptions {
             },
             (None, None) => base.noise,
         };
+        let series = Self::series(&own, base.series)?;
         let rotations = base.noise;
         Ok(Self {
+            series,
             probe_radius,
             estimator: with_settings(&base.estimator, &of_estimator)?,
             noise: ReadingNoise {
@@ -135,6 +149,38 @@ impl RollOptions {
                 ..shifts
             },
             length_unit: length_unit.or(base.length_unit),
+        })
+    }
+
+    fn series(own: &RollSettings, base: SeriesOptions) -> Result<SeriesOptions, SettingError> {
+        let pitch = own.pitch.or(base.pads.map(|cell| cell.pitch()));
+        let pads = match (own.pad_layout, pitch) {
+            (None | Some(PadLayout::Square), Some(pitch)) if own.pitch.is_some() => {
+                Some(PadCell::square(pitch))
+            }
+            (None, _) => base.pads.filter(|_| own.shift_std.is_none()),
+            (Some(PadLayout::Square), Some(pitch)) => Some(PadCell::square(pitch)),
+            (Some(PadLayout::Hexagonal), Some(pitch)) => Some(PadCell::hexagonal(pitch)),
+            (Some(PadLayout::Uniform), _) => {
+                let reason = "must be square or hexagonal: other pads have no straight edges";
+                return Err(SettingError::new("pad_layout", reason));
+            }
+            (Some(_), None) => {
+                let reason = "is of use only with setting `pitch`";
+                return Err(SettingError::new("pad_layout", reason));
+            }
+        };
+        Ok(SeriesOptions {
+            start: own.start.or(base.start),
+            pads,
+            contact_std: own.shift_std.unwrap_or(base.contact_std),
+            noise: SeriesNoise {
+                rotation_std_rad: own.rotation_std_rad.unwrap_or(base.noise.rotation_std_rad),
+                relative_rotation_std: own
+                    .relative_rotation_std
+                    .unwrap_or(base.noise.relative_rotation_std),
+                ..base.noise
+            },
         })
     }
 }

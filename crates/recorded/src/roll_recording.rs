@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use nalgebra::{Vector2, Vector3};
-use palpate_ep1::ProbeReading;
+use palpate_ep1::{ProbeReading, RollSample, RollSeries};
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{CONTACTS, Column, QUATERNION, ROLL_SERIES, ROLLS, columns_of};
@@ -15,6 +15,7 @@ use super::finger_assignment::parted;
 use super::header::Header;
 use super::reading_table::{ExtraColumns, ReadingTable, header};
 use super::roll_rotation::{RotationForm, RotationFrame, between};
+use super::roll_series::SeriesReadings;
 use super::source::{ReadingSource, copies, finite, same_length};
 use super::table_format::pair;
 use super::text_table::TextTable;
@@ -38,6 +39,8 @@ pub struct RollRecording {
     pub(super) extras: ExtraColumns,
     /// Note on how the rows were assigned to probes; `None` if the file states the probe of each row.
     pub(super) note: Option<String>,
+    /// All samples of the probes; `None` if each probe has one row.
+    pub(super) series: Option<SeriesReadings>,
 }
 
 impl RollRecording {
@@ -77,6 +80,55 @@ impl RollRecording {
             rows: Vec::new(),
             extras: ExtraColumns::default(),
             note: None,
+            series: None,
+        })
+    }
+
+    /// Rolls as time series, one row per sample: time (s), rotation vector of the probe since the start of its roll, and
+    /// the place of the contact. A roll starts where the time does not increase. With `has_pads`, the places are centres
+    /// of active pads.
+    ///
+    /// # Errors
+    /// As [`RollRecording::new`].
+    pub fn of_series<const D: usize>(
+        times_s: &[f64],
+        rotations: &[[f64; D]],
+        places: &[[f64; 2]],
+        has_pads: bool,
+        unit: Option<LengthUnit>,
+    ) -> Result<Self, RecordedError> {
+        same_length(("times", times_s.len()), ("rotations", rotations.len()))?;
+        let times: Vec<[f64; 1]> = times_s.iter().map(|&time| [time]).collect();
+        finite("times", &times)?;
+        let all = Self::new(rotations, places, unit)?;
+        let mut rolls: Vec<RollSeries> = Vec::new();
+        let mut start = 0.0;
+        for (row, (&time, rotation)) in times_s.iter().zip(rotations).enumerate() {
+            if row == 0 || time <= times_s[row - 1] {
+                rolls.push(RollSeries::default());
+                start = time;
+            }
+            let turn = rotation.get(2).copied().unwrap_or_default();
+            let turned = Vector3::new(rotation[0], rotation[1], turn);
+            let sample = sample(time - start, turned, places[row]);
+            if let Some(roll) = rolls.last_mut() {
+                roll.samples.push(sample);
+            }
+        }
+        let shift = |roll: &RollSeries| {
+            let (first, last) = (roll.samples.first()?, roll.samples.last()?);
+            let start = if has_pads {
+                [0.0; 2]
+            } else {
+                first.place.into()
+            };
+            let [u, v] = (last.place - Vector2::from(start)).into();
+            Some(reading(last.rotation.x, last.rotation.y, u, v))
+        };
+        Ok(Self {
+            readings: rolls.iter().filter_map(shift).collect(),
+            series: Some(SeriesReadings { has_pads, rolls }),
+            ..all
         })
     }
 
@@ -191,6 +243,7 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
                 rolls.push(Roll {
                     probe,
                     row,
+                    start_s: t_s,
                     start,
                     end,
                 });
@@ -265,6 +318,30 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
             notes.push(Warning::new("assumed-columns", text, []));
         }
     }
+    let series = match kind {
+        Kind::Rows => None,
+        Kind::Pads | Kind::Contacts => {
+            let mut samples = vec![RollSeries::default(); rolls.len()];
+            for ((line, numbers), probe) in sheet.rows().zip(&probes) {
+                let numbers = &numbers[first..];
+                let (times, end) = numbers.split_at(time.len());
+                let place = earlier.get(probe).map_or(0, |(place, _)| *place);
+                let roll = Roll {
+                    end: (line, end),
+                    ..rolls[place]
+                };
+                let relative = roll.relative(kind, form, order, frame.unwrap_or_default());
+                let (turned, _) = relative.map_err(|(line, message)| sheet.fail(line, message))?;
+                let contact = [end[end.len() - 2], end[end.len() - 1]];
+                let since = times[0] - rolls[place].start_s;
+                samples[place].samples.push(sample(since, turned, contact));
+            }
+            Some(SeriesReadings {
+                has_pads: kind == Kind::Pads,
+                rolls: samples,
+            })
+        }
+    };
     let readings = turned
         .iter()
         .map(|(turned, [u, v])| reading(turned.x, turned.y, *u, *v));
@@ -274,6 +351,7 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
         readings: readings.collect(),
         rows: rolls.iter().map(|roll| roll.row).collect(),
         note,
+        series,
         ..RollRecording::new::<2>(&[], &[], None)?
     };
     recording.source.name.clone_from(&sheet.source.name);
@@ -299,9 +377,12 @@ fn scalar_names(order: [usize; 4], names: &[String; 4]) -> String {
 }
 
 /// First and last row of a roll, each with its line.
+#[derive(Clone, Copy)]
 struct Roll<'a> {
     probe: u64,
     row: usize,
+    /// Time of the first row.
+    start_s: f64,
     start: (usize, &'a [f64]),
     end: (usize, &'a [f64]),
 }
@@ -333,7 +414,8 @@ impl Roll<'_> {
         let is_vector = matches!(form, RotationForm::Vector | RotationForm::WholeVector);
         let turned = match self.end.1 {
             // The rotation since the start, with all its digits.
-            [x, y, ..] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, 0.0),
+            [x, y, _, _] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, 0.0),
+            [x, y, z, ..] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, *z),
             _ if kind == Kind::Rows => rotation(self.end)?.scaled_axis(),
             _ => between(&rotation(self.start)?, &rotation(self.end)?, frame),
         };
@@ -424,6 +506,14 @@ fn counted(sheet: &ReadingTable, is_series: bool) -> (Vec<u64>, String) {
         "no column `probe`: blank lines, or times that do not increase, separate {count} probes"
     );
     (parts.into_iter().map(|part| part as u64).collect(), note)
+}
+
+fn sample(time_s: f64, rotation: Vector3<f64>, place: [f64; 2]) -> RollSample {
+    RollSample {
+        time_s,
+        rotation,
+        place: Vector2::from(place),
+    }
 }
 
 fn reading(rotation_x: f64, rotation_y: f64, u: f64, v: f64) -> ProbeReading {

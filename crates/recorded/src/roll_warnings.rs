@@ -35,9 +35,16 @@ impl RollEstimate {
             unit: self.unit.as_str(),
         };
         let units = units(readings, self.options.probe_radius, self.unit);
-        let misfits = self.estimate.misfits(self.options.noise, readings);
+        let misfits = match &self.series {
+            Some(_) => Vec::new(),
+            None => self.estimate.misfits(self.options.noise, readings),
+        };
+        let left_out = self.series.iter();
+        let left_out = left_out.flat_map(|series| series.left_out(&self.recorded));
+        let left_out = left_out.map(|probe| Warning::new("left-out", probe.text(), []));
         Warning::of("units", units)
             .into_iter()
+            .chain(left_out)
             .chain(misfits.iter().map(|misfit| words.warning(misfit)))
             .chain(Warning::of("flat-object", self.flatness()))
             .chain(Warning::of(StatedQuantity::Pitch.code(), self.pitch()))

@@ -1,14 +1,15 @@
 //! Options of an estimate from recorded readings that are stated in a study.
 
 use palpate_study::config::{
-    FingertipConfig, GlideSensorConfig, LengthUnit, PressConfig, PressProbeConfig, ProbeConfig,
-    Reports, RollConfig, SceneConfig, StudyConfig, in_unit,
+    FingertipConfig, GlideSensorConfig, LengthUnit, PadLayout, PressConfig, PressProbeConfig,
+    ProbeConfig, Reports, RollConfig, RollSensorConfig, SceneConfig, StudyConfig, in_unit,
 };
 
 use super::glide_options::{GlideOptions, TipReports};
 use super::press_options::PressOptions;
 use super::roll_options::RollOptions;
-use palpate_ep1::ReadingNoise;
+use super::roll_series::SeriesOptions;
+use palpate_ep1::{PadCell, ReadingNoise, SeriesNoise};
 use palpate_geometry::ShapeThresholds;
 use palpate_study::FieldError;
 
@@ -75,23 +76,38 @@ fn other_kind(needed: &'static str, scene: &SceneConfig) -> StudyMismatch {
 }
 
 impl RollOptions {
-    /// Options with the probe and the estimator of a study, and with `noise` as the noise of its sensor. Lengths are
-    /// converted to `unit`.
+    /// Options with the probe and the estimator of a study, and with the results of `noise` as the noise of its sensor and
+    /// of its time series. Lengths are converted to `unit`.
     ///
     /// # Errors
     /// [`StudyMismatch`] if the scene is of another kind, if the unit cannot be converted, and if `noise` fails.
     pub fn from_study(
         study: &StudyConfig,
         unit: LengthUnit,
-        noise: impl FnOnce(&RollConfig) -> Result<ReadingNoise, FieldError>,
+        noise: impl FnOnce(&RollConfig) -> Result<(ReadingNoise, SeriesNoise), FieldError>,
     ) -> Result<Self, StudyMismatch> {
         let SceneConfig::Roll(config) = &study.scene else {
             return Err(other_kind("roll", &study.scene));
         };
         let factor = factor(study, unit)?;
         let ProbeConfig::Sphere { radius } = config.probe;
-        let noise = noise(config)?;
+        let (noise, series_noise) = noise(config)?;
+        let (pads, contact_std) = match config.sensor {
+            RollSensorConfig::Ideal => (None, 0.0),
+            RollSensorConfig::Wrist { std } => (None, std * factor),
+            RollSensorConfig::Pads { pitch, layout, .. } => match layout {
+                PadLayout::Square => (Some(PadCell::square(pitch * factor)), 0.0),
+                PadLayout::Hexagonal => (Some(PadCell::hexagonal(pitch * factor)), 0.0),
+                PadLayout::Uniform => (None, 0.0),
+            },
+        };
         Ok(Self {
+            series: SeriesOptions {
+                start: None,
+                pads,
+                contact_std,
+                noise: series_noise,
+            },
             estimator: in_unit(&config.estimator, factor),
             length_unit: Some(unit),
             noise: ReadingNoise {

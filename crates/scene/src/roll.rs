@@ -6,6 +6,7 @@ mod roll_plan;
 mod roll_sensor;
 mod roll_trace;
 mod roll_trial;
+mod sampled_rolls;
 
 pub use pulp::Arch;
 pub(crate) use roll_trial::ROLL_QUANTITIES;

@@ -72,6 +72,8 @@ pub enum Channel {
     EncoderPhase = 18,
     /// Error of a measured rotation.
     Rotation = 19,
+    /// Error of a rotation that is drawn for each sample of a roll.
+    RotationSample = 20,
 }
 
 #[cfg(doctest)]

@@ -246,6 +246,39 @@ impl Pads {
         }
     }
 
+    /// Place of the first contact on square or hexagonal pads, length: the displacement from the pads' origin, which is
+    /// the centre of the pad at the first contact. `None` for a uniform lattice.
+    pub fn first_place(&self, placement: &PadPlacement) -> Option<Vector2<f64>> {
+        match &placement.0 {
+            Placement::Square(offset) => Some(offset * self.pitch),
+            Placement::Hexagonal(first) => Some((first - nearest_hexagon(first)) * self.pitch),
+            Placement::Uniform { .. } => None,
+        }
+    }
+
+    /// Centre of the active pad if the contact is at `place`. Both are displacements (length) from the pads' origin, in
+    /// the exponential map there, in which the edges of the pads are straight.
+    ///
+    /// # Errors
+    /// [`BeyondPads`] if the contact is outside of the cap.
+    pub fn active(&self, place: &Vector2<f64>) -> Result<Vector2<f64>, BeyondPads> {
+        self.unless_beyond_cap(place)?;
+        let in_pitches = place / self.pitch;
+        Ok(match self.tiling {
+            Tiling::Hexagonal => nearest_hexagon(&in_pitches),
+            Tiling::Square | Tiling::Uniform(_) => in_pitches.map(f64::round),
+        } * self.pitch)
+    }
+
+    /// Whether the pads are hexagons; `None` for a uniform lattice.
+    pub const fn are_hexagons(&self) -> Option<bool> {
+        match self.tiling {
+            Tiling::Square => Some(false),
+            Tiling::Hexagonal => Some(true),
+            Tiling::Uniform(_) => None,
+        }
+    }
+
     fn unless_beyond_cap(&self, displacement: &Vector2<f64>) -> Result<(), BeyondPads> {
         let angle_rad = (displacement / self.radius).norm();
         if angle_rad <= self.cap_rad {

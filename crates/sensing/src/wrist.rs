@@ -35,6 +35,15 @@ impl Wrist {
         std::f64::consts::SQRT_2 * self.std
     }
 
+    /// The contact point that the sensor infers at one instant of a roll, as a displacement (length) from the first
+    /// contact. The standard deviation of each component is that of [`Wrist::new`].
+    pub fn contact(&self, stream: &mut Stream, displacement: &Vector2<f64>) -> Vector2<f64> {
+        let error = Vector2::new(stream.standard_normal(), stream.standard_normal());
+        let contact = direction_at(&(displacement / self.radius));
+        let inferred = moved_along(&contact, &(error * (self.std / self.radius)));
+        displacement_between(&Vector3::z(), &inferred) * self.radius
+    }
+
     /// The displacement (length) that the sensor infers for a true `displacement` (length, finite) from the first
     /// contact. Even for large errors, the result is at most half a turn of the fingertip. Without noise, its error is
     /// at most 1e-15 of the radius.

@@ -105,6 +105,8 @@ subjects! {
     }
     "Estimators" {
         "least-squares": "Estimator of rolls: the curvature that fits the rotations and shifts of all rolls best.";
+        "pad-edge": "Estimator of rolls as time series from pads. The contact is on the line between two pads when the active pad changes, and on the active pad at all other times. The curvatures that agree with all samples give the estimate and its bounds.";
+        "trajectory": "Estimator of rolls as time series. It fits the curvature at the first contact and the change of curvature along the rolls, with as few terms as the readings need.";
         "quadric": "Estimator of glides: it fits one quadric (second-degree surface) to the whole patch. It has few unknowns, and cannot represent other shapes.";
         "image": "Estimator of presses for a sensor with a camera: it fits the contact model directly to the position, hue and size of each marker in the image, without computing displacements first.";
         "plane": "Estimator of glides: the plane through the contacts, without outliers.";
@@ -139,6 +141,9 @@ subjects! {
         "radius": "Inverse of the mean curvature from rolls and glides. It has two 95 % intervals: for a convex and for a concave object.";
         "residual_rms": "Root mean square of the residuals of the shifts in the fit of rolls.";
         "std_from": "Source of the standard deviations of rolls: stated noise, the pitch of the pads, or the residuals.";
+        "terms": "Number of terms of the curvature along a roll, from time series: 1 if the curvature is constant.";
+        "bounds": "Smallest and largest curvatures that agree with all samples of rolls as time series, if the rotations are exact. An end is null if there is no bound.";
+        "left_out_probes": "Rolls as time series that the fit does not use, each with the reason.";
         "unresolved_probes": "Rolls during which the contact stayed on one pad, with a bound on the \
             object's radius if possible.";
         "k_min": "Smallest normal curvature at a point; `direction_of_min` is its direction.";
@@ -186,7 +191,7 @@ subjects! {
         "assumed-columns": "The file does not name its columns as palpate does. They were found by their order, or as columns of several fingers, or some are not read.";
         "unnamed-fingers": "No column names the finger of each row. The fingers are found by blank lines or long steps.";
         "flat-object": "The object is so flat that the rounding of double precision changes its curvature noticeably.";
-        "left-out": "Contacts are left out of the fit: lost readings and other outliers.";
+        "left-out": "Readings are left out of the fit: lost readings and other outliers, or rolls that cannot be used.";
         "not-resolved-across": "The contacts are of one stroke. They determine the curvature along it, but not across it.";
         "two-groups": "The contacts form two groups that are farther apart than each is wide. They may be of two objects.";
         "uncertain-shape": "The contacts fit two shapes about as well. Record more contacts over a larger part of the object.";
@@ -215,6 +220,10 @@ subjects! {
         "noisy-rotations": "Measurement errors are at least half of the squared rotations. Use longer rolls or a finer encoder.";
         "unresolved": "The contact did not move in some direction although the probe rolled. The object is too sharp for the pads, so the readings give only a bound on its radius. Use finer pads or longer rolls.";
         "not-rolling": "The contact moved against the direction of the roll, which is impossible in a rolling contact. The noise is larger than the movement, or a sign of the readings is wrong. Use longer rolls or less noise. In recorded readings, a contact that moves to +u has rotation_y < 0.";
+        "too-few-rolls": "There are fewer than two usable time series of rolls. A roll is not usable if it has fewer than two samples, does not rotate or stays on one pad.";
+        "time-order": "The times of a roll as a time series do not increase.";
+        "off-probe": "A place in a time series is more than half way round the probe. The lengths may be in another unit.";
+        "contradiction": "The rotations of a roll as a time series contradict its pads or the other rolls by more than the stated noise. The pitch, the radius of the probe or the axes may be wrong, or the probe slipped.";
         "overlapping": "The object would penetrate the probe beside the contact, so a real probe cannot roll there.";
         "conforming": "The object is hollow and has almost the same radius as the probe or sensor. They would touch over a whole area, so there is no contact point and no finite effective radius. In `press`, this is also the name of a regime.";
         "too-many-steps": "The integrator of the roll reached its largest number of steps before the end of the roll.";

@@ -410,6 +410,36 @@ pub fn roll_readings_table(
     table
 }
 
+/// Table of time series of rolls, one row per sample: the number of the probe, the time, the rotation vector, and the
+/// place of the contact or of the active pad. The rotation about the normal is a column if `spins`.
+pub fn roll_series_table(
+    samples: impl IntoIterator<Item = (usize, f64, [f64; 3], [f64; 2])>,
+    spins: bool,
+    has_pads: bool,
+    unit: LengthUnit,
+) -> Table {
+    let rotations = &ROTATION_VECTOR[..if spins { 3 } else { 2 }];
+    let places = if has_pads {
+        &ROLL_SERIES[4..]
+    } else {
+        &CONTACTS
+    };
+    let columns = [&ROLL_SERIES[..2], rotations, places].concat();
+    let mut table = Table::new(columns.iter().flat_map(|column| match column.measure {
+        Measure::Length => crate::Column::in_length([column.name], Unit::Length, unit),
+        Measure::Angle => [crate::Column::number(column.name, "rad")],
+        Measure::Time => [crate::Column::number("time_s", "s")],
+        _ => [crate::Column::count(column.name)],
+    }));
+    for (probe, time_s, rotation, place) in samples {
+        let mut row = vec![time_s];
+        row.extend(&rotation[..rotations.len()]);
+        row.extend(place);
+        table.push(probe, row);
+    }
+    table
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {

@@ -316,3 +316,27 @@ fn one_finger_is_printed_in_the_singular() {
     let printed = Desk::with(&one).palpate("trace c.toml --out o").printed();
     assert_eq!(printed, "a-glide: 10 contacts of 1 finger -> o\n");
 }
+
+#[test]
+fn sampled_rolls_are_written_as_time_series() {
+    let motion = "duration_s = 1.0, sampling_hz = 10, directions_deg = [0, 90]";
+    let scene = edited(SCENE, "duration_s = 1.0", motion);
+    let desk = Desk::with(&scene);
+    desk.palpate("trace c.toml --out t").printed();
+    let readings = desk.table("t/readings.csv");
+    let header = "probe,time_s,rotation_x_rad,rotation_y_rad,contact_u_mm,contact_v_mm";
+    assert_eq!(desk.read("t/readings.csv").lines().next(), Some(header));
+    assert_eq!(readings.rows.len(), 2 * 11);
+    for (row, time) in [(0, 0.0), (3, 0.3), (10, 1.0)] {
+        assert_close(readings.number(row, "time_s"), time, 1e-15);
+        assert_close(readings.number(row, "rotation_y_rad"), -0.5 * time, 1e-14);
+        let contact = 0.5 * time / (1.0 / 10.0 + 1.0 / 50.0);
+        assert_close(readings.number(row, "contact_u_mm"), contact, 1e-13);
+    }
+    let printed = desk
+        .palpate("estimate roll t/readings.csv --probe-radius 10")
+        .printed();
+    let estimate: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    let curvature = estimate["mean_curvature"]["value"].as_f64().unwrap();
+    assert_close(curvature, 1.0 / 50.0, 1e-12);
+}

@@ -18,7 +18,7 @@ use crate::study::Study;
 
 record!(
     RollEstimate,
-    "Curvature of an object at a point, from small rolls.\n\nFields: those that `palpate estimate roll` prints, for example `normal_curvature_u`, `normal_curvature_v`,\n`gaussian_curvature`, `mean_curvature` (each with `value`, `std` or None, `interval95` and `unit`),\n`principal_curvature_min`, `principal_curvature_max`, `principal_direction_max_deg` (from +u towards +v),\n`residual_rms`, `std_from`, `unresolved_probes`, `p_value` and `warnings`\n(each with `code`, `text` and `numbers`); and `covariance`, (3, 3), of the normal\ncurvatures along u and v and the twist k_uv, 1/length², NaN if the noise is unknown."
+    "Curvature of an object at a point, from small rolls.\n\nFields: those that `palpate estimate roll` prints, for example `normal_curvature_u`, `normal_curvature_v`,\n`gaussian_curvature`, `mean_curvature` (each with `value`, `std` or None, `interval95` and `unit`),\n`principal_curvature_min`, `principal_curvature_max`, `principal_direction_max_deg` (from +u towards +v),\n`residual_rms`, `std_from`, `unresolved_probes`, `p_value`, for time series `terms` and `bounds`, and `warnings`\n(each with `code`, `text` and `numbers`); and `covariance`, (3, 3), of the normal\ncurvatures along u and v and the twist k_uv, 1/length², NaN if the noise is unknown."
 );
 
 impl Made for recorded::RollEstimate {
@@ -66,7 +66,11 @@ impl Made for recorded::RollEstimate {
 ///     optionally about the normal, which does not move the contact. If the contact moves to +u, the rotation about v
 ///     is negative.
 /// shifts : array, (n, 2)
-///     Displacement of each contact on the probe along u and v, measured along a great circle, length.
+///     Displacement of each contact on the probe along u and v, measured along a great circle, length. With `times`: the
+///     place of the contact at each sample, or the centre of the active pad if `pitch` is stated.
+/// times : array, (n,), optional
+///     Times of samples, s. Each row is then a sample of a roll, with the rotation since the start of its roll. A roll
+///     starts where the time does not increase.
 /// probe_radius : float
 ///     Radius of the probe, length; needed unless `like` states it.
 /// pitch : float, optional
@@ -75,11 +79,17 @@ impl Made for recorded::RollEstimate {
 /// shift_std : float, optional
 ///     Standard deviation of each component of a shift, length, for a sensor without pads.
 /// rotation_std_rad : float, optional
-///     Standard deviation of each component of a rotation, rad, from 0 to pi.
+///     Standard deviation of each component of a rotation, rad, from 0 to pi. Samples of a time series have independent
+///     errors.
 /// relative_rotation_std : float, optional
 ///     Standard deviation of each component of a rotation, as a fraction of it, from 0 to 1.
+/// pad_layout : str, optional
+///     Arrangement of the pads, for time series: "square", which is the default, or "hexagonal".
+/// start : array, (2,), optional
+///     Contact point at the start of every time series, in the coordinates of the pads, length; unknown by default.
 /// method : str, optional
-///     "least-squares".
+///     "least-squares", which is the default and uses the ends of rolls, or a method for time series: "pad-edge",
+///     "trajectory" or "auto".
 /// length_unit : str, optional
 ///     Unit of all lengths: "m", "cm", "mm", "um" or "unit", which is the default.
 /// like : Study, optional
@@ -116,14 +126,15 @@ impl Made for recorded::RollEstimate {
 /// >>> round(estimate.mean_curvature.value, 12)
 /// 0.05
 #[pyfunction]
-#[pyo3(signature = (rotations, shifts, *, length_unit=None, like=None, cell=0, threads=None, **settings),
+#[pyo3(signature = (rotations, shifts, *, times=None, length_unit=None, like=None, cell=0, threads=None, **settings),
     text_signature = "(rotations, shifts, *, probe_radius=None, pitch=None, shift_std=None, rotation_std_rad=None, \
-    relative_rotation_std=None, method=None, length_unit=None, like=None, cell=0, threads=None)")]
+    relative_rotation_std=None, pad_layout=None, start=None, times=None, method=None, length_unit=None, like=None, cell=0, threads=None)")]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn estimate_roll<'py>(
     py: Python<'py>,
     rotations: &Bound<'py, PyAny>,
     shifts: &Bound<'py, PyAny>,
+    times: Option<&Bound<'py, PyAny>>,
     length_unit: Option<&str>,
     like: Option<Bound<'py, Study>>,
     cell: usize,
@@ -136,6 +147,24 @@ pub(crate) fn estimate_roll<'py>(
     let shifts = Numbers::of("shifts", shifts)?;
     let (turned, columns) = rotations.sets(&[2, 3], "(n, 2), (n, 3), (m, n, 2) or (m, n, 3)")?;
     let (moved, _) = shifts.sets(&[2], "(n, 2) or (m, n, 2)")?;
+    if let Some(times) = times {
+        let times = Numbers::of("times", times)?;
+        if turned.or(moved).is_some() || times.shape().len() != 1 {
+            return Err(error::shape(
+                "times",
+                "(n,), with rotations (n, 2)",
+                times.shape(),
+            ));
+        }
+        let has_pads = options.series.pads.is_some();
+        let (times, places) = (times.flat(), shifts.set(0));
+        let readings = match columns {
+            2 => RollRecording::of_series(times, rotations.set::<2>(0), places, has_pads, unit),
+            _ => RollRecording::of_series(times, rotations.set::<3>(0), places, has_pads, unit),
+        };
+        let estimate = readings.and_then(|readings| recorded::estimate_roll(readings, &options));
+        return RollEstimate::of(py, Record::new(estimate.map_err(error::recorded)?));
+    }
     let readings = |set: usize| match columns {
         2 => RollRecording::new(rotations.set::<2>(set), shifts.set(set), unit),
         _ => RollRecording::new(rotations.set::<3>(set), shifts.set(set), unit),

@@ -41,12 +41,14 @@ fn json(name: &str, value: &Bound<'_, PyAny>, accepts: &Accepts) -> PyResult<Jso
             value.extract::<i64>().map(Json::from).map_err(typed)
         }
         Accepts::Number(_) => number(name, value.extract().map_err(typed)?),
-        Accepts::Vector => {
-            let components: [f64; 3] = value.extract().map_err(typed)?;
-            components
-                .map(|one| number(name, one))
-                .into_iter()
-                .collect()
+        Accepts::Vector(size) => {
+            let components: Vec<f64> = match size {
+                2 => value.extract::<[f64; 2]>().map(Vec::from),
+                _ => value.extract::<[f64; 3]>().map(Vec::from),
+            }
+            .map_err(typed)?;
+            let components = components.into_iter();
+            components.map(|one| number(name, one)).collect()
         }
     }
 }

@@ -9,5 +9,6 @@ mod image_estimate;
 mod load_curve;
 mod logs;
 mod reading_files;
+mod roll_series;
 mod rotations;
 mod table_files;

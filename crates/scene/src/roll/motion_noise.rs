@@ -127,6 +127,27 @@ impl NoiseTrial {
         }
     }
 
+    /// Errors of the measured rotation at these fractions of a roll, rad; they are 0 if the motion has the noise.
+    pub(super) fn measured(&mut self, command: &Motion, fractions: &[f64]) -> Vec<Vector2<f64>> {
+        let Some((noise, stream)) = self.0.as_mut().filter(|(noise, _)| !noise.is_of_motion())
+        else {
+            return vec![Vector2::zeros(); fractions.len()];
+        };
+        let rate = command.angular_velocity.norm();
+        let pieces = f64::from(noise.instants);
+        let mut sums = vec![Vector2::zeros()];
+        for _ in 0..noise.instants {
+            let last = sums[sums.len() - 1];
+            sums.push(last + noise.error.draw(stream, rate) * (command.duration_s / pieces));
+        }
+        let at = |fraction: &f64| {
+            let piece = (fraction * pieces).clamp(0.0, pieces);
+            let before = (piece as usize).min(sums.len() - 2);
+            sums[before] + (sums[before + 1] - sums[before]) * (piece - before as f64)
+        };
+        fractions.iter().map(at).collect()
+    }
+
     /// The motions that the probe actually makes when `command` is commanded.
     pub(super) fn motions(&mut self, command: &Motion) -> Vec<Motion> {
         let Some((noise, stream)) = &mut self.0 else {

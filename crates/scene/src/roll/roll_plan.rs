@@ -12,12 +12,13 @@ use super::linear_rolls::LinearRolls;
 use super::motion_noise::{MotionNoise, Roll};
 use super::roll_sensor::{RollSensor, RotationSensor};
 use super::roll_trial::{RollFit, RollScene, Truth};
+use super::sampled_rolls::SampledRolls;
 use crate::config_conversion::{range_error, sensor_error, shape};
 use crate::ladder::{Accuracy, Ladder, Rung};
 use palpate_study::FieldError;
 use palpate_study::config::{
     self, AngularVelocityDraws, AngularVelocityNoise, ModelConfig, ObjectConfig, ProbeConfig,
-    RollAxis, RollConfig, RollEstimatorConfig, RollModelConfig, RollMotionConfig, When,
+    RollAxis, RollConfig, RollModelConfig, RollMotionConfig, When,
 };
 
 fn roll_error(object: &ObjectConfig, error: InvalidRoll) -> FieldError {
@@ -44,7 +45,6 @@ impl RollScene {
         let noise = motion_noise(config)?;
         let sensor = RollSensor::new(&config.sensor, radius)?;
         let rotation_sensor = RotationSensor::new(&config.noise)?;
-        let RollEstimatorConfig::LeastSquares = config.estimator;
 
         let (roller, commands) = roller(config, probe, object, noise)?;
         let reading_noise = ReadingNoise {
@@ -60,7 +60,17 @@ impl RollScene {
         let rotations: Vec<_> = rolls.iter().map(|roll| roll.rotation).collect();
         let fit = LeastSquares::new(radius, reading_noise, &rotations)
             .map_or_else(RollFit::NoFit, RollFit::Fit);
-        let linear = match rotation_sensor.is_exact() {
+        let sampled = SampledRolls::new(
+            config,
+            &roller,
+            &rolls,
+            (&sensor, &rotation_sensor),
+            reading_noise.relative_rotation_std,
+        )?;
+        let has_series = sampled
+            .as_ref()
+            .is_some_and(|sampled| sampled.method.is_some());
+        let linear = match rotation_sensor.is_exact() && !has_series {
             true => LinearRolls::new(&roller, &rolls, noise.as_ref()),
             false => None,
         };
@@ -68,6 +78,8 @@ impl RollScene {
             seed,
             fit,
             linear,
+            sampled,
+            estimator: config.estimator.clone(),
             roller,
             rolls,
             noise,

@@ -1,9 +1,10 @@
 //! Sensors of a roll, which read the contact on the probe and the rotation of the probe.
 
-use nalgebra::Vector2;
-use palpate_ep1::{PadStart, ReadingNoise};
+use nalgebra::{UnitQuaternion, Vector2, Vector3};
+use palpate_ep1::{PadCell, PadStart, Places, ReadingNoise, SeriesNoise};
 use palpate_sensing::{
     BeyondPads, Channel, Encoder, GaussianError, PadOffset, PadPlacement, Pads, Stream, Wrist,
+    direction_at, displacement_between,
 };
 use palpate_statistics::Number;
 use palpate_study::config::{self, RollNoiseConfig, RollSensorConfig, RotationNoise};
@@ -111,6 +112,20 @@ impl RollSensor {
         }
     }
 
+    /// What the places in a time series are; `None` for pads without straight edges.
+    pub(super) fn places(&self) -> Option<Places> {
+        Some(match self {
+            Self::Ideal => Places::Contacts { std: 0.0 },
+            Self::Wrist(wrist) => Places::Contacts {
+                std: wrist.shift_std() / std::f64::consts::SQRT_2,
+            },
+            Self::Pads(pads) => Places::Pads(match pads.are_hexagons()? {
+                true => PadCell::hexagonal(pads.pitch()),
+                false => PadCell::square(pads.pitch()),
+            }),
+        })
+    }
+
     pub(super) fn need(&self) -> String {
         match self {
             Self::Ideal => "ideal sensor: no noise".to_owned(),
@@ -137,6 +152,40 @@ impl SensorTrial<'_> {
             Self::Pads(pads, placement) => pads.read(placement, displacement),
         }
     }
+
+    /// The readings of one roll at all its samples, and the place of the first contact. Both are in the exponential map
+    /// at the pads' origin; without pads, the origin is the first contact. The true contacts are displacements from the
+    /// first contact.
+    pub(super) fn read_samples(
+        &mut self,
+        radius: f64,
+        contacts: &[Vector2<f64>],
+    ) -> Result<(Vec<Vector2<f64>>, Vector2<f64>), BeyondPads> {
+        let random;
+        let (pads, placement) = match self {
+            Self::Ideal => return Ok((contacts.to_vec(), Vector2::zeros())),
+            Self::Wrist(wrist, stream) => {
+                let read = |contact| wrist.contact(stream, contact);
+                return Ok((contacts.iter().map(read).collect(), Vector2::zeros()));
+            }
+            Self::RandomPads(pads, stream) => {
+                random = pads.place(stream);
+                (pads, &random)
+            }
+            Self::Pads(pads, placement) => (pads, &*placement),
+        };
+        let first = pads.first_place(placement).unwrap_or_default();
+        // The axes at the first contact are those at the pads' origin, carried along the great circle between them.
+        let origin_from_first =
+            UnitQuaternion::rotation_between(&Vector3::z(), &direction_at(&(first / radius)))
+                .unwrap_or_default();
+        let place = |contact: &Vector2<f64>| {
+            let direction = origin_from_first * direction_at(&(contact / radius));
+            pads.active(&(displacement_between(&Vector3::z(), &direction) * radius))
+        };
+        let places = contacts.iter().map(place).collect::<Result<_, _>>()?;
+        Ok((places, first))
+    }
 }
 
 /// Sensor of the rotation of a probe, with its errors.
@@ -146,6 +195,8 @@ pub(super) struct RotationSensor {
     /// Rate at which the error of each component of the rotation grows during a roll, rad/s.
     drift_rad_per_s: f64,
     encoder: Option<Encoder>,
+    /// Error that is drawn for each sample of a roll.
+    sample_error: GaussianError,
 }
 
 /// The rotation sensor during one trial.
@@ -153,6 +204,7 @@ pub(super) struct RotationTrial<'a> {
     sensor: &'a RotationSensor,
     errors: Stream,
     phases: Stream,
+    samples: Stream,
 }
 
 impl RotationSensor {
@@ -164,6 +216,10 @@ impl RotationSensor {
             .as_ref()
             .map(|encoder| Encoder::new(encoder.step_rad()));
         Ok(Self {
+            sample_error: GaussianError::new(number(|noise| {
+                noise.sample_std_deg.unwrap_or(0.0).to_radians()
+            }))
+            .map_err(|error| sensor_error("scene.noise.rotation.sample_std_deg", error))?,
             drift_rad_per_s: number(|noise| noise.drift_deg_per_s.unwrap_or(0.0).to_radians()),
             error: GaussianError::new(number(RotationNoise::std_rad))
                 .and_then(|error| {
@@ -176,13 +232,18 @@ impl RotationSensor {
         })
     }
 
+    /// Whether the error of a roll or of its samples is random.
     pub(super) fn is_random(&self) -> bool {
+        self.is_random_per_roll() || self.sample_error.is_random()
+    }
+
+    fn is_random_per_roll(&self) -> bool {
         self.error.is_random() || self.encoder.is_some()
     }
 
-    /// Whether the sensor reports the true rotations.
+    /// Whether the sensor reports the true rotations at the ends of rolls.
     pub(super) fn is_exact(&self) -> bool {
-        !self.is_random() && self.error.bias() == 0.0 && self.drift_rad_per_s == 0.0
+        !self.is_random_per_roll() && self.error.bias() == 0.0 && self.drift_rad_per_s == 0.0
     }
 
     /// Config path of the larger of the sensor's two errors.
@@ -201,11 +262,22 @@ impl RotationSensor {
         )
     }
 
+    /// Noise of sampled rotations, if the rolls end at rotations of this size (rad).
+    pub(super) fn series_noise(&self, rotation_rad: f64) -> SeriesNoise {
+        let step = self.encoder.map_or(0.0, |encoder| encoder.std_rad());
+        SeriesNoise {
+            rotation_std_rad: libm::hypot(self.sample_error.std(), step),
+            relative_rotation_std: self.error.std() / rotation_rad,
+            ..SeriesNoise::default()
+        }
+    }
+
     pub(super) fn begin(&self, seed: u64, trial: u64) -> RotationTrial<'_> {
         RotationTrial {
             sensor: self,
             errors: Stream::new(seed, trial, Channel::Rotation),
             phases: Stream::new(seed, trial, Channel::EncoderPhase),
+            samples: Stream::new(seed, trial, Channel::RotationSample),
         }
     }
 
@@ -227,7 +299,18 @@ impl RotationSensor {
         let offsets = offsets.map(|(name, size, unit)| {
             format!("a {name} of measured rotations of {} {unit}", Number(size))
         });
-        let needs: Vec<String> = error.into_iter().chain(encoder).chain(offsets).collect();
+        let samples = self.sample_error.is_random().then(|| {
+            format!(
+                "sampled rotations with a standard deviation of {} rad per sample",
+                Number(self.sample_error.std())
+            )
+        });
+        let needs: Vec<String> = error
+            .into_iter()
+            .chain(encoder)
+            .chain(offsets)
+            .chain(samples)
+            .collect();
         (!needs.is_empty()).then(|| needs.join("; "))
     }
 }
@@ -239,12 +322,43 @@ impl RotationTrial<'_> {
             error,
             drift_rad_per_s,
             encoder,
+            sample_error: _,
         } = self.sensor;
         let drifted = drift_rad_per_s * duration_s;
         let measured = rotation.map(|angle| angle + drifted + error.draw(&mut self.errors));
         match encoder {
             Some(encoder) => encoder.read(&mut self.phases, &measured),
             None => measured,
+        }
+    }
+
+    /// The rotations (rad) that the sensor reports at these fractions of a roll. The error of a roll grows from 0 at its
+    /// start; its size at the end is that of [`RotationTrial::read`].
+    pub(super) fn read_samples(
+        &mut self,
+        rotations: &mut [Vector2<f64>],
+        fractions: &[f64],
+        duration_s: f64,
+    ) {
+        let RotationSensor {
+            error,
+            drift_rad_per_s,
+            encoder,
+            sample_error,
+        } = self.sensor;
+        let drifted = drift_rad_per_s * duration_s;
+        let mut at_end = || drifted + error.draw(&mut self.errors);
+        let at_end = Vector2::new(at_end(), at_end());
+        // All samples of a roll have the same phase of the encoder.
+        let first_phase = self.phases.clone();
+        for (rotation, &fraction) in rotations.iter_mut().zip(fractions) {
+            let error = Vector2::from_fn(|_, _| sample_error.draw(&mut self.samples));
+            let measured = *rotation + at_end * fraction + error;
+            self.phases = first_phase.clone();
+            *rotation = match encoder {
+                Some(encoder) => encoder.read(&mut self.phases, &measured),
+                None => measured,
+            };
         }
     }
 }

@@ -6,7 +6,7 @@ use super::motion_noise::NoiseTrial;
 use super::roll_trial::RollScene;
 use crate::trace::{Trace, TraceError, counted};
 use palpate_study::config::{LengthUnit, Side};
-use palpate_study::readings::roll_readings_table;
+use palpate_study::readings::{roll_readings_table, roll_series_table};
 use palpate_study::{Column, Table, Unit};
 
 /// Number of samples of each roll in the table, in addition to the first contact.
@@ -67,7 +67,18 @@ impl RollScene {
         Ok(Trace {
             what: format!("{} of {probes}", counted(contacts.rows.len(), "contact")),
             contacts,
-            readings: roll_readings_table(readings, unit),
+            readings: match &self.sampled {
+                Some(sampled) => {
+                    let rows = self.series_rows(sampled, trial)?;
+                    let spins = rows.iter().any(|(_, sample)| sample.rotation.z != 0.0);
+                    let rows = rows.into_iter().map(|(probe, sample)| {
+                        let [x, y, z] = sample.rotation.into();
+                        (probe, sample.time_s, [x, y, z], sample.place.into())
+                    });
+                    roll_series_table(rows, spins, sampled.has_pads(), unit)
+                }
+                None => roll_readings_table(readings, unit),
+            },
             camera: None,
         })
     }

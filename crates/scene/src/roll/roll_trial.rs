@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::Vector2;
 use palpate_ep1::{
     BATCH_SIZE, BatchEstimates, Ep1Error, Estimate, LeastSquares, Measured, Moments, ProbeReading,
-    ReadingNoise, rounding_std,
+    ReadingNoise, SeriesMethod, SeriesNoise, rounding_std,
 };
 use palpate_geometry::CurvatureForm;
 use palpate_rolling::{Chart, Motion, Roller};
@@ -15,10 +15,11 @@ use pulp::{Arch, Simd, WithSimd};
 use super::linear_rolls::{LinearRolls, ManyRolls};
 use super::motion_noise::{MotionNoise, NoiseTrial, Roll};
 use super::roll_sensor::{RollSensor, RotationSensor};
+use super::sampled_rolls::SampledRolls;
 use crate::ladder::Ladder;
 use crate::scene::{Need, Trials};
 use crate::trace::{Trace, TraceError};
-use palpate_study::config::{LengthUnit, Side};
+use palpate_study::config::{LengthUnit, RollEstimatorConfig, Side};
 use palpate_study::{FieldError, MapTable, Quantity, Warning};
 use palpate_sweep::{Observation, Observations};
 
@@ -45,6 +46,9 @@ pub struct RollScene {
     /// Closed form of the rolls. `None` unless all rolls are linear and the reported rotations are the same in every
     /// trial.
     pub(super) linear: Option<LinearRolls>,
+    /// Samples of the rolls; `None` if only their ends are read.
+    pub(super) sampled: Option<SampledRolls>,
+    pub(super) estimator: RollEstimatorConfig,
     pub(super) truth: Truth,
     pub(super) directions_path: &'static str,
     /// Largest error that `auto` allows when it chooses the model; `None` if the config names the model.
@@ -165,8 +169,12 @@ impl RollScene {
             let estimate = fit.estimate(&moments).map_err(|error| error.name())?;
             return Ok(self.compare(&estimate));
         }
-        self.sensor_trial(trial)
-            .map(|estimate| self.compare(&estimate))
+        match self.series_method() {
+            Some((sampled, method)) => self.series_outcomes(sampled, method, trial),
+            None => self
+                .sensor_trial(trial)
+                .map(|estimate| self.compare(&estimate)),
+        }
     }
 
     /// Runs trials in batches of at most [`BATCH_SIZE`], and passes the outcomes of each trial to `take`, in the order
@@ -220,9 +228,20 @@ impl RollScene {
         }
     }
 
+    /// The samples and the estimator that uses them; `None` for least squares.
+    fn series_method(&self) -> Option<(&SampledRolls, SeriesMethod)> {
+        let sampled = self.sampled.as_ref()?;
+        Some((sampled, sampled.method?))
+    }
+
+    /// Noise of time series that the estimator assumes; `None` if only the ends of rolls are read.
+    pub fn series_noise(&self) -> Option<SeriesNoise> {
+        self.sampled.as_ref().map(|sampled| sampled.noise)
+    }
+
     /// Compares an estimate with the true values.
     #[inline(always)]
-    fn compare(&self, estimate: &Estimate) -> [Observation; ROLL_QUANTITIES.len()] {
+    pub(super) fn compare(&self, estimate: &Estimate) -> [Observation; ROLL_QUANTITIES.len()] {
         let outcome = |measured: Measured, truth: f64| Observation {
             std: measured.std,
             ..Observation::plain(measured.value, truth)
@@ -304,6 +323,22 @@ impl RollScene {
         Ok(())
     }
 
+    /// The estimator with its readings, and the reason if `auto` chose it.
+    fn method_need(&self) -> String {
+        let probes = self.rolls.len();
+        let sampled = self.sampled.as_ref();
+        let has_pads = sampled.is_some_and(SampledRolls::has_pads);
+        let (name, reason) = self.estimator.method(sampled.is_some(), has_pads);
+        let reason = reason.map_or_else(String::new, |reason| format!(", chosen because {reason}"));
+        match sampled {
+            Some(sampled) if sampled.method.is_some() => {
+                let samples = sampled.samples();
+                format!("{name} over {probes} probes, {samples} samples{reason}")
+            }
+            _ => format!("least squares over {probes} probes{reason}"),
+        }
+    }
+
     /// Warning if the object is so flat that rounding of the readings affects the estimated curvature.
     fn rounding_warning(&self) -> Option<Warning> {
         let curvature = self.truth.curvature.principal();
@@ -333,6 +368,9 @@ impl Trials for RollScene {
     fn estimable(&self) -> Result<(), FieldError> {
         match &self.fit {
             RollFit::Fit(_) => Ok(()),
+            RollFit::NoFit(Ep1Error::NoisyRotations { .. }) if self.series_method().is_some() => {
+                Ok(())
+            }
             RollFit::NoFit(error @ Ep1Error::NoisyRotations { .. }) => {
                 Err(FieldError::at(self.rotation_sensor.path(), error))
             }
@@ -355,6 +393,9 @@ impl Trials for RollScene {
         trial: u64,
         observe: &mut dyn FnMut(usize, Observation),
     ) -> Result<Vec<&'static str>, &'static str> {
+        if self.series_method().is_some() {
+            return self.trial(trial, observe).map(|()| Vec::new());
+        }
         let mut readings = Vec::with_capacity(self.rolls.len());
         self.readings(trial, |reading| readings.push(reading))?;
         let radius = self.roller.probe().radius();
@@ -386,7 +427,7 @@ impl Trials for RollScene {
             );
         }
         models.extend(self.rotation_sensor.need());
-        models.push(format!("least squares over {} probes", self.rolls.len()));
+        models.push(self.method_need());
         let mut needs: Vec<Need> = models.into_iter().map(Need::from).collect();
         needs.extend(self.rounding_warning().map(Need::from));
         let half_turn = std::f64::consts::PI * self.roller.probe().radius();

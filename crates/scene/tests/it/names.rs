@@ -1,7 +1,7 @@
 //! Names of errors, as they are written in `failures.csv`.
 
 use palpate_chromatouch::OpticsError;
-use palpate_ep1::Ep1Error;
+use palpate_ep1::{Ep1Error, SeriesError};
 use palpate_ep2::Ep2Error;
 use palpate_geometry::{ShapeClass, SurfaceError};
 use palpate_press::{ContactRegime, PressError, Verdict};
@@ -17,13 +17,14 @@ use strum::VariantNames;
 /// Names that palpate prints in addition to the names of error variants, which `VariantNames` lists.
 const PRINTED: &str = "beyond-pads out-of-field not-seen tracked lost merged split new \
     polynomial interpolating smoothing knots-exhausted unsettled \
-    roll glide press fingertip least-squares quadric penalised two-pass half-space bonded-layer gaussian hertz \
+    roll glide press fingertip least-squares pad-edge trajectory quadric penalised two-pass half-space bonded-layer gaussian hertz \
     direct projected rendered saddle usage work stopped never-enough negative-std unknown-quantity";
 
 #[test]
 fn every_name_is_explained() {
     let variants = [
         Ep1Error::VARIANTS,
+        SeriesError::VARIANTS,
         SurfaceError::VARIANTS,
         RollFault::VARIANTS,
         GlideError::VARIANTS,

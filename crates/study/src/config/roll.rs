@@ -53,6 +53,10 @@ impl RollConfig {
                     motion.spin_rad_per_s != 0.0,
                     "missing key; `spin_rad_per_s` is compared with it",
                 ),
+                (
+                    motion.sampling_hz.is_some(),
+                    "missing key; `sampling_hz` needs it",
+                ),
             ];
             let needed = counted.into_iter().find(|(is_needed, _)| *is_needed);
             if let Some((_, message)) = needed {
@@ -64,10 +68,12 @@ impl RollConfig {
             std_rad: None,
             bias_deg: None,
             drift_deg_per_s: None,
+            sample_std_deg: None,
             ..
         }) = self.noise.rotation
         {
-            let message = "needs `std_deg`, `std_rad`, `bias_deg` or `drift_deg_per_s`";
+            let message =
+                "needs `std_deg`, `std_rad`, `bias_deg`, `drift_deg_per_s` or `sample_std_deg`";
             return Err(("scene.noise.rotation", message));
         }
         if let Some(EncoderConfig {
@@ -76,6 +82,19 @@ impl RollConfig {
         }) = self.noise.encoder
         {
             return Err(("scene.noise.encoder", "needs `step_deg` or `step_rad`"));
+        }
+        if self.estimator.needs_series() && motion.sampling_hz.is_none() {
+            return Err((
+                "scene.motion.sampling_hz",
+                "missing key; the estimator needs rolls as time series",
+            ));
+        }
+        let has_pads = matches!(self.sensor, RollSensorConfig::Pads { .. });
+        if !has_pads && matches!(self.estimator, RollEstimatorConfig::PadEdge { .. }) {
+            return Err((
+                "scene.estimator.kind",
+                "\"pad-edge\" needs a sensor of kind = \"pads\"; \"trajectory\" does not",
+            ));
         }
         if motion.axis == RollAxis::Chart && self.model.chart() == Some(Chart::Free) {
             return Err((
@@ -119,6 +138,10 @@ pub struct RollMotionConfig {
     /// `angle_deg`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["duration_s", "arc_length"]))]
     pub angle_deg: Option<f64>,
+    /// Rate at which the readings are sampled, 1/s. With it, the readings of a roll are a time series; without it, they
+    /// are the rotation and the shift at the end.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e6))]
+    pub sampling_hz: Option<f64>,
     /// Rate of rotation about the contact normal.
     #[serde(default)]
     pub spin_rad_per_s: f64,
@@ -362,6 +385,9 @@ pub struct RotationNoise {
     /// Error of each component that grows during a roll, such as the drift of a gyroscope.
     #[schemars(extend("minimum" = -1e6, "maximum" = 1e6))]
     pub drift_deg_per_s: Option<f64>,
+    /// Standard deviation of an error that is drawn for each sample of a roll (`motion.sampling_hz`), 0 by default.
+    #[schemars(extend("minimum" = 0, "maximum" = 180))]
+    pub sample_std_deg: Option<f64>,
 }
 
 impl RotationNoise {
@@ -408,9 +434,79 @@ fn radians(deg: Option<f64>, rad: Option<f64>) -> f64 {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RollEstimatorConfig {
-    /// Least squares over all rolls.
+    /// Least squares over the rotations and shifts of all rolls, as in the 1996 paper.
     #[default]
     LeastSquares,
+    /// Curvature forms that agree with the instants at which the active pad changes. It needs time series and pads.
+    PadEdge {
+        /// Whether the place of the first contact on the pads is known.
+        #[serde(default)]
+        start: RollStart,
+    },
+    /// Nonlinear least squares along the whole roll, for the curvature and its change along the path. It needs time
+    /// series.
+    Trajectory {
+        /// Whether the place of the first contact on the pads is known.
+        #[serde(default)]
+        start: RollStart,
+    },
+    /// "pad-edge" for time series from pads, "trajectory" for other time series, else "least-squares".
+    Auto {
+        /// Whether the place of the first contact on the pads is known.
+        #[serde(default)]
+        start: RollStart,
+    },
+}
+
+/// Whether the place of the first contact on the pads is known.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RollStart {
+    /// Only the first active pad is known.
+    #[default]
+    Unknown,
+    /// The place of the first contact is known.
+    Known,
+}
+
+impl RollEstimatorConfig {
+    /// Whether the estimator cannot use rolls of which only the end was read.
+    pub const fn needs_series(&self) -> bool {
+        matches!(self, Self::PadEdge { .. } | Self::Trajectory { .. })
+    }
+
+    /// Name of the estimator for readings of this form, and the reason if `auto` chose it.
+    pub const fn method(
+        &self,
+        is_series: bool,
+        has_pads: bool,
+    ) -> (&'static str, Option<&'static str>) {
+        match (self, is_series, has_pads) {
+            (Self::LeastSquares, ..) => ("least-squares", None),
+            (Self::PadEdge { .. }, ..) => ("pad-edge", None),
+            (Self::Trajectory { .. }, ..) => ("trajectory", None),
+            (Self::Auto { .. }, false, _) => {
+                ("least-squares", Some("only the end of each roll was read"))
+            }
+            (Self::Auto { .. }, true, true) => {
+                ("pad-edge", Some("the rolls are time series from pads"))
+            }
+            (Self::Auto { .. }, true, false) => (
+                "trajectory",
+                Some("the rolls are time series of contact points"),
+            ),
+        }
+    }
+
+    /// Whether the place of the first contact is known.
+    pub fn is_start_known(&self) -> bool {
+        match self {
+            Self::LeastSquares => false,
+            Self::PadEdge { start } | Self::Trajectory { start } | Self::Auto { start } => {
+                *start == RollStart::Known
+            }
+        }
+    }
 }
 
 /// Arrangement of the pads on the probe.

@@ -52,8 +52,8 @@ pub enum Accepts {
     Number(Range),
     /// Words to choose from, each with its meaning.
     Word(Vec<(String, String)>),
-    /// A vector of three numbers.
-    Vector,
+    /// A vector with this number of components, 2 or 3.
+    Vector(usize),
 }
 
 impl Accepts {
@@ -275,7 +275,9 @@ impl Setting {
             kinds,
             help: text(&schema["description"]),
             accepts: match words.is_empty() {
-                true if schema["type"] == "array" => Accepts::Vector,
+                true if schema["type"] == "array" => {
+                    Accepts::Vector(if schema["minItems"] == 2 { 2 } else { 3 })
+                }
                 true => Accepts::Number(Range::of(schema)),
                 false => Accepts::Word(words),
             },

@@ -10,8 +10,8 @@ pub(super) fn not_negative(text: &str) -> Result<f64, String> {
     Range::NOT_NEGATIVE.parse(text)
 }
 
-/// Three numbers, separated by commas.
-pub(super) fn vector(text: &str) -> Result<Vec<f64>, String> {
+/// `size` numbers, separated by commas; `name` is their form.
+pub(super) fn vector(text: &str, size: usize, name: &str) -> Result<Vec<f64>, String> {
     let number = |part: &str| {
         let number = part
             .trim()
@@ -22,8 +22,8 @@ pub(super) fn vector(text: &str) -> Result<Vec<f64>, String> {
     };
     let numbers: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
     match numbers.len() {
-        3 => Ok(numbers),
-        count => Err(format!("needs 3 numbers, X,Y,Z; has {count}")),
+        count if count == size => Ok(numbers),
+        count => Err(format!("needs {size} numbers, {name}; has {count}")),
     }
 }
 

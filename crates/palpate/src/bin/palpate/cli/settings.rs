@@ -32,6 +32,8 @@ pub(crate) trait Flagged:
 
 impl Flagged for RollEstimatorConfig {
     const GROUP: &'static str = "roll estimator";
+    // The key `start` has no flag here, because the flag `--start` states the place itself.
+    const NO_FLAGS: &'static [&'static str] = &["start"];
 }
 
 impl Flagged for GlideEstimatorConfig {
@@ -122,9 +124,11 @@ fn argument(setting: &Setting, all_kinds: usize, default: Option<String>) -> Arg
             let parser = PossibleValuesParser::new(words).map(Json::String);
             (flag.to_uppercase(), ValueParser::new(parser))
         }
-        Accepts::Vector => {
-            let parser = StringValueParser::new().try_map(|text| vector(&text).map(Json::from));
-            ("X,Y,Z".to_owned(), ValueParser::new(parser))
+        &Accepts::Vector(size) => {
+            let name = if size == 2 { "U,V" } else { "X,Y,Z" };
+            let parser = StringValueParser::new()
+                .try_map(move |text| vector(&text, size, name).map(Json::from));
+            (name.to_owned(), ValueParser::new(parser))
         }
     };
     Arg::new(setting.key.clone())
@@ -133,7 +137,7 @@ fn argument(setting: &Setting, all_kinds: usize, default: Option<String>) -> Arg
         .value_name(name)
         .value_parser(parser)
         .allow_negative_numbers(true)
-        .allow_hyphen_values(setting.accepts == Accepts::Vector)
+        .allow_hyphen_values(matches!(setting.accepts, Accepts::Vector(_)))
 }
 
 impl<T: Flagged> Args for Settings<T> {

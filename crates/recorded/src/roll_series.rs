@@ -1,0 +1,231 @@
+//! Estimates from rolls that were recorded as time series.
+
+use nalgebra::Vector2;
+use palpate_ep1::{
+    Estimate, Exclusion, PadCell, Places, Quantity, RollSeries, SeriesError, SeriesEstimate,
+    SeriesMethod, SeriesNoise, estimate_series,
+};
+use palpate_statistics::Number;
+use palpate_study::config::LengthUnit;
+use serde::Serialize;
+
+use super::error::explained;
+use super::roll_options::RollOptions;
+use super::roll_recording::RollRecording;
+
+/// Largest distance of a pad from the lattice of the other pads, relative to the pitch. Files round places.
+const MAX_PAD_ERROR: f64 = 0.02;
+
+/// Settings of the methods for time series. Lengths are in the unit of the readings.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SeriesOptions {
+    /// Contact point at the start of every roll, in the coordinates of the pads; `None` if it is unknown.
+    pub start: Option<[f64; 2]>,
+    /// Area of a pad; `None` without pads.
+    pub pads: Option<PadCell>,
+    /// Standard deviation of each component of a contact point; 0 if it is not stated.
+    pub contact_std: f64,
+    /// Noise of the sampled rotations.
+    pub noise: SeriesNoise,
+}
+
+/// Time series of rolls.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct SeriesReadings {
+    /// Whether the places are centres of pads. Otherwise they are contact points.
+    pub(super) has_pads: bool,
+    /// The series of each probe, without their starts.
+    pub(super) rolls: Vec<RollSeries>,
+}
+
+/// An estimate from time series, with the method.
+#[derive(Clone, Debug)]
+pub(super) struct SeriesResult {
+    pub(super) method: &'static str,
+    pub(super) estimate: SeriesEstimate,
+}
+
+/// A probe that the fit does not use.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct LeftOutProbe {
+    probe: u64,
+    reason: &'static str,
+}
+
+/// Curvatures that have bounds, by their keys in the JSON.
+pub(super) const QUANTITIES: [(&str, Quantity); 6] = [
+    ("normal_curvature_u", Quantity::Normal { angle_rad: 0.0 }),
+    (
+        "normal_curvature_v",
+        Quantity::Normal {
+            angle_rad: std::f64::consts::FRAC_PI_2,
+        },
+    ),
+    ("gaussian_curvature", Quantity::Gaussian),
+    ("mean_curvature", Quantity::Mean),
+    ("principal_curvature_min", Quantity::PrincipalMin),
+    ("principal_curvature_max", Quantity::PrincipalMax),
+];
+
+/// The estimate by one of the methods for time series; `None` if the options choose least squares.
+///
+/// # Errors
+/// A message if the readings are no time series, or do not determine the curvature.
+pub(super) fn estimate_of_series(
+    recorded: &RollRecording,
+    options: &RollOptions,
+    unit: LengthUnit,
+) -> Result<Option<SeriesResult>, String> {
+    let readings = recorded.series.as_ref();
+    let has_pads = readings.is_some_and(|readings| readings.has_pads);
+    let (name, _) = options.estimator.method(readings.is_some(), has_pads);
+    let method = match name {
+        "pad-edge" => SeriesMethod::PadEdge,
+        "trajectory" => SeriesMethod::Trajectory,
+        _ => return Ok(None),
+    };
+    let readings = readings.ok_or_else(|| {
+        format!(
+            "setting `kind` {name} needs rolls as time series, with columns probe, time_s, rotation_x_rad, rotation_y_rad and pad_u, pad_v or contact_u, contact_v; these readings have one row per roll"
+        )
+    })?;
+    let series = options.series;
+    let places = match (has_pads, series.pads) {
+        (true, Some(cell)) => Places::Pads(cell),
+        (true, None) => {
+            return Err(format!(
+                "setting `kind` {name} needs setting `pitch` for readings with columns pad_u, pad_v"
+            ));
+        }
+        (false, _) if method == SeriesMethod::PadEdge => {
+            return Err(
+                "setting `kind` pad-edge needs columns pad_u, pad_v; these readings have contact points, which setting `kind` trajectory uses"
+                    .to_owned(),
+            );
+        }
+        (false, _) => Places::Contacts {
+            std: series.contact_std,
+        },
+    };
+    if let Places::Pads(cell) = &places {
+        all_on_lattice(recorded, readings, cell, unit)?;
+    }
+    let radius = options.probe_radius;
+    let estimate = estimate_series(method, radius, &places, &series.noise, &readings.rolls);
+    let estimate = estimate.map_err(|error| refused(recorded, readings, error, unit))?;
+    Ok(Some(SeriesResult {
+        method: name,
+        estimate,
+    }))
+}
+
+fn refused(
+    recorded: &RollRecording,
+    readings: &SeriesReadings,
+    error: SeriesError,
+    unit: LengthUnit,
+) -> String {
+    let at = |roll: usize, sample: usize| {
+        let series = readings.rolls.get(roll);
+        let time_s = series.and_then(|series| series.samples.get(sample));
+        let time_s = time_s.map_or(0.0, |sample| sample.time_s);
+        format!("probe {} after {} s", recorded.probe(roll), Number(time_s))
+    };
+    let message = match error {
+        SeriesError::NotFinite { roll, sample } => {
+            format!("{}: a number is not finite", at(roll, sample))
+        }
+        SeriesError::OffProbe { roll, sample } => format!(
+            "{}: the place is more than half way round the probe",
+            at(roll, sample)
+        ),
+        SeriesError::Contradiction { roll, distance } => format!(
+            "probe {}: the rotations contradict the pads or the other probes: the contact would be {} {} outside of its pad",
+            recorded.probe(roll),
+            Number::rounded(distance),
+            unit.as_str()
+        ),
+        _ => error.to_string(),
+    };
+    explained(message, error.name())
+}
+
+/// Checks that the distances between pads are those of a lattice with the stated pitch.
+fn all_on_lattice(
+    recorded: &RollRecording,
+    readings: &SeriesReadings,
+    cell: &PadCell,
+    unit: LengthUnit,
+) -> Result<(), String> {
+    let all = || readings.rolls.iter().flat_map(|roll| &roll.samples);
+    let Some(first) = all().next() else {
+        return Ok(());
+    };
+    let is_hexagonal = *cell == PadCell::hexagonal(cell.pitch());
+    let error_of = |place: &Vector2<f64>| {
+        let pitches = (place - first.place) / cell.pitch();
+        // Hexagons lie in rows along u, which are half a pitch apart along u and √3/2 pitches along v.
+        let [u, v] = match is_hexagonal {
+            true => {
+                let row = pitches.y / (0.5 * 3.0_f64.sqrt());
+                [pitches.x - 0.5 * row.round(), row]
+            }
+            false => [pitches.x, pitches.y],
+        };
+        (u - u.round()).abs().max((v - v.round()).abs())
+    };
+    for (roll, series) in readings.rolls.iter().enumerate() {
+        // The active pad rarely changes, so most samples repeat the place before.
+        let mut last = first.place;
+        for sample in &series.samples {
+            if sample.place != last && error_of(&sample.place) > MAX_PAD_ERROR {
+                let [u, v] = sample.place.map(Number).into();
+                return Err(format!(
+                    "probe {} after {} s: there is no pad at ({u}, {v}) {}: pads lie at multiples of the pitch, {}, from each other",
+                    recorded.probe(roll),
+                    Number(sample.time_s),
+                    unit.as_str(),
+                    Number(cell.pitch())
+                ));
+            }
+            last = sample.place;
+        }
+    }
+    Ok(())
+}
+
+impl SeriesResult {
+    pub(super) fn estimate(&self) -> Estimate {
+        self.estimate.estimate()
+    }
+
+    /// Whether the contact of a probe stayed on one pad.
+    pub(super) fn is_unresolved(&self, roll: usize) -> bool {
+        let report = self.estimate.rolls.get(roll);
+        report.is_some_and(|report| report.left_out == Some(Exclusion::NoCrossing))
+    }
+
+    /// Probes that the fit does not use, except for those whose contact stayed on one pad.
+    pub(super) fn left_out(&self, recorded: &RollRecording) -> Vec<LeftOutProbe> {
+        let reports = self.estimate.rolls.iter().enumerate();
+        let left_out = reports.filter_map(|(roll, report)| {
+            let reason = match report.left_out? {
+                Exclusion::NoCrossing => return None,
+                Exclusion::TooFewSamples => "it has fewer than two samples",
+                Exclusion::NoRotation => "it did not rotate",
+                Exclusion::Inconsistent => "it contradicts the other probes",
+            };
+            Some(LeftOutProbe {
+                probe: recorded.probe(roll),
+                reason,
+            })
+        });
+        left_out.collect()
+    }
+}
+
+impl LeftOutProbe {
+    pub(super) fn text(&self) -> String {
+        format!("probe {} is left out: {}", self.probe, self.reason)
+    }
+}

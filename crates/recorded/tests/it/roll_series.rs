@@ -1,0 +1,139 @@
+//! Rolls that were recorded as time series: forms of rotations, and series that are refused.
+
+use palpate_recorded::{RecordedFile, RollOptions, RollRecording, estimate_roll, parse_roll};
+use serde_json::{Value, json};
+
+/// Radius of the probe, of the object, and pitch of the pads, mm.
+const RADII: [f64; 2] = [10.0, 40.0];
+const PITCH: f64 = 1.0;
+const HEADER: &str = "probe,time_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm";
+
+/// Rows of rolls by 0.5 rad in four directions, sampled at `samples` instants. The contact starts at the middle of a
+/// pad, so that each crossing is at an odd multiple of half a pitch.
+fn rows(samples: u32) -> Vec<[f64; 6]> {
+    let [probe, object] = RADII;
+    let mobility = 1.0 / (1.0 / probe + 1.0 / object);
+    let mut rows = Vec::new();
+    for (number, [u, v]) in [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]
+        .into_iter()
+        .enumerate()
+    {
+        for sample in 0..=samples {
+            let time = f64::from(sample) / f64::from(samples);
+            let angle = 0.5 * time;
+            let pad = |axis: f64| (axis * angle * mobility / PITCH).round() * PITCH + 0.0;
+            let [x, y] = [v * angle, -u * angle];
+            rows.push([number as f64, time, x, y, pad(u), pad(v)]);
+        }
+    }
+    rows
+}
+
+fn table(rows: &[[f64; 6]]) -> String {
+    let line = |row: &[f64; 6]| row.map(|number| number.to_string()).join(",");
+    let lines: Vec<String> = rows.iter().map(line).collect();
+    format!("{HEADER}\n{}\n", lines.join("\n"))
+}
+
+fn options(settings: &Value) -> Result<RollOptions, String> {
+    let mut given = settings.as_object().unwrap().clone();
+    given.entry("probe_radius").or_insert(json!(RADII[0]));
+    RollOptions::with_settings(None, &given, None).map_err(|error| error.to_string())
+}
+
+fn estimate(table: &str, settings: &Value) -> Result<Value, String> {
+    let file = RecordedFile::new("log.csv", table.as_bytes().to_vec());
+    let readings = parse_roll(file).map_err(|error| error.to_string())?;
+    let estimate = estimate_roll(readings, &options(settings)?);
+    let estimate = estimate.map_err(|error| error.to_string())?;
+    Ok(serde_json::to_value(estimate).unwrap())
+}
+
+#[test]
+fn unusable_series_are_refused() {
+    let sound = table(&rows(200));
+    let pad_edge = json!({ "kind": "pad-edge", "pitch": PITCH });
+    let moved = |row: usize, column: usize, by: f64| {
+        let mut rows = rows(200);
+        rows[row][column] += by;
+        table(&rows)
+    };
+    let rolls =
+        "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n0,0,-0.5,4,0\n1,0.5,0,0,4\n";
+    let contacts = sound.replacen("pad_u_mm,pad_v_mm", "contact_u_mm,contact_v_mm", 1);
+    for (table, settings, words) in [
+        (
+            moved(60, 1, -0.2),
+            &pad_edge,
+            "log.csv:62: column `t_s`: probe 0 goes from 0.295 s back to 0.0",
+        ),
+        (moved(60, 1, -0.005), &pad_edge, "from 0.295 s back to 0.29"),
+        (
+            moved(450, 4, 0.5),
+            &pad_edge,
+            "probe 2 after 0.24 s: there is no pad at (",
+        ),
+        (
+            rolls.to_owned(),
+            &pad_edge,
+            "setting `kind` pad-edge needs rolls as time series",
+        ),
+        (contacts, &pad_edge, "needs columns pad_u, pad_v"),
+        (
+            sound.clone(),
+            &json!({ "kind": "pad-edge" }),
+            "needs setting `pitch`",
+        ),
+        (
+            sound.clone(),
+            &json!({ "kind": "auto" }),
+            "needs setting `pitch`",
+        ),
+        (
+            sound.clone(),
+            &json!({ "kind": "pad-edge", "pitch": 1.3 }),
+            "there is no pad at (1, 0) mm",
+        ),
+        (
+            sound.clone(),
+            &json!({ "kind": "pad-edge", "pad_layout": "hexagonal" }),
+            "only with setting `pitch`",
+        ),
+        (
+            sound,
+            &json!({ "kind": "pad-edge", "pitch": 1, "pad_layout": "uniform" }),
+            "must be square or hexagonal",
+        ),
+    ] {
+        let error = estimate(&table, settings).unwrap_err();
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn least_squares_uses_the_ends_alone() {
+    let settings = json!({ "pitch": PITCH });
+    let series = estimate(&table(&rows(200)), &settings).unwrap();
+    let ends: Vec<[f64; 6]> = rows(200).into_iter().filter(|row| row[1] == 1.0).collect();
+    let ends = estimate(&table(&ends), &settings).unwrap();
+    assert_eq!(series["mean_curvature"], ends["mean_curvature"]);
+    assert_eq!(series["method"], "least-squares");
+    assert!(series.get("terms").is_none());
+}
+
+#[test]
+fn arrays_are_as_files() {
+    let all = rows(200);
+    let times: Vec<f64> = all.iter().map(|row| row[1]).collect();
+    let rotations: Vec<[f64; 2]> = all.iter().map(|row| [row[2], row[3]]).collect();
+    let places: Vec<[f64; 2]> = all.iter().map(|row| [row[4], row[5]]).collect();
+    let readings = RollRecording::of_series(&times, &rotations, &places, true, None).unwrap();
+    let options = options(&json!({ "pitch": PITCH })).unwrap();
+    let of_arrays = serde_json::to_value(estimate_roll(readings, &options).unwrap()).unwrap();
+    let of_file = estimate(&table(&all), &json!({ "pitch": PITCH })).unwrap();
+    for key in ["mean_curvature", "gaussian_curvature", "arc_length"] {
+        assert_eq!(of_arrays[key]["value"], of_file[key]["value"], "{key}");
+    }
+    let short = RollRecording::of_series(&times[1..], &rotations, &places, true, None);
+    assert!(short.unwrap_err().to_string().contains("times"));
+}

@@ -1,0 +1,274 @@
+//! Rolls as time series: the samples of each roll, and estimates from them.
+
+use std::sync::Arc;
+
+use nalgebra::Vector2;
+use palpate_ep1::{
+    Places, Quantity, RollSample, RollSeries, SeriesEstimate, SeriesMethod, SeriesNoise,
+    estimate_series,
+};
+use palpate_rolling::{Motion, PathPoint, Roller};
+use palpate_sensing::BeyondPads;
+use palpate_statistics::HALF_WIDTHS;
+use palpate_study::FieldError;
+use palpate_study::config::{RollConfig, Side};
+use palpate_sweep::Observation;
+
+use super::motion_noise::{NoiseTrial, Roll};
+use super::roll_sensor::{RollSensor, RotationSensor};
+use super::roll_trial::{ROLL_QUANTITIES, RollScene};
+use crate::trace::TraceError;
+
+/// Largest number of samples of all rolls of a trial.
+const MAX_SAMPLES: f64 = 1e7;
+/// Component of a rotation about the normal that is only a rounding error, rad.
+const ROUNDING_RAD: f64 = 1e-12;
+
+/// The times at which rolls are sampled, the rolls without noise, and the estimator.
+#[derive(Clone, Debug)]
+pub(super) struct SampledRolls {
+    /// One for each roll; rolls by the same command share their samples.
+    rolls: Vec<Arc<SampledRoll>>,
+    /// The estimator that uses the samples; `None` for least squares.
+    pub(super) method: Option<SeriesMethod>,
+    places: Option<Places>,
+    pub(super) noise: SeriesNoise,
+    is_start_known: bool,
+}
+
+/// Samples of one commanded roll without noise.
+#[derive(Clone, Debug)]
+struct SampledRoll {
+    times_s: Vec<f64>,
+    /// Times as fractions of the duration.
+    fractions: Vec<f64>,
+    points: Vec<PathPoint>,
+}
+
+impl SampledRoll {
+    fn new(roller: &Roller, command: &Motion, sampling_hz: f64) -> Result<Self, String> {
+        let count = (command.duration_s * sampling_hz * (1.0 + f64::EPSILON)).floor();
+        let times_s: Vec<f64> = (0..=count as usize)
+            .map(|sample| (sample as f64 / sampling_hz).min(command.duration_s))
+            .collect();
+        let points = roller.path(&[*command], &times_s);
+        Ok(Self {
+            fractions: times_s
+                .iter()
+                .map(|time| time / command.duration_s)
+                .collect(),
+            points: points.map_err(|error| error.to_string())?,
+            times_s,
+        })
+    }
+}
+
+impl SampledRolls {
+    /// Samples of the commanded rolls; `None` if the config states no rate of sampling.
+    pub(super) fn new(
+        config: &RollConfig,
+        roller: &Roller,
+        rolls: &[Roll],
+        sensors: (&RollSensor, &RotationSensor),
+        relative_rotation_std: f64,
+    ) -> Result<Option<Self>, FieldError> {
+        let Some(sampling_hz) = config.motion.sampling_hz else {
+            return Ok(None);
+        };
+        let refuse = |message: String| FieldError::at("scene.motion.sampling_hz", message);
+        let durations = rolls
+            .iter()
+            .map(|roll| roll.command.duration_s * sampling_hz);
+        let samples: f64 = durations.map(|samples| samples + 1.0).sum();
+        if samples > MAX_SAMPLES {
+            return Err(refuse(format!(
+                "the rolls of a trial have {samples:.0} samples; at most {MAX_SAMPLES:.0} are possible"
+            )));
+        }
+        let mut sampled: Vec<Arc<SampledRoll>> = Vec::with_capacity(rolls.len());
+        for (place, roll) in rolls.iter().enumerate() {
+            let same = rolls[..place]
+                .iter()
+                .position(|one| one.command == roll.command);
+            sampled.push(match same {
+                Some(same) => Arc::clone(&sampled[same]),
+                None => {
+                    Arc::new(SampledRoll::new(roller, &roll.command, sampling_hz).map_err(refuse)?)
+                }
+            });
+        }
+        let (sensor, rotation_sensor) = sensors;
+        let squares = rolls.iter().map(|roll| roll.rotation.norm_squared());
+        let size = (squares.sum::<f64>() / rolls.len() as f64).sqrt();
+        let noise = rotation_sensor.series_noise(size);
+        let has_pads = matches!(sensor, RollSensor::Pads(_));
+        let method = match config.estimator.method(true, has_pads).0 {
+            "pad-edge" => Some(SeriesMethod::PadEdge),
+            "trajectory" => Some(SeriesMethod::Trajectory),
+            _ => None,
+        };
+        let places = sensor.places();
+        if places.is_none() && method.is_some() {
+            let message = "\"uniform\" pads have no straight edges: a time series needs \"square\" or \"hexagonal\"";
+            return Err(FieldError::at("scene.sensor.layout", message));
+        }
+        Ok(Some(Self {
+            rolls: sampled,
+            method,
+            places,
+            noise: SeriesNoise {
+                relative_rotation_std: libm::hypot(
+                    noise.relative_rotation_std,
+                    relative_rotation_std,
+                ),
+                ..noise
+            },
+            is_start_known: config.estimator.is_start_known(),
+        }))
+    }
+
+    pub(super) const fn has_pads(&self) -> bool {
+        matches!(self.places, Some(Places::Pads(_)))
+    }
+
+    /// Number of samples of all rolls.
+    pub(super) fn samples(&self) -> usize {
+        self.rolls.iter().map(|roll| roll.times_s.len()).sum()
+    }
+}
+
+/// Reason for which a roll has no time series.
+enum NoSeries {
+    Roll(palpate_rolling::RollError),
+    Sensor(BeyondPads),
+}
+
+impl RollScene {
+    /// The outcomes of a trial with an estimator of time series.
+    pub(super) fn series_outcomes(
+        &self,
+        sampled: &SampledRolls,
+        method: SeriesMethod,
+        trial: u64,
+    ) -> Result<[Observation; ROLL_QUANTITIES.len()], &'static str> {
+        let rolls = self.series(sampled, Some(trial));
+        let rolls = rolls.map_err(|(_, fault)| match fault {
+            NoSeries::Roll(error) => error.fault.name(),
+            NoSeries::Sensor(error) => error.name(),
+        })?;
+        let places = sampled.places.unwrap_or(Places::Contacts { std: 0.0 });
+        let radius = self.roller.probe().radius();
+        let estimate = estimate_series(method, radius, &places, &sampled.noise, &rolls)
+            .map_err(|error| error.name())?;
+        let mut outcomes = self.compare(&estimate.estimate());
+        for (outcome, quantity) in outcomes.iter_mut().zip(QUANTITIES) {
+            outcome.interval_holds = Some(holds(outcome, &estimate, quantity));
+        }
+        Ok(outcomes)
+    }
+
+    /// Time series of all rolls, as [`SampledRolls`] describes: of a trial, or without noise. Else the roll that fails.
+    fn series(
+        &self,
+        sampled: &SampledRolls,
+        trial: Option<u64>,
+    ) -> Result<Vec<RollSeries>, (usize, NoSeries)> {
+        let noiseless = self.sensor.noiseless();
+        let sensor = trial.map_or(&noiseless, |_| &self.sensor);
+        let number = trial.unwrap_or_default();
+        let mut sensor = sensor.begin(self.seed, number);
+        let mut noise = NoiseTrial::new(self.noise.filter(|_| trial.is_some()), self.seed, number);
+        let mut rotations = trial.map(|trial| self.rotation_sensor.begin(self.seed, trial));
+        let radius = self.roller.probe().radius();
+        let is_disturbed = self.noise.is_some_and(|noise| noise.side == Side::Motion);
+        let mut all = Vec::with_capacity(self.rolls.len());
+        for (place, (roll, samples)) in self.rolls.iter().zip(&sampled.rolls).enumerate() {
+            let fail = |error| (place, NoSeries::Roll(error));
+            let moved = match is_disturbed && trial.is_some() {
+                true => {
+                    let motions = noise.motions(&roll.command);
+                    if let Some(terrain) = &roll.terrain {
+                        self.roller
+                            .clearance(&motions, terrain, 0.0)
+                            .map_err(fail)?;
+                    }
+                    Some(self.roller.path(&motions, &samples.times_s).map_err(fail)?)
+                }
+                false => None,
+            };
+            let points = moved.as_ref().unwrap_or(&samples.points);
+            let contacts: Vec<_> = points.iter().map(|point| point.displacement).collect();
+            let (places, start) = sensor
+                .read_samples(radius, &contacts)
+                .map_err(|error| (place, NoSeries::Sensor(error)))?;
+            let errors = noise.measured(&roll.command, &samples.fractions);
+            let commanded = samples.points.iter().map(|point| point.rotation.xy());
+            let mut measured: Vec<Vector2<f64>> =
+                commanded.zip(errors).map(|(a, b)| a + b).collect();
+            if let Some(rotations) = &mut rotations {
+                let duration_s = roll.command.duration_s;
+                rotations.read_samples(&mut measured, &samples.fractions, duration_s);
+            }
+            let turns = samples.points.iter().map(|point| point.rotation.z);
+            let spins = turns.clone().any(|turn| turn.abs() > ROUNDING_RAD);
+            let mut series = Vec::with_capacity(measured.len());
+            for (((&time_s, rotation), turn), place) in samples
+                .times_s
+                .iter()
+                .zip(&measured)
+                .zip(turns)
+                .zip(&places)
+            {
+                series.push(RollSample {
+                    time_s,
+                    rotation: rotation.push(if spins { turn } else { 0.0 }),
+                    place: *place,
+                });
+            }
+            all.push(RollSeries {
+                start: sampled.is_start_known.then_some(start),
+                samples: series,
+            });
+        }
+        Ok(all)
+    }
+
+    /// Readings of a trace: one row for each sample, with the number of its roll.
+    pub(super) fn series_rows(
+        &self,
+        sampled: &SampledRolls,
+        trial: Option<u64>,
+    ) -> Result<Vec<(usize, RollSample)>, TraceError> {
+        let rolls = self.series(sampled, trial);
+        let rolls = rolls.map_err(|(probe, fault)| match fault {
+            NoSeries::Roll(error) => TraceError::Roll { probe, error },
+            NoSeries::Sensor(error) => TraceError::Sensor { probe, error },
+        })?;
+        let rows = rolls
+            .into_iter()
+            .enumerate()
+            .flat_map(|(probe, roll)| roll.samples.into_iter().map(move |sample| (probe, sample)));
+        Ok(rows.collect())
+    }
+}
+
+/// The estimated quantities of a roll that have intervals, in the order of [`ROLL_QUANTITIES`].
+const QUANTITIES: [Quantity; 4] = [
+    Quantity::Normal { angle_rad: 0.0 },
+    Quantity::Normal {
+        angle_rad: std::f64::consts::FRAC_PI_2,
+    },
+    Quantity::Gaussian,
+    Quantity::Mean,
+];
+
+/// Whether the 50, 80 and 95 % intervals contain the true value. The first two are those of a normal distribution.
+fn holds(outcome: &Observation, estimate: &SeriesEstimate, quantity: Quantity) -> [bool; 3] {
+    let error = (outcome.estimate - outcome.truth).abs();
+    let within = |scores: f64| outcome.std.is_some_and(|std| error <= scores * std);
+    let [low, high] = estimate.interval95(quantity);
+    let is_above = low.is_none_or(|low| low <= outcome.truth);
+    let is_below = high.is_none_or(|high| outcome.truth <= high);
+    let [half, most, _] = HALF_WIDTHS;
+    [within(half), within(most), is_above && is_below]
+}
