@@ -1,6 +1,6 @@
 //! Estimates of the object's curvature at the contact.
 
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, Vector2};
 use palpate_geometry::CurvatureForm;
 
 /// A value with its standard error. The standard error is computed to first order from the stated noise.
@@ -49,6 +49,11 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// Shift of a roll by this rotation, as the estimate predicts it.
+    pub fn shift(&self, rotation: &Vector2<f64>) -> Vector2<f64> {
+        self.mobility * Vector2::new(-rotation.y, rotation.x)
+    }
+
     /// Factor by which a small relative error of the readings is amplified in the object's normal curvature at
     /// `angle_rad` from u. It is `1 + 1/RCR`, where RCR is the object's normal curvature divided by the probe's (1996
     /// paper, equation 7). `None` where the object is flat, because the factor is infinite there.

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use nalgebra::{Point3, Vector3};
-use palpate_ep2::Contact;
+use palpate_ep2::{Contact, SoundContacts};
 
 use super::RecordedFile;
 use super::error::RecordedError;
@@ -132,7 +132,11 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> 
     }
     let note = (!names_fingers).then(|| {
         let unit = sheet.unit.unwrap_or_default().as_str();
-        let (found, note) = assign_fingers(&positions, &sheet.after_gaps, unit);
+        let assigned = |places: &[Point3<f64>]| assign_fingers(places, &sheet.after_gaps, unit);
+        let (found, note) = match assigned(&positions) {
+            (found, _) if found.last() > Some(&0) => assigned(&with_outliers_moved(&positions)),
+            one => one,
+        };
         fingers = found;
         note
     });
@@ -146,4 +150,19 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> 
         extras: sheet.extras,
         note,
     })
+}
+
+/// The places, with each gross outlier at the place before it, so that lost readings do not separate fingers.
+fn with_outliers_moved(places: &[Point3<f64>]) -> Vec<Point3<f64>> {
+    let contacts = places.iter().map(|place| Contact::new(0, *place, None));
+    let contacts: Vec<Contact> = contacts.collect();
+    let mut moved = places.to_vec();
+    if let Ok(sound) = SoundContacts::new(&contacts) {
+        let first = sound.rows.first().map(|&row| places[row]);
+        for outlier in &sound.outliers {
+            let before = outlier.contact.checked_sub(1).map(|row| moved[row]);
+            moved[outlier.contact] = before.or(first).unwrap_or(places[outlier.contact]);
+        }
+    }
+    moved
 }

@@ -36,6 +36,7 @@ mod json_table;
 mod layout_matching;
 mod load_curve;
 mod log_warnings;
+mod lost_rolls;
 mod misfit_warning;
 mod nominal_sensor;
 mod numpy;

@@ -1,14 +1,14 @@
 //! Estimate of the curvature from recorded rolls.
 
 use std::collections::BTreeMap;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 use std::sync::OnceLock;
 
 use nalgebra::Vector2;
 use palpate_ep1::{
     Ep1Error, Estimate, LeastSquares, Measured, PadStart, ProbeReading, ReadingNoise,
 };
-use palpate_statistics::{NORMAL_95, Number, student_half_width};
+use palpate_statistics::{NORMAL_95, student_half_width};
 use serde::{Serialize, Serializer};
 
 use super::error::{RecordedError, explained};
@@ -51,6 +51,8 @@ pub struct RollEstimate {
     std_from: &'static str,
     /// Warning about rolls that were left out because they repeat other rolls; `None` if there are none.
     pub(super) repeated: Option<String>,
+    /// Rolls that were left out because their readings were lost.
+    lost: Vec<LeftOutProbe>,
     /// Number of rolls in the recording.
     probes: usize,
     /// The result of a method for time series; `None` for least squares.
@@ -108,8 +110,7 @@ struct RollReport {
     /// Smallest and largest curvatures that agree with exact rotations and pads.
     #[serde(skip_serializing_if = "Option::is_none")]
     bounds: Option<BTreeMap<&'static str, [Option<f64>; 2]>>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    left_out_probes: Vec<LeftOutProbe>,
+    left_out: Vec<LeftOutProbe>,
     unresolved_probes: Vec<UnresolvedProbe>,
     /// p-value of the goodness of fit by the stated noise; `null` if no noise is stated.
     p_value: Option<f64>,
@@ -206,10 +207,7 @@ impl Serialize for RollEstimate {
             std_from: self.std_from,
             terms: self.series.as_ref().map(|series| series.estimate.terms),
             bounds: self.bounds(),
-            left_out_probes: self
-                .series
-                .as_ref()
-                .map_or_else(Vec::new, |series| series.left_out(&self.recorded)),
+            left_out: self.left_out(),
             unresolved_probes: self.unresolved(),
             p_value: self.p_value(),
             warnings: self.warnings(),
@@ -219,6 +217,14 @@ impl Serialize for RollEstimate {
 }
 
 impl RollEstimate {
+    /// Probes that the fit does not use.
+    pub(super) fn left_out(&self) -> Vec<LeftOutProbe> {
+        match &self.series {
+            Some(series) => series.left_out(&self.recorded),
+            None => self.lost.clone(),
+        }
+    }
+
     /// Probes that rolled although their contacts did not shift, each with the resulting bound on the object's radius.
     fn unresolved(&self) -> Vec<UnresolvedProbe> {
         let Self {
@@ -284,26 +290,17 @@ pub fn estimate_roll(
         PadStart::PerRoll if is_of_ends => recorded.leave_out_copies(),
         _ => None,
     };
+    let unit = recorded.source.unit(recorded.unit, options.length_unit)?;
+    let lost = match is_of_ends {
+        true => recorded.leave_out_lost(options, unit)?,
+        false => Vec::new(),
+    };
     let source = &recorded.source;
-    let unit = source.unit(recorded.unit, options.length_unit)?;
     let readings = &recorded.readings;
     let fail = |message: String| {
         let units = units(readings, options.probe_radius, unit);
         source.fail(units.map_or(message.clone(), |more| format!("{message}; {more}")))
     };
-    let half_way = PI * options.probe_radius;
-    for (place, reading) in readings.iter().enumerate() {
-        let shift = libm::hypot(reading.shift.x, reading.shift.y);
-        if shift > half_way * (1.0 + 1e-9) {
-            let (probe, unit) = (recorded.probe(place), unit.as_str());
-            return Err(fail(format!(
-                "probe {probe}: a shift of {} {unit} is more than half way round the probe ({} \
-                 {unit})",
-                Number(shift),
-                Number(half_way)
-            )));
-        }
-    }
     let refused = |error: Ep1Error| {
         let message = match error {
             Ep1Error::NotFinite { probe } => {
@@ -341,6 +338,7 @@ pub fn estimate_roll(
                 _ => "the stated noise",
             },
             repeated: None,
+            lost,
             probes,
             series: Some(series),
             recorded,
@@ -377,6 +375,7 @@ pub fn estimate_roll(
         half_width,
         std_from,
         repeated,
+        lost,
         probes,
         series: None,
     })

@@ -163,12 +163,18 @@ impl RollRecording {
         if kept.len() < 2 {
             return None;
         }
-        self.readings = kept.iter().map(|&roll| self.readings[roll]).collect();
-        let rows = kept.iter().filter_map(|&roll| self.rows.get(roll).copied());
-        self.rows = rows.collect();
-        let probes = kept.iter().map(|&roll| self.probe(roll));
-        self.probes = probes.collect();
+        self.keep(&kept);
         Some(text)
+    }
+
+    /// Keeps only these rolls.
+    pub(super) fn keep(&mut self, rolls: &[usize]) {
+        self.probes = rolls.iter().map(|&roll| self.probe(roll)).collect();
+        self.readings = rolls.iter().map(|&roll| self.readings[roll]).collect();
+        let rows = rolls
+            .iter()
+            .filter_map(|&roll| self.rows.get(roll).copied());
+        self.rows = rows.collect();
     }
 
     /// Number of the probe to which a reading belongs.

@@ -48,8 +48,11 @@ pub(super) struct SeriesResult {
 /// A probe that the fit does not use.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct LeftOutProbe {
-    probe: u64,
-    reason: &'static str,
+    pub(super) probe: u64,
+    /// Number of the probe's row in a file, from 1; `None` for time series and for arrays.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) row: Option<usize>,
+    pub(super) reason: &'static str,
 }
 
 /// Curvatures that have bounds, by their keys in the JSON.
@@ -217,6 +220,7 @@ impl SeriesResult {
             };
             Some(LeftOutProbe {
                 probe: recorded.probe(roll),
+                row: None,
                 reason,
             })
         });
@@ -226,6 +230,9 @@ impl SeriesResult {
 
 impl LeftOutProbe {
     pub(super) fn text(&self) -> String {
-        format!("probe {} is left out: {}", self.probe, self.reason)
+        let row = self
+            .row
+            .map_or_else(String::new, |row| format!(", row {row},"));
+        format!("probe {}{row} is left out: {}", self.probe, self.reason)
     }
 }

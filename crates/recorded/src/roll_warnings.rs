@@ -39,8 +39,7 @@ impl RollEstimate {
             Some(_) => Vec::new(),
             None => self.estimate.misfits(self.options.noise, readings),
         };
-        let left_out = self.series.iter();
-        let left_out = left_out.flat_map(|series| series.left_out(&self.recorded));
+        let left_out = self.left_out().into_iter();
         let left_out = left_out.map(|probe| Warning::new("left-out", probe.text(), []));
         Warning::of("units", units)
             .into_iter()

@@ -8,6 +8,7 @@ mod frame_files;
 mod image_estimate;
 mod load_curve;
 mod logs;
+mod lost_rolls;
 mod reading_files;
 mod roll_series;
 mod rotations;

@@ -115,14 +115,20 @@ fn readings(estimate: &Value) -> Option<String> {
     let rows = left
         .iter()
         .take(LISTED_ROWS)
-        .map(|one| one["row"].to_string());
+        .map(|one| one.get("row").unwrap_or(&one["probe"]).to_string());
     let rows = rows.collect::<Vec<_>>().join(", ");
     let more = if left.len() > LISTED_ROWS {
         ", …"
     } else {
         ""
     };
-    let word = if left.len() == 1 { "row" } else { "rows" };
+    let has_rows = left.iter().all(|one| one.get("row").is_some());
+    let word = if has_rows { "row" } else { "probe" };
+    let word = if left.len() == 1 {
+        word.to_owned()
+    } else {
+        format!("{word}s")
+    };
     let text = format!(
         "{} of {count} {what} left out: {word} {rows}{more}",
         left.len()

@@ -1,0 +1,158 @@
+//! Rolls whose shift was not measured. Drivers write zeros or a large number instead of a lost reading.
+
+use std::f64::consts::PI;
+
+use nalgebra::Vector2;
+use palpate_ep1::{LeastSquares, ProbeReading, ReadingNoise};
+use palpate_statistics::Number;
+use palpate_study::config::LengthUnit;
+
+use super::error::RecordedError;
+use super::roll_options::RollOptions;
+use super::roll_recording::RollRecording;
+use super::roll_series::LeftOutProbe;
+use super::roll_warnings::units;
+
+/// A shift of zero counts as lost if the predicted shift is larger than this multiple of the root mean square residual.
+const MIN_RESIDUALS: f64 = 8.0;
+/// Relative error of shifts that are multiples of a pitch; files round numbers.
+const ROUNDING: f64 = 1e-6;
+/// Largest share of rolls that may be left out.
+const MAX_SHARE: f64 = 0.2;
+
+/// Reason for which a reading counts as lost.
+#[derive(Clone, Copy, PartialEq)]
+enum Loss {
+    /// The shift is longer than half way round the probe.
+    Far,
+    /// The shift is zero, but the other rolls show that the contact moved.
+    Zero,
+}
+
+impl RollRecording {
+    /// Leaves out rolls whose shifts were lost, and returns them.
+    ///
+    /// # Errors
+    /// [`RecordedError::Readings`] if more than a fifth of the rolls would be left out.
+    pub(super) fn leave_out_lost(
+        &mut self,
+        options: &RollOptions,
+        unit: LengthUnit,
+    ) -> Result<Vec<LeftOutProbe>, RecordedError> {
+        let half_way = PI * options.probe_radius * (1.0 + 1e-9);
+        let loss = |reading: &ProbeReading| match reading.shift {
+            shift if libm::hypot(shift.x, shift.y) > half_way => Some(Loss::Far),
+            shift if shift == Vector2::zeros() => Some(Loss::Zero),
+            _ => None,
+        };
+        if !self.readings.iter().any(|reading| loss(reading).is_some()) {
+            return Ok(Vec::new());
+        }
+        let mut losses: Vec<Option<Loss>> = self.readings.iter().map(loss).collect();
+        if !self.are_zeros_lost(&losses, options) {
+            let zeros = losses.iter_mut().filter(|loss| **loss == Some(Loss::Zero));
+            zeros.for_each(|loss| *loss = None);
+        }
+        let lost = losses.iter().enumerate();
+        let lost: Vec<(usize, Loss)> = lost
+            .filter_map(|(roll, loss)| Some((roll, (*loss)?)))
+            .collect();
+        if let Some(&(first, loss)) = lost.first()
+            && lost.len() as f64 > MAX_SHARE * self.readings.len() as f64
+        {
+            return Err(self.too_many_lost(first, loss, lost.len(), options, unit));
+        }
+        let left_out = lost.iter().map(|&(roll, loss)| LeftOutProbe {
+            probe: self.probe(roll),
+            row: self.rows.get(roll).map(|row| row + 1),
+            reason: match loss {
+                Loss::Far => "lost reading, the shift is more than half way round the probe",
+                Loss::Zero => {
+                    "lost reading, the shift is 0 but other rolls show that the contact moved"
+                }
+            },
+        });
+        let left_out = left_out.collect();
+        let kept = losses.iter().enumerate();
+        let kept: Vec<usize> = kept
+            .filter(|(_, loss)| loss.is_none())
+            .map(|(roll, _)| roll)
+            .collect();
+        self.keep(&kept);
+        Ok(left_out)
+    }
+
+    /// Whether the contact moved in every roll whose shift is zero, by more than pads or noise can hide. The other rolls
+    /// predict the movement.
+    fn are_zeros_lost(&self, losses: &[Option<Loss>], options: &RollOptions) -> bool {
+        let sound = self.readings.iter().zip(losses);
+        let sound: Vec<ProbeReading> = sound
+            .filter(|(_, loss)| loss.is_none())
+            .map(|(reading, _)| *reading)
+            .collect();
+        let radius = options.probe_radius;
+        let Ok(estimate) = LeastSquares::of(radius, ReadingNoise::default(), &sound) else {
+            return false;
+        };
+        let noise = options.noise.shift_std.max(estimate.residual(&sound).0);
+        let hidden = match options.noise.shift_resolution {
+            stated if stated > 0.0 => stated,
+            _ => common_pitch(&sound),
+        };
+        let hidden = (hidden * (1.0 + ROUNDING)).max(MIN_RESIDUALS * noise);
+        let zeros = self.readings.iter().zip(losses);
+        let mut zeros = zeros.filter(|(reading, loss)| {
+            **loss == Some(Loss::Zero) && reading.rotation != Vector2::zeros()
+        });
+        zeros.all(|(reading, _)| estimate.shift(&reading.rotation).amax() > hidden)
+    }
+
+    fn too_many_lost(
+        &self,
+        roll: usize,
+        loss: Loss,
+        count: usize,
+        options: &RollOptions,
+        unit: LengthUnit,
+    ) -> RecordedError {
+        let (probe, name) = (self.probe(roll), unit.as_str());
+        let text = match loss {
+            Loss::Far => {
+                let shift = self.readings[roll].shift;
+                let [shift, half] =
+                    [libm::hypot(shift.x, shift.y), PI * options.probe_radius].map(Number);
+                format!(
+                    "probe {probe}: a shift of {shift} {name} is more than half way round the probe ({half} {name})"
+                )
+            }
+            Loss::Zero => format!(
+                "the shift of probe {probe} is 0, but other rolls show that the contact moved; {count} of {} rolls have such lost readings: leave them out, or state the pitch of the pads",
+                self.readings.len()
+            ),
+        };
+        let units = units(&self.readings, options.probe_radius, unit);
+        self.source
+            .fail(units.map_or(text.clone(), |more| format!("{text}; {more}")))
+    }
+}
+
+/// Pitch of which the components of all shifts are multiples; 0 if there is none, because the sensor has no square pads.
+fn common_pitch(readings: &[ProbeReading]) -> f64 {
+    let components = readings
+        .iter()
+        .flat_map(|reading| [reading.shift.x, reading.shift.y]);
+    let lengths: Vec<f64> = components
+        .map(f64::abs)
+        .filter(|length| *length > 0.0)
+        .collect();
+    let pitch = lengths.iter().copied().fold(f64::INFINITY, f64::min);
+    let is_multiple = |length: &f64| {
+        let pitches = length / pitch;
+        (pitches - pitches.round()).abs() <= ROUNDING * pitches
+    };
+    if lengths.iter().all(is_multiple) {
+        pitch
+    } else {
+        0.0
+    }
+}

@@ -1,0 +1,79 @@
+//! Tests rolls whose readings were lost: drivers write zeros or a large number for them.
+
+use palpate_recorded::{RecordedFile, RollOptions, estimate_roll, parse_roll};
+use palpate_sensing::{Channel, Stream};
+use serde_json::Value;
+
+/// A log of `count` rolls of 0.5 rad of a probe of 10 mm on a ball of 25 mm. The shifts `lost` are replaced.
+fn log(count: usize, std: f64, pitch: f64, lost: &[(usize, [f64; 2])]) -> String {
+    let mut stream = Stream::new(25, 0, Channel::WristContact);
+    let mut text = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n".to_owned();
+    for roll in 0..count {
+        let (sine, cosine) = libm::sincos(roll as f64 * 1.1);
+        let shift = [cosine, sine].map(|part| {
+            let shift = 0.5 / (1.0 / 10.0 + 1.0 / 25.0) * part + std * stream.standard_normal();
+            if pitch > 0.0 {
+                (shift / pitch).round() * pitch
+            } else {
+                shift
+            }
+        });
+        let at = lost.iter().find(|(lost, _)| *lost == roll);
+        let [u, v] = at.map_or(shift, |(_, value)| *value);
+        text += &format!("{roll},{},{},{u},{v}\n", 0.5 * sine, -0.5 * cosine);
+    }
+    text
+}
+
+fn estimate(text: String) -> Result<Value, String> {
+    let readings = parse_roll(RecordedFile::new("rolls.csv", text.into_bytes()));
+    let readings = readings.map_err(|error| error.to_string())?;
+    let estimate = estimate_roll(readings, &RollOptions::new(10.0));
+    let estimate = estimate.map_err(|error| error.to_string())?;
+    Ok(serde_json::to_value(estimate).unwrap())
+}
+
+#[test]
+fn lost_rolls_are_left_out_and_named() {
+    let sound = estimate(log(24, 0.03, 0.0, &[])).unwrap();
+    assert_eq!(sound["left_out"], Value::Array(vec![]));
+    let far = [9999.0, 9999.0];
+    for lost in [[0.0, 0.0], far] {
+        let found = estimate(log(24, 0.03, 0.0, &[2, 9, 17].map(|roll| (roll, lost)))).unwrap();
+        let rows = found["left_out"].as_array().unwrap().iter();
+        let rows: Vec<_> = rows.map(|one| one["row"].as_u64().unwrap()).collect();
+        assert_eq!((rows, &found["probes"]), (vec![3, 10, 18], &24.into()));
+        let curvature = &found["mean_curvature"];
+        let ends = [0, 1].map(|end| curvature["interval95"][end].as_f64().unwrap());
+        assert!(
+            ends[0] < 0.04 && 0.04 < ends[1] && ends[1] < 0.05,
+            "{curvature}"
+        );
+        let warning = &found["warnings"][0];
+        assert_eq!(warning["code"], "left-out");
+        assert!(
+            warning["text"]
+                .as_str()
+                .unwrap()
+                .contains("probe 2, row 3, is left out: lost")
+        );
+    }
+    // More than a fifth of the rolls is an error.
+    let many = [1, 3, 4].map(|roll| (roll, [0.0; 2]));
+    let error = estimate(log(8, 0.03, 0.0, &many)).unwrap_err();
+    assert!(
+        error.contains("3 of 8 rolls have such lost readings"),
+        "{error}"
+    );
+    let error = estimate(log(8, 0.03, 0.0, &many.map(|(roll, _)| (roll, far)))).unwrap_err();
+    assert!(error.contains("half way round"), "{error}");
+}
+
+#[test]
+fn coarse_pads_may_report_zero() {
+    // A roll moves the contact by 3.6 mm. Along one axis, pads of 4 mm may report 0 or 4 mm.
+    for pitch in [2.0, 4.0] {
+        let found = estimate(log(24, 0.0, pitch, &[])).unwrap();
+        assert_eq!(found["left_out"], Value::Array(vec![]), "{pitch}");
+    }
+}
