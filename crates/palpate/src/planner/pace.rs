@@ -5,13 +5,15 @@ use std::time::Duration;
 
 use palpate_sweep::{Cell, Clock, JOB, Runner, Trial};
 
-/// Longest duration of a measurement of one cell's time per trial. A single trial always runs to its end, even if it
-/// takes longer.
+/// The time per trial of a cell is measured for at most this time. A single trial always runs to its end, even if it takes
+/// longer.
 const LONGEST: Duration = Duration::from_millis(10);
-/// Shortest duration of a measurement of one cell's time per trial.
+/// The time per trial of a cell is measured for at least this time.
 const SHORTEST: Duration = Duration::from_millis(1);
 /// A measured time above this value is not measured again, because the delay of waking the threads is negligible.
 const SLOW: Duration = Duration::from_millis(100);
+/// Number of repetitions of a measurement.
+const REPEATS: usize = 3;
 /// Largest number of trials of a cell that are timed in one measurement.
 const MAX_TIMED: u64 = 1 << 20;
 
@@ -113,8 +115,9 @@ pub(crate) fn spread(count: usize) -> impl Iterator<Item = usize> {
 /// Seconds per trial of a cell, measured while the runner runs trials of this cell on all threads at once.
 ///
 /// The number of trials is doubled until the trials take at least `long_enough` or their number is [`MAX_TIMED`], even
-/// if the cell has fewer trials. With few trials, the time of waking the threads would dominate. The last measurement
-/// is repeated and the shorter time is used, unless the time is longer than [`SLOW`].
+/// if the cell has fewer trials. With few trials, the time of waking the threads would dominate. A measurement that is
+/// long enough is repeated and the shortest time is used, because other programs may have disturbed it; a time longer
+/// than [`SLOW`] is not repeated.
 fn seconds_per_trial(
     runner: &Runner,
     trial: &dyn Trial,
@@ -130,8 +133,10 @@ fn seconds_per_trial(
     let mut trials = 1;
     loop {
         let mut elapsed = time(trials);
-        if (long_enough..SLOW).contains(&elapsed) {
-            elapsed = elapsed.min(time(trials));
+        for _ in 0..REPEATS {
+            if (long_enough..SLOW).contains(&elapsed) {
+                elapsed = elapsed.min(time(trials));
+            }
         }
         if elapsed >= long_enough || trials >= MAX_TIMED {
             return elapsed.as_secs_f64() / trials as f64;
