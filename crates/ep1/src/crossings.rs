@@ -1,16 +1,21 @@
 //! The crossings of pad edges in a roll.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
-use palpate_statistics::normal_tail;
 
 use crate::{PadCell, RollSample, SeriesNoise};
 
-/// Number of points of the integral over the place of a crossing.
-const GRID: usize = 33;
-/// Samples further than this number of standard deviations from a crossing do not change its estimate.
+/// Half-length of the line through measured rotations, in standard deviations of a rotation.
 const REACH: f64 = 7.0;
+/// Largest half-length of this line, in samples.
+const MOST_REACH: f64 = 1e4;
+/// Smallest width of a crossing across the edge, relative to the rotation between two samples.
+const MIN_WIDTH: f64 = 0.05;
 /// Smallest standard deviation of a crossing, rad. A smaller value may be a rounding error.
 const MIN_STD: f64 = 1e-9;
+
+/// Number of intervals of a run whose ends can bound the contact. Samples between them bound it hardly more, because the
+/// contact moves steadily.
+const PROBED: usize = 4;
 
 /// Successive samples with the same active pad.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,7 +111,7 @@ pub(crate) fn crossings(
                 normal.dot(&after.centre) - 0.5 * pitch,
             ];
             let across = (mobility * normal).normalize();
-            let (rotation, std) = threshold(samples, &before, &after, noise, &across);
+            let (rotation, std) = rotation_at_change(samples, &before, &after, noise, &across);
             all.push(Crossing {
                 normal,
                 offset: 0.5 * (edges[0] + edges[1]),
@@ -119,99 +124,56 @@ pub(crate) fn crossings(
     all
 }
 
-/// The rotation at the change between two runs, and its standard deviation in the direction `across` of the drive. The
-/// likelihood is the product of the probabilities that the true rotation of each sample is on the side of its pad.
-fn threshold(
+/// The rotation at the change between two runs, and its standard deviation in the direction `across` of the drive.
+///
+/// The change is between two samples, so its time is known to one interval. The rotation at this time is the value of a
+/// straight line through the measured rotations near the change. This line averages their noise. It is so short that the
+/// motion is steady along it.
+fn rotation_at_change(
     samples: &[RollSample],
     before: &Run,
     after: &Run,
     noise: &SeriesNoise,
     across: &Vector2<f64>,
 ) -> (Vector3<f64>, f64) {
-    let drive_across = |sample: usize| drive(&samples[sample].rotation).dot(across);
-    let [low, high] = [samples[before.last].rotation, samples[after.first].rotation];
-    let middle = (low + high) * 0.5;
-    let width = drive_across(after.first) - drive_across(before.last);
-    let std_at = |rotation: &Vector3<f64>| {
-        libm::hypot(
-            noise.rotation_std_rad,
-            noise.relative_sample_std * rotation.norm(),
-        )
-    };
-    let std = std_at(&middle);
-    if std < 1e-3 * width.abs() || std == 0.0 {
-        return (middle, width.abs() / 12.0_f64.sqrt());
-    }
-    let count = (after.last - before.first).max(1) as f64;
-    let speed = (drive_across(after.last) - drive_across(before.first)) / count;
-    let reach = REACH * std / speed.abs().max(1e-300);
-    let reach = reach.min(count) as usize + 2;
-    let below = before.first.max(before.last.saturating_sub(reach))..=before.last;
-    let above = after.first..=after.last.min(after.first + reach);
-    let mut mean = Vector3::zeros();
-    let mut total = 0.0;
-    let mut sides = Vec::with_capacity(2 * reach + 2);
-    for (sample, side) in below
-        .map(|sample| (sample, 1.0))
-        .chain(above.map(|sample| (sample, -1.0)))
-    {
-        let rotation = samples[sample].rotation;
-        mean += rotation;
-        total += 1.0;
-        sides.push((
-            drive_across(sample),
-            side / std_at(&rotation).max(0.1 * std),
-        ));
-    }
-    mean /= total;
-    let half = 4.0 * std + (speed * (after.first - before.last) as f64).abs();
-    let centre = drive(&middle).dot(across);
-    // Sum the likelihood twice: around the change of pads, then around the first result.
-    let mut found = (centre, half);
-    for _ in 0..2 {
-        found = moments(&sides, found.0, half).unwrap_or((centre, half));
-    }
-    let (threshold, std) = found;
-    let by = across * (threshold - drive(&mean).dot(across));
-    (mean + Vector3::new(by.y, -by.x, 0.0), std)
-}
-
-/// Mean and standard deviation of the threshold between samples. Each sample has a place and a side, divided by its
-/// standard deviation.
-fn moments(sides: &[(f64, f64)], centre: f64, half: f64) -> Option<(f64, f64)> {
-    let place = |point: usize| centre + half * (2.0 * point as f64 / (GRID - 1) as f64 - 1.0);
-    let mut logs = [0.0; GRID];
-    for (point, log) in logs.iter_mut().enumerate() {
-        let at = place(point);
-        let mut product = 1.0;
-        for (sample, side) in sides {
-            let score = (sample - at) * side;
-            if score > -REACH {
-                product *= normal_tail(score);
-                if product < 1e-200 {
-                    *log += libm::log(product.max(1e-320));
-                    product = 1.0;
-                }
-            }
+    let [low, high] = [samples[before.last], samples[after.first]];
+    let middle = (low.rotation + high.rotation) * 0.5;
+    let std = libm::hypot(
+        noise.rotation_std_rad,
+        noise.relative_sample_std * middle.norm(),
+    );
+    let [mut rotation, mut change] = [middle, high.rotation - low.rotation];
+    let mut variance = 0.0;
+    if std > 0.0 {
+        let turned = samples[after.last].rotation - samples[before.first].rotation;
+        let per_sample = turned.norm() / (after.last - before.first) as f64;
+        let reach = (REACH * std / per_sample.max(1e-300)).min(MOST_REACH) as usize + 2;
+        let from = before.first.max(before.last.saturating_sub(reach));
+        let near = &samples[from..=after.last.min(after.first + reach)];
+        let count = near.len() as f64;
+        let mean_time = near.iter().map(|one| one.time_s).sum::<f64>() / count;
+        let mean = near.iter().map(|one| one.rotation).sum::<Vector3<f64>>() / count;
+        let (mut slope, mut square) = (Vector3::zeros(), 0.0);
+        for one in near {
+            let time = one.time_s - mean_time;
+            slope += one.rotation * time;
+            square += time * time;
         }
-        *log += libm::log(product);
+        slope /= square;
+        let time = 0.5 * (low.time_s + high.time_s) - mean_time;
+        rotation = mean + slope * time;
+        change = slope * (high.time_s - low.time_s);
+        variance = std * std * (1.0 / count + time * time / square);
     }
-    let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let (mut sum, mut first, mut second) = (0.0, 0.0, 0.0);
-    for (point, log) in logs.iter().enumerate() {
-        let weight = libm::exp(log - most);
-        let at = place(point) - centre;
-        sum += weight;
-        first += weight * at;
-        second += weight * at * at;
-    }
-    let mean = first / sum;
-    let variance = second / sum - mean * mean;
-    (variance > 0.0).then(|| (centre + mean, variance.sqrt()))
+    // An edge along the path is crossed slowly. The direction of the path limits the accuracy of such a crossing.
+    let change = drive(&change);
+    let width = libm::hypot(change.dot(across), MIN_WIDTH * change.norm());
+    (rotation, (variance + width * width / 12.0).sqrt())
 }
 
-/// For each edge of each run, the sample that is furthest towards this edge. Of several runs with the same edge, only
-/// the furthest sample is returned. The results are the index of the edge, its offset and the sample.
+/// For each edge of each run, the sample that is furthest towards this edge, out of [`PROBED`] intervals of the run. Of
+/// several runs with the same edge, only the furthest sample is returned. The results are the index of the edge, its
+/// offset and the sample.
 pub(crate) fn edge_samples(
     samples: &[RollSample],
     runs: &[Run],
@@ -219,36 +181,29 @@ pub(crate) fn edge_samples(
     cell: &PadCell,
     mobility: &Matrix2<f64>,
 ) -> Vec<(usize, f64, usize)> {
-    let mut all: Vec<(usize, f64, usize, f64)> = Vec::new();
-    let pairs = cell.edges() / 2;
-    for (edge, normal) in cell.normals().take(pairs).enumerate() {
+    let mut all: Vec<(usize, f64, usize, f64)> = Vec::with_capacity(4 * runs.len());
+    for (edge, normal) in cell.normals().enumerate() {
         let across = mobility * normal;
         let axis = Vector3::new(across.y, -across.x, 0.0);
+        let from = all.len();
         for run in runs {
-            let (mut least, mut most) =
-                ((run.first, f64::INFINITY), (run.first, f64::NEG_INFINITY));
-            for (index, sample) in samples[run.first..=run.last].iter().enumerate() {
-                let along = axis.dot(&sample.rotation);
-                if along > most.1 {
-                    most = (run.first + index, along);
-                }
-                if along < least.1 {
-                    least = (run.first + index, along);
+            let offset = normal.dot(&run.centre) + 0.5 * pitch;
+            let mut furthest = (run.first, f64::NEG_INFINITY);
+            let length = run.last - run.first;
+            let intervals = length.clamp(1, PROBED);
+            for probed in 0..=intervals {
+                let sample = run.first + probed * length / intervals;
+                let along = axis.dot(&samples[sample].rotation);
+                if along > furthest.1 {
+                    furthest = (sample, along);
                 }
             }
-            let centre = normal.dot(&run.centre);
-            for (edge, offset, (sample, reach)) in [
-                (edge, centre + 0.5 * pitch, most),
-                (edge + pairs, 0.5 * pitch - centre, (least.0, -least.1)),
-            ] {
-                let same = |one: &&mut (usize, f64, usize, f64)| {
-                    one.0 == edge && (one.1 - offset).abs() < 1e-6 * pitch
-                };
-                match all.iter_mut().find(same) {
-                    Some(one) if one.3 >= reach => {}
-                    Some(one) => *one = (edge, offset, sample, reach),
-                    None => all.push((edge, offset, sample, reach)),
-                }
+            let is_same =
+                |one: &&mut (usize, f64, usize, f64)| (one.1 - offset).abs() < 1e-6 * pitch;
+            match all[from..].iter_mut().find(is_same) {
+                Some(one) if one.3 >= furthest.1 => {}
+                Some(one) => *one = (edge, offset, furthest.0, furthest.1),
+                None => all.push((edge, offset, furthest.0, furthest.1)),
             }
         }
     }

@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// Number of nodes of the integral over the set, for the first guess and for the result.
-const NODES: [usize; 2] = [96, 256];
+const NODES: [usize; 2] = [96, 288];
 /// Number of nodes that are stored.
 const MOST_NODES: usize = 2048;
 /// Width of the nodes' distribution, relative to the width of the set's distribution.
@@ -31,6 +31,7 @@ pub(crate) struct EdgeRow {
 /// The rows of one roll.
 #[derive(Clone, Debug)]
 pub(crate) struct RollRows {
+    /// The rows, in the order of their edges.
     pub(crate) rows: Vec<EdgeRow>,
     pub(crate) is_start_known: bool,
     pub(crate) edges: usize,
@@ -170,10 +171,15 @@ impl RollRows {
     /// Area in which the start of the roll can be for the change `point` of the mobility, in units of its largest
     /// slacks. With a known start, the area is 1 if the mobility agrees with the rows, otherwise 0.
     fn area(&self, point: &Vector3<f64>) -> f64 {
-        let mut slacks = [f64::INFINITY; 6];
-        for row in &self.rows {
-            let slack = row.slack - row.form.dot(point);
-            slacks[row.edge] = slacks[row.edge].min(slack);
+        let mut slacks = [OPEN; 6];
+        let mut rows = self.rows.iter();
+        let mut next = rows.next();
+        for (edge, least) in slacks.iter_mut().enumerate() {
+            while let Some(row) = next.filter(|row| row.edge == edge) {
+                let slack = row.slack - row.form.dot(point);
+                *least = if slack < *least { slack } else { *least };
+                next = rows.next();
+            }
         }
         let slacks = &slacks[..self.edges];
         if self.is_start_known {

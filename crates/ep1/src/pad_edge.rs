@@ -1,6 +1,6 @@
 //! The set of curvatures that agree with exact rotations and pads.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector3};
 
 use crate::crossings::{Run, edge_samples};
 use crate::feasible_set::{EdgeRow, FeasibleSet, OPEN, RollRows, distribution};
@@ -8,8 +8,8 @@ use crate::roll_fit::{RollData, RollFit, SeriesFit};
 use crate::rolled_path::{LocalShape, RollRotations, StartFrame};
 use crate::{PadCell, RollSeries};
 
-/// Number of linearisations. The second is around the middle of the first set.
-const PASSES: usize = 2;
+/// Standard deviation of the first guess of the distribution, relative to the half-width of the set.
+const STD_OF_HALF_WIDTH: f64 = 0.4;
 
 /// A set of mobilities, relative to a centre, with its distribution.
 #[derive(Clone, Debug)]
@@ -36,82 +36,59 @@ pub(crate) fn pad_edge_set(
     pitch: f64,
     cell: &PadCell,
 ) -> Option<PadEdgeSet> {
-    let mut shape = fit.shape;
-    let mut starts: Vec<_> = fit.rolls.iter().map(|roll| roll.start).collect();
-    let mut found = None;
-    for pass in 0..PASSES {
-        let mobility = shape.relative().try_inverse()?;
-        let centre = Vector3::new(mobility[(0, 0)], mobility[(0, 1)], mobility[(1, 1)]);
-        let mut rows = Vec::with_capacity(bounded.len());
-        for (((bounded, data), roll), start) in
-            bounded.iter().zip(data).zip(&fit.rolls).zip(&mut starts)
-        {
-            let mut all = Linearised {
-                bounded,
-                data,
-                roll,
-                pitch,
-                cell,
-                shape: &shape,
-                start,
-            };
-            rows.push(all.rows()?);
-        }
-        let set = FeasibleSet::of_rolls(rows.iter());
-        let middle = set.middle()?;
-        let (mean, covariance) =
-            distribution(&rows, middle, fit.covariance).unwrap_or((middle, fit.covariance));
-        if pass + 1 < PASSES {
-            let moved = centre + mean;
-            let moved = nalgebra::Matrix2::new(moved.x, moved.y, moved.y, moved.z);
-            if moved.determinant() > 0.0 && moved.trace() > 0.0 {
-                shape = LocalShape::of_mobility(&moved)?;
-            }
-            for (start, roll) in starts.iter_mut().zip(&fit.rolls) {
-                *start += roll.start_response() * mean;
-            }
-        }
-        found = Some(PadEdgeSet {
-            centre,
-            set,
-            mean,
-            covariance,
-        });
+    let mobility = fit.shape.relative().try_inverse()?;
+    let mut rows = Vec::with_capacity(bounded.len());
+    for ((bounded, data), roll) in bounded.iter().zip(data).zip(&fit.rolls) {
+        let linearised = Linearised {
+            bounded,
+            is_start_known: data.is_start_known,
+            roll,
+            pitch,
+            cell,
+            shape: &fit.shape,
+        };
+        rows.push(linearised.rows(&mobility)?);
     }
-    found
+    let set = FeasibleSet::of_rolls(rows.iter());
+    let (middle, half_widths) = set.middle()?;
+    // The distribution is narrower than the set, and its correlations are those of the fit.
+    let scale = half_widths.zip_map(&fit.covariance.diagonal(), |half_width, variance| {
+        STD_OF_HALF_WIDTH * half_width / variance.sqrt()
+    });
+    let scale = Matrix3::from_diagonal(&scale);
+    let guess = scale * fit.covariance * scale;
+    let (mean, covariance) = distribution(&rows, middle, guess).unwrap_or((middle, guess));
+    Some(PadEdgeSet {
+        centre: Vector3::new(mobility[(0, 0)], mobility[(0, 1)], mobility[(1, 1)]),
+        set,
+        mean,
+        covariance,
+    })
 }
 
 /// A roll near a shape and a start.
 struct Linearised<'r> {
     bounded: &'r BoundedRoll<'r>,
-    data: &'r RollData,
+    is_start_known: bool,
     roll: &'r RollFit<3>,
     pitch: f64,
     cell: &'r PadCell,
     shape: &'r LocalShape,
-    start: &'r mut nalgebra::Vector2<f64>,
 }
 
 impl Linearised<'_> {
-    /// The rows of the roll. The start is moved to the middle of its range.
-    fn rows(&mut self) -> Option<RollRows> {
-        let mobility = self.shape.relative().try_inverse()?;
+    /// The rows of the roll.
+    fn rows(&self, mobility: &Matrix2<f64>) -> Option<RollRows> {
         let samples = &self.bounded.series.samples;
-        let edges = edge_samples(
-            samples,
-            &self.bounded.runs,
-            self.pitch,
-            self.cell,
-            &mobility,
-        );
-        let rotations = RollRotations::new(edges.iter().map(|edge| samples[edge.2].rotation));
+        let edges = edge_samples(samples, &self.bounded.runs, self.pitch, self.cell, mobility);
+        let rotations = RollRotations::new(edges.iter().map(|edge| samples[edge.2].rotation), true);
         let mut path = Vec::new();
         rotations.path(self.shape, &Default::default(), 1.0, &mut path)?;
         let normals: Vec<_> = self.cell.normals().collect();
         let relative = self.shape.relative();
-        let frame = StartFrame::new(self.start);
+        let frame = StartFrame::new(&self.roll.start);
         let response = self.roll.start_response();
-        let is_start_known = self.data.is_start_known;
+        let is_start_known = self.is_start_known;
         let mut rows = Vec::with_capacity(edges.len() + normals.len());
         let mut couplings = Vec::with_capacity(edges.len());
         for ((edge, offset, _), at) in edges.iter().zip(&path) {
@@ -156,6 +133,7 @@ impl Linearised<'_> {
                 row.slack += coupling.x.abs() * range[0] + coupling.y.abs() * range[1];
             }
         }
+        rows.sort_by_key(|row| row.edge);
         Some(RollRows {
             rows,
             is_start_known,
@@ -165,16 +143,19 @@ impl Linearised<'_> {
 }
 
 impl FeasibleSet {
-    /// The mean of the points of the set that are furthest along the axes. `None` if the set is empty.
-    fn middle(&self) -> Option<Vector3<f64>> {
-        let mut sum = Vector3::zeros();
+    /// The mean of the points of the set that are furthest along the axes, and the half-widths along the axes. `None` if
+    /// the set is empty.
+    fn middle(&self) -> Option<(Vector3<f64>, Vector3<f64>)> {
+        let (mut sum, mut half_widths) = (Vector3::zeros(), Vector3::zeros());
         for axis in 0..3 {
             for sign in [1.0, -1.0] {
                 let mut direction = Vector3::zeros();
                 direction[axis] = sign;
-                sum += self.furthest(&direction)?;
+                let point = self.furthest(&direction)?;
+                sum += point;
+                half_widths[axis] += 0.5 * sign * point[axis];
             }
         }
-        Some(sum / 6.0)
+        Some((sum / 6.0, half_widths.map(|width: f64| width.max(1e-12))))
     }
 }

@@ -13,6 +13,12 @@ use crate::rolled_path::{LocalShape, PathPoint, RollRotations, StartFrame, by_co
 /// Largest number of steps.
 const MAX_STEPS: usize = 30;
 
+/// Changes below this value that do not shrink any more end the steps.
+const SETTLED: f64 = 1e-5;
+/// Smallest standard deviation of contact points in a weighted fit, in radii of the probe. With a smaller value, the
+/// errors that are common to a roll would vanish in rounding errors.
+const MIN_STD: f64 = 1e-5;
+
 /// One reading of a roll.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Observation {
@@ -137,14 +143,20 @@ impl<const N: usize> RollFit<N> {
                 }
                 Observation::Contact(contact, samples) => {
                     let residual = contact - place.place;
-                    let variance = (noise.rotation_std * noise.rotation_std
-                        + (noise.relative_sample_std * size).powi(2))
-                        / samples;
-                    let covariance = Matrix2::identity()
-                        * (noise.contact_std * noise.contact_std / samples)
-                        + by_drive * by_drive.transpose() * variance;
-                    let weight = covariance.try_inverse()?;
-                    let error = by_drive.tr_mul(&(weight * residual)) * variance;
+                    let own = noise.contact_std * noise.contact_std / samples + MIN_STD * MIN_STD;
+                    let square = by_drive * by_drive.transpose();
+                    let (mut weight, mut error) = (Matrix2::zeros(), Vector2::zeros());
+                    // The noise is relative to the true rotation. A weight from the measured rotation would depend on
+                    // its error, and would bias the estimate.
+                    for _ in 0..2 {
+                        let size = (relative * (at.x + at.mobility * error)).norm();
+                        let relative_std = noise.relative_sample_std * size;
+                        let variance = (noise.rotation_std * noise.rotation_std
+                            + relative_std * relative_std)
+                            / samples;
+                        weight = (Matrix2::identity() * own + square * variance).try_inverse()?;
+                        error = by_drive.tr_mul(&(weight * residual)) * variance;
+                    }
                     (residual, weight, error, 2)
                 }
             };
@@ -255,7 +267,8 @@ impl<const N: usize> SeriesFit<N> {
                 state.start += own.fixed_rows::<2>(0);
                 state.error += own.fixed_rows::<2>(2);
             }
-            let is_settled = change < 1e-7 && change > 0.5 * last_change;
+            // Rounding errors and weights that depend on the result can keep the last digits moving.
+            let is_settled = change < SETTLED && change > 0.5 * last_change;
             if change < tolerance || is_settled {
                 return fit.chi_squared.is_finite().then_some(fit);
             }

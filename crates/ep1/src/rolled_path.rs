@@ -109,6 +109,9 @@ fn factorial(number: usize) -> f64 {
 pub(crate) struct RollRotations {
     /// Rotation vectors between successive samples, in the axes of the probe's body.
     steps: Vec<Vector3<f64>>,
+    /// Whether the measured rotation about the normal is used. With noise, rolls are assumed not to spin, because an
+    /// error of the spin would turn the rest of the path.
+    has_spin: bool,
 }
 
 /// The contact at one sample.
@@ -128,23 +131,25 @@ pub(crate) struct PathPoint {
 
 impl RollRotations {
     /// The rotations at samples with these rotation vectors since the start.
-    pub(crate) fn new(rotations: impl Iterator<Item = Vector3<f64>>) -> Self {
+    pub(crate) fn new(rotations: impl Iterator<Item = Vector3<f64>>, has_spin: bool) -> Self {
         let mut last = Vector3::zeros();
-        let mut last_turn = UnitQuaternion::identity();
         let steps = rotations.map(|rotation| {
-            let turn = UnitQuaternion::from_scaled_axis(rotation);
             // Parallel rotation vectors are subtracted, which is exact and faster than a product of quaternions.
             let across = last.cross(&rotation).norm_squared();
             let scale = last.norm_squared() * rotation.norm_squared();
             let step = match across <= 1e-24 * scale {
                 true => rotation - last,
-                false => (last_turn.inverse() * turn).scaled_axis(),
+                false => {
+                    let [from, to] = [last, rotation].map(UnitQuaternion::from_scaled_axis);
+                    (from.inverse() * to).scaled_axis()
+                }
             };
-            (last, last_turn) = (rotation, turn);
+            last = rotation;
             step
         });
         Self {
             steps: steps.collect(),
+            has_spin,
         }
     }
 
@@ -167,7 +172,7 @@ impl RollRotations {
         };
         let mut at = start;
         for step in &self.steps {
-            at = at.after(shape, step, error, ratio)?;
+            at = at.after(shape, step, self.has_spin, error * ratio)?;
             path.push(at);
         }
         Some(())
@@ -179,19 +184,23 @@ impl PathPoint {
         &self,
         shape: &LocalShape,
         step: &Vector3<f64>,
-        error: &Vector2<f64>,
-        ratio: f64,
+        has_spin: bool,
+        error: Vector2<f64>,
     ) -> Option<Self> {
         let drive_of = |turn: &Vector3<f64>| Vector2::new(-turn.y, turn.x);
-        let in_frame = self.frame.tr_mul(step);
+        let mut in_frame = self.frame.tr_mul(step);
         let half = self.mobility * drive_of(&in_frame) * 0.5;
         let tilt = Vector3::new(-half.y, half.x, 0.0);
+        if !has_spin {
+            in_frame.z = tilt.x * in_frame.y - tilt.y * in_frame.x;
+        }
         let once = tilt.cross(&in_frame);
         let turn = in_frame - once + tilt.cross(&once) * 0.5;
-        let spin = self.spin + turn.z;
-        let mean_spin = self.spin + 0.5 * turn.z;
+        let turned = if has_spin { turn.z } else { 0.0 };
+        let spin = self.spin + turned;
+        let mean_spin = self.spin + 0.5 * turned;
         let drive = self.drive + spun(&drive_of(&turn), mean_spin);
-        let true_drive = drive - error * (ratio * drive.norm());
+        let true_drive = drive - error * drive.norm();
         let mut x = self.x;
         let mut mobility = self.mobility;
         for _ in 0..if shape.terms == 1 { 1 } else { NEWTON_STEPS } {

@@ -58,16 +58,14 @@ pub enum SeriesError {
         /// Direction in which the curvature is undetermined, as an angle from u towards v, rad.
         direction_rad: f64,
     },
-    /// The rotations of a roll contradict its places.
+    /// No constant curvature agrees with the rotations and pads of all rolls.
     #[error(
-        "roll {roll} (counting from 0) contradicts the other rolls or its own rotations: the contact would be {} outside of its pad",
-        Number::rounded(*distance)
+        "no constant curvature agrees with the rotations and pads of the rolls; roll {roll} (counting from 0) contradicts \
+         the others most: state the noise of the rotations, or let the curvature change along the rolls (trajectory)"
     )]
     Contradiction {
-        /// Number of the roll.
+        /// Number of the roll that contradicts the others most.
         roll: usize,
-        /// Smallest distance of the contact from its pads that any curvature needs, length.
-        distance: f64,
     },
     /// The contact moved against the direction of the rolls.
     #[error("the contact moved against the direction of the rolls: this is not a rolling contact")]

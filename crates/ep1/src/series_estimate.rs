@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Matrix3, Vector3};
 use palpate_geometry::{CurvatureForm, ShapeClass, ShapeThresholds};
-use palpate_statistics::{NORMAL_95, student_half_width};
+use palpate_statistics::{GoodnessOfFit, NORMAL_95, student_half_width};
 
 use crate::feasible_set::{OPEN, normal_nodes};
 use crate::pad_edge::PadEdgeSet;
@@ -81,6 +81,8 @@ pub struct SeriesEstimate {
     pub terms: usize,
     /// One report for each roll.
     pub rolls: Vec<RollReport>,
+    /// Goodness of fit; `None` if no noise is stated.
+    pub goodness: Option<GoodnessOfFit>,
     radius: f64,
     arc_length: f64,
     uncertainty: Uncertainty,
@@ -94,7 +96,7 @@ impl SeriesEstimate {
         relative: &Matrix2<f64>,
         covariance: Matrix3<f64>,
         terms: usize,
-        rolls: Vec<RollReport>,
+        (rolls, goodness): (Vec<RollReport>, Option<GoodnessOfFit>),
         arc_length: f64,
         uncertainty: Uncertainty,
     ) -> Self {
@@ -109,6 +111,7 @@ impl SeriesEstimate {
             covariance: ORDER.map(|row| ORDER.map(|at| covariance[(row, at)] * scale * scale)),
             terms,
             rolls,
+            goodness,
             radius,
             arc_length,
             uncertainty,

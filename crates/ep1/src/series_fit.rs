@@ -1,7 +1,7 @@
 //! Estimates curvature from series of rolls.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
-use palpate_statistics::{chi_squared_tail, ratio_tail};
+use palpate_statistics::{GoodnessOfFit, chi_squared_tail, ratio_tail};
 
 use crate::crossings::{crossings, drive, runs};
 use crate::pad_edge::{BoundedRoll, pad_edge_set};
@@ -16,12 +16,16 @@ use crate::{
 
 /// Significance level at which a roll is left out, divided by the number of rolls.
 const OUTLIER_LEVEL: f64 = 1e-3;
+/// Smallest residual that can contradict the other rolls if no noise is stated, relative to the longest path.
+const MIN_RESIDUAL: f64 = 1e-3;
+/// Smallest number of rolls for each roll that is left out.
+const ROLLS_PER_OUTLIER: usize = 4;
 /// Number of contact points of a roll that a fit uses. More contact points are averaged in groups.
 const GROUPS: usize = 24;
 /// Changes of the coefficients below this value end the steps of a fit.
-const TOLERANCE: f64 = 1e-12;
+const TOLERANCE: f64 = 1e-10;
 /// Changes below this value end the fit that only locates the set of exact readings.
-const ROUGH_TOLERANCE: f64 = 1e-4;
+const ROUGH_TOLERANCE: f64 = 0.03;
 /// Largest standard deviation of a determined mobility, divided by the mobility.
 const MAX_SPREAD: f64 = 0.5;
 /// If the mobility differs between directions by more than this ratio, the crossings are located again.
@@ -60,6 +64,14 @@ struct Problem<'r> {
     reports: Vec<RollReport>,
 }
 
+/// The best fit so far.
+struct Best {
+    criterion: f64,
+    estimate: SeriesEstimate,
+    /// The roll that contradicts the others significantly.
+    worst: Option<usize>,
+}
+
 impl<'r> Problem<'r> {
     fn estimate(&mut self) -> Result<SeriesEstimate, SeriesError> {
         let is_exact = matches!(self.places, Places::Pads(_)) && self.noise.is_exact();
@@ -87,29 +99,32 @@ impl<'r> Problem<'r> {
                 first =
                     SeriesFit::new(&data, &noise, first.shape, tolerance).ok_or(undetermined)?;
             }
-            if largest_spread(&first) > MAX_SPREAD {
+            let scale = match self.is_noise_stated() {
+                true => 1.0,
+                false => first.chi_squared / first.freedom.max(1) as f64,
+            };
+            if scale.sqrt() * largest_spread(&first) > MAX_SPREAD {
                 return Err(undetermined);
             }
             if self.method == SeriesMethod::Trajectory {
-                return self.trajectory(&data, &noise, first);
-            }
-            let worst = self.p_values(&data, &first);
-            if !is_set {
-                if let Some(roll) = worst {
-                    self.reports[roll].left_out = Some(Exclusion::Inconsistent);
+                let found = self.trajectory(&data, &noise, first);
+                if self.leaves_out(found.1) {
                     continue;
                 }
-                return Ok(self.of_fit(&first, 1));
+                return Ok(found.0);
             }
-            let Places::Pads(cell) = self.places else {
-                return Err(SeriesError::OutOfRange);
+            let cell = match self.places {
+                Places::Pads(cell) if is_set => cell,
+                _ => {
+                    let worst = self.p_values(&data, &first);
+                    if self.leaves_out(worst) {
+                        continue;
+                    }
+                    return Ok(self.of_fit(&first, 1));
+                }
             };
             let pitch = cell.pitch() / self.radius;
-            let set = pad_edge_set(&bounded, &data, &first, pitch, cell);
-            if let Some(set) = set {
-                for report in &mut self.reports {
-                    report.p_value = None;
-                }
+            if let Some(set) = pad_edge_set(&bounded, &data, &first, pitch, cell) {
                 let mobility = set.centre + set.mean;
                 let mobility = Matrix2::new(mobility.x, mobility.y, mobility.y, mobility.z);
                 let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
@@ -117,19 +132,33 @@ impl<'r> Problem<'r> {
                 let uncertainty = Uncertainty::Set(set);
                 return Ok(self.result(&shape, covariance, true, 1, &first, uncertainty));
             }
-            // The roll whose crossings contradict the others most is left out.
-            let least = data.iter().min_by(|one, other| {
-                let p_value = |roll: &RollData| self.reports[roll.roll].p_value.unwrap_or(1.0);
-                p_value(one).total_cmp(&p_value(other))
-            });
-            let Some(least) = least.filter(|_| data.len() > 3) else {
-                return Err(SeriesError::Contradiction {
-                    roll: 0,
-                    distance: 0.0,
-                });
-            };
-            self.reports[least.roll].left_out = Some(Exclusion::Inconsistent);
+            // No mobility agrees with all rolls. The roll whose crossings contradict the others most is left out.
+            self.p_values(&data, &first);
+            let p_value = |roll: &RollData| self.reports[roll.roll].p_value.unwrap_or(1.0);
+            let least = data
+                .iter()
+                .min_by(|one, other| p_value(one).total_cmp(&p_value(other)))
+                .map_or(0, |roll| roll.roll);
+            if !self.leaves_out(Some(least)) {
+                return Err(SeriesError::Contradiction { roll: least });
+            }
+            for report in &mut self.reports {
+                if report.left_out.is_none() {
+                    report.p_value = None;
+                }
+            }
         }
+    }
+
+    /// Leaves out a roll, unless too many rolls are left out already. Then the model or the noise is wrong, not a roll.
+    fn leaves_out(&mut self, roll: Option<usize>) -> bool {
+        let is_out = |report: &&RollReport| report.left_out == Some(Exclusion::Inconsistent);
+        let out = self.reports.iter().filter(is_out).count();
+        let Some(roll) = roll.filter(|_| (out + 1) * ROLLS_PER_OUTLIER <= self.rolls.len()) else {
+            return false;
+        };
+        self.reports[roll].left_out = Some(Exclusion::Inconsistent);
+        true
     }
 
     /// The rolls that a fit uses, with their pads.
@@ -182,7 +211,7 @@ impl<'r> Problem<'r> {
                 is_start_known: series.start.is_some(),
                 start: guess,
                 start_std,
-                rotations: RollRotations::new(rotations.into_iter()),
+                rotations: RollRotations::new(rotations.into_iter(), self.noise.is_exact()),
                 observations,
             });
             bounded.push(BoundedRoll { series, runs });
@@ -214,6 +243,12 @@ impl<'r> Problem<'r> {
 
     /// Stores the p-value of each roll. Returns the roll that contradicts the others significantly.
     fn p_values<const N: usize>(&mut self, data: &[RollData], fit: &SeriesFit<N>) -> Option<usize> {
+        let longest = fit.rolls.iter().map(|roll| roll.length).fold(0.0, f64::max);
+        let residual = (fit.chi_squared / fit.freedom.max(1) as f64).sqrt();
+        // Without a stated noise, small residuals are errors of the model.
+        if !self.is_noise_stated() && residual < MIN_RESIDUAL * longest {
+            return None;
+        }
         let mut worst = (OUTLIER_LEVEL / data.len() as f64, None);
         for (roll, state) in data.iter().zip(&fit.rolls) {
             let Some((fall, freedom)) = fit.fall_without(state) else {
@@ -234,7 +269,7 @@ impl<'r> Problem<'r> {
                 worst = (p_value, Some(roll.roll));
             }
         }
-        worst.1.filter(|_| data.len() > 3)
+        worst.1
     }
 
     /// The fit with the number of terms that has the least information criterion of Akaike.
@@ -243,15 +278,18 @@ impl<'r> Problem<'r> {
         data: &[RollData],
         noise: &FitNoise,
         first: SeriesFit<3>,
-    ) -> Result<SeriesEstimate, SeriesError> {
-        let mut best = (self.criterion(&first, 3), self.of_fit(&first, 1));
+    ) -> (SeriesEstimate, Option<usize>) {
         let mut shape = first.shape;
-        self.p_values(data, &first);
+        let worst = self.p_values(data, &first);
+        let mut best = Best {
+            criterion: self.criterion(&first, 3),
+            estimate: self.of_fit(&first, 1),
+            worst,
+        };
         self.more_terms::<7>(data, noise, &mut shape, &mut best);
         self.more_terms::<12>(data, noise, &mut shape, &mut best);
         self.more_terms::<18>(data, noise, &mut shape, &mut best);
-        best.1.rolls.clone_from(&self.reports);
-        Ok(best.1)
+        (best.estimate, best.worst)
     }
 
     fn more_terms<const N: usize>(
@@ -259,7 +297,7 @@ impl<'r> Problem<'r> {
         data: &[RollData],
         noise: &FitNoise,
         shape: &mut LocalShape,
-        best: &mut (f64, SeriesEstimate),
+        best: &mut Best,
     ) {
         shape.terms += 1;
         let Some(fit) = SeriesFit::<N>::new(data, noise, *shape, TOLERANCE) else {
@@ -267,9 +305,12 @@ impl<'r> Problem<'r> {
         };
         *shape = fit.shape;
         let criterion = self.criterion(&fit, N);
-        if criterion < best.0 {
-            self.p_values(data, &fit);
-            *best = (criterion, self.of_fit(&fit, shape.terms));
+        if criterion < best.criterion {
+            *best = Best {
+                criterion,
+                worst: self.p_values(data, &fit),
+                estimate: self.of_fit(&fit, shape.terms),
+            };
         }
     }
 
@@ -318,12 +359,14 @@ impl<'r> Problem<'r> {
         };
         let lengths: f64 = fit.rolls.iter().map(|roll| roll.length).sum();
         let arc_length = self.radius * lengths / fit.rolls.len().max(1) as f64;
+        let is_tested = self.is_noise_stated() && !matches!(uncertainty, Uncertainty::Set(_));
+        let goodness = is_tested.then(|| GoodnessOfFit::new(fit.chi_squared, fit.freedom));
         SeriesEstimate::new(
             self.radius,
             &relative,
             covariance,
             terms,
-            self.reports.clone(),
+            (self.reports.clone(), goodness),
             arc_length,
             uncertainty,
         )

@@ -7,6 +7,7 @@ mod draws;
 mod exact;
 mod misfit;
 mod refusals;
+mod series;
 
 use nalgebra::{Matrix2, Rotation2, Vector2};
 use palpate_ep1::ProbeReading;

@@ -1,0 +1,371 @@
+//! Estimates from rolls in time, compared with a ball on a ball in closed form and with integrated rolls.
+
+use approx::assert_relative_eq;
+use nalgebra::{Rotation3, UnitQuaternion, Vector2, Vector3};
+use palpate_ep1::{
+    Exclusion, PadCell, Places, Quantity, RollSample, RollSeries, SeriesError, SeriesMethod,
+    SeriesNoise, estimate_series,
+};
+use palpate_geometry::surfaces::{Ellipsoid, Graph};
+use palpate_geometry::{Shape, ShapeThresholds, Surface};
+use palpate_rolling::{Chart, Model, Motion, Probe, Roller, Rolls};
+
+use crate::draws::Draws;
+
+const RADIUS: f64 = 10.0;
+const EXACT: SeriesNoise = SeriesNoise {
+    rotation_std_rad: 0.0,
+    relative_rotation_std: 0.0,
+    relative_sample_std: 0.0,
+};
+
+/// Centre of the pad at a place.
+fn pad(cell: &PadCell, place: &Vector2<f64>) -> Vector2<f64> {
+    let pitch = cell.pitch();
+    let period = match *cell == PadCell::square(pitch) {
+        true => Vector2::new(1.0, 1.0),
+        false => Vector2::new(1.0, 3.0_f64.sqrt()),
+    } * pitch;
+    let nearest = |corner: Vector2<f64>| {
+        let steps = (place - corner).component_div(&period).map(f64::round);
+        corner + steps.component_mul(&period)
+    };
+    let centres = [nearest(Vector2::zeros()), nearest(0.5 * period)];
+    let inside = |centre: &&Vector2<f64>| cell.contains(&(place - **centre));
+    *centres.iter().find(inside).unwrap_or(&centres[0])
+}
+
+/// A place in the chart of the probe, for a contact at `path` from a roll's start.
+fn chart(start: &Vector2<f64>, path: &Vector2<f64>) -> Vector2<f64> {
+    let turned = |place: &Vector2<f64>| {
+        Rotation3::from_scaled_axis(Vector3::new(-place.y, place.x, 0.0) / RADIUS)
+    };
+    let direction = turned(start) * turned(path) * Vector3::z();
+    let across = direction.xy();
+    across * (RADIUS * libm::atan2(across.norm(), direction.z) / across.norm().max(1e-300))
+}
+
+/// Eight rolls by half a radian on a ball, at 1 kHz. The directions are turned by `turn` from the axes of the pads.
+fn rolls(object: f64, cell: &PadCell, turn: f64, draws: &mut Draws) -> Vec<RollSeries> {
+    let one = |number: usize| {
+        let (sin, cos) = libm::sincos(turn + number as f64 * std::f64::consts::FRAC_PI_4);
+        let direction = Vector2::new(cos, sin);
+        let start = loop {
+            let mut within = || (draws.uniform() - 0.5) * 1.2 * cell.pitch();
+            let start = Vector2::new(within(), within());
+            if cell.contains(&start) {
+                break start;
+            }
+        };
+        let sample = |index: u32| {
+            let time_s = f64::from(index) * 1e-3;
+            let drive = direction * (0.5 * time_s);
+            let path = drive / (1.0 / RADIUS + 1.0 / object);
+            RollSample {
+                time_s,
+                rotation: Vector3::new(drive.y, -drive.x, 0.0),
+                place: pad(cell, &chart(&start, &path)),
+            }
+        };
+        RollSeries {
+            start: Some(start),
+            samples: (0..=1000).map(sample).collect(),
+        }
+    };
+    (0..8).map(one).collect()
+}
+
+fn without_starts(rolls: &[RollSeries]) -> Vec<RollSeries> {
+    let without = |roll: &RollSeries| RollSeries {
+        start: None,
+        ..roll.clone()
+    };
+    rolls.iter().map(without).collect()
+}
+
+const QUANTITIES: [Quantity; 5] = [
+    Quantity::Normal { angle_rad: 0.3 },
+    Quantity::Gaussian,
+    Quantity::Mean,
+    Quantity::PrincipalMin,
+    Quantity::PrincipalMax,
+];
+
+#[test]
+fn the_set_of_exact_rolls_contains_the_truth_and_is_narrow() {
+    let mut draws = Draws(47);
+    for cell in [PadCell::square(1.0), PadCell::hexagonal(1.0)] {
+        for (object, width) in [(47.0, 0.02), (470.0, 0.12)] {
+            for turn in [0.1, 0.3, 0.6] {
+                let stated = rolls(object, &cell, turn, &mut draws);
+                for (rolls, share) in [(without_starts(&stated), 1.0), (stated, 0.7)] {
+                    let places = Places::Pads(cell);
+                    let found =
+                        estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &EXACT, &rolls)
+                            .unwrap();
+                    for quantity in QUANTITIES {
+                        let truth = match quantity {
+                            Quantity::Gaussian => (1.0 / object) / object,
+                            _ => 1.0 / object,
+                        };
+                        let [Some(low), Some(high)] = found.bounds(quantity).unwrap() else {
+                            panic!("{quantity:?} has no bounds");
+                        };
+                        assert!(low <= truth && truth <= high, "{quantity:?}: {low} {high}");
+                        let powers = match quantity {
+                            Quantity::Normal { .. } | Quantity::Mean => 1.0,
+                            _ => 2.0,
+                        };
+                        assert!(high - low < powers * share * width * truth, "{quantity:?}");
+                        let [from, to] = found.interval95(quantity);
+                        assert!(from >= Some(low) && to <= Some(high) && from < to);
+                    }
+                    let value = found.curvature.normal_curvature(0.3);
+                    assert_relative_eq!(value, 1.0 / object, max_relative = 0.3 * width);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn noisy_rotations_give_intervals_that_hold() {
+    let mut draws = Draws(5);
+    let cell = PadCell::square(1.0);
+    let noise = SeriesNoise {
+        rotation_std_rad: 0.1_f64.to_radians(),
+        ..EXACT
+    };
+    let (mut held, trials) = (0, 40);
+    for trial in 0..trials {
+        let mut noisy = without_starts(&rolls(47.0, &cell, 0.1 * f64::from(trial), &mut draws));
+        for sample in noisy.iter_mut().flat_map(|roll| &mut roll.samples) {
+            sample.rotation += Vector3::from_fn(|_, _| draws.normal()) * noise.rotation_std_rad;
+        }
+        let places = Places::Pads(cell);
+        let found =
+            estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &noise, &noisy).unwrap();
+        let value = found.curvature.k_uu;
+        assert_relative_eq!(value, 1.0 / 47.0, max_relative = 0.02);
+        let [low, high] = found.interval95(Quantity::Normal { angle_rad: 0.0 });
+        assert!(high.unwrap() - low.unwrap() < 0.02 / 47.0);
+        held += u32::from(low < Some(1.0 / 47.0) && Some(1.0 / 47.0) < high);
+    }
+    assert!(held >= 34, "{held} of {trials}");
+}
+
+/// Rolls of a probe of radius 1 on `shape`, with contact points in 30 samples. The rolling equations are integrated.
+fn integrated(shape: &Shape, first: (f64, f64), rotation: f64) -> (Vec<RollSeries>, Roller) {
+    let motions = |direction: f64| vec![Motion::rolling(direction, rotation, 1.0)];
+    let model = Model::Dop853 {
+        tolerance: 1e-10,
+        chart: Chart::Free,
+    };
+    let all: Vec<_> = (0..8)
+        .map(|roll| motions(0.2 + 0.785 * f64::from(roll)))
+        .collect();
+    let probe = Probe::new(1.0).unwrap();
+    let roller = Roller::new(probe, shape.clone(), first, model, Rolls::exact(&all)).unwrap();
+    let from = *roller.first_contact();
+    let series = all.iter().map(|motion| {
+        let sample = |index: u32| {
+            let time_s = f64::from(index) / 30.0;
+            let contact = roller
+                .roll(&[Motion {
+                    duration_s: time_s,
+                    ..motion[0]
+                }])
+                .unwrap();
+            let turn = from.object_from_probe().inverse() * contact.object_from_probe();
+            let body_from_contact = from.body_from_contact;
+            let in_contact = body_from_contact.inverse()
+                * UnitQuaternion::from_rotation_matrix(&turn)
+                * body_from_contact;
+            RollSample {
+                time_s,
+                rotation: in_contact.scaled_axis(),
+                place: contact.shift_from(&from, 1.0).displacement,
+            }
+        };
+        RollSeries {
+            start: None,
+            samples: (0..=30).map(sample).collect(),
+        }
+    });
+    (series.collect(), roller)
+}
+
+#[test]
+fn trajectories_find_the_curvature_at_the_start_of_long_rolls() {
+    let paraboloid = |c| Shape::Paraboloid(Graph::paraboloid(c).unwrap());
+    let ellipsoid = Shape::Ellipsoid(Ellipsoid::new([3.0, 2.0, 1.5]).unwrap());
+    for (shape, first) in [
+        (paraboloid(5.0), (0.0, 0.0)),
+        (paraboloid(0.5), (0.0, 0.0)),
+        (ellipsoid.clone(), (0.0, 0.0)),
+        (ellipsoid, (0.8, 0.5)),
+    ] {
+        let (rolls, roller) = integrated(&shape, first, 0.5);
+        let from = roller.first_contact();
+        let (_, truth) = shape
+            .curvature_along(&from.on_object, &from.x_axis)
+            .unwrap();
+        let places = Places::Contacts { std: 0.0 };
+        let found =
+            estimate_series(SeriesMethod::Trajectory, 1.0, &places, &EXACT, &rolls).unwrap();
+        let (found_form, truth) = (found.curvature.principal(), truth.principal());
+        assert!(found.terms > 1);
+        assert_relative_eq!(found_form.k_min, truth.k_min, max_relative = 0.01);
+        assert_relative_eq!(found_form.k_max, truth.k_max, max_relative = 0.01);
+    }
+}
+
+#[test]
+fn errors_of_the_measured_rotations_do_not_attenuate() {
+    let mut draws = Draws(11);
+    let noise = SeriesNoise {
+        relative_sample_std: 0.1,
+        ..EXACT
+    };
+    let cell = PadCell::square(1.0);
+    let (mut sum, trials) = (0.0, 60);
+    for trial in 0..trials {
+        let mut rolls = without_starts(&rolls(50.0, &cell, 0.1 * f64::from(trial), &mut draws));
+        for roll in &mut rolls {
+            let drive = |sample: &RollSample| Vector2::new(-sample.rotation.y, sample.rotation.x);
+            for sample in &mut roll.samples {
+                sample.place = drive(sample) / (1.0 / RADIUS + 1.0 / 50.0);
+                let size = noise.relative_sample_std * sample.rotation.norm();
+                sample.rotation += Vector3::from_fn(|_, _| draws.normal()) * size;
+            }
+            // Few samples, because the attenuation does not depend on their number.
+            roll.samples = roll.samples.iter().step_by(50).copied().collect();
+        }
+        let places = Places::Contacts { std: 0.0 };
+        let found =
+            estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &noise, &rolls).unwrap();
+        sum += found.estimate().mean_curvature.value * 50.0 - 1.0;
+    }
+    // Without the correction the mean error is above 3 %.
+    let bias = sum / f64::from(trials);
+    assert!(bias.abs() < 0.02, "{bias}");
+}
+
+#[test]
+fn a_roll_that_contradicts_the_others_is_left_out() {
+    let cell = PadCell::square(1.0);
+    let mut rolls = without_starts(&rolls(47.0, &cell, 0.3, &mut Draws(3)));
+    for sample in &mut rolls[5].samples {
+        sample.rotation *= 1.05;
+    }
+    let gain = SeriesNoise {
+        relative_rotation_std: 0.002,
+        ..EXACT
+    };
+    for noise in [EXACT, gain] {
+        let places = Places::Pads(cell);
+        let found =
+            estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &noise, &rolls).unwrap();
+        let left_out = found.rolls.iter().map(|roll| roll.left_out);
+        let named: Vec<_> = left_out
+            .enumerate()
+            .filter_map(|(roll, why)| Some((roll, why?)))
+            .collect();
+        assert_eq!(named, [(5, Exclusion::Inconsistent)], "{noise:?}");
+        assert!(found.rolls[5].p_value.unwrap() < 1e-4);
+        assert_relative_eq!(
+            found.curvature.mean_curvature(),
+            1.0 / 47.0,
+            max_relative = 0.02
+        );
+    }
+}
+
+#[test]
+fn bad_series_are_named() {
+    let cell = PadCell::square(1.0);
+    let good = without_starts(&rolls(47.0, &cell, 0.3, &mut Draws(3)));
+    let places = Places::Pads(cell);
+    let estimate = |rolls: &[RollSeries]| {
+        estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &EXACT, rolls)
+    };
+    let changed = |change: &dyn Fn(&mut Vec<RollSeries>)| {
+        let mut rolls = good.clone();
+        change(&mut rolls);
+        estimate(&rolls)
+    };
+    let name =
+        |change: &dyn Fn(&mut Vec<RollSeries>)| changed(change).map_err(|error| error.name()).err();
+    assert_eq!(
+        name(&|rolls| rolls[2].samples.swap(3, 4)),
+        Some("time-order")
+    );
+    assert_eq!(
+        name(&|rolls| rolls[2].samples[7].rotation.x = f64::NAN),
+        Some("not-finite")
+    );
+    assert_eq!(
+        name(&|rolls| rolls[2].samples[7].place.x = 40.0),
+        Some("off-probe")
+    );
+    assert_eq!(name(&Vec::clear), Some("too-few-rolls"));
+    let parallel = changed(&|rolls| rolls.retain(|_| false)).unwrap_err();
+    assert_eq!(parallel, SeriesError::TooFewRolls { rolls: 0 });
+    // Rolls in one direction leave the curvature across it undetermined.
+    let one_way = [good[0].clone(), good[4].clone()];
+    assert_eq!(
+        estimate(&one_way).map_err(|error| error.name()).err(),
+        Some("undetermined")
+    );
+    for (roll, why, change) in [
+        (
+            1,
+            Exclusion::TooFewSamples,
+            &(|roll: &mut RollSeries| roll.samples.truncate(1)) as &dyn Fn(&mut RollSeries),
+        ),
+        (1, Exclusion::TooFewSamples, &|roll| roll.samples.clear()),
+        (6, Exclusion::NoRotation, &|roll| {
+            roll.samples
+                .iter_mut()
+                .for_each(|sample| sample.rotation = Vector3::zeros());
+        }),
+        (0, Exclusion::NoCrossing, &|roll| roll.samples.truncate(5)),
+    ] {
+        let found = changed(&|rolls| change(&mut rolls[roll])).unwrap();
+        assert_eq!(found.rolls[roll].left_out, Some(why));
+        assert_relative_eq!(
+            found.curvature.mean_curvature(),
+            1.0 / 47.0,
+            max_relative = 0.02
+        );
+    }
+}
+
+#[test]
+fn gaps_and_chatter_do_not_bias() {
+    let cell = PadCell::square(1.0);
+    let mut rolls = without_starts(&rolls(47.0, &cell, 0.3, &mut Draws(3)));
+    for roll in &mut rolls {
+        // Pads alternate for 6 ms around each crossing.
+        let places: Vec<_> = roll.samples.iter().map(|sample| sample.place).collect();
+        for index in 3..places.len() - 3 {
+            if index % 2 == 0 {
+                roll.samples[index].place = places[index - 3];
+            }
+        }
+        roll.samples
+            .retain(|sample| (sample.time_s * 1000.0).round() as u32 % 97 > 2);
+    }
+    let places = Places::Pads(cell);
+    let found = estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &EXACT, &rolls).unwrap();
+    assert!(found.rolls.iter().all(|roll| roll.left_out.is_none()));
+    let [low, high] = found.bounds(Quantity::Mean).unwrap();
+    assert!(low < Some(1.0 / 47.0) && Some(1.0 / 47.0) < high);
+    assert_relative_eq!(
+        found.curvature.mean_curvature(),
+        1.0 / 47.0,
+        max_relative = 0.02
+    );
+    let thresholds = ShapeThresholds::new(1e-6, 1e-3).unwrap();
+    assert_relative_eq!(found.class_probabilities(&thresholds)[0], 1.0);
+}
