@@ -340,3 +340,49 @@ fn sampled_rolls_are_written_as_time_series() {
     let curvature = estimate["mean_curvature"]["value"].as_f64().unwrap();
     assert_close(curvature, 1.0 / 50.0, 1e-12);
 }
+
+#[test]
+fn a_traced_series_has_the_estimate_of_its_trial() {
+    let rolls =
+        "duration_s = 1.0, sampling_hz = 300, directions_deg = [14, 74, 134, 194, 254, 314]";
+    for (sensor, method, options) in [
+        (
+            r#"kind = "pads", pitch = 1.0, offset = "random""#,
+            "pad-edge",
+            "--pitch 1",
+        ),
+        (
+            r#"kind = "pads", pitch = 1.0, layout = "hexagonal", offset = "random""#,
+            "pad-edge",
+            "--pitch 1 --pad-layout hexagonal",
+        ),
+        (
+            r#"kind = "wrist", std = 0.05"#,
+            "trajectory",
+            "--shift-std 0.05",
+        ),
+    ] {
+        let scene = edited(SCENE, "duration_s = 1.0", rolls)
+            + &format!("sensor = {{ {sensor} }}\nestimator = {{ kind = \"auto\" }}\n");
+        let desk = Desk::with(&scene);
+        desk.palpate("run c.toml --trials 1 --out r").printed();
+        let cells = desk.table("r/cells.csv");
+        let check = desk.palpate("check c.toml").printed();
+        let choice = format!("{method} over 6 probes, 1806 samples, chosen because");
+        assert!(check.contains(&choice), "{check}");
+        desk.palpate("trace c.toml --trial 0 --out t").printed();
+        let estimate =
+            format!("estimate roll t/readings.csv --probe-radius 10 --method auto {options}");
+        let estimate = desk.palpate(&estimate).printed();
+        let estimate: serde_json::Value = serde_json::from_str(&estimate).unwrap();
+        assert_eq!(estimate["method"], method);
+        for (row, quantity) in ["normal_curvature_u", "normal_curvature_v"]
+            .iter()
+            .enumerate()
+        {
+            let value = estimate[quantity]["value"].as_f64().unwrap();
+            assert_close(value, cells.number(row, "mean"), 1e-12);
+            assert_close(value, 1.0 / 50.0, 0.02);
+        }
+    }
+}
