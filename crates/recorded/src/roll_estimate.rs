@@ -176,8 +176,8 @@ impl RollEstimate {
 
     /// p-value of the goodness of fit by the stated noise; `None` if no noise is stated.
     pub fn p_value(&self) -> Option<f64> {
-        if self.series.is_some() {
-            return None;
+        if let Some(series) = &self.series {
+            return Some(series.estimate.goodness?.p_value);
         }
         let goodness = self
             .estimate

@@ -115,19 +115,14 @@ pub(super) fn estimate_of_series(
     }
     let radius = options.probe_radius;
     let estimate = estimate_series(method, radius, &places, &series.noise, &readings.rolls);
-    let estimate = estimate.map_err(|error| refused(recorded, readings, error, unit))?;
+    let estimate = estimate.map_err(|error| refused(recorded, readings, error))?;
     Ok(Some(SeriesResult {
         method: name,
         estimate,
     }))
 }
 
-fn refused(
-    recorded: &RollRecording,
-    readings: &SeriesReadings,
-    error: SeriesError,
-    unit: LengthUnit,
-) -> String {
+fn refused(recorded: &RollRecording, readings: &SeriesReadings, error: SeriesError) -> String {
     let at = |roll: usize, sample: usize| {
         let series = readings.rolls.get(roll);
         let time_s = series.and_then(|series| series.samples.get(sample));
@@ -142,11 +137,9 @@ fn refused(
             "{}: the place is more than half way round the probe",
             at(roll, sample)
         ),
-        SeriesError::Contradiction { roll, distance } => format!(
-            "probe {}: the rotations contradict the pads or the other probes: the contact would be {} {} outside of its pad",
-            recorded.probe(roll),
-            Number::rounded(distance),
-            unit.as_str()
+        SeriesError::Contradiction { roll } => format!(
+            "no constant curvature agrees with the rotations and pads of all probes; probe {} contradicts the others most: state the noise of the rotations, or use method trajectory",
+            recorded.probe(roll)
         ),
         _ => error.to_string(),
     };

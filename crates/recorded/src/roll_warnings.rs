@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use palpate_ep1::{ProbeReading, rounding_std};
+use palpate_ep1::{Misfit, ProbeReading, rounding_std};
 use palpate_statistics::{Number, StatedQuantity};
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
@@ -18,6 +18,9 @@ const MAX_TURN_RATIO: f64 = 25.0;
 /// given: the rotations are probably in rad although the header states degrees. Only a dish that is hardly wider than
 /// the probe has so small a ratio.
 const MIN_TURN_RATIO: f64 = 1.0 / 30.0;
+
+/// Significance level below which a fit of time series is reported as poor.
+const MIN_P_VALUE: f64 = 0.005;
 
 /// Smallest shift that pads can report, relative to the pitch. The distance between pads is hardly ever below 0.8
 /// pitches.
@@ -36,7 +39,10 @@ impl RollEstimate {
         };
         let units = units(readings, self.options.probe_radius, self.unit);
         let misfits = match &self.series {
-            Some(_) => Vec::new(),
+            Some(_) => self
+                .p_value()
+                .filter(|p_value| *p_value < MIN_P_VALUE)
+                .map_or_else(Vec::new, |p_value| vec![Misfit::PoorFit { p_value }]),
             None => self.estimate.misfits(self.options.noise, readings),
         };
         let left_out = self.left_out().into_iter();
