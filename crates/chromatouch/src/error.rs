@@ -22,6 +22,12 @@ pub enum LayoutError {
         /// Polar angle of the last marker, degrees.
         reach_deg: f64,
     },
+    /// The rows or the rim of the layout are stated by angles, but the skin is flat.
+    #[error(
+        "needs a skin with a radius; on a flat pad, markers may have the layout \
+         {{ kind = \"grid\", pitch = .., width = .., height = .. }}"
+    )]
+    NoAngles,
     /// The layout has more markers than the limit.
     #[error(
         "there would be {markers:.0} markers; at most {limit} are possible",
@@ -62,7 +68,7 @@ impl LayoutError {
             Self::BadSetting(BadSetting { setting, .. })
             | Self::AroundTheSphere { setting, .. } => Some(setting),
             Self::NoMarker { .. } => Some("pitch"),
-            Self::TooManyMarkers { .. } => None,
+            Self::TooManyMarkers { .. } | Self::NoAngles => None,
         }
     }
 }

@@ -45,6 +45,13 @@ pub enum Layout {
         /// Polar angle of the cap's rim, degrees.
         cap_deg: f64,
     },
+    /// Markers in rows along x and columns along y, with the apex in the middle.
+    Grid {
+        /// Distance between neighbouring markers, length.
+        pitch: f64,
+        /// Largest distances between two markers along x and along y, length.
+        size: [f64; 2],
+    },
     /// Equally spaced markers on a great circle that passes through the apex along x. The apex is in the middle.
     Line {
         /// Number of markers.
@@ -74,21 +81,25 @@ impl Layout {
 
     /// Coordinates (x, y) of the markers on the skin of a sensor with this radius, length. They are the logarithm map
     /// at the apex: a marker lies in the direction (x, y) from the apex, at the distance √(x² + y²) along the skin. The
-    /// markers are sorted from the apex outward; those of a [`Layout::Line`] are sorted along +x.
+    /// markers are sorted from the apex outward; those of a [`Layout::Line`] are sorted along +x, those of a
+    /// [`Layout::Grid`] by y and then by x. The radius of a flat skin is infinite.
     ///
     /// # Errors
     /// [`LayoutError`] if the radius is out of range or the layout is impossible.
     pub fn places(&self, sensor_radius: f64) -> Result<Vec<[f64; 2]>, LayoutError> {
         // The radius is limited so that the circumference of the sphere is a finite number.
-        let good = sensor_radius > 0.0 && sensor_radius <= 1e300;
+        let is_flat = sensor_radius == f64::INFINITY;
+        let good = sensor_radius > 0.0 && sensor_radius <= 1e300 || is_flat;
         LayoutError::unless(good, "radius", sensor_radius, "above 0 and at most 1e300")?;
         match self {
+            Self::Gores { .. } | Self::Lattice { .. } if is_flat => Err(LayoutError::NoAngles),
             Self::Gores {
                 gores,
                 rows,
                 row_spacing_deg,
             } => in_gores(*gores, rows, *row_spacing_deg, sensor_radius),
             Self::Lattice { pitch, cap_deg } => on_lattice(*pitch, *cap_deg, sensor_radius),
+            Self::Grid { pitch, size } => in_grid(*pitch, *size, sensor_radius),
             Self::Line { markers, length } => {
                 let steps = equal_steps(*markers, *length, 0.5 * length, sensor_radius)?;
                 Ok(steps.map(|along| [along - 0.5 * length, 0.0]).collect())
@@ -177,6 +188,25 @@ fn on_lattice(pitch: f64, cap_deg: f64, sensor_radius: f64) -> Result<Vec<[f64; 
         return Err(LayoutError::NoMarker { pitch, cap_deg });
     }
     Ok(places)
+}
+
+fn in_grid(pitch: f64, size: [f64; 2], sensor_radius: f64) -> Result<Vec<[f64; 2]>, LayoutError> {
+    let good = pitch > 0.0 && pitch.is_finite();
+    LayoutError::unless(good, "pitch", pitch, "finite and > 0")?;
+    for (setting, length) in ["width", "height"].into_iter().zip(size) {
+        let good = (0.0..=1e300).contains(&length);
+        LayoutError::unless(good, setting, length, "at least 0 and at most 1e300")?;
+    }
+    // Without the small term, rounding errors could remove the last marker of a row.
+    let [columns, rows] = size.map(|length| (length / pitch + 1e-9).floor());
+    few_enough((columns + 1.0) * (rows + 1.0))?;
+    let corner = 0.5 * pitch * libm::hypot(columns, rows);
+    within_half_turn("width", (corner / sensor_radius).to_degrees())?;
+    let place = |step: u32, steps: f64| pitch * (f64::from(step) - 0.5 * steps);
+    let row = |row: u32| {
+        (0..=columns as u32).map(move |column| [place(column, columns), place(row, rows)])
+    };
+    Ok((0..=rows as u32).flat_map(row).collect())
 }
 
 /// Equally spaced coordinates from 0 to `length`. `reach` is the distance of the farthest marker from the apex; this

@@ -10,7 +10,7 @@ use palpate_study::config::{
 /// Config path of the layout.
 pub const LAYOUT: &str = "scene.probe.layout";
 
-/// A soft sphere with markers under its skin.
+/// A soft sphere with markers under its skin. A flat pad is the limit of an infinite radius.
 #[derive(Clone, Debug)]
 pub struct MarkerSphere<'a> {
     /// Radius of the skin, length.
@@ -52,6 +52,11 @@ impl<'a> MarkerSphere<'a> {
     }
 
     fn discs(&self) -> Result<&'a DiscsConfig, FieldError> {
+        if self.radius == f64::INFINITY {
+            let message = "is inf, but a camera is in the centre of the sensor's sphere: for a flat \
+                 pad, leave out `scene.sensor`, which then reads the displacements directly";
+            return Err(FieldError::at("scene.probe.radius", message));
+        }
         self.discs.ok_or_else(|| {
             FieldError::at(
                 "scene.probe",
@@ -134,6 +139,14 @@ fn layout_of(config: &LayoutConfig) -> Layout {
         LayoutConfig::Table(LayoutTable::Lattice { pitch, cap_deg }) => Layout::Lattice {
             pitch: *pitch,
             cap_deg: *cap_deg,
+        },
+        LayoutConfig::Table(LayoutTable::Grid {
+            pitch,
+            width,
+            height,
+        }) => Layout::Grid {
+            pitch: *pitch,
+            size: [*width, *height],
         },
         LayoutConfig::Table(LayoutTable::Line(row)) => Layout::Line {
             markers: row.markers,

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_2_PI;
 use std::sync::Arc;
 
-use crate::bonded_layer::{BondedLayer, LayerContact};
+use crate::bonded_layer::{BondedLayer, ENDS, LayerContact};
 use crate::{PressError, half_space};
 
 /// Distance from a contact beyond which displacements are set to 0, length.
@@ -197,6 +197,19 @@ impl Body {
     /// Whether the model is only an approximation whose errors are larger than the noise of readings.
     pub(crate) fn is_approximate(&self) -> bool {
         matches!(self.0, Rung::Gaussian { .. })
+    }
+
+    /// Indentation divided by the relative curvature for the widest contact that is interpolated in tables. Wider contacts
+    /// are slow, because each is solved.
+    pub(crate) fn end_of_tables(&self) -> f64 {
+        let end = match &self.0 {
+            Rung::BondedLayer {
+                layer,
+                how: Layers::Tables,
+            } => layer.indentation_of(ENDS[ENDS.len() - 1] * layer.thickness()),
+            _ => return f64::INFINITY,
+        };
+        end.map_or(f64::INFINITY, |[indentation, _]| indentation)
     }
 
     /// Poisson's ratio and depth, if the body has a model of sideways shifts. Only half-spaces have such a model.

@@ -16,7 +16,8 @@ mod reflection;
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
-use contact_table::{ENDS, Panels, Table};
+pub(crate) use contact_table::ENDS;
+use contact_table::{Panels, Table};
 use pressure::Pressure;
 use pressure_field::Term;
 use reflection::Waves;

@@ -209,7 +209,7 @@ impl Stds {
 }
 
 /// Start values: the place of the marker that moved most, and an object with the sensor's own curvature (relative
-/// curvature 2/R_s).
+/// curvature 2/R_s); on nearly flat skins, with a curvature that is comparable with the extent of the markers.
 fn guess(reading: &Reading<'_>) -> Result<(f64, Place, f64), PressError> {
     let markers = reading.markers;
     let (marker, largest) = reading
@@ -225,7 +225,7 @@ fn guess(reading: &Reading<'_>) -> Result<(f64, Place, f64), PressError> {
         return Err(PressError::NoIndentation { indentation });
     }
     Ok((
-        2.0 * markers.skin().curvature(),
+        2.0 * markers.scale().recip(),
         markers.places()[marker],
         indentation,
     ))
@@ -309,7 +309,7 @@ impl<'a> Problem<'a> {
 
     fn contact(&self, state: &State) -> Result<(EllipticContact, f64), PressError> {
         let ([larger, smaller], angle) = principal(&state.log);
-        let own = libm::log(self.reading.markers.skin().curvature());
+        let own = libm::log(self.reading.markers.scale().recip());
         if (smaller - own).abs().max((larger - own).abs()) > LOG_RANGE {
             return Err(PressError::OutOfRange);
         }
@@ -453,7 +453,7 @@ impl<'a> Problem<'a> {
         self.reading.markers.see(&best.state.place, radius)?;
         let ([larger, smaller], angle) = principal(&best.state.log);
         let own = skin.curvature();
-        let own_log = libm::log(own);
+        let own_log = -libm::log(self.reading.markers.scale());
         if larger - own_log > MAX_LOG {
             let what = "a needle of any sharpness explains the readings";
             return Err(PressError::Undetermined { what });
@@ -507,7 +507,7 @@ impl<'a> Problem<'a> {
         let half_width = libm::exp(limit * mean_std);
         let interval = Interval {
             low: Some(mean / half_width),
-            high: (mean * half_width < own * libm::exp(MAX_LOG)).then_some(mean * half_width),
+            high: finite(libm::log(mean * half_width)).map(|high| high + own),
         };
         let value = mean / (1.0 + mean_std * mean_std);
         let normal = &self.reading.normal;

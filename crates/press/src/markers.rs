@@ -113,8 +113,8 @@ impl Markers {
         let chords = first.map(|first| directions().map(move |other| (other - first).norm()));
         let extent = chords.into_iter().flatten().fold(0.0, f64::max);
         match extent > 0.0 {
-            true => self.skin.radius() * (MAX_SCALE * extent).min(1.0),
-            false => self.skin.radius(),
+            true => self.skin.place_radius() * (MAX_SCALE * extent).min(1.0),
+            false => self.skin.place_radius(),
         }
     }
 
@@ -223,7 +223,11 @@ impl Markers {
     pub fn see(&self, contact: &Place, contact_radius: f64) -> Result<(), PressError> {
         let places = self.places.iter();
         let sights: Vec<Sight> = places.map(|place| self.sight(contact, place)).collect();
-        see(&sights, contact_radius, FRAC_PI_2 * self.skin.radius())
+        see(
+            &sights,
+            contact_radius,
+            FRAC_PI_2 * self.skin.place_radius(),
+        )
     }
 
     pub(crate) fn sight(&self, contact: &Place, marker: &Place) -> Sight {
@@ -241,7 +245,7 @@ impl Markers {
                 Vector2::x()
             }
         };
-        let radius = self.skin.radius();
+        let radius = self.skin.place_radius();
         Sight {
             distance: 2.0 * radius * libm::asin(half_chord),
             reach: radius * sine,

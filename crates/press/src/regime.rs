@@ -34,7 +34,7 @@ pub enum ContactRegime {
 const RELATIVE_TOLERANCE: f64 = 1e-12;
 
 impl ContactRegime {
-    /// The regime for a sensor with the curvature `sensor > 0` and an object with the curvature `object`, which is
+    /// The regime for a sensor with the curvature `sensor >= 0` and an object with the curvature `object`, which is
     /// positive for a convex object.
     pub fn of(sensor: f64, object: f64) -> Self {
         let relative = sensor + object;

@@ -1,4 +1,4 @@
-//! The skin of a spherical sensor, and places on it.
+//! The skin of a spherical sensor or of a flat pad, and places on it.
 
 use nalgebra::{UnitVector3, Vector2, Vector3};
 
@@ -7,7 +7,8 @@ use crate::{Body, Contact, ContactRegime, EllipticContact, PressError, within_ob
 /// Range of allowed lengths. It is limited, so that products of a few lengths are within the range of doubles.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
-/// The skin of a sensor: a sphere, with coordinates relative to its apex.
+/// The skin of a sensor: a sphere, with coordinates relative to its apex. The skin of a flat pad is a sphere with an
+/// infinite radius.
 ///
 /// The coordinates (x, y) of a place are its logarithm map from the apex: the place is in the direction (x, y) from the
 /// apex, at the distance √(x² + y²) along the skin. The components of tangential displacements are along the axes of
@@ -41,19 +42,30 @@ pub struct Place {
 }
 
 impl Skin {
-    /// The skin of a sensor of this radius.
+    /// The skin of a sensor of this radius, which is infinite for a flat pad.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`] for `radius` unless it is between 1e-50 and 1e50.
+    /// [`PressError::BadSetting`] for `radius` unless it is between 1e-50 and 1e50, or infinite.
     pub fn new(radius: f64) -> Result<Self, PressError> {
-        let good = LENGTHS.contains(&radius);
-        PressError::unless_good("radius", radius, good, "between 1e-50 and 1e50")
-            .map(|radius| Self { radius })
+        let good = LENGTHS.contains(&radius) || radius == f64::INFINITY;
+        PressError::unless_good(
+            "radius",
+            radius,
+            good,
+            "between 1e-50 and 1e50, or infinite",
+        )
+        .map(|radius| Self { radius })
     }
 
-    /// Radius of the skin.
+    /// Radius of the skin; infinite for a flat pad.
     pub const fn radius(&self) -> f64 {
         self.radius
+    }
+
+    /// Radius of the sphere on which places are computed. For a flat pad, it is so large that distances on the sphere
+    /// are those on a plane.
+    pub(crate) const fn place_radius(&self) -> f64 {
+        self.radius.min(*LENGTHS.end())
     }
 
     /// Curvature of the skin, 1/R_s.
@@ -64,7 +76,7 @@ impl Skin {
     /// The place with the coordinates (x, y). Coordinates of more than half a turn are reduced by whole turns. If the
     /// angle of the coordinates is not finite, the result is the apex.
     pub fn place(&self, [x, y]: [f64; 2]) -> Place {
-        let [x, y] = [x / self.radius, y / self.radius];
+        let [x, y] = [x, y].map(|along| along / self.place_radius());
         let angle = libm::hypot(x, y);
         let (angle, along) = if angle > 0.0 && angle.is_finite() {
             (angle, Vector2::new(x / angle, y / angle))
@@ -101,9 +113,9 @@ impl Skin {
             } else {
                 0.0
             };
-            return [self.radius * turn, 0.0];
+            return [self.place_radius() * turn, 0.0];
         }
-        let distance = self.radius * libm::atan2(across, direction.z);
+        let distance = self.place_radius() * libm::atan2(across, direction.z);
         [
             distance * (direction.x / across),
             distance * (direction.y / across),
@@ -205,7 +217,7 @@ impl Skin {
     /// zero.
     pub(crate) fn beyond(&self, place: &Place, along: f64, across: f64) -> Vector3<f64> {
         let tangent = place.x_axis * along + place.y_axis * across;
-        let angle = tangent.norm() / self.radius;
+        let angle = tangent.norm() / self.place_radius();
         place.direction.as_ref() * libm::cos(angle) + tangent.normalize() * libm::sin(angle)
     }
 
@@ -221,7 +233,7 @@ mod tests {
 
     #[test]
     fn a_direction_whose_square_overflows_has_chart_coordinates() {
-        let skin = Skin { radius: 2.0 };
+        let skin = Skin::new(2.0).unwrap();
         let [x, y] = skin.chart(&Vector3::new(1e308, 0.0, 1e308));
         assert!((x - std::f64::consts::FRAC_PI_2).abs() < 1e-15 && y == 0.0);
         assert_eq!(skin.chart(&Vector3::new(f64::NAN, 1.0, 0.0)), [0.0; 2]);
@@ -230,7 +242,7 @@ mod tests {
     #[test]
     fn chart_coordinates_invert_positions_at_any_size() {
         for radius in [1e-40, 1.0, 1e40] {
-            let skin = Skin { radius };
+            let skin = Skin::new(radius).unwrap();
             for angle in [1e-200, 1e-6, 1.0, 3.1] {
                 for (sine, cosine) in [0.0_f64, 0.7, -3.0].map(libm::sincos) {
                     let place = [angle * cosine, angle * sine].map(|along| along * radius);

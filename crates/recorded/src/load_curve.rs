@@ -44,7 +44,7 @@ pub struct LoadOptions {
     pub modulus_std_kpa: Option<f64>,
     /// Poisson's ratio of the soft body.
     pub poisson: f64,
-    /// Radius of the sensor, in the unit of lengths.
+    /// Radius of the sensor, in the unit of lengths; infinite for a flat pad.
     pub sensor_radius: Option<f64>,
     /// Standard deviation of the noise of each force, N; by default, it is estimated from the residuals.
     pub force_std_n: Option<f64>,
@@ -66,7 +66,8 @@ impl LoadOptions {
         ];
         for (index, (key, value)) in settings.into_iter().enumerate() {
             let Some(value) = value else { continue };
-            if !(value > 0.0 && value.is_finite()) {
+            let is_flat = key == "sensor_radius" && value == f64::INFINITY;
+            if !(value > 0.0 && value.is_finite() || is_flat) {
                 return Err(SettingError::of_number(key, value, "finite and > 0"));
             }
             if index >= 2 && self.modulus_kpa.is_none() {

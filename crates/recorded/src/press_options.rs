@@ -17,8 +17,10 @@ use super::study_options::{StudyMismatch, factor, press_of};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PressOptions {
-    /// Radius of the sensor's skin, in the readings' length unit. It must be given if setting `like` is not given.
-    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    /// Radius of the sensor's skin, in the readings' length unit; `inf` for a flat pad. It must be given if setting
+    /// `like` is not given.
+    #[serde(with = "palpate_study::config::infinite_length")]
+    #[schemars(with = "Option<f64>", extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-infinite" = true))]
     pub sensor_radius: Option<f64>,
     /// Depth of the markers under the skin. For readings of a calibrated camera, it must be given if setting `like` is
     /// not given. For other readings, it is 0 by default (markers at the surface), with a warning.

@@ -194,6 +194,7 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
             "a marker is displaced by {moved} {unit}, more than {sensor}: do both have the same \
              unit?"
         ),
+        () if radius == f64::INFINITY => return None,
         () if 0.0 < extent && extent < MIN_EXTENT * radius => format!(
             "all markers lie within {far} {unit} of the apex, much less than {sensor}: are the readings in m and the radius in mm?"
         ),

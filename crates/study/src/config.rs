@@ -24,6 +24,7 @@ mod field_value;
 mod glide;
 mod glide_estimator;
 mod grid;
+pub mod infinite_length;
 mod load;
 mod marker_sensor;
 mod number_default;

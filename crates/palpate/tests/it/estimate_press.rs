@@ -80,3 +80,29 @@ fn both_curvatures_of_a_roller_are_estimated() {
     let axis = number_at(&estimate, "/principal/axis_deg");
     assert!((axis.abs() - 90.0).abs() < 2.0, "{axis}");
 }
+
+#[test]
+fn a_flat_pad_has_an_infinite_radius() {
+    let desk = Desk::new();
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/press-flat-pad.csv"
+    );
+    for options in [
+        "",
+        "--indentation 0.5 --indentation-std 0.01",
+        "--method elliptic",
+    ] {
+        let line = format!("estimate press {file} --sensor-radius inf --depth 0 {options}");
+        let estimate = desk.json(&line);
+        let ends = ["0", "1"]
+            .map(|end| number_at(&estimate, &format!("/object_curvature/interval95/{end}")));
+        assert!(ends[0] < 0.25 && 0.25 < ends[1], "{options}: {ends:?}");
+        assert_eq!(estimate["relative_curvature"], estimate["object_curvature"]);
+        let codes = estimate["warnings"].as_array().unwrap().iter();
+        assert!(codes.map(|one| &one["code"]).eq(["large-contact"]));
+    }
+    let line =
+        format!("estimate press {file} --sensor-radius inf --method bonded-layer --thickness 1e6");
+    desk.palpate(&line).prints("\"verdict\": \"convex\"");
+}

@@ -482,3 +482,56 @@ fn a_press_measured_by_one_marker_alone_causes_a_warning() {
     let warning = "warning: only the marker of row 15, line 16 moved: it is wrong, or";
     assert!(said.stderr.contains(warning), "{said:?}");
 }
+
+#[test]
+fn scenes_may_have_a_flat_pad() {
+    let sphere = "radius = 20.0, marker_depth = 2.0";
+    let pad = |layout: &str| {
+        edited(
+            PRESS,
+            sphere,
+            &format!("radius = inf, marker_depth = 0.5{layout}"),
+        )
+    };
+    let grid = ", layout = { kind = \"grid\", pitch = 2, width = 24, height = 20 }";
+    let desk = Desk::with(&pad(grid));
+    desk.palpate("run c.toml --out o")
+        .prints("failed (conforming 40, edge-contact 80)");
+    // The run's own copy of the config describes the same pad.
+    desk.palpate("run o/run.toml --out again")
+        .prints("failed (conforming 40, edge-contact 80)");
+    desk.palpate("trace c.toml --cell 0 --out t").printed();
+    for options in ["--sensor-radius inf --depth 0.5", "--like c.toml --cell 0"] {
+        let curvature = &json(&desk, &format!("t/readings.csv {options}"))["object_curvature"];
+        let [low, high] = [0, 1].map(|end| number(&curvature["interval95"][end]));
+        assert!(
+            low < 1.0 / 30.0 && 1.0 / 30.0 < high,
+            "{options}: {curvature}"
+        );
+    }
+    let ended = desk.palpate("check c.toml --set scene.probe.radius=20,inf");
+    assert_eq!(ended.status, Some(0), "{}", ended.stderr);
+    desk.write("c.toml", pad(""));
+    desk.palpate("check c.toml")
+        .fails(1, "scene.probe.layout: needs a skin with a radius");
+    desk.write(
+        "c.toml",
+        edited(
+            &pad(grid),
+            "motion = {",
+            "sensor = { kind = \"projected\" }\nmotion = {",
+        ),
+    );
+    desk.palpate("check c.toml")
+        .fails(1, "a camera is in the centre of the sensor's sphere");
+    desk.write(
+        "c.toml",
+        edited(
+            &pad(grid),
+            "motion = {",
+            "motion = { contact_deg = [10, 0],",
+        ),
+    );
+    desk.palpate("check c.toml")
+        .fails(1, "must be 0 on a flat pad");
+}

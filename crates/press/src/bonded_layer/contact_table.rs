@@ -15,7 +15,7 @@ use crate::PressError;
 use crate::body::Field;
 
 /// Ends of the ranges of contact radii, relative to the thickness. Each range has its own table.
-pub(super) const ENDS: [f64; 10] = [0.0, 0.75, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.5, 12.0];
+pub(crate) const ENDS: [f64; 10] = [0.0, 0.75, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.5, 12.0];
 /// Number of contact radii in a table. It is also the number of distances in a panel (an interval of distances from the
 /// contact).
 const NODES: usize = 16;

@@ -36,6 +36,9 @@ pub(super) struct Problem<'a> {
     /// Residuals beyond this number of standard deviations have a reduced weight. If it is infinite, all weights are
     /// equal.
     pub(super) tolerance: f64,
+    /// Largest indentation divided by the relative curvature. It is limited for layers under nearly flat skins, because
+    /// fits to their readings would try contacts that are much wider than the thickness.
+    pub(super) widest: f64,
 }
 
 /// Normal and tangential displacement of one marker by the model, with derivatives with respect to the fit parameters.
@@ -298,6 +301,14 @@ impl LeastSquares for Problem<'_> {
 
     fn fitted(&self) -> &Fitted {
         &self.fitted
+    }
+
+    fn contact(&self, state: &State) -> Result<Contact<'_>, PressError> {
+        if state.indentation > self.widest * libm::exp(state.log_curvature) {
+            return Err(PressError::OutOfRange);
+        }
+        let (skin, body) = self.press();
+        state.contact(skin, body)
     }
 
     fn used(&self) -> [usize; 2] {

@@ -69,6 +69,7 @@ impl<'a> Problem<'a> {
             Prior::Exact | Prior::Free => None,
         };
         let others = [around(fit.baseline, 0.0), around(fit.gain, 1.0)];
+        let markers = reading.markers;
         let mut fitted = Fitted::new(reading.indentation, others);
         fitted.sought[BASELINE] = is_sought(fit.baseline, largest);
         fitted.sought[GAIN] = is_sought(fit.gain, 1.0);
@@ -81,6 +82,10 @@ impl<'a> Problem<'a> {
             kept: vec![true; reading.normal.len()],
             circle: None,
             tolerance: f64::INFINITY,
+            widest: match markers.scale() < markers.skin().place_radius() {
+                true => fit.body.end_of_tables(),
+                false => f64::INFINITY,
+            },
         };
         if !problem.uses_tangential() {
             problem.circle = common_circle(reading);
@@ -139,15 +144,18 @@ impl Problem<'_> {
 
 /// The pole of the great circle on which all markers lie, if there is one.
 fn common_circle(reading: &Reading<'_>) -> Option<Vector3<f64>> {
-    let mut spread = nalgebra::Matrix3::zeros();
-    for place in reading.markers.places() {
-        spread += place.direction.as_ref() * place.direction.as_ref().transpose();
+    let places = reading.markers.places();
+    let first = places.first()?;
+    let mut spread = nalgebra::Matrix2::zeros();
+    for place in places {
+        let sight = reading.markers.sight(first, place);
+        let along = sight.bearing * sight.reach;
+        spread += along * along.transpose();
     }
     let eigen = spread.symmetric_eigen();
-    let least = eigen.eigenvalues.imin();
-    let mut spreads: Vec<f64> = eigen.eigenvalues.iter().copied().collect();
-    spreads.sort_by(f64::total_cmp);
-    (spreads[0] <= ROW * spreads[1]).then(|| eigen.eigenvectors.column(least).into_owned())
+    let across = eigen.eigenvectors.column(eigen.eigenvalues.imin());
+    (eigen.eigenvalues.min() <= ROW * eigen.eigenvalues.max())
+        .then(|| first.x_axis * across[0] + first.y_axis * across[1])
 }
 
 impl<'a> Search<'a> {

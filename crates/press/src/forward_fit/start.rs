@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 use super::Prior;
 use super::problem::Problem;
@@ -205,28 +205,26 @@ fn beyond(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
         let places = problem.reading.markers.places().iter();
         places.map(|place| place.direction.into_inner())
     };
-    let normal = problem.reading.normal;
-    let mean = normal.iter().sum::<f64>() / normal.len().max(1) as f64;
-    let growth: Vector3<f64> = directions()
-        .zip(normal)
-        .map(|(direction, value)| direction * (value - mean))
-        .sum();
     let Some(middle) = directions().sum::<Vector3<f64>>().try_normalize(1e-9) else {
         return Vec::new();
     };
-    let Some(outward) = (growth - middle * growth.dot(&middle)).try_normalize(0.0) else {
+    let (markers, normal) = (problem.reading.markers, problem.reading.normal);
+    let middle = markers.skin().place_at(&middle);
+    let mean = normal.iter().sum::<f64>() / normal.len().max(1) as f64;
+    let (mut growth, mut rim) = (Vector2::zeros(), 0.0_f64);
+    for (place, value) in markers.places().iter().zip(normal) {
+        let sight = markers.sight(&middle, place);
+        growth += sight.bearing * (sight.reach * (value - mean));
+        rim = rim.max(sight.distance);
+    }
+    let Some(outward) = growth.try_normalize(0.0) else {
         return Vec::new();
     };
-    let rim = directions()
-        .map(|direction| direction.dot(&middle))
-        .fold(1.0, f64::min);
-    let markers = problem.reading.markers;
-    let unit = markers.scale() / markers.skin().radius();
-    let at = |angle: f64| middle * libm::cos(angle) + outward * libm::sin(angle);
-    BEYOND
-        .iter()
-        .map(|beyond| at(libm::acos(rim) + beyond * unit))
-        .collect()
+    let at = |beyond: &f64| {
+        let [along, across] = (outward * (rim + beyond * markers.scale())).into();
+        markers.skin().beyond(&middle, along, across)
+    };
+    BEYOND.iter().map(at).collect()
 }
 
 pub(super) fn median(values: &[f64]) -> f64 {

@@ -138,8 +138,8 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
             high: end(narrowest, Some(narrowest + 1)),
         };
         let mut sums = best.sums;
-        let radius = self.problem.reading.markers.skin().radius();
-        for (unknown, std) in [(CURVATURE, PRIOR_STD), (ALONG, radius), (ACROSS, radius)] {
+        let scale = self.problem.reading.markers.scale();
+        for (unknown, std) in [(CURVATURE, PRIOR_STD), (ALONG, scale), (ACROSS, scale)] {
             sums.hessian[(unknown, unknown)] += 1.0 / (std * std);
         }
         Some((best.state, sums, interval))
@@ -177,7 +177,7 @@ fn neighbour(problem: &Problem<'_>, place: &crate::Place) -> f64 {
         .sights(place)
         .into_iter()
         .map(|sight| sight.distance);
-    let apart = 1e-6 * problem.reading.markers.skin().radius();
+    let apart = 1e-6 * problem.reading.markers.scale();
     distances
         .filter(|&distance| distance > apart)
         .fold(f64::INFINITY, f64::min)

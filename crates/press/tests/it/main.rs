@@ -5,6 +5,7 @@ mod any_number;
 mod displacement_check;
 mod elliptic_contact;
 mod elliptic_fit;
+mod flat_pad;
 mod forward_fit;
 mod goodness;
 mod half_space;

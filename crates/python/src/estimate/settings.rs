@@ -1,5 +1,6 @@
 //! Reads the settings of readings and estimators from keyword arguments.
 
+use palpate::config::infinite_length::json_number;
 use palpate::config::{Accepts, LengthUnit, Setting};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -40,7 +41,10 @@ fn json(name: &str, value: &Bound<'_, PyAny>, accepts: &Accepts) -> PyResult<Jso
         Accepts::Number(range) if range.is_whole => {
             value.extract::<i64>().map(Json::from).map_err(typed)
         }
-        Accepts::Number(_) => number(name, value.extract().map_err(typed)?),
+        Accepts::Number(range) => match value.extract().map_err(typed)? {
+            f64::INFINITY if range.may_be_infinite => Ok(json_number(f64::INFINITY)),
+            other => number(name, other),
+        },
         Accepts::Vector(size) => {
             let components: Vec<f64> = match size {
                 2 => value.extract::<[f64; 2]>().map(Vec::from),

@@ -1,5 +1,6 @@
 //! Defines the layout of the markers along a skin.
 
+use palpate::config::infinite_length::json_number;
 use palpate::{CutPattern, config, marker_places};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -17,7 +18,7 @@ use crate::study::Study;
 /// radius : float
 ///     Radius of the skin, length.
 /// layout : str or dict
-///     "published", the 77 markers of the 2020 paper, or a table of kind "gores", "lattice", "line" or "radius", with the
+///     "published", the 77 markers of the 2020 paper, or a table of kind "gores", "lattice", "grid", "line" or "radius", with the
 ///     keys of `scene.probe.layout` of a study.
 /// marker_depth : float
 ///     Depth of the markers under the skin, length.
@@ -57,7 +58,7 @@ impl Layout {
                 "kind": "fingertip",
                 "probe": {
                     "kind": "marker-sphere",
-                    "radius": radius,
+                    "radius": json_number(radius),
                     "marker_depth": marker_depth,
                     "layout": json(layout)?,
                     "discs": json(discs)?,

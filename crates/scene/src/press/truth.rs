@@ -158,6 +158,13 @@ fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], Fi
         );
         return Err(FieldError::at("scene.motion.contact_deg", message));
     }
+    if polar == 0.0 {
+        return Ok([0.0; 2]);
+    }
+    if radius == f64::INFINITY {
+        let message = "must be 0 on a flat pad, which has no polar angles";
+        return Err(FieldError::at("scene.motion.contact_deg", message));
+    }
     let distance = radius * polar.to_radians();
     let (sine, cosine) = libm::sincos(azimuth.to_radians());
     Ok([distance * cosine, distance * sine])

@@ -9,10 +9,11 @@ use super::number_default::{number, whole};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressProbeConfig {
-    /// A soft sphere with markers under its skin.
+    /// A soft sphere with markers under its skin, or a flat soft pad.
     MarkerSphere {
-        /// Radius of the skin.
-        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        /// Radius of the skin; `inf` for a flat pad. A flat pad has no camera, and its markers have a layout in x and y.
+        #[serde(with = "super::infinite_length")]
+        #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-infinite" = true))]
         radius: f64,
         /// Depth of the markers under the skin, less than the radius. If a marker consists of two discs, this is the
         /// mean depth of the discs.
@@ -139,6 +140,18 @@ pub enum LayoutTable {
         /// Polar angle of the cap's rim.
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
         cap_deg: f64,
+    },
+    /// Markers in rows along x and columns along y, with the apex in their middle.
+    Grid {
+        /// Distance between neighbouring markers.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        pitch: f64,
+        /// Largest distance between two markers of a row, along x.
+        #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+        width: f64,
+        /// Largest distance between two markers of a column, along y.
+        #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+        height: f64,
     },
     /// Markers at equal distances on a great circle along x, with the apex in their middle.
     Line(MarkerRow),

@@ -88,7 +88,7 @@ impl Accepts {
     }
 }
 
-/// Range of a finite number.
+/// Range of a number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
     /// Lower bound; the number must be greater.
@@ -99,6 +99,8 @@ pub struct Range {
     pub most: Option<f64>,
     /// Whether the number must be a whole number.
     pub is_whole: bool,
+    /// Whether the number may be infinite.
+    pub may_be_infinite: bool,
 }
 
 impl Range {
@@ -108,6 +110,7 @@ impl Range {
         least: None,
         most: None,
         is_whole: false,
+        may_be_infinite: false,
     };
 
     /// Range of the numbers that are 0 or greater.
@@ -136,6 +139,9 @@ impl Range {
 
     /// Description of the limit that a number violates; `None` if it violates none.
     pub(super) fn violated(&self, number: f64) -> Option<String> {
+        if self.may_be_infinite && number == f64::INFINITY {
+            return None;
+        }
         if !number.is_finite() {
             return Some("finite".to_owned());
         }
@@ -158,6 +164,7 @@ impl Range {
             least: limit("minimum"),
             most: limit("maximum"),
             is_whole: schema["type"] == "integer",
+            may_be_infinite: schema["x-infinite"] == true,
         }
     }
 }
@@ -169,6 +176,7 @@ impl fmt::Display for Range {
         match [self.above, self.least, self.most].map(shown) {
             [None, Some(least), Some(most)] => write!(f, "{number}from {least} to {most}"),
             [Some(above), _, Some(most)] => write!(f, "{number}> {above} and <= {most}"),
+            [Some(above), _, None] if self.may_be_infinite => write!(f, "> {above}, or inf"),
             [Some(above), _, None] => write!(f, "finite and > {above}"),
             [None, Some(least), None] => write!(f, "finite and >= {least}"),
             [None, None, Some(most)] => write!(f, "finite and <= {most}"),

@@ -1,6 +1,7 @@
 //! Validates a tree against a JSON Schema. All messages about keys, types and limits are in this file.
 
 use super::error::Fault;
+use super::infinite_length::is_infinite;
 use super::setting_list::Range;
 use super::tree::{as_number, child, describe, nearest, suggest, text};
 use serde_json::Value as Json;
@@ -231,10 +232,14 @@ fn array(schema: &Json, node: &Value) -> Result<(), Fault> {
 }
 
 fn number(schema: &Json, node: &Value) -> Result<(), Fault> {
+    let range = Range::of(schema);
+    if range.may_be_infinite && is_infinite(node.as_str()) {
+        return Ok(());
+    }
     let Some(number) = as_number(node) else {
         return Err(wrong_type("a number", node));
     };
-    match Range::of(schema).violated(number) {
+    match range.violated(number) {
         Some(rule) => Err(Fault::new(format!("must be {rule}, is {}", text(node)))),
         None => Ok(()),
     }

@@ -7,7 +7,7 @@ use palpate_recorded::{GlideOptions, PressOptions, RollSettings, RotationFrame};
 use palpate_study::config::{GlideEstimatorConfig, PressEstimatorConfig, RollEstimatorConfig};
 
 use super::form::FormArgs;
-use super::number::{not_negative, positive};
+use super::number::{not_negative, positive, radius};
 use super::settings::Settings;
 
 /// Paragraph about the format of tables. Every help text of `palpate estimate` contains this paragraph.
@@ -281,8 +281,9 @@ pub(crate) struct EstimateForceArgs {
         default_value_t = 0.5, value_parser = not_negative, allow_negative_numbers = true
     )]
     pub(crate) poisson: f64,
-    /// Radius of the sensor, in the readings' length unit. With it the output has the curvature of the object.
-    #[arg(long, value_name = "R", value_parser = positive, allow_negative_numbers = true)]
+    /// Radius of the sensor, in the readings' length unit; `inf` for a flat pad. With it the output has the curvature of the
+    /// object.
+    #[arg(long, value_name = "R", value_parser = radius, allow_negative_numbers = true)]
     pub(crate) sensor_radius: Option<f64>,
     /// Standard deviation of each force, N; by default estimated from the residuals.
     #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]

@@ -6,6 +6,15 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     Range::POSITIVE.parse(text)
 }
 
+/// A radius that may be infinite.
+pub(super) fn radius(text: &str) -> Result<f64, String> {
+    let range = Range {
+        may_be_infinite: true,
+        ..Range::POSITIVE
+    };
+    range.parse(text)
+}
+
 pub(super) fn not_negative(text: &str) -> Result<f64, String> {
     Range::NOT_NEGATIVE.parse(text)
 }

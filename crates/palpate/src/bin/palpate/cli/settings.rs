@@ -9,6 +9,7 @@ use clap::builder::{
 use clap::error::Error;
 use clap::{Arg, ArgGroup, ArgMatches, Args, Command, FromArgMatches, Id};
 use palpate_recorded::{GlideOptions, PressOptions, RollSettings};
+use palpate_study::config::infinite_length::json_number;
 use palpate_study::config::{
     Accepts, GlideEstimatorConfig, PressEstimatorConfig, RollEstimatorConfig, Setting, settings,
 };
@@ -107,7 +108,7 @@ fn argument(setting: &Setting, all_kinds: usize, default: Option<String>) -> Arg
             let parser = StringValueParser::new().try_map(move |text| {
                 range.parse(&text).map(|number| match is_whole {
                     true => Json::from(number as u64),
-                    false => Json::from(number),
+                    false => json_number(number),
                 })
             });
             let name = match (is_whole, setting.is_length) {

@@ -1,0 +1,87 @@
+//! Fits of presses of a flat pad, which is the limit of spheres with large radii.
+
+use approx::assert_relative_eq;
+use palpate_press::{Body, ForwardFit, Markers, PressError, PressEstimate, Skin};
+
+use crate::sensor::{Readings, exactly};
+
+/// Markers in rows and columns, 1 apart.
+fn grid(radius: f64) -> Markers {
+    let places: Vec<[f64; 2]> = (0..13 * 11)
+        .map(|marker| [f64::from(marker % 13 - 6), f64::from(marker / 13 - 5)])
+        .collect();
+    Markers::new(Skin::new(radius).unwrap(), &places).unwrap()
+}
+
+/// The estimate from a press of a sensor with this radius on a ball of radius 4, beside the apex.
+fn estimate(radius: f64, fit: &ForwardFit, indentation: Option<f64>) -> PressEstimate {
+    let markers = grid(radius);
+    let contact = markers.skin().contact(&fit.body, 0.25, 0.5).unwrap();
+    let readings = Readings::of(&markers, &contact, [1.2, -0.7]);
+    fit.estimate(&readings.reading(&markers, indentation.and_then(exactly)))
+        .unwrap()
+}
+
+#[test]
+fn a_flat_pad_is_the_limit_of_large_radii() {
+    let bodies = [
+        Body::hertz(0.5).unwrap(),
+        Body::half_space(0.4, 0.5).unwrap(),
+        Body::bonded_layer(3.0, 0.5).unwrap(),
+    ];
+    for (body, is_elliptic) in bodies.into_iter().zip([true, false, false]) {
+        let fit = ForwardFit {
+            is_elliptic,
+            ..ForwardFit::new(body)
+        };
+        for known in [None, Some(0.5)] {
+            let flat = estimate(f64::INFINITY, &fit, known);
+            assert_eq!(flat.sensor_curvature, 0.0);
+            for radius in [1e11, 1e30] {
+                let large = estimate(radius, &fit, known);
+                let values = |one: &PressEstimate| {
+                    [
+                        one.relative_curvature.value,
+                        one.most_likely_object_curvature(),
+                        one.indentation.value,
+                        one.contact_radius.value,
+                        one.contact[0],
+                        one.contact[1],
+                    ]
+                };
+                for (large, flat) in values(&large).into_iter().zip(values(&flat)) {
+                    assert_relative_eq!(large, flat, max_relative = 1e-9);
+                }
+            }
+            let found = flat.most_likely_object_curvature();
+            assert_relative_eq!(found, 0.25, max_relative = 1e-4);
+            assert!(flat.object_curvature().interval.high.is_some());
+        }
+    }
+}
+
+#[test]
+fn a_row_of_markers_on_a_flat_pad_determines_the_curvature_along_it() {
+    let places: Vec<[f64; 2]> = (0..21)
+        .map(|step| [0.5 * f64::from(step - 10), 0.3])
+        .collect();
+    let skin = Skin::new(f64::INFINITY).unwrap();
+    let markers = Markers::new(skin, &places).unwrap();
+    let body = Body::hertz(0.5).unwrap();
+    let contact = skin.contact(&body, 0.1, 0.5).unwrap();
+    let readings = Readings::of(&markers, &contact, [0.4, 0.3]);
+    let mut reading = readings.reading(&markers, None);
+    reading.tangential = None;
+    let found = ForwardFit::new(body).estimate(&reading).unwrap();
+    assert_relative_eq!(found.most_likely_curvature, 0.1, max_relative = 1e-6);
+    assert!(found.contact_std[1] < 1e-100);
+}
+
+#[test]
+fn a_plane_has_no_contact_point_on_a_flat_pad() {
+    let skin = Skin::new(f64::INFINITY).unwrap();
+    let body = Body::hertz(0.5).unwrap();
+    let press = |object| skin.contact(&body, object, 0.5).err();
+    assert!(matches!(press(0.0), Some(PressError::Conforming { .. })));
+    assert!(matches!(press(-0.1), Some(PressError::EdgeContact { .. })));
+}
