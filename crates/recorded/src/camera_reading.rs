@@ -11,7 +11,7 @@ use palpate_tracking::{Calibration, CalibrationError, Displaced, Equidistant, Fi
 use serde::Serialize;
 
 use super::error::RecordedError;
-use super::frame_pair::{Frame, FramePair, TrackCounts};
+use super::frame_pair::{Frame, FramePair, TrackCounts, track_frames};
 use super::image_estimate::estimate_images;
 use super::press_estimate::estimate_press;
 use super::press_options::{PictureOptions, PressOptions};
@@ -86,7 +86,10 @@ impl FrameReader {
                 (reading, estimate)
             }
             Self::Pictures(options) => {
-                let (reading, press) = estimate_images(frames, tracked, options, file)?;
+                let read = estimate_images(frames, tracked, options, file.clone());
+                let scatter = scatter_at_rest(&read);
+                let linear = linearised(frames, options, file, scatter);
+                let (reading, press) = linear.map_or(read, Ok)?;
                 (reading, Ok(press))
             }
         };
@@ -97,6 +100,53 @@ impl FrameReader {
             unit: reading.unit,
         })
     }
+}
+
+/// Displacements of the markers, with the press that was fitted to their images.
+type ImageReading = (CameraReading, TrackedPress);
+
+/// Scatter of the markers at rest above which frames are also read as if their pixels were encoded by sRGB. Linear
+/// frames that are read as encoded, or encoded ones that are read as linear, scatter more than 100.
+const MAX_LINEAR_SCATTER: f64 = 10.0;
+
+/// Factor by which the markers at rest scatter more than the noise explains; infinite without an estimate.
+fn scatter_at_rest(read: &Result<ImageReading, RecordedError>) -> f64 {
+    let Ok((_, press)) = read else {
+        return f64::INFINITY;
+    };
+    let mut warnings = press.object.warnings.iter();
+    let scatter = warnings.find(|warning| warning.code == "scatter-at-rest");
+    scatter.map_or(1.0, |warning| warning.numbers["ratio"])
+}
+
+/// The estimate from the frames with linearised pixels, if the markers at rest then fit the sensor, and did not before.
+/// `scatter` is their scatter before.
+fn linearised(
+    frames: [&Frame; 2],
+    options: &PictureOptions,
+    file: Option<String>,
+    scatter: f64,
+) -> Option<ImageReading> {
+    if scatter <= MAX_LINEAR_SCATTER {
+        return None;
+    }
+    let [rest, pressed] = frames.map(|frame| frame.clone().linearised());
+    let tracked = track_frames(&rest, &pressed).ok()?;
+    let read = estimate_images([&rest, &pressed], &tracked, options, file);
+    if scatter_at_rest(&read) > MAX_LINEAR_SCATTER {
+        return None;
+    }
+    let (reading, mut press) = read.ok()?;
+    let text = format!(
+        "the markers of {} fit the sensor only if the pixels are encoded by sRGB, so both frames were linearised \
+         (setting `srgb`)",
+        rest.file
+    );
+    press
+        .object
+        .warnings
+        .push(Warning::new("srgb-frames", text, []));
+    Some((reading, press))
 }
 
 /// Largest accepted relative standard error of the calibrated slope. A larger error causes a warning.
