@@ -31,7 +31,7 @@ fn words_are_explained() {
         ),
         (
             "radius",
-            "scene.probe.radius\n  Radius of the skin. Unit: length.\n",
+            "scene.probe.radius\n  Radius of the skin; `inf` for a flat pad.",
         ),
     ] {
         desk.palpate(&format!("explain {word}")).prints(words);
