@@ -57,7 +57,7 @@ pub enum AnswerError {
          scene.object.radius=20,25,30"
     )]
     NoObjects,
-    /// The scene does not have the quantity of the question.
+    /// The question asks for a quantity that this kind of scene does not have.
     #[error("a {scene} has no quantity {name:?} (known: {known})")]
     NoQuantity {
         /// Kind of the scene.

@@ -72,8 +72,8 @@ pub(crate) struct Search {
     pub(crate) most_trials: u64,
     /// Time after which the search tests no more values. The first scan and the verification are always done.
     pub(crate) budget: Option<Duration>,
-    /// Probability that any part of the answer is wrong, above 0 and below 1. If it is 0, negative or NaN, the answer
-    /// is empty; a value above 1 is treated as 1.
+    /// Largest accepted probability that any part of the answer is wrong. It should be above 0 and below 1. With 0, a
+    /// negative value or NaN, nothing can be concluded, so the answer is empty. A value above 1 is treated as 1.
     pub(crate) wrong: f64,
 }
 

@@ -1,11 +1,11 @@
 //! Checks the automatic choice of a model (`auto`). The error of the chosen model must be within the tolerance. Its
 //! number of processor instructions must be at most twice that of the cheapest model within the tolerance.
 //!
-//! | kind | computation that is counted | error | reference | competing models |
+//! | kind | computation whose instructions are counted | error | reference | competing models |
 //! |---|---|---|---|---|
-//! | roll | the rolls of one trial without noise | contacts at the end, relative to the contact's length scale | Montana's equations in the charts of both bodies | every chart-free setting of every rung |
-//! | glide | the touches of all fingers | contacts, relative to the tip's radius | the offset surface in closed form; Newton's method for a closed form, and a closed form for Newton's method | closed form, Newton's method with tolerances in steps of ten |
-//! | press | the press, and the displacements of the markers | displacements, relative to the largest | quadrature over wavenumbers, which no rung uses | Hertz, half-space, layer |
+//! | roll | the rolls of one trial without noise | contacts at the end, relative to the contact's length scale | Montana's equations in the charts of both bodies | all models, with all settings that use no charts |
+//! | glide | the contact points of all fingers | contacts, relative to the tip's radius | the offset surface in closed form; Newton's method for a closed form, and a closed form for Newton's method | closed form, Newton's method with tolerances in steps of ten |
+//! | press | the press, and the displacements of the markers | displacements, relative to the largest | quadrature over wavenumbers, which no competing model uses | Hertz, half-space, layer |
 //!
 //! The set-up of a scene is not counted. For a roll, a competing model is not counted if it evaluates the contact
 //! equations more than three times as often as the chosen model. Such a model cannot be cheaper, because the cost per

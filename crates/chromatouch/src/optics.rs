@@ -100,13 +100,14 @@ impl Optics {
         })
     }
 
-    /// Returns these optics with another pose of the camera. The image of a disc is approximated by the image of a
-    /// circular cap with the same solid angle, which is correct to first order in the solid angle. Seams and the
-    /// decrease of the light towards the rim are computed as if the camera were at the centre.
+    /// Returns these optics with the camera in another pose. The image of a disc is approximated by the image of a
+    /// circular cap with the same solid angle, which is correct to first order in the solid angle. The seams of the
+    /// skin, and the decrease of the light towards the edge of the image, are computed as if the camera were at the
+    /// centre.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `place` if the camera is farther from the centre of the sensor than 0.9 times
-    /// the distance of the nearest disc, and for `turn_rad` unless each component is from -1 to 1.
+    /// the distance of the nearest disc, and for `turn_rad` if a component is not from -1 to 1.
     pub fn seen_from(mut self, pose: Pose) -> Result<Self, OpticsError> {
         self.pose = pose.checked(0.9 * self.array.nearest())?;
         Ok(self)

@@ -122,8 +122,9 @@ pub trait Surface {
         false
     }
 
-    /// The point at `(x, y)` that a probe touches from outside of the solid. It lies on the graph, on the upper half of
-    /// a closed surface, or on the lower half of a dish.
+    /// The point at `(x, y)` that a probe touches from outside of the solid. On a graph, there is only one point. On a
+    /// closed surface, it is the point on the upper half. On a dish, it is the point on the lower half of the sphere,
+    /// because the probe touches the sphere from inside.
     ///
     /// # Errors
     /// [`SurfaceError::OffDomain`] if the surface has no point at `(x, y)`, or if `x` or `y` is not finite.

@@ -90,7 +90,8 @@ pub struct Plan {
     pub by_budget: Option<NonZeroU64>,
     /// Largest relative standard error that is expected for an rms error; `None` if it could not be estimated.
     pub expected_error: Option<f64>,
-    /// The quantity that determined `by_target`, if its errors have heavy tails: the index of its cell, and its name.
+    /// Set if the quantity that requires the most trials, and so determines `by_target`, has errors with heavy tails:
+    /// the index of the cell, and the name of the quantity.
     pub heavy_tails: Option<(usize, &'static str)>,
     /// Cells in which every trial of the pilot failed, so that their errors are unknown.
     pub failing: Vec<FailingCell>,

@@ -68,7 +68,7 @@ pub struct Simulation<'a> {
     arch: Arch,
     tasks: ShardTasks,
     states_bounds: bool,
-    /// Empty table with the columns of the maps; `None` if the config requests no maps.
+    /// Template of the table of maps: its columns, without rows. `None` if the config requests no maps.
     maps: Option<MapTable>,
     warnings: Warnings,
     /// Whether each trial is also output as rows of a table.

@@ -83,7 +83,8 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
-    /// The sums after a small step, predicted by their quadratic model.
+    /// Chi-squared and its derivatives after a small step of the fit parameters, predicted by the quadratic
+    /// approximation of chi-squared.
     pub(crate) fn after(&self, step: &Unknowns) -> Self {
         let along = self.hessian * step;
         Self {
@@ -93,7 +94,7 @@ impl Sums {
         }
     }
 
-    /// The sums for a fit in which the fit parameter with the index `held` is held constant.
+    /// Chi-squared and its derivatives for a fit in which the fit parameter with the index `held` is held constant.
     pub(crate) fn holding(mut self, held: usize) -> Self {
         self.gradient[held] = 0.0;
         self.hessian.row_mut(held).fill(0.0);

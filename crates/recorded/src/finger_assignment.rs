@@ -20,7 +20,9 @@ pub(super) fn assign_fingers(
 ) -> (Vec<usize>, String) {
     if !after_gaps.is_empty() {
         let (fingers, count) = parted(places.len(), after_gaps);
-        let note = format!("no column `finger`: blank lines separate {count} fingers");
+        let note = format!(
+            "no column `finger`, so the fingers are separated by blank lines: {count} fingers"
+        );
         return (fingers, note);
     }
     let steps: Vec<f64> = places
@@ -57,7 +59,7 @@ pub(super) fn assign_fingers(
             let (fingers, count) = parted(places.len(), &jumps);
             let [shortest, longest] = [shortest, longest].map(Number::rounded);
             let note = format!(
-                "no column `finger`: steps of at least {shortest} {unit} separate {count} fingers; all other steps are at most \
+                "no column `finger`, so the fingers are separated by steps of at least {shortest} {unit}: {count} fingers; all other steps are at most \
                  {longest} {unit}; {REMEDY}"
             );
             (fingers, note)

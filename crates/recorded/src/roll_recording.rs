@@ -419,7 +419,8 @@ impl Roll<'_> {
         let (end, start) = (place(self.end.1), place(self.start.1));
         let is_vector = matches!(form, RotationForm::Vector | RotationForm::WholeVector);
         let turned = match self.end.1 {
-            // The rotation since the start, with all its digits.
+            // A rotation vector that already counts from the start of the roll is not converted, because the conversion
+            // would round it.
             [x, y, _, _] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, 0.0),
             [x, y, z, ..] if is_vector && kind != Kind::Contacts => Vector3::new(*x, *y, *z),
             _ if kind == Kind::Rows => rotation(self.end)?.scaled_axis(),

@@ -12,11 +12,11 @@ pub enum Chart {
     /// The chart-free form, which has no poles.
     #[default]
     Free,
-    /// Montana's form in charts. The motion is steady in the given frame.
+    /// Montana's form in charts. A steady motion has constant components in the given frame.
     Montana(HeldAxis),
 }
 
-/// The frame in which a motion is steady.
+/// The frame in which the components of a steady motion are constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum HeldAxis {
     /// The frame that is parallel-transported along the path. In this frame, a steady motion is a rotation about "a

@@ -131,7 +131,7 @@ subjects! {
         "polynomial": "Status of two-pass: a polynomial without knots already reaches the target of the smoothing sum.";
         "interpolating": "Status of two-pass: the spline passes through all contacts, up to rounding errors.";
         "smoothing": "Status of two-pass: the smoothing sum is within the tolerance of its target.";
-        "knots-exhausted": "Status of two-pass: the smoothing sum is too small to be reached with the possible number of knots. The curvatures are unusable. Use a larger --smoothing.";
+        "knots-exhausted": "Status of two-pass: even with the largest possible number of knots, the sum of squared residuals (the smoothing sum) stays above its target. The curvatures are unusable. Use a larger --smoothing.";
         "unsettled": "Status of two-pass: the search found no parameter that balances residuals against roughness. The curvatures are unusable. Use another --smoothing.";
         "never-enough": "Status of a pair of objects in `distinguish`: no number of trials distinguishes them, because each single trial is as likely to put them in the wrong order as in the right order.";
     }

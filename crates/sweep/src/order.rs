@@ -44,7 +44,8 @@ pub enum Repeats {
 
 /// Smallest number of groups of trials from which a probability is estimated.
 const GROUPS: usize = 256;
-/// If this number of trials is uncertain (see [`interval`]), an estimated variance has a weight of one half.
+/// Number of uncertain trials (see [`interval`]) at which the number of independent trials is half-way between its
+/// minimum and the number that the estimated variance gives.
 const HALF_WEIGHT: f64 = 20.0;
 /// Largest number of trials that is returned as an answer; a larger number is reported as unknown.
 const MOST_REPEATS: f64 = 1e9;
@@ -343,9 +344,10 @@ fn mean_and_variance(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> (f6
     }
 }
 
-/// Computes the 95 % interval of a probability from its variance and from the numbers of trials of both experiments.
-/// `uncertain` is the smaller of two numbers: the number of trials for which not all pairs are in order, and the number
-/// of trials for which at least one pair is in order.
+/// Computes the 95 % interval of a probability from its variance and from the numbers of trials of the two experiments.
+/// Each trial is paired with all trials of the other experiment. `uncertain` is the smaller of two numbers: the number
+/// of trials with at least one pair in the wrong order, and the number of trials with at least one pair in the right
+/// order. If it is small, the variance is inaccurate.
 fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [usize; 2]) -> Order {
     let order = |probability: f64, (low, high): (f64, f64)| Order {
         probability,

@@ -15,7 +15,7 @@ use crate::trial_record::{Record, TrialObservations};
 
 /// The tasks of a sweep, the experiments of their cells, and the results of the tasks.
 pub trait Sweep: Sync {
-    /// Type of a cell's experiment.
+    /// Type of the experiment of a cell. It runs the trials of the cell.
     type Trial: Trial + Send;
     /// Type of a task's result.
     type Result: Send;

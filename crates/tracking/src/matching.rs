@@ -219,7 +219,8 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// The unmatched pressed marker that is closest to the middle of two places.
+    /// Index of the pressed marker that may be two merged markers `parts`. Of the pressed markers that are not `used`
+    /// and are near enough, it is the one closest to the midpoint between the expected places of both markers.
     fn closest_free(&self, places: &[[f64; 2]], parts: [usize; 2], used: &[bool]) -> Option<usize> {
         let middle = [0, 1].map(|axis| 0.5 * (places[parts[0]][axis] + places[parts[1]][axis]));
         (0..self.pressed.len())

@@ -60,11 +60,11 @@ pub(crate) struct Row {
 /// Result of a comparison with the required ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// Palpate is fast enough, and not less accurate.
+    /// Palpate reaches the required ratio of speeds, and is at least as accurate as the other program.
     Met,
-    /// Palpate is not less accurate, but not fast enough.
+    /// Palpate is at least as accurate as the other program, but does not reach the required ratio of speeds.
     Short,
-    /// Palpate is less accurate, so its time is not compared with the required ratio.
+    /// Palpate is less accurate than the other program, so the ratio of speeds is not compared with the required ratio.
     ErrsMore,
 }
 

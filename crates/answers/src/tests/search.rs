@@ -189,7 +189,8 @@ fn a_crossing_is_bracketed_closely_and_rightly() {
         most = most.max(curve.trials);
     }
     assert!(right >= 29, "{right} of 30 are right");
-    // Few ranges may be narrowed: if many were, the search would decide too early during its exploration.
+    // Fresh trials may rarely contradict the search. If they often did, the search would decide about values after too
+    // few trials.
     assert!(narrowed <= 6, "{narrowed} of 30 were narrowed");
     assert!(most < 2_000_000, "{most} trials");
 }

@@ -78,7 +78,7 @@ const PROBE_SCENES: [(&str, &str); 3] = [
         r#"object = { kind = "sphere", radius = 50.0 }"#,
     ),
     (
-        "ellipsoid of semi-axes 60, 40, 30 mm beside its top: its curvature changes on the way",
+        "ellipsoid of semi-axes 60, 40, 30 mm, off its top: the curvature changes along the roll",
         r#"
 object = { kind = "ellipsoid", semi_axes = [60.0, 40.0, 30.0] }
 object_contact = [20.0, 8.0]

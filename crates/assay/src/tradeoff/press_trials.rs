@@ -148,7 +148,7 @@ pub(super) fn estimators() -> Ladder {
     let stage = |scene: &Template| scene.stage(&estimator_choices(scene.ease), measure);
     Ladder {
         name: "press-estimators",
-        title: "Which estimator of a press?",
+        title: "Which estimator for a press?",
         error: "rms error of the effective radius over it; noise 0.05 mm, 0.02 mm along the skin and of δ",
         evaluation: "one trial: readings and estimate",
         scenes: Template::all(ESTIMATOR_COMMON, ESTIMATOR_SCENES)

@@ -42,7 +42,7 @@ pub(super) fn ladder() -> Result<Ladder> {
     let rolls = [
         Roll {
             ease: Ease::Easy,
-            scene: "ball of 5 probe radii, 0.1 rad",
+            scene: "roll by 0.1 rad on a ball of 5 probe radii",
             object: Shape::Sphere(Sphere::new(BALL)?),
             at: (0.0, 0.0),
             angle: 0.1,
@@ -51,7 +51,7 @@ pub(super) fn ladder() -> Result<Ladder> {
         },
         Roll {
             ease: Ease::Typical,
-            scene: "from the apex of the paraboloid z = −0.2 r², 1 rad",
+            scene: "roll by 1 rad from the apex of the paraboloid z = −0.2 r²",
             object: Shape::Paraboloid(Graph::paraboloid(PARABOLOID)?),
             at: (0.0, 0.0),
             angle: 1.0,
@@ -60,7 +60,7 @@ pub(super) fn ladder() -> Result<Ladder> {
         },
         Roll {
             ease: Ease::Hard,
-            scene: "round an ellipsoid of semi-axes 4, 3, 2, 6 rad",
+            scene: "roll by 6 rad round an ellipsoid of semi-axes 4, 3, 2",
             object: Shape::Ellipsoid(Ellipsoid::new([4.0, 3.0, 2.0])?),
             at: (1.0, 0.5),
             angle: 6.0,

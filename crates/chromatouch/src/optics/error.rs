@@ -4,7 +4,7 @@ use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Largest absolute value of an odd term of a lens.
+/// Largest absolute value of the coefficients k3 and k5 of a lens.
 pub(super) const MOST_TERM: f64 = 100.0;
 
 /// Reason why an image of the markers cannot be computed.
@@ -14,8 +14,9 @@ pub enum OpticsError {
     /// A setting is out of its range.
     #[error(transparent)]
     BadSetting(#[from] BadSetting),
-    /// With these odd terms, the distance from the image's centre decreases with the angle in a part of the field. Two
-    /// angles would then have the same image.
+    /// With these coefficients k3 and k5 of the lens, a ray at a larger angle from the camera's axis would reach the
+    /// image at a smaller distance from its centre, in a part of the field of view. Rays at two angles would then share
+    /// one image point.
     #[error(
         "with k3 = {} and k5 = {} the image radius increases only up to {reach_deg:.4} degrees \
          from the axis, but the field ends at {field_deg:.4} degrees; {}",
@@ -87,7 +88,7 @@ pub enum OpticsError {
         "the number of displacements is {motions}; it must be the number of markers, {markers}"
     )]
     WrongCount {
-        /// Number of displacements.
+        /// Number of displacements that the caller passed.
         motions: usize,
         /// Number of markers.
         markers: usize,

@@ -363,7 +363,7 @@ fn objects_are_fitted_on_all_sides_and_below_a_tip() {
         }
     }
     let exact = Surface::Sphere(30.0).disc(&mut random, 15.0, 500);
-    // The points of the map lie on the ball, and the grid extends over the contacts.
+    // The map of the fitted sphere consists of points on the ball, and covers the area of the contacts.
     let contacts = noisy(&mut random, &exact, 0, 0.01, None);
     let map = sphere(&contacts).map(&contacts, 11);
     let places = || map.iter().map(|point| point.position);

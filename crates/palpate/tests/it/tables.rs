@@ -495,9 +495,9 @@ fn fingers_and_probes_without_names_are_separated_by_jumps_or_blank_lines() {
     ));
     assert_eq!((&named["fingers"], warnings(&named).len()), (&3.into(), 0));
     for (between, words) in [
-        ("", "separate 3 fingers; all other steps"),
-        ("\n  \n", "blank lines separate 3 fingers"),
-        (",,\n", "blank lines separate 3 fingers"),
+        ("", ": 3 fingers; all other steps"),
+        ("\n  \n", "separated by blank lines: 3 fingers"),
+        (",,\n", "separated by blank lines: 3 fingers"),
     ] {
         let found = estimate(&three_fingers(places, between, |_, place| numbers(place)));
         assert_eq!(found["mean_curvature"], named["mean_curvature"]);

@@ -47,8 +47,8 @@ impl<V: View + Clone> Problem<'_, V> {
     fn stepped_aside(&self, weighed: &FitState, step: &Unknowns) -> Option<f64> {
         let moved = &weighed.slopes.jacobian * step;
         let mut sensor = self.updated_sensor(&(&weighed.residuals - moved)).ok()?;
-        // The sensor is linearised at different parameters than the most likely sensor, so both are changed by the same
-        // sensor deviations.
+        // Without the step, the determinant is computed at `self.sensor`, which differs slightly from the most likely
+        // sensor. So the step must change `self.sensor` only by as much as it changes the most likely sensor.
         sensor.shift(&self.sensor, &self.updated_sensor(&weighed.residuals).ok()?);
         let state: State = self.stepped(&weighed.state, step);
         let mut there = self.clone();

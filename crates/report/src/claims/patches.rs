@@ -109,9 +109,13 @@ fn second_fit() -> Claim {
             "at 5 % noise the rms error of K falls from that of the first fit \
             alone by factors of {list}",
         ),
-        (0.05, MEAN, "that of H falls by {list}"),
-        (0.1, GAUSSIAN, "at 10 % noise that of K falls by {list}"),
-        (0.1, MEAN, "that of H falls by {list}"),
+        (0.05, MEAN, "the rms error of H falls by factors of {list}"),
+        (
+            0.1,
+            GAUSSIAN,
+            "at 10 % noise the rms error of K falls by factors of {list}",
+        ),
+        (0.1, MEAN, "the rms error of H falls by factors of {list}"),
     ] {
         let compared = |claim: Claim| {
             let is_pair =

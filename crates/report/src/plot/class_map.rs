@@ -21,7 +21,7 @@ use plotters::style::text_anchor::HPos;
 const MAX_CELLS: usize = 60;
 /// Gap between the panels of a row, and between rows, in drawing units (1/3 px).
 const GAP: i32 = 66;
-/// Side of a sample in the key, in drawing units.
+/// Side length of a sample (a coloured square in the figure's key), in drawing units.
 const SAMPLE: i32 = 54;
 /// Smallest width of a panel, in drawing units.
 const NARROWEST: i32 = 588;

@@ -16,13 +16,13 @@ const STATED_RANGE: [f64; 2] = [45.0, 99.0];
 pub(crate) fn figure(estimators: &[Estimator]) -> Result<Figure, ReportError> {
     let words = Words::new(
         "calibration-of-intervals",
-        "Do intervals hold the truth as often as they say?",
+        "Do intervals contain the true value as often as stated?",
         "Each panel is of one estimator and sensor, over the cells of all studies. Below the dashed line intervals are \
          too narrow, above it too wide.",
         &[],
     );
     let labels = [
-        "stated share of intervals that hold the true value (%)",
+        "stated share of intervals that contain the true value (%)",
         "measured share (%)",
     ];
     let scales = [STATED_RANGE, [0.0, 100.0]].map(|[low, high]| Scale::exactly(low, high));

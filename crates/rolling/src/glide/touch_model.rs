@@ -114,9 +114,11 @@ impl TouchRung {
                 let reason = format!("a round tip on a {} has no closed form", object.name());
                 unsupported("closed form", reason)
             }
-            (TouchModel::Newton { .. }, Fingertip::Point, _) => {
-                unsupported("Newton", "a point touches straight below".to_owned())
-            }
+            (TouchModel::Newton { .. }, Fingertip::Point, _) => unsupported(
+                "Newton",
+                "a point tip touches the surface straight below, which has a closed form"
+                    .to_owned(),
+            ),
             (TouchModel::Newton { .. }, Fingertip::Sphere { radius }, _) => {
                 Ok(Self::Newton { radius, tolerance })
             }

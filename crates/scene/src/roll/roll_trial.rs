@@ -31,7 +31,8 @@ pub(crate) const ROLL_QUANTITIES: [Quantity; 5] = [
     Quantity::ARC_LENGTH,
 ];
 
-/// A roll that is ready to run: the true rolls, the noise, the sensor and the estimator of a study's cell.
+/// All that a trial of rolls needs, prepared from one cell of a study: the true rolls, the noise, the sensor and the
+/// estimator.
 #[derive(Clone, Debug)]
 pub struct RollScene {
     pub(super) seed: u64,
@@ -53,7 +54,7 @@ pub struct RollScene {
     pub(super) directions_path: &'static str,
     /// Largest error that `auto` allows when it chooses the model; `None` if the config names the model.
     pub(super) tolerance: Option<f64>,
-    /// Chart of the integrators that are compared with each other.
+    /// Form of the contact equations, with or without charts, that the compared integrators use.
     pub(super) chart: Chart,
 }
 

@@ -526,7 +526,7 @@ fn bad_scenes_are_refused_at_their_field() {
                 &cylinder(9.0, 0.0),
                 "model = { kind = \"bonded-layer\", thickness = 9 }",
             ),
-            "scene.object: a layer has no model of an object with two different curvatures: let the object be round, or the model a half-space",
+            "scene.object: a layer is modelled only for circular contacts: the object must be round, or the model must be a half-space",
         ),
         (
             text(
@@ -538,7 +538,7 @@ fn bad_scenes_are_refused_at_their_field() {
         (
             text(&cylinder(9.0, 0.0), "")
                 .replace("indentation = 1.0", "indentation = 1.0, shift = 0.1"),
-            "scene.motion.shift: sideways movement is modelled only for a circle of contact: must be 0, or the object round",
+            "scene.motion.shift: sideways movement is modelled only for circular contacts: must be 0, or the object must be round",
         ),
         (
             with("model = { kind = \"bonded-layer\", thickness = 21 }"),

@@ -80,7 +80,7 @@ fn plain(segments: &[&str]) -> String {
         ["estimator", "poisson"] => "Poisson's ratio of the estimator".to_owned(),
         ["sensor", "kind"] => "sensor".to_owned(),
         ["sensor", "size"] => "image size".to_owned(),
-        ["sensor", "field"] => "field of view, from its middle".to_owned(),
+        ["sensor", "field"] => "half-angle of the field of view".to_owned(),
         ["sensor", "tangential"] => "tangential readings".to_owned(),
         ["sensor", "normal from"] => "normal displacement from".to_owned(),
         ["sensor", "frames"] => "frames averaged".to_owned(),
@@ -183,7 +183,7 @@ mod tests {
             scene.sensor.frames: frames averaged
             scene.sensor.kind: sensor
             scene.sensor.size_px: image size (px)
-            scene.sensor.field_deg: field of view, from its middle (°)
+            scene.sensor.field_deg: half-angle of the field of view (°)
             scene.sensor.lens: lens
             scene.sensor.k3: odd term k3 of the lens
             scene.sensor.light_at_rim: light at the rim (% of the middle's)

@@ -99,7 +99,7 @@ fn paths(tree: &Value, in_any_kind: bool) -> Vec<String> {
     }
     let mut found = Vec::new();
     let scene = &SCHEMA["properties"]["scene"];
-    // The kind of the scene itself is always the kind in the tree.
+    // Even with `in_any_kind`, only fields of the scene's own kind (`scene.kind` in the tree) are listed.
     let kind = tree
         .get("scene")
         .and_then(|scene| scene.get("kind")?.as_str());

@@ -230,7 +230,8 @@ pub struct CameraConfig {
     #[serde(default = "whole::<640>")]
     #[schemars(extend("minimum" = 1, "maximum" = 8192))]
     pub size_px: u32,
-    /// Polar angle at the rim of the largest circle in the image.
+    /// Polar angle of the rays that reach the rim of the image circle, which is the largest circle that fits into the
+    /// image.
     #[serde(default = "number::<65>")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
     pub field_deg: f64,
@@ -364,7 +365,8 @@ pub struct LensConfig {
     /// Number of pixels along each side of the square image.
     #[schemars(extend("minimum" = 1, "maximum" = 8192))]
     pub size_px: u32,
-    /// Polar angle at the rim of the largest circle in the image. For a pinhole camera, it must be less than 90.
+    /// Polar angle of the rays that reach the rim of the image circle, which is the largest circle that fits into the
+    /// image. For a pinhole camera, it must be less than 90.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
     pub field_deg: f64,
 }

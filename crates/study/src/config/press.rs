@@ -57,13 +57,13 @@ impl PressConfig {
         if !self.object.is_round() && of_model.is_some() {
             return Err((
                 "scene.object",
-                "a layer has no model of an object with two different curvatures: let the object be round, or the model a half-space",
+                "a layer is modelled only for circular contacts: the object must be round, or the model must be a half-space",
             ));
         }
         if !self.object.is_round() && self.motion.shift != 0.0 {
             return Err((
                 "scene.motion.shift",
-                "sideways movement is modelled only for a circle of contact: must be 0, or the object round",
+                "sideways movement is modelled only for circular contacts: must be 0, or the object must be round",
             ));
         }
         if self.motion.shift != 0.0 && of_model.is_some() {

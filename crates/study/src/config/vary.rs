@@ -59,9 +59,9 @@ pub enum VaryError {
     /// An end of a range is not a finite number.
     #[error("the range {range} needs a finite number on each side of `..`, and {end:?} is none")]
     NoNumber {
-        /// Text of the range.
+        /// The range as the user wrote it.
         range: String,
-        /// Text of the end that is not a number.
+        /// The end of the range that is not a finite number, as the user wrote it.
         end: String,
     },
     /// The first end of a range is larger than the second.

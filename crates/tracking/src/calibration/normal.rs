@@ -188,9 +188,9 @@ pub(super) fn range(displacements: impl Iterator<Item = f64>) -> [f64; 2] {
     })
 }
 
-/// The weights for which the weighted sum of hue and nearness fits the known displacements best. If hue and nearness
-/// always change in proportion, these are the weights with the smallest norm. If neither changes, both weights are
-/// zero.
+/// The weights for which the weighted sum of a marker's hue change and [`nearness`] fits the known displacements best.
+/// If hue and nearness always change in proportion, these are the weights with the smallest norm. If neither changes,
+/// both weights are zero.
 fn best_weights(numbers: &[[f64; 3]]) -> [f64; 2] {
     let largest = |part: usize| {
         numbers

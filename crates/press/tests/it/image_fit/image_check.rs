@@ -172,7 +172,8 @@ fn another_indentation_than_stated_is_found() {
     }
 }
 
-/// The error of one marker is too small for the marker to be rejected as an outlier.
+/// One marker is displaced by less than the fit needs to reject it as an outlier. A warning must still name it in a
+/// part of the presses.
 #[test]
 fn one_marker_is_named() {
     let change = |moved: &mut [[MarkerDisplacement; 2]]| {

@@ -134,7 +134,8 @@ pub(crate) struct CalibrateArgs {
     /// Property of a marker from which its normal displacement is computed.
     #[arg(long, default_value = NormalFrom::default().name(), value_parser = normal_from())]
     pub(crate) from: NormalFrom,
-    /// Use a separate slope for each marker that has 3 or more displacements.
+    /// Fit a separate slope (signal per displacement) for each marker that was measured at 3 or more different
+    /// displacements; the other markers share one slope.
     #[arg(long)]
     pub(crate) per_marker: bool,
     /// Focal length of the fisheye lens that took the frames, px per rad [default: the scale in the middle of the
