@@ -64,8 +64,9 @@ impl EffectiveReadings {
 }
 
 impl DistinctContacts {
-    /// Merges exact copies, and rests whose steps are clearly shorter than the steps of the moving finger. Lost
-    /// readings among the contacts do not affect the result.
+    /// Merges exact copies of a contact, and contacts that were recorded while a finger rested. A finger rests while
+    /// its steps are clearly shorter than the steps of a moving finger. Lost readings (such as 9999) among the contacts
+    /// do not affect the result.
     pub(crate) fn without_rests(contacts: &[Contact]) -> Self {
         let distinct = merged(contacts, 0.0, true);
         match rests(&distinct.contacts) {

@@ -53,7 +53,7 @@ pub(crate) struct Model<'a> {
     /// A quadric near the fit. The tests use deviations from this quadric, because their rounding errors are smaller
     /// than those of heights.
     pub(crate) quadric: &'a SquareQuadric,
-    /// Noise of the contacts, as stated.
+    /// Noise of the contacts, as the caller of the fit stated it.
     pub(crate) noise: &'a Noise,
     /// Degree of the series that represents the surface.
     pub(crate) degree: usize,
@@ -249,8 +249,8 @@ impl Refit {
             let along = mode.dot(&rest_right);
             let explained = along * along / (1.0 + weight.max(0.0));
             chi_squared -= explained;
-            // If the process is larger than the noise in a mode, the mode contains the surface and not only noise. It
-            // is left out of the test.
+            // If the variance of the process exceeds the variance of the noise in a mode, the mode describes the
+            // surface and not only noise. Such a mode is left out of the test.
             if weight >= 1.0 {
                 noisy -= along * along / weight;
                 outweighing += 1;

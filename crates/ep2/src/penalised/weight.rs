@@ -245,8 +245,8 @@ impl<'a> Search<'a> {
         misfit - sums.log_determinants
     }
 
-    /// Score of a smoothing weight. The best weight has the smallest score. The score is infinite if the effective
-    /// degrees of freedom are too large.
+    /// Score of a smoothing weight by the selection criterion. The best weight has the smallest score. The score is
+    /// infinite if the effective degrees of freedom are too large.
     fn score(&self, sums: &Sums) -> f64 {
         if let Criterion::Reml = self.criterion {
             return self.deviance(sums);
@@ -259,7 +259,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Derivative of the score with respect to the logarithm of the weight.
+    /// Derivative of [`Self::score`] with respect to the logarithm of the smoothing weight.
     fn slope(&self, sums: &Sums) -> f64 {
         if let Criterion::Reml = self.criterion {
             let degrees = self.spectrum.equations - UNKNOWNS as f64;

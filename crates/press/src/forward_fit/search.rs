@@ -342,7 +342,7 @@ impl<'a> Search<'a> {
                 Err(better) => told = others.without(marker, &better),
             }
         }
-        // The other markers do not determine a bound of the curvature, so the interval is unbounded.
+        // The search found no interval from the remaining markers, so nothing bounds the curvature.
         Ok(Interval::UNBOUNDED)
     }
 

@@ -26,7 +26,7 @@ pub(super) use tables;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Estimator {
-    /// Curvature at a point from small rolls (EP1).
+    /// Curvature at a point from small rolls (exploratory procedure 1, EP1).
     #[command(after_help = concat!("The readings have one row per probe,
   probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm
 or, with the rotation from start to end as a unit quaternion,
@@ -66,7 +66,7 @@ Examples:
   palpate estimate roll examples/roll-readings.csv \\
     --like examples/pads-for-a-ball.toml --pitch 0.2"))]
     Roll(EstimateRollArgs),
-    /// Curvature over a patch from sliding fingers (EP2).
+    /// Curvature over a patch from sliding fingers (exploratory procedure 2, EP2).
     #[command(
         after_help = concat!("The readings have one row per contact; the contacts of a finger are in the order of its path,
   finger,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z
