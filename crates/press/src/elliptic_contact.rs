@@ -76,7 +76,7 @@ pub struct EllipticContact {
 /// Displacement of a point under an elliptic contact, length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EllipticDisplacement {
-    /// Displacement inward, length.
+    /// Displacement of a point inward (into the soft body), length.
     pub normal: f64,
     /// Displacements along the longer and the shorter axis of the contact.
     pub along: [f64; 2],
@@ -181,8 +181,8 @@ impl EllipticContact {
     }
 }
 
-/// The ratio b/a of the contact's semi-axes for a ratio (≥ 1) of the relative curvatures. It is found by bisection and
-/// then by secant steps, both in logarithms.
+/// The ratio b/a of the contact's semi-axes, computed from the ratio (≥ 1) of the relative principal curvatures. The
+/// equation for b/a is solved by bisection and then by secant steps; both search the logarithm of b/a.
 fn axis_ratio(curvatures: f64) -> f64 {
     if curvatures <= 1.0 {
         return 1.0;
@@ -267,8 +267,8 @@ fn rational_integrals(square_b: f64, x: f64, y: f64, lambda: f64, edge: f64) -> 
     sums
 }
 
-/// If the arguments deviate from their mean by less than this value, relative to the mean, the series of Carlson's
-/// integrals are exact to rounding errors.
+/// Series for Carlson's integrals are exact to rounding errors if the relative deviations of the three arguments from
+/// their mean are below this value.
 const DUPLICATED: f64 = 2e-3;
 
 /// Carlson's R_F(x, y, z) by duplication (Carlson 1979). The arguments must be ≥ 0, and at most one of them may be 0.

@@ -28,7 +28,7 @@ pub enum PressError {
         marker: usize,
         /// Distance of the marker from the apex along the skin, length.
         distance: f64,
-        /// Half the sensor's circumference, length.
+        /// Half the sensor's circumference, which is the distance that the marker must not reach, length.
         limit: f64,
     },
     /// The indentation is not positive, so the bodies do not touch.
@@ -67,11 +67,11 @@ pub enum PressError {
         indentation = Number(*indentation), limit = Number(*limit)
     )]
     TooDeep {
-        /// The indentation, length.
+        /// The indentation that is too deep, length.
         indentation: f64,
         /// Limit below which the indentation must be, length.
         limit: f64,
-        /// Name of this limit, such as "the layer's thickness".
+        /// Name of the quantity that limits the indentation, such as "the layer's thickness".
         what: &'static str,
     },
     /// The contact would be too wide: its radius would reach the limit for the sensor or for the convex object.
@@ -80,11 +80,11 @@ pub enum PressError {
         radius = Number(*radius), limit = Number(*limit)
     )]
     TooWide {
-        /// Radius of the contact, length.
+        /// Radius that the contact would have, length.
         radius: f64,
         /// Limit below which the radius must be, length.
         limit: f64,
-        /// Name of this limit, such as "the sensor's radius".
+        /// Name of the quantity that limits the contact radius, such as "the sensor's radius".
         what: &'static str,
     },
     /// The ratio of the contact's radius to the layer's thickness is too large for the equations to be solved.
@@ -102,9 +102,10 @@ pub enum PressError {
     /// There are fewer readings than fit parameters.
     #[error("{markers} marker(s) give {equations} equation(s); {needed} are needed")]
     TooFewMarkers {
-        /// Number of markers.
+        /// Number of markers in the readings.
         markers: usize,
-        /// Number of equations: one per marker, or three per marker if tangential displacements are also measured.
+        /// Number of equations of the fit: one per marker, or three per marker if tangential displacements are also
+        /// measured.
         equations: usize,
         /// Number of equations that the fit needs.
         needed: usize,
@@ -157,10 +158,10 @@ pub enum PressError {
     /// The readings do not determine the fit parameters.
     #[error("the readings do not determine the press: {what}")]
     Undetermined {
-        /// Description of what is missing.
+        /// What the readings lack, as text for the message.
         what: &'static str,
     },
-    /// The numbers are beyond the range of doubles.
+    /// A number in the input or in the computation is beyond the range of doubles.
     #[error("the numbers are too large or too small for double precision")]
     OutOfRange,
 }

@@ -39,9 +39,9 @@ impl Estimated {
 /// A 95 % interval. An end is `None` if the readings do not determine a bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// Lower end of the interval.
+    /// Lower end of the interval; `None` if there is no lower bound.
     pub low: Option<f64>,
-    /// Upper end of the interval.
+    /// Upper end of the interval; `None` if there is no upper bound.
     pub high: Option<f64>,
 }
 
@@ -130,12 +130,13 @@ pub struct PressEstimate {
     /// Curvature of the sensor, 1/length.
     pub sensor_curvature: f64,
     /// Relative curvature 1/R_s + 1/R_o, 1/length, corrected for the bias of least squares. The interval is computed by
-    /// profile likelihood. If one marker contradicts the others, but not enough to be an outlier, the interval is
-    /// extended by the interval without this marker.
+    /// profile likelihood. If one marker contradicts all other markers, but not enough to be an outlier, the interval
+    /// is extended by the interval of a fit without this marker.
     pub relative_curvature: Estimated,
     /// Relative curvature of the best fit, without correction of its bias, 1/length.
     pub most_likely_curvature: f64,
-    /// The principal curvatures, if an elliptic contact was fitted. The other curvatures are then mean curvatures.
+    /// The principal curvatures of the object, if an elliptic contact was fitted. All other curvatures in this estimate
+    /// are then mean curvatures.
     pub principal: Option<PrincipalCurvatures>,
     /// Indentation: approach of the bodies since their first contact, length.
     pub indentation: Estimated,
@@ -172,7 +173,7 @@ pub struct PressEstimate {
     /// Number (from 0) of a marker that moved significantly and without which the readings show no contact. Either this
     /// marker is an outlier, or the object presses at a place where no other marker moves.
     pub only_marker: Option<usize>,
-    /// Sign of the object's curvature.
+    /// Conclusion about the sign of the object's curvature, from its 95 % interval.
     pub verdict: Verdict,
 }
 

@@ -33,7 +33,7 @@ pub struct Reading<'a> {
 /// A measured value with its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
-    /// The measured value.
+    /// The measured or stated value.
     pub value: f64,
     /// Standard deviation of the value; 0 for an exact value.
     pub std: f64,
@@ -58,7 +58,7 @@ impl Measured {
 /// Prior of an additional parameter of the readings: the baseline or the gain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Prior {
-    /// The parameter is not fitted. It has its ideal value: 0 for a baseline, 1 for a gain.
+    /// The parameter is not fitted. It has the value of an ideal sensor: 0 for a baseline, 1 for a gain.
     Exact,
     /// The parameter is fitted. Its prior is normal around the ideal value, with this standard deviation (> 0, in the
     /// unit of the parameter).
@@ -70,14 +70,15 @@ pub enum Prior {
 /// Cramér–Rao bounds, which are the smallest possible standard errors of unbiased estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Bound for the relative curvature, which is also the bound for the object's curvature, 1/length.
+    /// Smallest possible standard error of the relative curvature, and also of the object's curvature, 1/length.
     pub relative_curvature: f64,
-    /// Bound for the indentation, length.
+    /// Smallest possible standard error of the indentation, length.
     pub indentation: f64,
-    /// Bound for the contact's radius, length.
+    /// Smallest possible standard error of the contact's radius, length.
     pub contact_radius: f64,
-    /// Bounds for the larger and the smaller principal curvature, 1/length, and for the axis, radians; `None` if only
-    /// one curvature is fitted, or if both are equal.
+    /// Smallest possible standard errors of the larger and the smaller principal curvature, 1/length, and of the
+    /// direction of the axis, radians; `None` if only one curvature is fitted, or if both principal curvatures are
+    /// equal.
     pub principal: Option<[f64; 3]>,
 }
 
@@ -101,7 +102,7 @@ pub struct Bounds {
 /// ```
 #[derive(Clone, Debug)]
 pub struct ForwardFit {
-    /// Model of the soft body.
+    /// Model of the soft body that the fit uses.
     pub body: Body,
     /// Prior of the baseline, an offset of all normal displacements, length; ideally 0.
     pub baseline: Prior,

@@ -24,7 +24,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::body::Field;
 
-/// If the ratio of the contact's radius to the distance is below this value, the series is exact to rounding errors.
+/// The series for points far from the contact is exact to rounding errors if the ratio of the contact's radius to the
+/// distance of the point is below this value.
 const SERIES_RATIO: f64 = 1.0 / 12.0;
 
 /// Number of terms of the series for small contact radii.
@@ -259,7 +260,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// The values of a field with the unit length², followed by the values with the unit length.
+    /// The values of a field as an array: first the values with the unit length², then the values with the unit length.
     fn parts(field: &Field) -> [f64; 6] {
         [
             field.normal,

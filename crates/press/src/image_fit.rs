@@ -31,7 +31,7 @@ use departure_prior::FreePrior;
 /// contact, the indentation and, if possible, the sideways shift of the object.
 #[derive(Clone, Debug)]
 pub struct ImageFit<V> {
-    /// The camera model.
+    /// The camera model, which computes the images of the displaced markers.
     pub view: V,
     /// The markers, with their places under the skin.
     pub markers: Markers,

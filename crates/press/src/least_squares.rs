@@ -10,8 +10,8 @@ use crate::{Body, Contact, PressError, Skin};
 pub(crate) trait LeastSquares {
     /// A state, with chi-squared and its derivatives.
     type Fit: Clone;
-    /// An information matrix can be inverted if the smallest diagonal entry of its scaled Cholesky factor exceeds this
-    /// value.
+    /// Limit for singular information matrices: a matrix is inverted only if the smallest diagonal entry of its scaled
+    /// Cholesky factor exceeds this value.
     const SINGULAR: f64;
     /// Description of what the readings lack if the information matrix cannot be inverted. It is used in an error
     /// message.
@@ -48,7 +48,7 @@ pub(crate) trait LeastSquares {
         markers * each
     }
 
-    /// Degrees of freedom: the number of equations and priors, minus the number of fitted parameters.
+    /// Degrees of freedom of chi-squared: the number of equations and priors, minus the number of fitted parameters.
     fn freedom(&self) -> usize {
         let fitted = self.fitted();
         (self.equations() + fitted.priors().count()).saturating_sub(fitted.count())
@@ -81,12 +81,12 @@ pub(crate) trait LeastSquares {
         inverse(&sums.hessian, Self::SINGULAR).ok_or(free)
     }
 
-    /// Damping of the first step.
+    /// Damping (of Levenberg and Marquardt) in the first step of a search.
     fn damping(_fit: &Self::Fit) -> f64 {
         1e-3
     }
 
-    /// The state after a step.
+    /// The state after a step of the fit parameters from `state`.
     fn stepped(&self, state: &State, step: &Unknowns) -> State;
 
     /// The fit with its derivatives at a state.
@@ -138,8 +138,8 @@ const MIN_STEP: f64 = 1e-13;
 /// Damping above which the search ends.
 const MAX_DAMPING: f64 = 1e12;
 
-/// Finds the minimum of chi-squared near a start. The search stops if the next step is predicted to decrease
-/// chi-squared by less than `enough`. One fit parameter may be held constant.
+/// Finds the minimum of chi-squared near a start. The search stops if the predicted decrease of chi-squared in the next
+/// step is less than `enough`. A single fit parameter may be held constant.
 ///
 /// # Errors
 /// [`PressError`] if the numbers are out of range.

@@ -24,7 +24,8 @@ const BY_DIRECTION: Range<usize> = 5..7;
 /// is mostly an effect of the model's nonlinearity.
 const MIN_REMAINING_SHARE: f64 = 0.1;
 
-/// Patterns of a marker's displacement (inward, and along both axes at the marker). Their scale is arbitrary.
+/// Values of all tested patterns at a marker, one column per pattern. A value has three components: inward, and along
+/// both axes of the skin at the marker. The scale of a pattern is arbitrary.
 pub(crate) type Patterns = SMatrix<f64, 3, PATTERNS>;
 
 /// Patterns of a marker's displacement by a contact.
@@ -128,9 +129,9 @@ impl PatternSums {
         misfits.filter(|misfit| misfit.p_value() < SIGNIFICANCE_LEVEL)
     }
 
-    /// The decrease of chi-squared by some patterns. At the best fit, the gradient of chi-squared is 0, unless a fit
-    /// parameter is at the limit of its range. In this case, the part of the residuals that the gradient describes is
-    /// removed (Neyman's C(α)).
+    /// The decrease of chi-squared if the amplitudes of some patterns were fitted too, to first order. At the best fit,
+    /// the gradient of chi-squared is 0, unless a fit parameter is at the limit of its range. In this case, the part of
+    /// the residuals that the gradient describes is removed (Neyman's C(α)).
     fn explained(&self, range: Range<usize>, sums: &Sums, covariance: &Square) -> Explained {
         let Self {
             by_slopes,

@@ -7,10 +7,10 @@ use crate::PressError;
 /// The markers count as moved if the p-value is below this level.
 const SIGNIFICANCE_LEVEL: f64 = 1e-6;
 
-/// The error if a contact improves chi-squared by `improvement`, which is less than `needed`. `squares` contains
-/// chi-squared of each marker compared with rest, with `each` readings per marker. The error is
-/// [`PressError::OtherBody`] if the markers have moved significantly. The marker that moved most is ignored in this
-/// test, because it may be an outlier.
+/// Returns the error for a press without a detected contact: the fitted contact improves chi-squared by `improvement`,
+/// which is less than `needed`. The error is [`PressError::OtherBody`] if the markers nevertheless moved significantly.
+/// `squares` contains, for each marker, chi-squared of the hypothesis that the marker did not move, from `each`
+/// readings. The marker that moved most is ignored in this test, because it may be an outlier.
 pub(crate) fn no_contact(
     (improvement, needed): (f64, f64),
     squares: impl Iterator<Item = f64>,

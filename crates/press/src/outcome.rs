@@ -30,7 +30,8 @@ pub(crate) fn until_best<F>(
     })
 }
 
-/// Those parts of an estimate that depend on the kind of readings (displacements or images).
+/// Those fields of [`PressEstimate`] that are computed differently for the two kinds of readings (displacements or
+/// images).
 pub(crate) struct OfReadings {
     pub(crate) relative_curvature: Estimated,
     pub(crate) baseline: Option<Estimated>,

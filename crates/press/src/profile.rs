@@ -5,8 +5,8 @@ use crate::least_squares::{LeastSquares, minimise};
 use crate::state::State;
 use crate::unknowns::{CURVATURE, INDENTATION};
 
-/// Tolerance for the end of an interval: relative error of the square root of the increase of chi-squared. Within this
-/// tolerance, the end is interpolated.
+/// The search for an end of the interval stops when the square root of the increase of chi-squared is this close to its
+/// required value, as a relative error. The end is then interpolated.
 const TOLERANCE: f64 = 0.03;
 /// Maximum number of attempts to find an end of an interval.
 const MAX_TRIES: usize = 40;
@@ -14,8 +14,8 @@ const MAX_TRIES: usize = 40;
 const MAX_RATIO: f64 = 1e6;
 
 /// The interval of curvatures for which chi-squared, minimised with respect to all other fit parameters, exceeds its
-/// minimum by less than `limit`. If the search finds a state with a clearly smaller chi-squared than `best`, it returns
-/// this state as the error.
+/// minimum by less than `limit`. If the search finds a state whose chi-squared is clearly smaller than that of `best`,
+/// the function returns this state as the error, so that the caller can repeat the fit from it.
 pub(crate) fn profile<P: LeastSquares>(
     problem: &P,
     best: &P::Fit,
@@ -51,7 +51,8 @@ impl Found {
     }
 }
 
-/// Searches the logarithm of the curvature at one end of the interval; `None` if the interval has no end on this side.
+/// Searches one end of the interval of the curvature, and returns the logarithm of the curvature at this end. Returns
+/// `None` if the interval has no end on this side.
 fn walk<P: LeastSquares>(
     problem: &P,
     best: &P::Fit,
@@ -92,15 +93,16 @@ fn walk<P: LeastSquares>(
         root: 0.0,
         per_root: std,
     };
-    // The smallest step that is beyond the end, with its result, which is `None` if no press is possible there.
+    // The smallest step that is known to be beyond the end, with the result of the fit at this step. The result is
+    // `None` if no press is possible with this curvature.
     let mut outside: Option<(f64, Option<Found>)> = None;
     for _ in 0..MAX_TRIES {
         let mut last = inside;
         match at(step) {
             Some(Err(state)) => return Err(state),
             Some(Ok(found)) if (found.root - limit).abs() <= TOLERANCE * limit => {
-                // If the profile is almost flat, the interpolated step is wrong, so it is only used if it is near a
-                // step that was tried.
+                // If chi-squared hardly changes with the curvature, the interpolated step is wrong. So it is used only
+                // if it is near a step that was tried.
                 let guess = inside.through(found, limit);
                 let is_near = (guess - step).abs() <= 0.1 * step;
                 let end = if is_near { guess } else { step };

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, OTHERS, Unknowns};
 use crate::{Body, Contact, Place, PressError, Skin};
 
-/// Values of the fit parameters.
+/// Values of all fit parameters of a press.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State {
     pub(crate) log_curvature: f64,
@@ -32,7 +32,7 @@ impl State {
         }
     }
 
-    /// The contact of this state with a body.
+    /// The contact of the sensor with this soft body in this state.
     pub(crate) fn contact<'b>(
         &self,
         skin: &Skin,
@@ -41,7 +41,8 @@ impl State {
         skin.press(body, libm::exp(self.log_curvature), self.indentation)
     }
 
-    /// The state after a step. `place_at` returns the place in a direction.
+    /// The state after a step of the fit parameters. `place_at` converts a direction from the centre of the sensor to a
+    /// place on its skin.
     pub(crate) fn stepped(
         &self,
         skin: &Skin,

@@ -22,8 +22,8 @@ pub(crate) const OTHERS: usize = 4;
 pub(crate) type Unknowns = SVector<f64, UNKNOWNS>;
 pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// If the ratio of a prior's standard deviation to the size of the fit parameter is below this value, the parameter
-/// counts as exact, because of rounding errors.
+/// A fit parameter counts as exact if the ratio of its prior's standard deviation to its value is below this limit. A
+/// fit with a smaller standard deviation would suffer from rounding errors.
 pub(crate) const EXACT: f64 = 1e-10;
 
 /// The parameters that are fitted, and their normal priors.
@@ -51,7 +51,7 @@ impl Fitted {
         self.sought.iter().filter(|&&sought| sought).count()
     }
 
-    /// Priors of the fitted parameters.
+    /// Index and prior of each fitted parameter that has a prior.
     pub(crate) fn priors(&self) -> impl Iterator<Item = (usize, Measured)> + '_ {
         let fitted = (0..UNKNOWNS).filter(|&unknown| self.sought[unknown]);
         fitted.filter_map(|unknown| Some((unknown, self.priors[unknown]?)))
@@ -112,8 +112,8 @@ impl Sums {
         solve(&damped, &-self.gradient)
     }
 
-    /// Derivatives of all fit parameters with respect to the logarithm of the curvature. For each curvature, the other
-    /// fit parameters minimise chi-squared.
+    /// Derivatives of all fit parameters with respect to the logarithm of the curvature, along the curve on which all
+    /// fit parameters except the curvature minimise chi-squared.
     pub(crate) fn ridge(&self) -> Unknowns {
         let across = -self.hessian.column(CURVATURE);
         let mut along = solve(&self.holding(CURVATURE).hessian, &across).unwrap_or_default();

@@ -41,7 +41,7 @@ pub struct CalibrationPoints {
 /// Options of a calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CalibrateOptions {
-    /// Feature of a marker's image (hue, size or both) from which normal displacements are computed.
+    /// Feature of a marker's image (hue, size or both) from which the calibration computes normal displacements.
     pub from: NormalFrom,
     /// Whether markers use their own calibrated slopes. A marker without a slope of its own uses the common slope.
     pub per_marker: bool,
@@ -287,8 +287,8 @@ pub fn calibrate(
     })
 }
 
-/// Number of points that repeat an earlier point: the larger of the numbers for normal and for tangential points. A
-/// kind of points counts as 0 if less than half of them are repeated.
+/// Number of points that repeat an earlier point: the larger of the numbers for normal and for tangential points. For a
+/// kind of which less than half of the points are repeated, the number is 0.
 fn copies(normal: &Pooled<'_, NormalPoint>, lateral: &Pooled<'_, LateralPoint>) -> usize {
     let of_normal = normal.copies(|point| {
         let marker = point.marker.map_or(0.0, |marker| marker as f64);
@@ -336,7 +336,7 @@ fn check_features(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), 
     Ok(())
 }
 
-/// Points of one kind (normal or tangential) from all files.
+/// All calibration points of one kind (normal or tangential), from all files together.
 struct Pooled<'a, P> {
     points: Vec<P>,
     /// File, series and line of each point.

@@ -1,4 +1,4 @@
-//! Calibrations as TOML files.
+//! Writes calibrations to TOML files and reads them.
 
 use palpate_study::config::LengthUnit;
 use palpate_tracking::{
@@ -48,7 +48,8 @@ struct NormalPart {
     marker: Vec<MarkerGain>,
 }
 
-/// The calibration as the text of a TOML file. [`parse_calibration`] reads exactly the same calibration from it.
+/// Converts a calibration to the text of a TOML file. [`parse_calibration`] reads exactly the same calibration from
+/// this text.
 pub fn calibration_toml(calibration: &Calibration, length_unit: LengthUnit) -> String {
     let file = CalibrationFile {
         length_unit,

@@ -23,7 +23,7 @@ pub struct CalibrationReport {
     pub(super) copies: usize,
 }
 
-/// The two straight lines fitted to one set of points.
+/// The two straight lines (signal against displacement) that were fitted to the same points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fitted {
     /// Line through the state at rest, without an intercept. Displacements are computed from this line.
@@ -265,7 +265,7 @@ fn ends(numbers: &[f64]) -> [f64; 2] {
     [low, high]
 }
 
-/// The number as text, with `count` significant figures.
+/// Text of a number with `count` significant figures.
 fn figures(number: f64, count: usize) -> String {
     let exponent = format!("{number:.*e}", count - 1);
     let rounded = exponent.parse().unwrap_or(number);

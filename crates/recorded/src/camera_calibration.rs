@@ -22,8 +22,8 @@ const MAX_TERM_SHARE: f64 = 0.5;
 
 /// Fits a camera to the markers of a frame at rest. The study (or grid point of a study) must be a press with a camera;
 /// it states the layout, the discs, the frame size, the lens and the nominal camera pose. The odd terms of the lens, k3
-/// and then k5, are fitted only if the frame determines them: their standard errors must be at most half of their prior
-/// standard deviations. Otherwise the values of the study are used.
+/// and k5, are fitted only if the frame determines them, that is, if their standard errors are at most half of their
+/// prior standard deviations. Otherwise, the values of the study are used for k5, or for both terms.
 ///
 /// # Errors
 /// [`RecordedError::Readings`] if the study has no camera, or if the frame has another size or other colours, lacks
@@ -80,7 +80,8 @@ impl MarkersAtRest {
                 found: matched.found,
             })
         };
-        // Try to fit both odd terms of the lens, then only k3, until the frame determines all fitted terms.
+        // First try to fit both odd terms of the lens, then only k3, then none of them, until the frame determines all
+        // fitted terms.
         for free in (1..=TERM_STDS.len()).rev() {
             if let Ok(at_rest) = with_terms(free)
                 && is_determined(&at_rest.camera)

@@ -133,7 +133,7 @@ pub fn parse_camera(file: &RecordedFile) -> Result<CameraEstimate, RecordedError
     Ok(camera)
 }
 
-/// Whether the text of a file describes a camera.
+/// Whether a TOML file with this text contains a camera (rather than a calibration of markers).
 pub(super) fn is_camera(text: &str) -> bool {
     let table: toml::Table = text.parse().unwrap_or_default();
     let mut keys = ["place", "turn_deg", "px_per_rad", "centre_px"].iter();

@@ -13,7 +13,8 @@ use super::nominal_sensor::{CameraGeometry, NominalSensor};
 use super::press_options::PictureOptions;
 use palpate_estimators::departure_stds;
 
-/// Largest difference between a camera parameter and its estimate from the frame at rest, in standard deviations.
+/// Largest accepted difference between a camera parameter in the prior and its estimate from the frame at rest, in
+/// standard deviations. A single larger difference is enough for a warning.
 const MAX_PULL: f64 = 6.0;
 /// Joint χ² of all parameters above which the camera contradicts the frame.
 const MAX_CHI_SQUARED: f64 = 200.0;
@@ -113,7 +114,8 @@ impl<'a> CameraPrior<'a> {
         })
     }
 
-    /// Returns a warning if the camera estimated from the frame at rest differs from this camera.
+    /// Returns a warning if the camera that was estimated from the frame at rest differs significantly from the camera
+    /// of this prior.
     ///
     /// # Errors
     /// [`RecordedError::Readings`] if the difference is too large. The message states the parameter with the largest
@@ -139,7 +141,8 @@ impl<'a> CameraPrior<'a> {
         let is_alone = pull(worst) > MAX_PULL;
         let (name, unit) = NAMES[worst];
         let unit = unit.unwrap_or(self.unit);
-        // Both values are rounded to a tenth of their difference, because with coarser rounding they could look equal.
+        // Round the two values in the warning to a tenth of their difference, because they could look equal after
+        // coarser rounding.
         let digit = 0.1 * (own[worst] - found[worst]);
         let with_std = |value: f64, std: f64| {
             let value = Number::known_to(value, digit);

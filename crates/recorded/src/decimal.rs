@@ -32,7 +32,7 @@ pub(super) struct DecimalSign {
 }
 
 impl DecimalSign {
-    /// Checks which decimal sign the number in a field has.
+    /// Stores the number in a field if the number shows which decimal sign the table uses.
     pub(super) fn add(&mut self, text: &str) {
         let first = match () {
             () if text.contains('.') => &mut self.point,
@@ -42,8 +42,8 @@ impl DecimalSign {
         first.get_or_insert_with(|| text.to_owned());
     }
 
-    /// The decimal sign of the table. Returns an error if it is ambiguous; `odd` is a number with a comma for its
-    /// message.
+    /// The decimal sign of the table. Returns an error if it is ambiguous. The message of the error quotes `odd`, a
+    /// number in the table with a comma.
     pub(super) fn decimal(&self, odd: &str) -> Result<Decimal, String> {
         match (&self.comma, &self.point) {
             (Some(_), None) => Ok(Decimal::Comma),

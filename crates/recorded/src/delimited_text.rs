@@ -11,7 +11,7 @@ use super::text_table::{Record, RowResult, Text};
 /// Number of rows from which the delimiter is recognised if the header is not enough.
 const DECIDING_ROWS: usize = 100;
 
-/// A table of separated fields.
+/// A table in which a delimiter separates the fields of a line, such as a CSV file.
 pub(super) struct DelimitedText<'a> {
     pub(super) text: Text<'a>,
     pub(super) delimiter: Delimiter,
@@ -20,8 +20,9 @@ pub(super) struct DelimitedText<'a> {
 }
 
 impl<'a> DelimitedText<'a> {
-    /// The table with its column names; they are numbers from 0 if the first line holds numbers. `first` is the header with its
-    /// line, `stated` the stated delimiter, and `fail` makes an error in a line.
+    /// Returns the table and the names of its columns. If the first line contains numbers instead of names, the names
+    /// are 0, 1, 2 and so on. `first` is the text of the first line, followed by its line number. `stated` is the
+    /// delimiter that the user stated. `fail` makes an error from a line number and a message.
     pub(super) fn of(
         text: Text<'a>,
         (first, header_line): (&str, usize),
@@ -157,7 +158,7 @@ fn reader<'t>(text: Text<'_>, part: &'t str, delimiter: Delimiter) -> csv::Reade
         .from_reader(part.as_bytes())
 }
 
-/// Fields of one line.
+/// Splits a line into its fields.
 fn split(text: Text<'_>, line: &str, delimiter: Delimiter) -> StringRecord {
     if delimiter == Delimiter::Space {
         return line.split_whitespace().collect();
@@ -184,7 +185,8 @@ pub(super) fn tidy(field: &str) -> &str {
     unquoted.unwrap_or(field)
 }
 
-/// The delimiter that the header and the rows have. A table without a delimiter has one column.
+/// Finds the delimiter from the header and the rows. For a table with a single column, which has no delimiter, it
+/// returns the comma.
 fn recognised(text: Text<'_>, header: &str, header_line: usize) -> Result<Delimiter, String> {
     let fields = |line: &str, delimiter| split(text, line, delimiter).len();
     let rows = || text.rows_after(header_line).map(|(row, _)| row);
@@ -216,7 +218,7 @@ fn recognised(text: Text<'_>, header: &str, header_line: usize) -> Result<Delimi
     Ok(possible.first().copied().unwrap_or(Delimiter::Comma))
 }
 
-/// Whether spaces separate the numbers of the first row, as many as there are names.
+/// Whether the first row consists of numbers separated by spaces, and has as many numbers as the header has names.
 fn has_spaces(names: usize, row: &str) -> bool {
     let mut numbers = row.split_whitespace();
     let is_spaced = !row.contains('\t') && names > 1 && row.split_whitespace().count() == names;

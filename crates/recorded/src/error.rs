@@ -1,4 +1,4 @@
-//! Errors of recorded readings.
+//! Errors of reading recorded data and of estimating from it.
 
 use thiserror::Error;
 
@@ -18,9 +18,9 @@ pub enum RecordedError {
     Line {
         /// Name of the file.
         file: String,
-        /// The line, from 1.
+        /// Number of the wrong line, counted from 1.
         line: usize,
-        /// The problem as text, with the column and the value.
+        /// Description of the problem, with the column and the value.
         message: String,
     },
     /// An array of readings is wrong: its length, or a number in it.
@@ -33,7 +33,7 @@ pub enum RecordedError {
         index: Vec<usize>,
         /// The wrong number; `None` if the array as a whole is wrong.
         value: Option<f64>,
-        /// The problem as text, with the value.
+        /// Description of the problem, with the value.
         message: String,
     },
     /// The numbers are readable, but they do not determine an estimate.

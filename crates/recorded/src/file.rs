@@ -43,7 +43,7 @@ impl RecordedFile {
         Ok(Self { bytes, ..file })
     }
 
-    /// Reads a stream, such as standard input, to its end. `name` is its name in messages.
+    /// Reads a stream, such as standard input, to its end. `name` is the name of the stream in messages.
     ///
     /// # Errors
     /// [`RecordedError::File`] if the stream cannot be read, or if it is larger than the limit for files.

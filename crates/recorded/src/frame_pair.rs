@@ -1,4 +1,4 @@
-//! Frames of a camera sensor: from image files, and the markers of a frame at rest in a pressed one.
+//! Reads frames of a camera sensor from image files, and tracks the markers from a frame at rest to a pressed frame.
 
 use std::io::Cursor;
 use std::num::NonZeroU8;
@@ -157,7 +157,8 @@ pub struct TrackCounts {
 const MAX_LOST: f64 = 0.1;
 
 impl TrackCounts {
-    /// Whether enough markers were found again, so that both frames can come from one sensor.
+    /// Whether so many markers of the frame at rest were found in the pressed frame that both frames can come from the
+    /// same sensor.
     const fn are_of_one_sensor(&self) -> bool {
         2 * self.tracked >= self.at_rest
     }
@@ -189,7 +190,7 @@ const MIN_MARKERS: usize = 8;
 /// Difference of green levels (of 255) that is drawn in the full colour in a difference image.
 const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
 
-/// The markers of a frame.
+/// Finds the markers in a frame.
 pub(super) fn find(frame: &Frame) -> Result<Found, RecordedError> {
     let refused = |error: TrackingError| RecordedError::readings(&frame.file, error.to_string());
     Finder::default().find(&frame.image).map_err(refused)
@@ -248,7 +249,7 @@ impl FramePair {
         }
     }
 
-    /// Number of markers that are completely in the frame at rest.
+    /// Number of markers at rest that are completely inside the frame.
     pub(super) fn at_rest(&self) -> usize {
         let at_rest = self.tracks.iter().filter(|track| track.rest.is_some());
         at_rest.count()
@@ -272,7 +273,7 @@ impl FramePair {
         tracks_table(self.tracks.iter().map(Some))
     }
 
-    /// Checks that both frames come from one sensor.
+    /// Checks that the frame at rest and the pressed frame can come from the same sensor.
     ///
     /// # Errors
     /// [`RecordedError::Readings`] if fewer than half of the markers were found again.

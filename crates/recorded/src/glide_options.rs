@@ -25,7 +25,7 @@ pub enum TipReports {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct GlideOptions {
-    /// The estimator and its settings.
+    /// The estimator of the glide, and its settings.
     #[serde(skip)]
     pub estimator: GlideEstimatorConfig,
     /// Unit of lengths, used if the header does not state it.
@@ -80,8 +80,8 @@ impl Default for GlideOptions {
 }
 
 impl GlideOptions {
-    /// Options with the given settings. Their keys are fields of this struct and settings of the estimator. Settings
-    /// that are not given have their values from `base`.
+    /// Returns options in which the settings `given` replace the values of `base`. The keys of `given` are the fields
+    /// of this struct and the settings of the estimator.
     ///
     /// ```
     /// use palpate_recorded::GlideOptions;

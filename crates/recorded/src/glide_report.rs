@@ -108,7 +108,7 @@ pub struct GlideEstimate {
     pub(super) effective_contacts: f64,
     /// Number of contacts after repeated contacts and contacts of a resting finger were merged.
     pub(super) distinct_contacts: usize,
-    /// Number of consecutive positions that count as one because their noise is correlated.
+    /// Number of consecutive positions that count as one independent position, because their noise is correlated.
     pub(super) correlated_contacts: f64,
     /// Contacts that are not used in the fit.
     pub(super) left_out: Vec<LeftOut>,

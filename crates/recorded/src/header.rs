@@ -111,7 +111,8 @@ impl<'a> Header<'a> {
             .map(|heading| heading.name)
     }
 
-    /// Pairs that give the names of some columns in the file to others.
+    /// Text for the setting `columns` that assigns the file's names of `columns` to `others`, as pairs of names
+    /// separated by commas.
     pub(super) fn pairs(&self, columns: &[Column], others: &[Column]) -> String {
         let pairs = columns.iter().zip(others).filter_map(|(column, other)| {
             let place = self.place(column).ok().flatten()?;
@@ -271,7 +272,8 @@ impl<'a> Header<'a> {
         format!("the file has {}", names.join(", "))
     }
 
-    /// Message about missing columns.
+    /// Message of the error that the file lacks the columns `missing`. It lists the columns that the file has, and
+    /// proposes pairs for the setting `columns`.
     fn lacks(
         &self,
         columns: [&[Column]; 2],
@@ -327,7 +329,8 @@ impl<'a> Header<'a> {
         (0..self.headings.len()).filter(is_free).collect()
     }
 
-    /// Note on names of the file that may be those of optional columns, with the setting that reads them.
+    /// Note for the user if names in the file resemble optional columns that were not read. It contains the setting
+    /// with which palpate reads these columns.
     pub(super) fn unread(&self, may: &[Column], places: &[Place]) -> Option<String> {
         let pairs = self.optional(may, &mut self.free(places));
         (!pairs.is_empty()).then(|| {

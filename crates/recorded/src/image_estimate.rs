@@ -106,7 +106,7 @@ pub(super) fn estimate_images(
 
 /// Markers of a layout, matched with the tracked markers.
 struct Matched {
-    /// For each marker of the layout, the index of its track; `None` if it has none.
+    /// For each marker of the layout, the index of its track; `None` if the marker has no track.
     tracks: Vec<Option<usize>>,
     /// Indices, in the layout, of the markers that were found in both frames. They are in the order of the tracks.
     rows: Vec<usize>,

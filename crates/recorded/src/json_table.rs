@@ -16,24 +16,25 @@ const MAX_KEYS: usize = 1_000;
 /// Maximum number of components of a vector or a quaternion.
 const MAX_COMPONENTS: usize = 4;
 
-/// Where the rows of a table are.
+/// The form in which a JSON text contains the rows of a table.
 enum Rows<'a> {
-    /// An object per line.
+    /// One JSON object per line, which is a row of the table.
     Lines(Text<'a>),
-    /// Objects or lists in a list.
+    /// A JSON list whose items (objects or lists) are the rows.
     List(Text<'a>),
-    /// Lists by column.
+    /// A JSON object with a list of values for each column.
     Columns(Vec<Vec<Json>>),
 }
 
-/// A table of JSON.
+/// A table that is written as JSON.
 pub(super) struct JsonTable<'a> {
     rows: Rows<'a>,
     header_line: usize,
 }
 
 impl<'a> JsonTable<'a> {
-    /// The table with its column names. `first` is the first line that is not blank, with its number.
+    /// Returns the table and the names of its columns. `first` is the first line that is not blank, followed by its
+    /// line number.
     pub(super) fn of(
         file: &RecordedFile,
         text: Text<'a>,
@@ -71,7 +72,8 @@ impl<'a> JsonTable<'a> {
         }
     }
 
-    /// Text of each object, and its line or, if the whole list is one line, its number.
+    /// Text of each row's object, with a number for messages: the line of the object or, if the whole list is written
+    /// in one line, the index of the object from 1.
     fn objects(&self) -> Box<dyn Iterator<Item = (&'a str, usize)> + 'a> {
         match self.rows {
             Rows::Lines(text) => Box::new(text.rows_after(0)),
@@ -119,7 +121,7 @@ impl<'a> JsonTable<'a> {
     }
 }
 
-/// Names and values of an object that holds the columns of a table; `None` if the text is another object.
+/// Names and values of the columns, if the text is a JSON object with one list per column; otherwise `None`.
 #[expect(clippy::type_complexity, reason = "names and values of the columns")]
 fn columns(
     file: &RecordedFile,
@@ -131,13 +133,13 @@ fn columns(
     let is_scalar = |item: &Json| !item.is_array() && !item.is_object();
     let is_column = |value: &Json| match value {
         Json::Array(items) => items.iter().all(is_scalar),
-        // pandas writes the number of the row as the key.
+        // pandas writes a column as an object, in which the key of each value is the number of its row.
         Json::Object(items) => items
             .iter()
             .all(|(row, item)| row.parse::<u64>().is_ok() && is_scalar(item)),
         _ => false,
     };
-    // A few numbers may be a vector of one row, unless the name is that of an axis.
+    // A short list may be a vector that belongs to a single row, unless the name of the list denotes a single axis.
     let is_long = |value: &Json| value.as_array().map_or(0, Vec::len) > MAX_COMPONENTS;
     let is_of_axis = |name: &String| {
         let name = spelt(name);
@@ -175,10 +177,10 @@ fn columns(
 /// Elements of a list in JSON, as text with the line where each begins. Whether each is sound JSON is not checked here.
 struct Elements<'a> {
     text: Text<'a>,
-    /// Where the next element begins.
+    /// Byte index in the text at which the next element begins.
     start: usize,
     line: usize,
-    /// Whether the text ends without the bracket of the list.
+    /// Whether the text ends before the closing bracket of the list.
     is_cut: bool,
 }
 

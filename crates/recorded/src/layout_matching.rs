@@ -31,8 +31,8 @@ const DISCS: [(usize, &str); 10] = [
 pub(super) const CAMERA: [usize; 11] = [4, 5, 6, 7, 8, 9, 10, 11, 12, TERMS[0], TERMS[1]];
 /// Number of rough matching rounds before the final round.
 const ROUNDS: usize = 4;
-/// Standard deviations in the rough rounds, which allow for misaligned discs: of both centroid coordinates, px; of the
-/// hue, turns; of the logarithm of the size.
+/// Standard deviations of a marker's image in the first, rough fits, in which the misalignments of the discs are
+/// unknown: of the two centroid coordinates, px; of the hue, turns; of the logarithm of the size.
 const ROUGH_STDS: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
 /// Smallest share of the layout's markers that must be found, and largest share of other markers: in the final round, and
 /// in the rough rounds.
@@ -42,7 +42,8 @@ const ROUGH_SHARES: [f64; 2] = [0.5, 0.5];
 const MAX_HUE_DIFFERENCE: f64 = 0.06;
 /// Reduced χ² above which the frame contradicts the layout.
 pub(super) const CONTRADICTION: f64 = 25.0;
-/// Reduced χ² of the fit. Above this value, the uncertainties are multiplied by its square root.
+/// If the reduced χ² of the fit is above this value, the uncertainties are multiplied by the square root of the reduced
+/// χ².
 const MAX_REDUCED_CHI_SQUARED: f64 = 1.5;
 /// Further start values of the camera's height in the fit. They are differences from the nominal height, in prior
 /// standard deviations.
@@ -53,7 +54,7 @@ const HEIGHT: usize = 9;
 const CAUSES: &str = "is it from another layout or camera, are its pixels encoded by sRGB (setting `srgb`), does the camera differ from `place`, `turn_deg` and `field_deg` of the study's `scene.sensor`, or are its discs misaligned by more than `scene.probe.discs.misalignment`?";
 /// Maximum number of fits. Each fit starts at the result of the previous fit.
 const MAX_FITS: usize = 12;
-/// If χ² decreases by less than this value, the fit is not repeated.
+/// The fit is repeated until χ² decreases by less than this value.
 const MIN_DECREASE: f64 = 1e-3;
 
 /// For each marker of the layout: its index in the list of found markers, and its image. `None` if it was not found.
@@ -264,7 +265,7 @@ impl Matched {
         self.rest.chi_squared / self.rest.freedom.max(1) as f64
     }
 
-    /// Warning if markers are missing.
+    /// Returns a warning if markers of the layout were not found in the frame.
     pub(super) fn warning(&self) -> Option<Warning> {
         let (all, missing) = (self.images.len(), self.missing);
         (missing > 0).then(|| {

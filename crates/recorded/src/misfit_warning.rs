@@ -4,13 +4,13 @@ use palpate_statistics::{Misfit, Number, StatedQuantity};
 
 use palpate_study::Warning;
 
-/// Words that the warnings use for one kind of readings.
+/// Words with which the warnings name the readings of a kind (such as shifts or displacements).
 pub(super) struct ReadingWords<'w> {
     /// Name of a reading, by its index from 0.
     pub(super) reading: &'w dyn Fn(usize) -> String,
     /// Plural noun for the readings to which the stated noise refers, for example `shifts`.
     pub(super) noise_of: &'w str,
-    /// Unit of the stated quantities.
+    /// Unit of the stated quantities in the warnings.
     pub(super) unit: &'w str,
 }
 

@@ -38,11 +38,12 @@ pub(super) struct NominalSensor<'a> {
     misalignment_std: f64,
     /// Standard deviation of the noise of a pixel, levels of 255.
     pixel_std: f64,
-    /// Change of each marker's image at rest that uneven light and blur cause; empty if the sensor has neither.
+    /// Change of each marker's image at rest that uneven light and blur cause; empty if the sensor has neither uneven
+    /// light nor blur.
     blemished: Vec<[f64; 4]>,
 }
 
-/// Pose of a camera, centre and scale of its image, and odd terms of its lens.
+/// Geometry of a camera: its pose, the centre and scale of its image, and the odd terms of its lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CameraGeometry {
     /// Image centre, px: the point where the camera's axis meets the image.
@@ -265,7 +266,8 @@ impl<'a> NominalSensor<'a> {
                 optics: optics.clone(),
             },
             markers: self.markers.clone(),
-            // The images at rest do not depend on the bodies, so both can be equal.
+            // This fit only computes images at rest, which do not depend on the soft body. So any body can be used for
+            // both discs.
             bodies: [body()?, body()?],
             deeper: None,
             departure_prior: None,

@@ -43,7 +43,7 @@ impl Scalar {
         })
     }
 
-    /// An element as text.
+    /// Text of an element with these bytes.
     fn text(self, bytes: &[u8]) -> String {
         let mut word = [0; 8];
         let used = self.size.min(8);
@@ -76,7 +76,8 @@ impl Scalar {
     }
 }
 
-/// A number with all its digits, and an exponent where that is much shorter.
+/// Text of a number with all digits that are needed to read the same number again. Very large and very small numbers
+/// are written with an exponent.
 fn number_text(number: f64) -> String {
     let size = number.abs();
     match size == 0.0 || (1e-5..1e15).contains(&size) || !size.is_finite() {
@@ -93,7 +94,7 @@ struct ArrayColumn {
     stride: usize,
 }
 
-/// The columns of one or several arrays.
+/// A table that consists of the columns of one or several arrays.
 pub(super) struct NumpyTable<'a> {
     /// Data of each array.
     arrays: Vec<Cow<'a, [u8]>>,
@@ -357,7 +358,7 @@ fn fields(text: &str) -> Result<Vec<(String, Scalar, usize)>, String> {
         .strip_prefix('[')
         .and_then(|rest| rest.split_once("],"));
     let mut fields = Vec::new();
-    // The text between the names and the types is in the odd places.
+    // Splitting at quotation marks gives the names and the types at the odd indices.
     let parts: Vec<&str> = list.map_or("", |(list, _)| list).split('\'').collect();
     for part in parts.get(1..).unwrap_or_default().chunks(4) {
         let [name, _, kind, after] = part else {

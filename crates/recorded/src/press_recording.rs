@@ -14,7 +14,7 @@ pub struct PressRecording {
     pub(super) source: ReadingSource,
     /// Position of each marker on the skin, in chart coordinates.
     pub(super) places: Vec<[f64; 2]>,
-    /// Inward displacement of each marker.
+    /// Measured inward displacement of each marker, length.
     pub(super) normal: Vec<f64>,
     /// Displacement of each marker along the skin; `None` if it was not measured.
     pub(super) tangential: Option<Vec<[f64; 2]>>,

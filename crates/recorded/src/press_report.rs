@@ -38,7 +38,7 @@ pub(super) struct Principal {
     semi_axes: [f64; 2],
 }
 
-/// A row of the readings.
+/// A row of the file with the readings.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(super) struct Row {
     /// Number of the row, from 1, without the header.

@@ -24,7 +24,7 @@ pub(super) struct ReadingTable {
     pub(super) source: ReadingSource,
     /// Indices of the rows that follow a blank line.
     pub(super) after_gaps: Vec<usize>,
-    /// All numbers, row by row.
+    /// Numbers of all columns and rows, row by row.
     numbers: Vec<f64>,
     columns: usize,
     /// Unit of the lengths; `None` if it is not stated.
@@ -270,7 +270,7 @@ fn factor(column: &Column, place: &Place, unit: Option<LengthUnit>) -> Option<f6
     }
 }
 
-/// Decimal sign of the numbers in a table. It is a point unless a number has a comma.
+/// Detects the decimal sign of the numbers in a table. It is a point unless a number has a comma.
 fn decimal_of(
     table: &TextTable<'_>,
     header: &Header<'_>,

@@ -1,4 +1,4 @@
-//! Sources of readings, for messages.
+//! The source of readings (a file or arrays), which messages name.
 
 use std::collections::HashSet;
 

@@ -6,16 +6,16 @@ use palpate_study::readings::{Column, MATRIX, Measure, QUATERNION, quaternion_pa
 use super::header::{Heading, bracketed, is_similar};
 use super::table_format::pair;
 
-/// Finger or probe of a wide table: its name, and the places of its columns.
+/// A finger or probe of a wide table: its name, and the indices of its columns.
 pub(super) struct Group {
     pub(super) name: String,
     pub(super) places: Vec<usize>,
 }
 
-/// A wide table as rows of single fingers.
+/// How the columns of a wide table are divided, so that each row can be split into one row per finger.
 pub(super) struct Wide {
     pub(super) groups: Vec<Group>,
-    /// Places of the columns that belong to no finger.
+    /// Indices of the columns that belong to no single finger, such as the time.
     pub(super) shared: Vec<usize>,
     /// Names of the label, of the columns of a finger, and of the shared columns.
     pub(super) header: Vec<String>,
@@ -154,7 +154,7 @@ fn numbered(name: &str) -> (Vec<String>, Vec<String>) {
     (start, numbers)
 }
 
-/// Words that may stand beside the number of a finger.
+/// Words that may accompany the number of a finger or probe in a column name.
 const FINGER_WORDS: [&str; 13] = [
     "finger",
     "fingertip",
@@ -170,7 +170,7 @@ const FINGER_WORDS: [&str; 13] = [
     "point",
     "sensor",
 ];
-/// Names of fingers.
+/// Words that name a finger in a column name.
 const FINGERS: [&str; 6] = ["thumb", "index", "middle", "ring", "little", "pinky"];
 
 /// A wide table, if the header has the same columns for several fingers. The first of `columns` is their label.

@@ -34,9 +34,9 @@ pub(super) type RowResult = Result<(), RecordedError>;
 enum Format<'a> {
     /// Fields separated by a delimiter.
     Delimited(DelimitedText<'a>),
-    /// JSON, and its text.
+    /// A JSON table, with the text of the file.
     Json(JsonTable<'a>, Text<'a>),
-    /// Arrays of NumPy.
+    /// Arrays from a file of NumPy.
     Numpy(NumpyTable<'a>),
 }
 
@@ -46,11 +46,12 @@ pub(super) struct TextTable<'a> {
     format: Format<'a>,
     /// Names of the columns.
     pub(super) header: Vec<String>,
-    /// Line of the header.
+    /// Line number of the header.
     pub(super) header_line: usize,
-    /// Names of the columns in the file, and how they are divided among fingers, if there are several in a row.
+    /// For a table whose rows contain several fingers: the names of the columns in the file, and how these columns are
+    /// divided among the fingers.
     wide: Option<(Vec<String>, Wide)>,
-    /// Number of contacts that a wide table lacks.
+    /// Number of contacts that are missing in a wide table, because the fields of a finger are empty.
     lost: Cell<usize>,
     /// How the columns were found, if not by their names.
     note: Option<String>,

@@ -51,7 +51,7 @@ impl Value {
         }
     }
 
-    /// The value as a number; NaN if the readings do not determine it.
+    /// The estimated value as a number; NaN if the readings do not determine the value.
     pub(super) fn number(&self) -> f64 {
         self.value.unwrap_or(f64::NAN)
     }

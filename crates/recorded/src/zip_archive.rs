@@ -6,7 +6,8 @@ use miniz_oxide::inflate::decompress_to_vec_with_limit;
 
 /// Largest total size of the members, MiB.
 const MAX_MIB: usize = 256;
-/// Size of the record at the end of an archive, and of the comment that may follow it.
+/// Size in bytes of the record at the end of an archive. The next constant is the largest size of the comment after
+/// this record.
 const END: usize = 22;
 const MAX_COMMENT: usize = 65_535;
 

@@ -29,7 +29,7 @@ const SMOOTH: f64 = 48.0;
 /// Coefficients that are smaller than this value, relative to the largest coefficient, are rounding errors.
 const ROUNDING: f64 = 3e-14;
 
-/// The solution of the equations for one contact.
+/// Pressure of a contact on a bonded layer: the solution of the integral equation for one contact radius.
 #[derive(Clone, Debug)]
 pub(super) struct Pressure {
     /// Radius α of the contact.

@@ -104,7 +104,8 @@ struct Sums {
     weighted: f64,
 }
 
-/// The sums for φ and for ∂φ/∂a. The sums for ∂φ/∂a do not include second derivatives.
+/// The harmonic potentials Φ of the pressure (`terms`) at a place, and their derivatives: for φ and for ∂φ/∂a. For
+/// ∂φ/∂a, second derivatives are not computed.
 fn sums(terms: &[Term], place: Spheroidal, q: &[f64]) -> [Sums; 2] {
     let Spheroidal { xi, eta, .. } = place;
     let [mut curved, mut flat] = [Sums::default(), Sums::default()];

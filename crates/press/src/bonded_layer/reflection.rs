@@ -60,7 +60,7 @@ pub(super) const BEYOND: f64 = 30.0;
 /// distance of the previous sum.
 const FIRST_REACH: f64 = 4.0;
 
-/// Sums over wavenumbers for the effect of the base on a pressure at one depth.
+/// Effect of the rigid base on the displacements under a pressure, at one depth, as sums over wavenumbers.
 #[derive(Clone, Debug)]
 pub(super) struct Waves {
     pressure: Pressure,
@@ -70,13 +70,13 @@ pub(super) struct Waves {
     bands: Vec<OnceLock<Vec<Wave>>>,
 }
 
-/// One wavenumber of the sum.
+/// Term of such a sum, for a single wavenumber.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wave {
     pub(super) wavenumber: f64,
     /// Amplitudes of the wave: the factor of J₀ (inward displacement) and the factor of J₁ (outward displacement).
     pub(super) strength: [f64; 2],
-    /// Derivatives of both amplitudes with respect to the contact's radius.
+    /// Derivatives of the two amplitudes in `strength` with respect to the contact's radius.
     pub(super) per_contact: [f64; 2],
 }
 
@@ -102,7 +102,7 @@ impl Spectrum {
         }
     }
 
-    /// The terms of the sum at a depth.
+    /// The terms of the sum over wavenumbers for a depth.
     pub(super) fn waves(&self, depth: f64) -> Vec<Wave> {
         let pairs = self.nodes.iter().zip(&self.transforms);
         let waves = pairs.map(|(&[wavenumber, weight], [curved, flat])| {

@@ -67,9 +67,9 @@ pub(super) fn detect(problem: &Problem<'_>, state: &State) -> Result<Option<usiz
     Ok(is_alone.then_some(marker))
 }
 
-/// Chi-squared of each marker compared with rest, and the number of readings per marker. If the noise is stated, all
-/// readings are used. Otherwise only normal displacements are used, with noise estimated from the median of all
-/// markers.
+/// Chi-squared of the hypothesis that a marker did not move, for each marker, and the number of readings per marker. If
+/// the noise is stated, all readings are used. Otherwise only normal displacements are used, with noise estimated from
+/// the median of all markers.
 fn at_rest(problem: &Problem<'_>) -> (Vec<f64>, usize) {
     let baseline = resting(problem);
     let markers = 0..problem.kept.len();

@@ -78,8 +78,8 @@ impl ForwardFit {
         stated_indentation(stated, &alone.indentation, p_value)
     }
 
-    /// The least-squares problem of a reading, and its state at an estimate of this fit. The used markers and the noise
-    /// are those of the estimate.
+    /// The least-squares problem that led to an estimate, and its state at this estimate. It uses the same markers and
+    /// the same noise as the estimate.
     fn problem_of<'a>(
         &'a self,
         reading: &'a Reading<'a>,

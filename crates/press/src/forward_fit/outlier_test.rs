@@ -1,4 +1,4 @@
-//! Tests for an outlier, which is a marker that contradicts the others.
+//! Tests for an outlier, which is a marker whose readings contradict the readings of all other markers.
 
 use nalgebra::{DMatrix, DVector};
 use palpate_statistics::{Explained, LEFT, least_likely};
@@ -10,8 +10,8 @@ use crate::misfit::Noise;
 use crate::state::State;
 use crate::unknowns::{CURVATURE, Square, Sums, Unknowns};
 
-/// If the ratio of the estimated noise to the largest displacement is below this value, the noise may be due to
-/// rounding.
+/// If the ratio of the estimated noise to the largest displacement is below this value, the noise may only be the
+/// rounding of the readings.
 const ROUNDING: f64 = 1e-3;
 /// Smallest number of degrees of freedom for tests with estimated noise.
 const MIN_FREEDOM: usize = 8;
@@ -38,8 +38,8 @@ impl Problem<'_> {
         Some(self.goodness(sums).map_or(found, Noise::stated_or_found))
     }
 
-    /// The marker that contradicts the others most, and the p-value of its contradiction. Only markers that can change
-    /// the curvature are tested; the p-value is corrected for their number.
+    /// The marker whose readings contradict those of the other markers most, and the p-value of this contradiction.
+    /// Only markers that can change the curvature are tested; the p-value is corrected for their number.
     pub(super) fn slipped(
         &self,
         state: &State,

@@ -13,8 +13,8 @@ use crate::least_squares::LeastSquares;
 use crate::state::State;
 use crate::unknowns::{CURVATURE, Square, Unknowns};
 
-/// Step of the curvature for numerical derivatives, in standard errors of the curvature. The other fit parameters
-/// change with the curvature.
+/// Step of the curvature for numerical derivatives, in standard errors of the curvature. All other fit parameters
+/// follow the curvature to the minimum of chi-squared.
 const STEP: f64 = 0.3;
 /// If the variance of the logarithm of the curvature is above this value, the images only determine the order of
 /// magnitude of the curvature.

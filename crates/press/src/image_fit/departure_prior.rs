@@ -1,13 +1,13 @@
-//! A prior of a sensor's deviations that comes from another source than the frame at rest.
+//! A prior of a sensor's deviations that was not computed from the readings of the frame at rest.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::PressError;
 
 /// A prior of some common sensor deviations. It comes from another frame of the same sensor, or from an earlier fit of
-/// the frame at rest itself. Information on these sensor deviations from the frame at rest is then ignored, so that no
-/// frame is used twice. The frame still determines the other sensor deviations and the misalignments, given these
-/// sensor deviations.
+/// the frame at rest itself. The information that the frame at rest contains on these sensor deviations is then
+/// ignored, so that no frame is used twice. Given these sensor deviations, the frame at rest still determines the
+/// remaining sensor deviations and the misalignments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeparturePrior {
     /// Indices of the sensor deviations in ascending order. Their standard deviations must not be 0.
@@ -16,9 +16,9 @@ pub struct DeparturePrior {
     pub covariance: DMatrix<f64>,
 }
 
-/// The prior, in the form of the equations of a frame at rest.
+/// A [`DeparturePrior`], converted to the form of the equations for a frame at rest.
 pub(super) struct FreePrior {
-    /// Positions of the prior's sensor deviations in the list of those that are not exact.
+    /// Positions of the prior's sensor deviations in the list of all sensor deviations that are not exact.
     places: Vec<usize>,
     /// Inverse of the covariance, with each sensor deviation divided by its standard deviation.
     precision: DMatrix<f64>,

@@ -12,7 +12,7 @@ const MAX_STEPS: usize = 200;
 const DAMPING: f64 = 1.0;
 /// Damping above which the search ends.
 const MAX_DAMPING: f64 = 1e9;
-/// A search ends if chi-squared decreases by less than this value.
+/// A search ends after a step that decreases chi-squared by less than this value.
 const ENOUGH: f64 = 1e-6;
 /// Decrease of chi-squared below which a search with increased variances ends.
 const ROUGHLY: f64 = 1.0;
@@ -23,11 +23,11 @@ const FALL: f64 = 10.0;
 /// Exponents that determine the first factor on the variances. If chi-squared remains too large, the next exponent is
 /// tried.
 const ROOTS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
-/// Chi-squared is acceptable if its p-value is at least this value. A correct sensor model is below it with a
-/// probability of 0.001; then needless further searches follow.
+/// Chi-squared is acceptable if its p-value is at least this value. For a correct sensor model, the p-value is below
+/// this limit with a probability of 0.001; further searches then follow, although they are not needed.
 const PLAUSIBLE: f64 = 1e-3;
 
-/// The minimum of a search.
+/// The result of a search: the state with the smallest cost.
 struct Minimum {
     state: State,
     pictures: Pictures,
@@ -53,7 +53,7 @@ impl Cost {
 }
 
 impl<V: View> Resting<'_, V> {
-    /// Finds the most likely sensor.
+    /// Finds the sensor parameters that are most likely for the frame at rest.
     pub(super) fn rest(&self) -> Result<Rest, PressError> {
         let start = State {
             common: DVector::zeros(self.free.len()),

@@ -8,11 +8,12 @@ use crate::state::State;
 use crate::unknowns::{Fitted, Sums, Unknowns};
 use crate::{Body, PressError, Skin};
 
-/// If an undamped step is predicted to decrease chi-squared by at least this value, the state is far from a minimum.
-/// The value is the square of four standard deviations.
+/// A state counts as far from a minimum if the predicted decrease of chi-squared in an undamped step is at least this
+/// value, which is the square of four standard deviations.
 const STUCK: f64 = 16.0;
 
-/// Derivatives are reused as long as the logarithm of the curvature has changed by less than this value.
+/// Derivatives of the images are reused at a new state if the logarithm of the curvature has changed by less than this
+/// value since they were computed.
 const NEAR: f64 = 0.3;
 
 /// A state of the fit with its residuals and derivatives.

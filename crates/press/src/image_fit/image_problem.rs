@@ -63,11 +63,12 @@ pub(super) struct Problem<'a, V> {
     /// Whitened derivatives with respect to the common sensor deviations, with one row per equation and one column per
     /// sensor deviation.
     pub(super) common: DMatrix<f64>,
-    /// Lower Cholesky factor of the information on the sensor deviations from both frames.
+    /// Lower Cholesky factor of the information matrix of the sensor deviations. The information comes from the frame
+    /// at rest and from the pressed frame.
     pub(super) root: DMatrix<f64>,
 }
 
-/// A state that was tried, with the values that are needed to compute its derivatives.
+/// A state that was tried, with the intermediate results from which its derivatives are computed.
 pub(super) struct Tried {
     pub(super) state: State,
     pub(super) residuals: Residuals,
@@ -289,7 +290,7 @@ impl<'a, V: View> Problem<'a, V> {
         })
     }
 
-    /// Whitened residuals at a state.
+    /// Whitened residuals of the images at a state.
     pub(super) fn residuals(&self, state: &State) -> Result<Residuals, PressError> {
         let moved = self.displaced(state)?;
         let pictures = self.pictures(&moved)?;
@@ -376,7 +377,7 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(sums)
     }
 
-    /// Products of the derivatives, without the part that common sensor deviations may explain.
+    /// Products of the columns of `jacobian`, without the part that common sensor deviations may explain.
     fn slopes(&self, jacobian: Jacobian) -> Result<Slopes, PressError> {
         let shared = self.shared(&jacobian)?;
         Ok(Slopes {

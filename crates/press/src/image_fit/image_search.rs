@@ -24,10 +24,10 @@ const ROBUST: f64 = 16.0;
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
 /// Maximum number of iterations in which the robust weights are computed.
 const ROUNDS: usize = 20;
-/// Maximum number of updates of the sensor with both frames.
+/// Maximum number of updates of the sensor parameters with the frame at rest and the pressed frame together.
 const SENSOR_UPDATES: usize = 5;
-/// The updates of the sensor end if chi-squared is predicted to decrease by less than this value. The value is the
-/// square of 1/20 standard deviation.
+/// The updates of the sensor parameters end if the predicted decrease of chi-squared is less than this value, which is
+/// the square of 1/20 standard deviation.
 const SETTLED: f64 = 2.5e-3;
 /// Smallest improvement of chi-squared by a contact, compared with no contact, for which the contact counts as
 /// detected. It equals the threshold of a displacement fit with 240 markers, because each marker has four numbers with
@@ -129,7 +129,7 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
                 what: "the sum of squares has no clear minimum",
             });
         }
-        // The ends of the interval are multiplied by the same factor as the mean.
+        // The interval must contain the corrected mean, so its ends are multiplied by the same factor.
         let factor = libm::exp(problem.mean_beside(&weighed, &covariance));
         let unbiased = contact.relative_curvature * factor;
         let readings = OfReadings {
@@ -151,7 +151,7 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
     })
 }
 
-/// The fit near a state. The sensor parameters are fitted to both frames (at rest and pressed).
+/// Returns the fit near a state. The sensor parameters are fitted to both frames (at rest and pressed).
 pub(super) fn settle<V: View + Clone>(
     problem: &mut Problem<'_, V>,
     near: State,
@@ -329,7 +329,7 @@ impl<V: View> Problem<'_, V> {
             .iter()
             .filter_map(|&share| state(&mean, share))
             .collect();
-        // The best radius is also tried at the other markers that moved most.
+        // Also start at other markers that moved much, with the best radius that was found so far.
         let best = states.iter().min_by(|one, other| one.0.total_cmp(&other.0));
         if let Some(&(_, width, _)) = best {
             let beside = inward.iter().take(BESIDE);

@@ -10,10 +10,10 @@ use crate::state::State;
 use crate::{Estimated, MarkerDisplacement, Measured, PressError, PressEstimate};
 
 impl<V: View> ImageFit<V> {
-    /// Displacement of each marker in addition to its displacement in an estimated press, by least squares from its own
-    /// image. The discs of the marker move relative to each other as in the press; the image determines their
-    /// additional common displacement. `None` for markers that are not visible in both frames, and if the image does
-    /// not determine all components.
+    /// Displacement of each marker in addition to its displacement in an estimated press. It is estimated from the
+    /// marker's own image by least squares. The discs of the marker move relative to each other as in the press; the
+    /// image determines their additional common displacement. `None` for markers that are not visible in both frames,
+    /// and if the image does not determine all components.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] and [`PressError::NotFinite`] for invalid settings and readings;

@@ -23,7 +23,7 @@ pub struct Rest {
     pub seen: Vec<bool>,
     /// Chi-squared, including the priors. It is about `freedom` if the model is correct.
     pub chi_squared: f64,
-    /// Degrees of freedom of chi-squared.
+    /// Degrees of freedom of the chi-squared of this fit.
     pub freedom: usize,
     /// Information (inverse covariance) on the uncertain common sensor deviations from the frame at rest and the
     /// priors.
@@ -33,12 +33,12 @@ pub struct Rest {
     pub(super) local: Vec<Option<Local>>,
     /// Images at rest with their derivatives, for the sensor at which the model was linearised.
     pub(super) slopes: Arc<PictureSlopes>,
-    /// The frame that was fitted.
+    /// The readings of the frame to which the sensor was fitted.
     pub(super) frame: Arc<RestFrame>,
 }
 
 impl Rest {
-    /// The most likely sensor.
+    /// The sensor parameters that are most likely for this frame.
     pub(super) fn sensor(&self) -> Sensor {
         Sensor {
             common: self.common.clone(),
@@ -133,7 +133,7 @@ pub(super) struct RestFrame {
 }
 
 impl RestFrame {
-    /// Number of used markers in the frame at rest.
+    /// Number of markers in the frame at rest that the fit uses.
     fn markers(&self) -> usize {
         self.weights.iter().flatten().count()
     }
@@ -169,7 +169,7 @@ pub(super) struct State {
 /// The four numbers of each marker's image.
 pub(super) type Pictures = Vec<Option<[f64; NUMBERS]>>;
 
-/// The equations of one step, from which the misalignments were eliminated.
+/// Linear equations for a step of the common sensor deviations, from which the misalignments were eliminated.
 pub(super) struct Equations {
     information: DMatrix<f64>,
     right: DVector<f64>,
@@ -210,7 +210,8 @@ impl Own {
     }
 }
 
-/// Product of a transposed matrix with another matrix. The result must be symmetric.
+/// Product of the transposed matrix `one` with the matrix `other`. The product must be symmetric, because only one
+/// triangle is computed.
 pub(super) fn products(one: &DMatrix<f64>, other: &DMatrix<f64>) -> DMatrix<f64> {
     let count = one.ncols();
     let mut products = DMatrix::zeros(count, count);
@@ -257,7 +258,7 @@ impl<V: View> Resting<'_, V> {
         }
     }
 
-    /// Degrees of freedom. They equal the number of readings, because each unknown has a prior.
+    /// Degrees of freedom of chi-squared. They equal the number of readings, because each fitted parameter has a prior.
     pub(super) fn freedom(&self) -> usize {
         NUMBERS * self.frame.markers()
     }

@@ -1,4 +1,4 @@
-//! Updates the sensor's parameters with both frames.
+//! Updates the sensor's parameters with the frame at rest and the pressed frame.
 //!
 //! The model of the pressed frame is linearised with respect to the deviations of the sensor. If the two discs of a
 //! marker nearly coincide, their edges may touch, and the image is nonlinear within the uncertainty of the sensor

@@ -111,7 +111,7 @@ impl Sensor {
 pub struct Steps<'a> {
     /// Indices of the sensor deviations for which derivatives are requested, each with its standard deviation, > 0.
     pub departures: &'a [(usize, f64)],
-    /// Radius of the skin, length.
+    /// Radius of the sensor's skin, length.
     pub radius: f64,
 }
 
@@ -132,7 +132,7 @@ pub struct PictureSlopes {
 }
 
 impl PictureSlopes {
-    /// Whether the lists have the correct sizes for these numbers of markers and sensor deviations.
+    /// Whether the derivatives have the correct sizes for these numbers of markers and sensor deviations.
     pub(super) fn are_of(&self, markers: usize, departures: usize) -> bool {
         self.pictures.len() == markers
             && self.common.shape() == (NUMBERS * markers, departures)
