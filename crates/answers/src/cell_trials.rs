@@ -23,7 +23,7 @@ const UNDETERMINED: &str = "undetermined";
 pub(crate) struct CellTrials<'a> {
     source: Source<'a>,
     runner: &'a Runner,
-    /// Function that is called with the number of tested values and the number of trials so far.
+    /// Function that receives the progress: the number of tested values and the number of trials so far.
     progress: &'a dyn Fn(usize, u64),
     /// For each value of the searched field and each cell, its scene.
     scenes: BTreeMap<Place, Setup>,
@@ -32,7 +32,7 @@ pub(crate) struct CellTrials<'a> {
     samples: BTreeMap<(Place, bool), (Batches, Sample)>,
 }
 
-/// The study with one combination of values for the fields of the grid.
+/// The study, in which the fields of the grid are set to one combination of values.
 struct Source<'a> {
     study: &'a Study,
     region: &'a Region,

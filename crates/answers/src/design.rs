@@ -23,7 +23,8 @@ use crate::question::Question;
 use crate::region::{DesignPoint, Region, RegionColumn};
 use crate::search::{Curves, Run, ScoreRequest, Search, Side, search};
 
-/// Number of trials that are run at the value nearest to the target, if no value meets the target.
+/// If no value meets the target, this number of trials is run at the value that comes nearest to meeting it, to state
+/// accurately how far it misses the target.
 const BEST_VALUE_TRIALS: u64 = 4096;
 /// Number of times that the grid is refined around the best value.
 const REFINEMENTS: usize = 3;

@@ -61,7 +61,7 @@ pub struct Object {
     pub mean: Option<f64>,
 }
 
-/// Two objects of a group.
+/// A pair of objects of the same group, and how reliably trials distinguish them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
     /// Index of one object in the group.

@@ -159,12 +159,12 @@ pub(crate) fn place_of(
     Ok((place, quantities[place]))
 }
 
-/// How the cells of a study form objects and groups. It contains the swept fields that define objects, the other swept
-/// fields, and groups of cells in which the other fields have the same values.
+/// How the cells of a study are divided into groups. Some swept fields define the object of a cell. Cells are in the
+/// same group if all remaining swept fields have the same values.
 struct Layout {
     /// Columns of the fields that define objects.
     objects: Vec<String>,
-    /// Columns of the other fields.
+    /// Columns of the swept fields that do not define objects.
     others: Vec<String>,
     groups: Vec<(Vec<String>, Members)>,
 }

@@ -18,7 +18,7 @@ pub enum AnswerError {
     /// A setting is out of its range.
     #[error("{setting} is {value}; it must be {expected}")]
     OutOfRange {
-        /// Name of the setting.
+        /// Name of the setting that is out of its range.
         setting: &'static str,
         /// Value of the setting.
         value: f64,
@@ -34,10 +34,10 @@ pub enum AnswerError {
         /// Text with the reason, and with what would be right.
         why: &'static str,
     },
-    /// A field is set or varied twice.
+    /// The question sets or varies the same field twice.
     #[error("{0} is given twice")]
     Twice(String),
-    /// No field is varied.
+    /// The question varies no field, so there are no values to compare.
     #[error("no field is varied")]
     NothingVaried,
     /// The question asks for the best value of a field, but the field is not varied.
@@ -48,7 +48,7 @@ pub enum AnswerError {
     NoOrder {
         /// Path of the field.
         path: String,
-        /// The value that is not a number.
+        /// The value of the field that is not a number.
         text: String,
     },
     /// No field of the object is swept.
@@ -74,7 +74,7 @@ pub enum AnswerError {
         statistic: &'static str,
         /// Name of the quantity.
         quantity: &'static str,
-        /// Swept values of the cell.
+        /// Values of the swept fields in the cell, as text.
         place: String,
         /// Reason, and what would be right, as text.
         why: &'static str,

@@ -108,7 +108,7 @@ impl Field {
         }
     }
 
-    /// Whether the values are listed. Otherwise they are the numbers of a range.
+    /// Whether the question lists the values of the field. Otherwise, the field has a range of numbers.
     pub(crate) fn is_listed(&self) -> bool {
         !self.listed.is_empty()
     }

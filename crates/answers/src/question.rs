@@ -8,7 +8,8 @@ use palpate_study::config::{Varied, Vary};
 use crate::error::AnswerError;
 use crate::search::Span;
 
-/// The question which values of one field, or which combinations of values of several fields, meet a target.
+/// A question for [`design`](crate::design): which values of a field, or which combinations of values of several
+/// fields, meet a target?
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
     /// Target that all cells of the study must meet.
@@ -21,7 +22,7 @@ pub struct Question {
     pub grid: Vec<Vary>,
     /// Field whose best value the answer states: the searched field or a field of the grid.
     pub sought: Option<Sought>,
-    /// Fields that are set to one value each.
+    /// Fields that have one fixed value in all trials of the question, with this value.
     pub set: Vec<(String, toml::Value)>,
     /// Largest share of the trials that may fail, above 0 and at most 1. If it is 1, failed trials are ignored.
     pub max_failures: f64,
@@ -48,9 +49,9 @@ pub struct Sought {
 /// Rule for the best of several values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extreme {
-    /// The largest value is best.
+    /// The best value of the field is the largest value that meets the target.
     Largest,
-    /// The smallest value is best.
+    /// The best value of the field is the smallest value that meets the target.
     Smallest,
 }
 

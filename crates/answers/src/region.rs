@@ -19,7 +19,8 @@ use crate::trial_counts::TrialCounts;
 /// between the tested values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
-    /// The question, in which the quantity of the target is set.
+    /// The question that was answered. If it did not name the quantity of its target, the first quantity of the scene
+    /// was added.
     pub question: Question,
     /// Fields of the grid; empty if only one field is varied.
     pub grid: Vec<Field>,
@@ -69,7 +70,7 @@ pub struct DesignPoint {
     pub fresh: Vec<Sample>,
 }
 
-/// Result of the trials of a cell at a value.
+/// Result of the trials of a cell at a tested value of the searched field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Index of the cell.

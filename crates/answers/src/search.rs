@@ -37,7 +37,7 @@ pub(crate) struct ScoreRequest {
     pub(crate) value: f64,
     /// Index of the cell. All cells must meet the target.
     pub(crate) cell: usize,
-    /// Smallest number of trials.
+    /// Smallest number of trials from which the scores must be computed.
     pub(crate) trials: u64,
     /// Whether the trials must be fresh, that is, trials that this search has not used before.
     pub(crate) fresh: bool,

@@ -50,14 +50,14 @@ pub struct FieldEffect {
     /// Relative change of the error, divided by the relative change of the field. It is 1 if the error is proportional
     /// to the field.
     pub effect: f64,
-    /// Standard error of the effect.
+    /// Standard error of `effect`.
     pub effect_std: f64,
     /// Number of trials that failed for at least one of the two values. These trials are left out for both values.
     pub failures: u64,
 }
 
-/// Squared error of each trial for one value of a field; `None` if the trial failed. If a trial observes a patch, it is
-/// the mean over the points of the patch.
+/// Squared error of each trial for one value of a field; `None` if the trial failed. If a trial estimates the quantity
+/// at several points of a patch, it is the mean squared error over these points.
 type SquaredErrors = Vec<Option<f64>>;
 
 /// Finds the numeric field of the study's scene that changes the rms error of a quantity most.

@@ -5,8 +5,8 @@ use palpate_scene::{Scene, drop_undefined_moments};
 use palpate_study::{Bound, Quantity, QuantityKind, Statistic, Target};
 use palpate_sweep::{Batches, CERTAIN, CellStatistics, Estimate, Summary, share_at_most};
 
-/// For cells without a successful trial. Such a cell counts as missing the target if its share of failures is certainly
-/// larger than this value.
+/// A cell without a successful trial has no statistic. It counts as missing the target if its share of failed trials is
+/// significantly larger than this value.
 const NO_ESTIMATE_SHARE: f64 = 0.5;
 /// Relative resolution of the distance between a quantile and the true value. The resolution is limited because
 /// quantiles are computed from a histogram.

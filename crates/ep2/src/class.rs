@@ -86,8 +86,8 @@ impl Curvature {
                         node if node % 2 == 1 => 4.0,
                         _ => 2.0,
                     };
-                    // The nodes at the ends of a part of the range are moved slightly inwards, so that their class is
-                    // the class of this part.
+                    // The first and the last node of an interval of H are moved slightly inwards, so that they have the
+                    // class of this interval and not that of its neighbour.
                     let inside = (node as f64).clamp(1e-9, INTERVALS as f64 - 1e-9);
                     let mean = start + step * inside;
                     let deviate = (mean - centre) / std;

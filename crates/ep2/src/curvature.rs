@@ -30,7 +30,7 @@ pub struct Curvature {
     pub gaussian: f64,
     /// Mean curvature, 1/length.
     pub mean: f64,
-    /// Standard errors of both curvatures, if the method states them.
+    /// Standard errors of Gaussian and mean curvature, if the method computes them.
     pub uncertainty: Option<Uncertainty>,
 }
 
@@ -106,7 +106,7 @@ pub struct Uncertainty {
     pub gaussian_std: f64,
     /// Standard error of the mean curvature, 1/length.
     pub mean_std: f64,
-    /// Correlation of the errors of both curvatures, in [−1, 1].
+    /// Correlation of the errors of Gaussian and mean curvature, in [−1, 1].
     pub correlation: f64,
 }
 

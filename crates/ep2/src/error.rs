@@ -37,7 +37,7 @@ pub enum Ep2Error {
     BadWeight {
         /// Number of the contact, counted from 0.
         contact: usize,
-        /// Weight of the contact.
+        /// The weight that is not above 0.
         weight: f64,
     },
     /// A normal is zero, or so short that it has no direction.
@@ -48,7 +48,7 @@ pub enum Ep2Error {
     BadNormal {
         /// Number of the contact, counted from 0.
         contact: usize,
-        /// Largest component of the normal.
+        /// Largest component of the normal, as an absolute value.
         length: f64,
     },
     /// Some contacts have a normal and some do not.
@@ -120,7 +120,7 @@ pub enum Ep2Error {
         turns = Number(*turns), tip_radius = Number(*tip_radius)
     )]
     TipTooLarge {
-        /// Radius of the tip, length.
+        /// Stated radius of the tip, length.
         tip_radius: f64,
         /// Radius of curvature of the surface on which the tip's centre moves, length.
         turns: f64,
@@ -135,13 +135,13 @@ pub enum Ep2Error {
         contacts: usize,
         /// Number of independent combinations of the unknowns that are determined.
         rank: usize,
-        /// Number of unknowns.
+        /// Number of unknowns of the method.
         unknowns: usize,
     },
     /// A setting of a method is out of its range.
     #[error(transparent)]
     BadSetting(#[from] BadSetting),
-    /// The numbers are beyond the range of doubles.
+    /// A number in the contacts or in the computation is beyond the range of doubles.
     #[error("the contacts are too large, too small or too steep for double precision")]
     OutOfRange,
 }

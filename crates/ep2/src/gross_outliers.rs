@@ -1,5 +1,5 @@
-//! Finds contacts that are far from all others: lost readings that are written as a special number or as zeros, and
-//! other gross errors.
+//! Finds gross outliers, which are contacts far from all other contacts: lost readings that are written as a special
+//! number or as zeros, and other gross errors.
 
 use std::collections::HashMap;
 
@@ -55,7 +55,8 @@ pub struct SoundContacts {
     pub outliers: Vec<Outlier>,
     /// Indices of the contacts that are no gross outliers, counted from 0.
     pub rows: Vec<usize>,
-    /// The contacts that are no gross outliers. Each group of copies and each rest of a finger counts as one reading.
+    /// The contacts that are no gross outliers. Copies of a contact, and the contacts of a finger that rests, are
+    /// merged into one contact.
     pub distinct: DistinctContacts,
 }
 
@@ -88,8 +89,8 @@ impl SoundContacts {
     }
 }
 
-/// Finds gross outliers among contacts with finite numbers. `runs` are the mean contacts of copies and rests, so that a
-/// long rest counts once. Returns an error if more than a fifth of the runs are gross outliers.
+/// Finds gross outliers among contacts with finite numbers. `runs` are the merged contacts, in which the contacts of a
+/// resting finger count only once. Returns an error if more than a fifth of the runs are gross outliers.
 fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>, ShapeError> {
     let step = runs.len().div_ceil(MAX_PLACES).max(1);
     let places: Vec<Vector3<f64>> = runs

@@ -54,10 +54,10 @@ impl SparseMap {
     }
 }
 
-/// Number of columns that are added in one loop over the sum.
+/// Number of columns that are added to a sum in the same loop, which reduces the number of memory accesses.
 const COLUMNS_PER_PASS: usize = 4;
 
-/// Product of the last columns of A with B. The number of these columns of A equals the number of rows of B.
+/// Product A' B, where A' consists of the last columns of `a`, as many as `b` has rows.
 pub(crate) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let height = a.nrows();
     let columns = &a.as_slice()[(a.ncols() - b.nrows()) * height..];

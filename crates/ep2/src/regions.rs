@@ -8,7 +8,7 @@ use crate::{Ep2Error, MapPoint};
 /// If the coherence of the directions in a region is below this value, the region has no common direction.
 const LEAST_COHERENCE: f64 = 0.1;
 
-/// A map, divided into regions.
+/// A map that is divided into regions of one shape class.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Regions {
     /// Index of the region of each point of the map.
@@ -17,7 +17,7 @@ pub struct Regions {
     pub regions: Vec<Region>,
 }
 
-/// A connected part of a map with one shape class.
+/// A connected part of a map, in which all points have the same shape class.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
     /// Shape class of the region.

@@ -30,8 +30,8 @@ use mesh::{Mesh, Roughness, next_knot};
 use observations::Observations;
 use triangle::Triangle;
 
-/// A diagonal entry of the triangularised equations counts as zero if its square, relative to the largest, is at most
-/// this value.
+/// A diagonal entry of the triangularised equations counts as zero if the ratio of its square to the largest square is
+/// at most this value.
 const RANK_TOLERANCE: f64 = 1e-16;
 /// Relative residuals below this value are rounding errors.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
@@ -68,13 +68,13 @@ impl SmoothingSpline {
 pub enum Status {
     /// The polynomial without interior knots reaches the required sum.
     Polynomial,
-    /// All residuals are rounding errors.
+    /// The spline passes through all points: all residuals are rounding errors.
     Interpolating,
     /// The required sum is reached within the tolerance.
     Smoothing,
-    /// The sum is too large, and no further knot can be added: there are more coefficients than points, the largest
-    /// number of knots is reached, or no interval may be split. The result is the least-squares spline for the last
-    /// knots.
+    /// The sum of squared residuals is larger than the required sum, and no further knot can be added: there are more
+    /// coefficients than points, the largest number of knots is reached, or no interval may be split. The result is the
+    /// least-squares spline for the last knots.
     KnotsExhausted,
     /// No parameter `p` of the smoothing was found for which the required sum is reached.
     Unsettled,
@@ -150,8 +150,8 @@ impl SmoothingSpline {
         }
     }
 
-    /// Adds knots until the sum of squares of the least-squares spline is at most the required sum. If the sum is then
-    /// smaller than required, returns the smoother spline that has the required sum.
+    /// Adds knots until the sum of squared residuals of the least-squares spline is at most the required sum. If this
+    /// sum is smaller than required, returns a smoother spline with the same knots, which has the required sum.
     fn approach(
         &self,
         mesh: &mut Mesh,

@@ -36,7 +36,7 @@ type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 /// Normal curvature along a single stroke, in the middle of the stroke.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrokeCurvature {
-    /// Curvature, 1/length, > 0 if convex.
+    /// Normal curvature along the stroke, 1/length; positive if the object is convex.
     pub value: f64,
     /// Standard error of the curvature.
     pub std: f64,

@@ -337,7 +337,7 @@ pub type ColumnNames = BTreeMap<String, String>;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct ColumnNamesError {
-    /// The key that is invalid.
+    /// Key of the table of column names that is invalid.
     pub key: String,
     /// Description of the problem.
     pub message: String,

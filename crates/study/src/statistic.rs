@@ -14,9 +14,9 @@ use crate::quantity::{Quantity, QuantityKind};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Statistic {
-    /// True value of the quantity.
+    /// True value of the quantity in the simulated scene.
     Truth,
-    /// Number of trials.
+    /// Number of trials of the cell, including failed trials.
     Trials,
     /// Number of trials that failed.
     Failures,

@@ -212,7 +212,7 @@ fn push_field(text: &mut String, field: &str) {
 pub struct MapTable {
     /// The finished rows of the map.
     pub table: Table,
-    /// Fields of the unfinished row.
+    /// Fields of the last row so far; the row is added to the table when it is complete.
     row: Vec<String>,
 }
 
@@ -235,7 +235,7 @@ impl MapTable {
         self.row.push(value.map_or_else(String::new, shortest));
     }
 
-    /// Ends the unfinished row.
+    /// Adds the completed row to the table, and begins the next row.
     pub fn end_row(&mut self) {
         self.table.rows.push(std::mem::take(&mut self.row));
     }

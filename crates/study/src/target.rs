@@ -39,7 +39,7 @@ pub struct Target {
     pub limit: f64,
 }
 
-/// Kind of a limit.
+/// Whether the limit of a target is an upper or a lower limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bound {
     /// The statistic must be at most the limit.

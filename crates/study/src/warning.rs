@@ -18,7 +18,7 @@ pub struct Warning {
 }
 
 impl Warning {
-    /// Makes a warning of this kind, with the numbers on which it is based.
+    /// Makes a warning with this code and text, and with the numbers on which it is based.
     pub fn new(
         code: &str,
         text: impl Into<String>,

@@ -59,7 +59,7 @@ struct Stored {
 
 /// A request for more trials of a cell.
 pub struct Growth<'a, T: ?Sized> {
-    /// Experiment of the cell.
+    /// Experiment that runs the trials of the cell.
     pub trial: &'a T,
     /// Batches to which the statistics of the new trials are added.
     pub batches: &'a mut Batches,
@@ -68,7 +68,7 @@ pub struct Growth<'a, T: ?Sized> {
     pub trials: u64,
 }
 
-/// Value of a statistic over all trials, and its values when one batch is left out.
+/// Value of a statistic over all trials, with the values that it has if one of the batches is left out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// Value over all trials.
@@ -80,7 +80,7 @@ pub struct Estimate {
 }
 
 impl Batches {
-    /// Empty batches, in which the first trial will have the number `first`.
+    /// Batches without trials. The first trial that is added will have the number `first`.
     pub fn from_trial(first: u64) -> Self {
         Self {
             batches: vec![Partial::default(); BATCHES as usize],
@@ -204,7 +204,7 @@ impl Estimate {
     }
 }
 
-/// Trials that must be added to one batch.
+/// Work for a thread: trials that must be run and added to a batch.
 struct Job<'a, T: ?Sized> {
     trial: &'a T,
     trials: Range<u64>,

@@ -89,7 +89,7 @@ pub struct StoppingRule {
     /// Statistic of the quantity that must be precise.
     pub statistic: StoppingStatistic,
     /// Relative standard error of the statistic at which the cell ends. It is computed from the scatter between trials,
-    /// so several observations of one trial count as one.
+    /// so that several observations in the same trial count as a single observation.
     pub relative_standard_error: f64,
     /// The rule never ends the cell before this number of trials.
     pub min_trials: u64,
@@ -98,11 +98,11 @@ pub struct StoppingRule {
 /// Statistic whose precision a stopping rule tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StoppingStatistic {
-    /// Mean of the estimates.
+    /// Mean of the estimates of the quantity.
     Mean,
-    /// Root-mean-square error.
+    /// Root-mean-square error of the estimates.
     RmsError,
-    /// Mean absolute error.
+    /// Mean absolute error of the estimates.
     MeanAbsError,
 }
 

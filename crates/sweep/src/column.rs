@@ -19,7 +19,7 @@ pub(crate) struct Column {
     estimates: Vec<f64>,
     /// True values. A value of −0 is stored as 0.
     truths: Vec<f64>,
-    /// Standard deviations, or [`UNREPORTED`].
+    /// Standard deviations that the trials reported; [`UNREPORTED`] for an observation without a standard deviation.
     stds: Vec<f64>,
     /// For each observation whose trial reports its own coverage: the index of the observation, and whether the trial's
     /// 50, 80 and 95 % intervals contain the true value.

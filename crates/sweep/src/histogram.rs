@@ -7,7 +7,7 @@ use pulp::{Arch, Simd, WithSimd};
 const BIN_BITS: u32 = 7;
 /// Number of stored bits of a float's significand.
 const SIGNIFICAND_BITS: u32 = f64::MANTISSA_DIGITS - 1;
-/// Number of bins per octave, for both signs together.
+/// Number of bins per octave, counting the bins of positive and of negative numbers.
 const PLACES: usize = 1 << (BIN_BITS + 1);
 /// Largest number of values for which the histogram lists the bin of each value. Such a list needs less time and memory
 /// than counts per bin.
@@ -48,7 +48,7 @@ fn representative(bin: Bin) -> f64 {
 }
 
 impl Histogram {
-    /// Counts finite numbers.
+    /// Adds finite numbers to the histogram.
     pub(crate) fn add(&mut self, values: &[f64]) {
         if self.is_listed() {
             if self.few.len() + values.len() <= FEW {

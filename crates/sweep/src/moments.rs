@@ -11,7 +11,7 @@ pub(crate) struct Moments {
     count: u64,
     /// Exponent of the unit 2^exponent in which the fields below are stored.
     exponent: i32,
-    /// First of the numbers. The field `mean` is relative to this number.
+    /// First of the summarised numbers. The field `mean` is relative to this number.
     origin: f64,
     /// Mean of the differences from `origin`.
     mean: f64,
@@ -36,7 +36,7 @@ impl Moments {
         Self::about(origin, exponent, values.len() as u64, sums)
     }
 
-    /// Moments of one finite number.
+    /// Moments of a single finite number.
     pub(crate) fn one(value: f64) -> Self {
         Self::of(&[value])
     }
@@ -63,7 +63,7 @@ impl Moments {
         }
     }
 
-    /// Moments of the absolute values of the numbers whose moments these are. `mean` is the mean of the absolute
+    /// Converts the moments of some numbers to the moments of their absolute values. `mean` is the mean of the absolute
     /// values.
     pub(crate) fn of_magnitudes(&self, mean: f64) -> Self {
         let (signed, mean) = (self.origin + self.mean, mean * power_of_two(-self.exponent));
@@ -107,12 +107,12 @@ impl Moments {
         self.squares *= factor * factor;
     }
 
-    /// Number of values.
+    /// Number of summarised values.
     pub(crate) fn count(&self) -> u64 {
         self.count
     }
 
-    /// Arithmetic mean; `None` without numbers.
+    /// Arithmetic mean of the summarised numbers; `None` if there are none.
     pub(crate) fn mean(&self) -> Option<f64> {
         (self.count > 0).then(|| self.in_plain_units(self.origin + self.mean))
     }

@@ -33,8 +33,8 @@ pub struct Order {
 pub enum Repeats {
     /// The number of trials, estimated from groups of trials.
     Found(u64),
-    /// The approximate number of trials. The number is computed for normally distributed means, because there are too
-    /// few trials to form groups of this size.
+    /// The approximate number of trials. It is computed as if the means were normally distributed, because there are
+    /// too few trials to form groups of this size.
     About(u64),
     /// No number of trials is enough: the means are in the wrong order, or all estimates are equal.
     Never,
@@ -226,7 +226,7 @@ struct Spread {
     std: f64,
     /// Standard error of the mean estimate.
     error: f64,
-    /// Share of successful trials.
+    /// Share of the trials of the experiment that succeeded.
     success: f64,
 }
 
@@ -278,8 +278,8 @@ fn sorted(values: &[Option<f64>]) -> Vec<f64> {
 
 fn order(low: &[Option<f64>], high: &[Option<f64>]) -> Order {
     let (sorted_low, sorted_high) = (sorted(low), sorted(high));
-    // Returns two numbers for the other experiment: the number of its trials below `value`, and the number of all its
-    // trials. A trial that is equal to `value` counts as half.
+    // Returns two numbers: how many of the trials in `sorted` (the successful trials of the other experiment) are below
+    // `value`, and how many there are in total. A trial that is equal to `value` counts as half.
     let half_and_above = |sorted: &[f64], value: f64| {
         let [below, up_to] = [
             sorted.partition_point(|other| *other < value),

@@ -58,7 +58,7 @@ impl Accumulator {
     }
 }
 
-/// Accumulators of all quantities over consecutive blocks of trials.
+/// Statistics of a cell's trials so far: consecutive blocks of trials, with one accumulator per quantity.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Partial {
     pub(crate) trials: u64,

@@ -22,7 +22,7 @@ const AHEAD_WITH_RULE: u64 = 128;
 /// and the last user drops it.
 pub(crate) type Experiment<T, E> = OnceLock<Result<T, Mutex<Option<E>>>>;
 
-/// Work for one thread.
+/// Work that a thread fetches from the queue.
 pub(crate) struct Job<T, E> {
     /// Number of the job, from 0.
     pub(crate) number: u64,
@@ -39,7 +39,7 @@ pub(crate) struct Piece<T, E> {
 }
 
 impl<T, E> Piece<T, E> {
-    /// Whether the piece contains all trials of the task.
+    /// Whether the piece contains all trials of its task.
     pub(crate) fn is_whole(&self) -> bool {
         self.trials == (0..self.task.trials)
     }
@@ -63,7 +63,7 @@ struct State<T, E> {
     /// Two numbers of jobs: the jobs that were handed out, and the jobs whose results were passed on.
     jobs: [u64; 2],
     is_stopped: bool,
-    /// Time per trial in the last job, s; `None` before the end of the first job, or without a clock.
+    /// Time per trial in the job that was finished last, s; `None` before the end of the first job, or without a clock.
     trial_s: Option<f64>,
 }
 

@@ -46,7 +46,7 @@ pub enum SweepError<E> {
     /// A cell could not be set up. If several cells cannot be set up, this is the error of the first of them.
     #[error("{0}")]
     SetUp(E),
-    /// The caller cancelled the run.
+    /// The caller cancelled the run before all cells were complete.
     #[error("the run was cancelled")]
     Cancelled,
 }

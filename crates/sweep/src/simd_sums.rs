@@ -10,7 +10,8 @@ use crate::column::UNREPORTED;
 use crate::moments::LANES;
 
 /// Whether all observations are valid: the errors of the estimates are finite, and the standard deviations are finite
-/// and at least 0. The result may be `false` although all observations are valid, namely if their sum overflows.
+/// and at least 0. If the sum of valid numbers overflows, the result is `false`; the caller must then check each
+/// observation.
 pub(crate) fn are_sound(estimates: &[f64], truth: f64, stds: &[f64]) -> bool {
     Arch::new().dispatch(AreSound {
         estimates,
@@ -65,9 +66,10 @@ pub(crate) struct Totals {
     pub(crate) truths: [f64; 2],
     /// Smallest and largest error.
     pub(crate) errors: [f64; 2],
-    /// Sum of (estimate − first estimate), and sum of its square.
+    /// Sum over the observations of the difference (estimate − first estimate), and sum of the squares of this
+    /// difference.
     pub(crate) of_estimates: [f64; 2],
-    /// Sum of (error − first error), and sum of its square.
+    /// Sum over the observations of the difference (error − first error), and sum of the squares of this difference.
     pub(crate) of_errors: [f64; 2],
     /// Sum of (|error| − |first error|).
     pub(crate) of_magnitudes: f64,
@@ -105,7 +107,7 @@ struct TotalsOf<'a> {
     errors: &'a mut [f64],
 }
 
-/// Number of sums in [`Parts`].
+/// Number of different sums in [`Parts`].
 const SUMS: usize = 12;
 
 /// Partial sums of [`Totals`]. The methods are always inlined, because each vector instruction would otherwise be a
@@ -246,7 +248,7 @@ impl WithSimd for TotalsOf<'_> {
             parts.add([estimates, truths, stds], errors);
         }
         if !last_errors.is_empty() {
-            // Fill the last vector with values that do not change the sums.
+            // Fill the unused entries of the last vector with an observation that does not change the sums.
             let [estimate, truth] = self.first;
             let mut filled = [estimate, truth, UNREPORTED].map(|value| [value; LANES]);
             let last = [last_estimates, last_truths, last_stds];

@@ -17,7 +17,7 @@ use crate::trial_record::{Record, TrialObservations};
 pub trait Sweep: Sync {
     /// Type of the experiment of a cell. It runs the trials of the cell.
     type Trial: Trial + Send;
-    /// Type of a task's result.
+    /// Type of the result of a task, which [`Self::finish`] computes.
     type Result: Send;
     /// Type of error if an experiment cannot be set up.
     type Error: Send;
@@ -175,7 +175,8 @@ struct Crew<'a, S: Sweep, F> {
 
 /// Results that have not been passed to `take` yet.
 struct Line<'a, S: Sweep> {
-    /// Results that wait for the results of an earlier job, by the number of their job.
+    /// Results that cannot be passed on before the results of an earlier job, by the number of the job that computed
+    /// them.
     waiting: BTreeMap<u64, Vec<Ran<S>>>,
     /// Number of the job whose results will be passed on next.
     head: u64,
@@ -271,7 +272,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
                 }
                 Err(_) => Sum::Failed,
             };
-            // If the run was cancelled, some trials of the piece may be missing.
+            // If the run was cancelled, this piece may be incomplete, so its results are dropped.
             if self.is_cancelled() {
                 return None;
             }

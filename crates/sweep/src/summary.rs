@@ -66,20 +66,20 @@ impl CellStatistics {
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Summary {
-    /// Number of observations.
+    /// Number of observations of the quantity in all successful trials.
     pub observations: u64,
     /// The true value; `None` if it varies.
     pub truth: Option<f64>,
-    /// Mean estimate.
+    /// Mean of the estimates.
     pub mean: Option<f64>,
     /// Sample standard deviation of the estimates, with the divisor n − 1; `None` for fewer than two estimates.
     pub std: Option<f64>,
-    /// Mean error.
+    /// Mean of the errors (estimate minus true value).
     pub bias: Option<f64>,
     /// Root-mean-square error.
     pub rms_error: Option<f64>,
     /// Standard error of `rms_error`, to first order, computed from the scatter of the squared errors between trials.
-    /// Several observations of one trial count as one. `None` for fewer than two trials.
+    /// Several observations in the same trial count as a single observation. `None` for fewer than two trials.
     pub rms_error_std: Option<f64>,
     /// Mean absolute error.
     pub mean_abs_error: Option<f64>,
@@ -154,7 +154,7 @@ pub(crate) const NEGATIVE_STD: &str = "negative-std";
 /// Kind of failure of a trial that recorded a quantity outside of `0..Trial::quantities()`.
 pub(crate) const UNKNOWN_QUANTITY: &str = "unknown-quantity";
 
-/// All failures of one kind in a cell.
+/// Number of the trials of a cell that failed for the same reason, and the first of these trials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Failure {
     /// Name of the kind of failure. The name is stable and in kebab case.

@@ -4,8 +4,9 @@ use crate::moments::Moments;
 use crate::simd_sums::{Observed, Totals, is_covered};
 use crate::squares::TrialSquares;
 
-/// Sums over the observations of one quantity. All statistics except the quantiles are computed from them. The sums of
-/// several parts are merged in the order of the trials.
+/// Sums over the observations of one quantity in consecutive trials. All statistics of the quantity, except the
+/// quantiles, are computed from these sums. The sums of consecutive ranges of trials are merged in the order of the
+/// trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sums {
     /// Smallest and largest true value.
@@ -145,8 +146,9 @@ impl Sums {
     }
 }
 
-/// Mean of numbers. If the usual mean `plain` is finite, it is returned. Otherwise the mean is `of_shares`, the sum of
-/// each number divided by the count. This sum cannot overflow except by rounding.
+/// Mean of numbers. Returns `plain`, the sum divided by the count, if it is finite. If the sum overflowed, returns
+/// `of_shares`: each number is first divided by the count, and the quotients are added. This sum cannot overflow,
+/// except by rounding.
 fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
     match plain.is_finite() {
         true => plain,
@@ -154,7 +156,8 @@ fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
     }
 }
 
-/// Mean of two means, weighted by their counts. Both means are 0 or positive.
+/// Mean of the two means `mean` and `other`, weighted by the numbers of values `count` and `more`. Both means must be 0
+/// or positive.
 fn toward(mean: f64, other: f64, [count, more]: [u64; 2]) -> f64 {
     mean + (other - mean) * (more as f64 / (count + more).max(1) as f64)
 }

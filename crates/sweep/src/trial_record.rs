@@ -75,7 +75,8 @@ pub struct Observations<'a> {
     pub estimates: &'a [f64],
     /// The true value, which is the same in all trials.
     pub truth: f64,
-    /// Standard errors that the estimator reports, one per trial; `None` if it reports none.
+    /// Standard errors that the estimator reports for its estimates, one per trial; `None` if the estimator reports no
+    /// standard errors.
     pub stds: Option<&'a [f64]>,
 }
 

@@ -8,7 +8,7 @@ use palpate_sweep::Clock;
 /// Share of the allowed error probability that is used for the exploration. The exploration decides on the values
 /// between the verified ends of ranges.
 const EXPLORATION_SHARE: f64 = 0.2;
-/// Largest number of tests of values in a search.
+/// Largest number of tests in a search; a test decides whether a value meets or misses the target.
 pub(super) const MAX_LOOKS: usize = 400;
 /// Number of values in the first scan. The 16 + 1 values include the ends, the middle and the quarters of the range.
 pub(super) const SCANNED: usize = 17;
@@ -16,7 +16,8 @@ pub(super) const SCANNED: usize = 17;
 pub(super) const FIRST: u64 = 64;
 /// Largest number of attempts to verify an end of a range.
 pub(super) const ATTEMPTS: u32 = 5;
-/// Number of trials in a verification, as a multiple of the number of trials with which the search found the value.
+/// Number of fresh trials that verify a value, as a multiple of the number of trials from which the search decided
+/// about this value.
 pub(super) const FRESH: f64 = 2.0;
 
 /// Scores and numbers of trials that a search requires.

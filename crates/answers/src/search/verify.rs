@@ -16,7 +16,7 @@ pub struct Run {
     pub side: Side,
 }
 
-/// A range of neighbouring values on the same side, before it is verified.
+/// A range of neighbouring values on the same side of the target, which fresh trials must still verify.
 struct Candidate {
     first: usize,
     last: usize,
@@ -31,7 +31,7 @@ struct End {
     /// and the others are farther inside the range.
     places: Vec<usize>,
     attempt: u32,
-    /// Index of the value at which the end was verified.
+    /// Index of the value at which fresh trials verified the end; `None` if none has been verified yet.
     verified: Option<usize>,
 }
 

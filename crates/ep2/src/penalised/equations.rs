@@ -9,9 +9,9 @@ use crate::square_quadric::{Square, SquareQuadric};
 
 /// Degree of the spline in both directions.
 pub(super) const DEGREE: usize = 3;
-/// Number of B-splines that are not 0 at a position, along one direction.
+/// Number of B-splines along one direction that are not 0 at a position.
 const SUPPORT: usize = DEGREE + 1;
-/// Number of B-splines that are not 0 at a place.
+/// Number of products of two B-splines (along u and along v) that are not 0 at a position.
 const LOCAL: usize = SUPPORT * SUPPORT;
 
 /// The normal equations for heights and for slopes, for observations of unit variance. The unknown is the deviation

@@ -68,8 +68,8 @@ impl Factors {
     /// Adds a multiple of the inverse to the lower triangle of a matrix.
     pub(super) fn add_inverse(&self, sum: &mut DMatrix<f64>, factor: f64) {
         let size = self.pivots.len();
-        // The part of each row of the inverse to the right of the diagonal is a multiple of the next row (Takahashi et
-        // al., 1973).
+        // In each row of the inverse matrix, the entries to the right of the diagonal are a multiple of the entries in
+        // the next row (Takahashi et al., 1973).
         let mut row = vec![0.0; size];
         for index in (0..size).rev() {
             let mut own = factor / self.pivots[index];

@@ -1,5 +1,5 @@
-//! The knots along both axes. They determine the order of the coefficients, the jumps at the knots, and the position of
-//! the next knot.
+//! The knots of a tensor-product spline along both axes. This module also computes the order of the coefficients, the
+//! jumps of derivatives at the knots, and the position of the next knot.
 
 use super::observations::IntervalSums;
 use super::triangle::{Block, Triangle};
@@ -104,7 +104,8 @@ impl Mesh {
     }
 }
 
-/// Equations that require that the jumps of the highest derivatives along both axes are 0.
+/// Equations that make a spline smooth: they require that the jumps of the highest derivatives at the knots are 0,
+/// along both axes.
 pub(super) struct Roughness {
     slow: Vec<Jumps>,
     fast: Vec<Jumps>,
@@ -197,8 +198,8 @@ fn derivative_jumps(knots: &Knots) -> Vec<Jumps> {
 /// The axis and the position of the next knot; `None` if no knot can be added.
 ///
 /// The knot divides the interval with the largest sum of squared residuals, along either axis, at the centroid of these
-/// residuals. Intervals that would be divided too unevenly are skipped. Axes that already have `most_knots` interior
-/// knots are skipped too.
+/// residuals. Intervals that would be divided too unevenly are skipped, and so are axes that already have `most_knots`
+/// interior knots.
 pub(super) fn next_knot(
     mesh: &Mesh,
     sums: &[Vec<IntervalSums>; 2],

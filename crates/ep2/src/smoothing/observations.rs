@@ -7,9 +7,9 @@ use crate::knots::{Basis, Knots};
 /// A height at a place of the plane, with a weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WeightedPoint {
-    /// Coordinate of the first variable.
+    /// Coordinate of the point along the first axis.
     pub(crate) u: f64,
-    /// Coordinate of the second variable.
+    /// Coordinate of the point along the second axis.
     pub(crate) v: f64,
     /// Measured height at the point.
     pub(crate) w: f64,
@@ -45,7 +45,7 @@ impl LocalBasis {
     }
 }
 
-/// Sums over the points in one interval between knots.
+/// Sums over all points whose coordinate along an axis is in the same interval between knots.
 #[derive(Clone, Copy, Default)]
 pub(super) struct IntervalSums {
     /// Sum of the squared residuals.

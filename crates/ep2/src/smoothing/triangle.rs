@@ -16,7 +16,8 @@ pub(super) struct Block {
     rows: usize,
     /// Height of a column, in groups of [`LANES`] rows.
     packs: usize,
-    /// Whether a triangle has already absorbed the rows. The values in the block are then meaningless.
+    /// Whether the rows have already been merged into a triangle. The values in the block are then meaningless, and a
+    /// new row first clears them.
     is_stale: bool,
     columns: Vec<[f64; LANES]>,
 }
@@ -58,7 +59,7 @@ impl Block {
         self.columns[column * self.packs + row / LANES][row % LANES] = value;
     }
 
-    /// Adds a row. Its first entries are `entries`; its other entries are zero.
+    /// Adds a row whose first entries are `entries`. The remaining entries of the row are zero.
     pub(super) fn push_row(&mut self, entries: &[f64], right: f64) {
         let row = self.push(right);
         for (column, &entry) in entries.iter().enumerate() {

@@ -89,9 +89,10 @@ pub(super) struct Fault {
     /// Path of the field.
     pub(super) path: String,
     pub(super) message: String,
-    /// Path of the value that the excerpt shows: the field itself, or the swept value that sets the field.
+    /// Path of the value that the excerpt of the config in the message shows: the field itself, or the swept value that
+    /// sets the field.
     pub(super) location: String,
-    /// Whether the excerpt shows the key instead of the value.
+    /// Whether the excerpt of the config in the message shows the key of the field instead of its value.
     pub(super) is_key: bool,
     /// Position of a syntax error, as a byte range.
     pub(super) span: Option<Span>,

@@ -10,7 +10,8 @@ use super::vary::{Takes, Varied, Vary};
 use crate::readings::Measure;
 use toml::Value as Toml;
 
-/// Number and unit in a text such as `8mm`; `None` if the text does not begin with a finite number.
+/// Splits a text such as `8mm` into its number and its unit. Returns `None` if the text does not begin with a finite
+/// number.
 pub(super) fn measure(text: &str) -> Option<(f64, &str)> {
     let ends = text.char_indices().map(|(end, _)| end).chain([text.len()]);
     let ends: Vec<usize> = ends.collect();

@@ -29,8 +29,8 @@ pub(super) struct Replaced {
 }
 
 impl Grid {
-    /// Makes the cells of a config with these axes. A field that is an alternative to a swept field is removed from the
-    /// config, unless this field is swept too.
+    /// Makes the grid of cells from the config `base` and the axes of its sweeps. If a field is swept, the alternatives
+    /// of this field are removed from the config, except for those that are also swept.
     pub(super) fn new(mut base: Value, axes: Vec<Axis>) -> Self {
         let mut replaced = Vec::new();
         let targets = || axes.iter().flat_map(|axis| &axis.targets);
@@ -78,7 +78,7 @@ impl Grid {
         self.axes.iter().map(row).collect()
     }
 
-    /// Number of the cell with these rows, one row per axis.
+    /// Number of the cell that combines these rows of the axes (the index of one row per axis).
     pub(super) fn cell_of(&self, rows: &[usize]) -> usize {
         let axes = self.axes.iter().zip(rows);
         axes.fold(0, |cell, (axis, row)| cell * axis.len() + row)

@@ -234,8 +234,8 @@ fn check_stop(base: &Value, axes: &[Axis]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Validates every row of every axis against the limits of the axis's fields. The other axes have their first rows in
-/// these checks.
+/// Validates every row of every axis against the limits of the axis's fields. During the check of an axis, all other
+/// axes have their first rows.
 fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
     let (first, _) = grid.tree(0);
     for (place, axis) in grid.axes.iter().enumerate() {

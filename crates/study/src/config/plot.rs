@@ -97,7 +97,7 @@ impl PlotKind {
         *self == Self::Lines
     }
 
-    /// The output that contains the table of the plot, and the name of this output in configs.
+    /// The output of a study from which the plot is drawn, and the name of this output in configs.
     fn output(self) -> (Output, &'static str) {
         match self {
             Self::Lines => (Output::Cells, "cells"),

@@ -91,7 +91,8 @@ fn tidy(schema: &mut Json) {
     }
 }
 
-/// Merges nested lists of variants into one list. This is possible because the variants exclude each other.
+/// Merges nested lists of the variants of a value (`oneOf` within `oneOf`) into a single list. This is possible because
+/// the variants exclude each other.
 fn flattened(variants: Vec<Json>) -> Vec<Json> {
     let alone = |variant: Json| match variant["oneOf"].as_array() {
         Some(inner) => inner.clone(),

@@ -110,7 +110,7 @@ pub(super) struct Axis {
     is_joint: bool,
 }
 
-/// Rows of an axis. Each row has one value per field.
+/// The rows of an axis, each with one value per field of the axis.
 #[derive(Debug, Clone)]
 enum Rows {
     Listed(Vec<Vec<SweptValue>>),
@@ -129,7 +129,7 @@ impl Rows {
 }
 
 impl Axis {
-    /// Number of rows.
+    /// Number of rows of the axis.
     pub(super) fn len(&self) -> usize {
         self.rows.len()
     }
@@ -230,7 +230,7 @@ impl Target {
     }
 }
 
-/// A value of an axis.
+/// A value that an axis sets in a field.
 #[derive(Debug, Clone)]
 pub(super) struct SweptValue {
     pub(super) value: Value,
@@ -435,14 +435,15 @@ impl SweepConfig {
     }
 }
 
-/// Quasi-random points in ranges.
+/// Quasi-random points of a sampled axis: Sobol's sequence, scaled to the ranges of the fields.
 #[derive(Debug, Clone)]
 struct Points {
     count: usize,
     ranges: Vec<RangeConfig>,
 }
 
-/// Largest number of points, and largest number of fields, for which Sobol's sequence is implemented.
+/// Largest number of points for which Sobol's sequence is implemented. The next constant is the largest number of
+/// fields.
 const MOST_POINTS: u32 = 65_536;
 const MOST_FIELDS: usize = 256;
 
@@ -460,7 +461,7 @@ impl Points {
     }
 }
 
-/// Points of a sampled axis.
+/// Converts the ranges and the number of points of a sampled axis, and checks them.
 fn points(ranges: &BTreeMap<String, RangeConfig>, count: u32) -> Result<Points, Fault> {
     if count > MOST_POINTS {
         let message = format!("must be <= {MOST_POINTS} where points are sampled, is {count}");
@@ -511,7 +512,7 @@ fn check_target<'a>(
     }
 }
 
-/// Numbers from one end to another, each computed when it is needed.
+/// The numbers of a range (`from`, `to`, `count`, `spacing`), each computed when it is needed.
 #[derive(Debug, Clone)]
 struct Range {
     ends: [f64; 2],

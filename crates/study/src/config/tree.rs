@@ -132,7 +132,7 @@ pub(super) fn as_number(value: &Value) -> Option<f64> {
     }
 }
 
-/// Type of a value in words, with the value itself if it is short.
+/// Describes a value for a message: its type in words, and the value itself if it is short.
 pub(super) fn describe(value: &Value) -> String {
     match value {
         Value::String(text) if text.chars().count() > 60 => "a string".into(),

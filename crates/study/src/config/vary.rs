@@ -39,9 +39,9 @@ pub struct Vary {
 pub enum Varied {
     /// All numbers between two finite numbers. The second number is not smaller than the first.
     Range {
-        /// Smallest number.
+        /// Lower end of the range.
         from: f64,
-        /// Largest number.
+        /// Upper end of the range.
         to: f64,
     },
     /// A list of at least one value.
@@ -51,7 +51,7 @@ pub enum Varied {
 /// Reason why a text does not state a field with values.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum VaryError {
-    /// The field or the values are missing.
+    /// The text contains no field or no values.
     #[error(
         "{0:?} is not of the form PATH=LO..HI or PATH=A,B,C, such as scene.sensor.pitch=0.05..2"
     )]
