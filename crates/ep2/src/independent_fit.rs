@@ -98,9 +98,9 @@ impl IndependentFit {
         log.fit()
     }
 
-    /// If the contacts lie on a plane, a sphere or a cylinder, widens the intervals until the curvature of this shape
-    /// is within one standard error of the estimate. This is necessary because the bias of the fitted series can exceed
-    /// the effect of the noise if there are many contacts.
+    /// Widens the intervals if the contacts lie on a plane, a sphere or a cylinder. The curvature of this shape is then
+    /// within one standard error of the estimate. On these shapes, the bias of the fitted series can exceed the effect
+    /// of the noise if there are many contacts.
     ///
     /// # Errors
     /// The errors of [`Fit::centre`].

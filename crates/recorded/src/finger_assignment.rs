@@ -59,8 +59,8 @@ pub(super) fn assign_fingers(
             let (fingers, count) = parted(places.len(), &jumps);
             let [shortest, longest] = [shortest, longest].map(Number::rounded);
             let note = format!(
-                "no column `finger`, so the fingers are separated by steps of at least {shortest} {unit}: {count} fingers; all other steps are at most \
-                 {longest} {unit}; {REMEDY}"
+                "no column `finger`, so the fingers are separated by steps of at least {shortest} {unit}: \
+                 {count} fingers; all other steps are at most {longest} {unit}; {REMEDY}"
             );
             (fingers, note)
         }

@@ -23,8 +23,8 @@ use super::value::{FORMAT_VERSION, Value, finite};
 /// rounding errors.
 const LEAST_NOISE: f64 = 1e-10;
 
-/// Level of the test whether the force grows with the power 3/2 of the indentation. With this probability, readings of
-/// a Hertzian contact cause no warning that the exponent is another one.
+/// Confidence level of the test whether the force grows with the power 3/2 of the indentation. With this probability,
+/// readings of a Hertzian contact cause no warning about their exponent.
 const LEVEL: f64 = 0.995;
 
 /// A recorded load curve.

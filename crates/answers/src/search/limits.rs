@@ -8,7 +8,7 @@ use palpate_sweep::Clock;
 /// Share of the allowed error probability that is used for the exploration. The exploration decides on the values
 /// between the verified ends of ranges.
 const EXPLORATION_SHARE: f64 = 0.2;
-/// Largest number of tests in a search; a test decides whether a value meets or misses the target.
+/// Largest number of tests in a search. A test compares the scores at a value with the scores that the answer requires.
 pub(super) const MAX_LOOKS: usize = 400;
 /// Number of values in the first scan. The 16 + 1 values include the ends, the middle and the quarters of the range.
 pub(super) const SCANNED: usize = 17;

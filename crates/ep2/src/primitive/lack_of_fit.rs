@@ -227,7 +227,7 @@ fn tested(
         }
     }
     // Noise moves the footpoints, so columns that would be linearly dependent without noise are not exactly dependent.
-    // The tolerance of the rank is therefore not smaller than the effect of the noise.
+    // The tolerance of the rank therefore grows with the noise.
     let tolerance = MIN_NOISE_RATIO * solution.variances[0];
     let tolerance = tolerance.clamp(RANK_TOLERANCE, MAX_RANK_TOLERANCE);
     let solved = Sequential::new(&gram, &right, tolerance);

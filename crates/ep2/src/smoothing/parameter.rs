@@ -4,8 +4,8 @@
 const MOST_TRIALS: usize = 20;
 /// Factor by which a parameter is multiplied or divided if it is far from the root.
 const FAR: f64 = 0.04;
-/// If the computed parameter is not between a bound and the last trial, the next parameter is placed between the two.
-/// Its distance from the bound is this share of the distance between the bound and the last trial.
+/// If a step by the factor [`FAR`] would pass a bound, the next parameter is between the bound and the last trial
+/// instead. Its distance from the bound is this share of the distance between the bound and the last trial.
 const NEAR: f64 = 0.1;
 
 /// A parameter that was tried, and the difference between its residual sum and the required sum.

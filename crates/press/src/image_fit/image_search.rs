@@ -129,7 +129,8 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
                 what: "the sum of squares has no clear minimum",
             });
         }
-        // The interval must contain the corrected mean, so its ends are multiplied by the same factor.
+        // The corrected mean is the most likely curvature times this factor. The ends of the interval are multiplied by
+        // the same factor.
         let factor = libm::exp(problem.mean_beside(&weighed, &covariance));
         let unbiased = contact.relative_curvature * factor;
         let readings = OfReadings {
