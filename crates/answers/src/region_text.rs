@@ -178,14 +178,19 @@ impl Region {
         let all = self.all_values(column);
         match (meets, misses, undecided) {
             (Some(_), None, None) => format!("{all} meets the target{certainty}"),
-            (Some(meets), None, _) => format!("{meets} meets the target{certainty}{rest}"),
+            (Some(meets), None, _) => {
+                let meet = verb(&meets, MEETS);
+                format!("{meets} {meet} the target{certainty}{rest}")
+            }
             (Some(meets), Some(misses), _) => {
                 let failures = self.failures_in_words(column);
-                format!("{meets} meets the target{certainty}, {misses} misses it{failures}{rest}")
+                let (meet, miss) = (verb(&meets, MEETS), verb(&misses, MISSES));
+                format!("{meets} {meet} the target{certainty}, {misses} {miss} it{failures}{rest}")
             }
             (None, Some(_), None) => format!("{all} misses the target{certainty}{}", best()),
             (None, Some(misses), _) => {
-                format!("{misses} misses the target{certainty}{rest}{}", best())
+                let miss = verb(&misses, MISSES);
+                format!("{misses} {miss} the target{certainty}{rest}{}", best())
             }
             (None, None, _) => format!("whether {all} meets the target is undecided{}", best()),
         }
@@ -475,4 +480,12 @@ impl Region {
         };
         format!("{things} of {fields} that were tested")
     }
+}
+
+const MEETS: [&str; 2] = ["meets", "meet"];
+const MISSES: [&str; 2] = ["misses", "miss"];
+
+/// The verb that follows these values: the first form for one value or range, the second for a list.
+fn verb(values: &str, [one, many]: [&'static str; 2]) -> &'static str {
+    if values.contains(" and ") { many } else { one }
 }

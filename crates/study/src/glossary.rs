@@ -49,6 +49,7 @@ subjects! {
         "press": "A scene in which a soft ball with markers under its skin is pressed once onto an object. The object's curvature is estimated from the displacements of the markers.";
         "fingertip": "A scene of a sensor with markers, without an object. Its quantities are the image area of a marker (`marker_area`) and the strain of folding the skin (`greatest_fold_strain`, `rms_fold_strain`). The scene has no random numbers.";
         "trace": "Data of one trial of a scene: the true values at each step (trace.csv) and the readings of the sensor (readings.csv).";
+        "interval": "Range that contains the true value with a stated probability; see `interval95`. In cells.csv, `coverage95` is the share of trials whose 95 % interval contains the true value.";
         "claim": "A statement of one of the reproduced papers. It is scored from the tables of a study: the claim holds, differs or cannot be tested.";
     }
     "Surfaces and contact" {
@@ -84,6 +85,7 @@ subjects! {
         "gaussian": "Estimator of the 2020 paper. It fits a Gaussian to the normal displacements, and computes the effective radius from the width of the Gaussian.";
     }
     "Sensors and noise" {
+        "pads": "Sensor of a roll or a glide: the pad nearest to the contact is active and reports its own centre. The layout is square, hexagonal, or uniform, which is a lattice with the same density of pads everywhere on the sphere. With the offset random, each roll starts at another place on a pad.";
         "pad": "Element of a tactile array. If the contact is anywhere on a pad, the pad reports its own centre. If the contact of a roll stays on one pad, the readings give only a bound on the object's radius.";
         "encoder": "Sensor of the rotation in a roll. It rounds the rotation to whole steps (`scene.noise.encoder`).";
         "pitch": "Distance between neighbouring pads or markers, length.";

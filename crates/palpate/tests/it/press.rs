@@ -505,7 +505,8 @@ fn scenes_may_have_a_flat_pad() {
     run("run c.toml --out o");
     // The run's own copy of the config describes the same pad.
     run("run o/run.toml --out again");
-    desk.palpate("trace c.toml --cell 0 --trial 0 --out t").printed();
+    desk.palpate("trace c.toml --cell 0 --trial 0 --out t")
+        .printed();
     for options in ["--sensor-radius inf --depth 0.5", "--like c.toml --cell 0"] {
         let curvature = &json(&desk, &format!("t/readings.csv {options}"))["object_curvature"];
         let [low, high] = [0, 1].map(|end| number(&curvature["interval95"][end]));
