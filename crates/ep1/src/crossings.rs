@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
+use crate::rolled_path::drive_of;
 use crate::{PadCell, RollSample, SeriesNoise};
 
 /// Half-length of the line through measured rotations, in standard deviations of a rotation.
@@ -69,11 +70,6 @@ pub(crate) fn runs(radius: f64, samples: &[RollSample]) -> Vec<Run> {
         at = end + 1;
     }
     kept
-}
-
-/// The drive (−Δθ_y, Δθ_x) of a rotation vector.
-pub(crate) fn drive(rotation: &Vector3<f64>) -> Vector2<f64> {
-    Vector2::new(-rotation.y, rotation.x)
 }
 
 /// The crossings between successive runs. Distances are in radii of the probe. `mobility` determines the direction of
@@ -166,7 +162,7 @@ fn rotation_at_change(
         variance = std * std * (1.0 / count + time * time / square);
     }
     // An edge along the path is crossed slowly. The direction of the path limits the accuracy of such a crossing.
-    let change = drive(&change);
+    let change = drive_of(&change);
     let width = libm::hypot(change.dot(across), MIN_WIDTH * change.norm());
     (rotation, (variance + width * width / 12.0).sqrt())
 }

@@ -30,7 +30,7 @@ pub(crate) struct BoundedRoll<'r> {
 
 /// The set of mobilities around the fit of crossings. `pitch` is in radii of the probe. `None` if the set is empty.
 pub(crate) fn pad_edge_set(
-    bounded: &[BoundedRoll<'_>],
+    bounded: &[&BoundedRoll<'_>],
     data: &[RollData],
     fit: &SeriesFit<3>,
     pitch: f64,
@@ -81,9 +81,10 @@ impl Linearised<'_> {
     fn rows(&self, mobility: &Matrix2<f64>) -> Option<RollRows> {
         let samples = &self.bounded.series.samples;
         let edges = edge_samples(samples, &self.bounded.runs, self.pitch, self.cell, mobility);
-        let rotations = RollRotations::new(edges.iter().map(|edge| samples[edge.2].rotation), true);
+        let rotations = edges.iter().map(|edge| samples[edge.2].rotation);
+        let rotations = RollRotations::new(rotations.collect(), true);
         let mut path = Vec::new();
-        rotations.path(self.shape, &Default::default(), 1.0, &mut path)?;
+        rotations.path(self.shape, &Default::default(), &mut path)?;
         let normals: Vec<_> = self.cell.normals().collect();
         let relative = self.shape.relative();
         let frame = StartFrame::new(&self.roll.start);

@@ -5,16 +5,25 @@
 //! rolls. Errors of measured rotations would attenuate the estimate if the derivatives used the measured rotations.
 //! Therefore the derivatives use the rotations without their estimated errors (errors in variables).
 
-use nalgebra::{Matrix2, Matrix2x3, Matrix4, SMatrix, SVector, Vector2, Vector4};
+use nalgebra::{Matrix2, Matrix2x3, Matrix4, SMatrix, SVector, Vector2, Vector3, Vector4};
 
 use crate::crossings::Crossing;
 use crate::rolled_path::{LocalShape, PathPoint, RollRotations, StartFrame, by_coefficients};
 
 /// Largest number of steps.
-const MAX_STEPS: usize = 30;
+const MAX_STEPS: usize = 25;
 
+/// The steps end below this decrement.
+const DECREMENT: f64 = 1e-6;
+/// A fit with this tolerance or a larger one only finds a place to begin.
+const ROUGH: f64 = 1e-2;
+/// Step of finite differences.
+const STEP: f64 = 1e-6;
 /// Changes below this value that do not shrink any more end the steps.
 const SETTLED: f64 = 1e-5;
+/// Smallest standard deviation of contact points relative to the noise that is common to a roll. It has no effect on
+/// the result, because contact points determine the path far better than this noise does.
+const MIN_SHARE: f64 = 0.01;
 /// Smallest standard deviation of contact points in a weighted fit, in radii of the probe. With a smaller value, the
 /// errors that are common to a roll would vanish in rounding errors.
 const MIN_STD: f64 = 1e-5;
@@ -108,6 +117,29 @@ impl<const N: usize> RollFit<N> {
         self.response.fixed_view::<2, 3>(0, 0).into_owned()
     }
 
+    /// Paths after a small change of each entry of the form or mobility, and of each component of the roll's error.
+    ///
+    /// A roll's error and the mobility change the path in nearly the same way. Therefore the small difference between
+    /// both must be exact, and not only first-order in the curvature of the probe as the other derivatives.
+    fn nearby(&self, roll: &RollData, shape: &LocalShape) -> Option<Vec<Vec<PathPoint>>> {
+        let mut all = Vec::with_capacity(5);
+        for unknown in 0..5 {
+            let (mut shape, mut error) = (*shape, self.error);
+            if unknown < 3 {
+                let mut step = SVector::<f64, N>::zeros();
+                step[unknown] = STEP;
+                shape = moved(&shape, &step)?.0;
+            } else {
+                error[unknown - 3] += STEP;
+            }
+            let mut path = Vec::with_capacity(roll.observations.len());
+            roll.rotations
+                .path(&shape, &(error * self.ratio), &mut path)?;
+            all.push(path);
+        }
+        Some(all)
+    }
+
     /// Computes the contacts and the normal equations of the roll.
     fn linearise(
         &mut self,
@@ -116,7 +148,8 @@ impl<const N: usize> RollFit<N> {
         shape: &LocalShape,
         path: &mut Vec<PathPoint>,
     ) -> Option<()> {
-        roll.rotations.path(shape, &self.error, self.ratio, path)?;
+        roll.rotations
+            .path(shape, &(self.error * self.ratio), path)?;
         let frame = StartFrame::new(&self.start);
         let mut of_shape = SMatrix::<f64, N, N>::zeros();
         let mut mixed = SMatrix::<f64, 4, N>::zeros();
@@ -126,24 +159,30 @@ impl<const N: usize> RollFit<N> {
         let (mut chi_squared, mut count) = (0.0, 0);
         let knows_error = noise.relative_roll_std == 0.0;
         let relative = shape.relative();
-        for (observation, at) in roll.observations.iter().zip(&*path) {
+        let measured = roll.rotations.rotations();
+        let nearby = match knows_error {
+            true => Vec::new(),
+            false => self.nearby(roll, shape)?,
+        };
+        for (index, observation) in roll.observations.iter().enumerate() {
+            let at = &path[index];
             let place = frame.place(at);
             let by_drive = place.by_path * at.mobility;
-            let size = self.ratio * at.drive.norm();
             let (residual, weight, rotation_error, rows) = match observation {
                 Observation::Crossing(crossing) => {
                     let residual = crossing.offset - crossing.normal.dot(&place.place);
                     let across = by_drive.tr_mul(&crossing.normal);
                     let variance = across.norm_squared() * crossing.std * crossing.std
                         + crossing.gap * crossing.gap / 12.0;
-                    let error = across * (crossing.std * crossing.std * residual / variance);
                     let normal = crossing.normal;
                     let weight = normal * normal.transpose() / variance;
-                    (normal * residual, weight, error, 1)
+                    // The error of a single crossing is too small to attenuate the estimate.
+                    (normal * residual, weight, Vector2::zeros(), 1)
                 }
                 Observation::Contact(contact, samples) => {
                     let residual = contact - place.place;
-                    let own = noise.contact_std * noise.contact_std / samples + MIN_STD * MIN_STD;
+                    let rounded = libm::hypot(MIN_STD, MIN_SHARE * noise.relative_roll_std);
+                    let own = noise.contact_std * noise.contact_std / samples + rounded * rounded;
                     let square = by_drive * by_drive.transpose();
                     let (mut weight, mut error) = (Matrix2::zeros(), Vector2::zeros());
                     // The noise is relative to the true rotation. A weight from the measured rotation would depend on
@@ -161,15 +200,7 @@ impl<const N: usize> RollFit<N> {
                 }
             };
             let x = at.x + at.mobility * rotation_error;
-            let slopes: SMatrix<f64, 2, N> = if shape.terms == 1 {
-                let drive = relative * x;
-                let columns = [[drive.x, 0.0], [drive.y, drive.x], [0.0, drive.y]];
-                let by_mobility = Matrix2x3::from_columns(&columns.map(Vector2::from));
-                let slopes = place.by_path * by_mobility;
-                SMatrix::from_fn(|row, column| slopes[(row, column.min(2))])
-            } else {
-                by_coefficients(shape.terms, &x, &by_drive)
-            };
+            let mut slopes = slopes_at::<N>(shape, &x, &place.by_path, &by_drive);
             let mut own_slopes = SMatrix::<f64, 2, 4>::zeros();
             if !roll.is_start_known {
                 own_slopes
@@ -177,9 +208,16 @@ impl<const N: usize> RollFit<N> {
                     .copy_from(&place.by_start);
             }
             if !knows_error {
-                own_slopes
-                    .fixed_view_mut::<2, 2>(0, 2)
-                    .copy_from(&(by_drive * -size));
+                let without = slopes_at::<N>(shape, &at.x, &place.by_path, &by_drive);
+                for (unknown, path) in nearby.iter().enumerate() {
+                    let slope = (frame.place(&path[index]).place - place.place) / STEP;
+                    if unknown < 3 {
+                        let more = slope - without.column(unknown);
+                        slopes.set_column(unknown, &(slopes.column(unknown) + more));
+                    } else {
+                        own_slopes.set_column(unknown - 1, &slope);
+                    }
+                }
             }
             let weighted = weight * residual;
             of_shape += slopes.tr_mul(&(weight * slopes));
@@ -216,8 +254,10 @@ impl<const N: usize> RollFit<N> {
         self.freedom = count - if roll.is_start_known { 0 } else { count.min(2) };
         if let Some(last) = path.last() {
             self.length = last.x.norm();
-            let true_drive = last.drive - self.error * (self.ratio * last.drive.norm());
-            self.ratio = true_drive.norm() / last.drive.norm().max(1e-300);
+            let measured = measured.last().copied().unwrap_or_default();
+            let error = Vector3::new(self.error.y, -self.error.x, 0.0) * self.ratio;
+            let size = measured.norm().max(f64::MIN_POSITIVE);
+            self.ratio = (measured - error * size).norm() / size;
         }
         Some(())
     }
@@ -267,14 +307,18 @@ impl<const N: usize> SeriesFit<N> {
                 state.start += own.fixed_rows::<2>(0);
                 state.error += own.fixed_rows::<2>(2);
             }
+            // Newton's decrement is the squared distance from the minimum, in standard errors.
+            let scale = fit.chi_squared / fit.freedom.max(1) as f64;
+            let decrement = gradient.dot(&full) / scale.clamp(f64::MIN_POSITIVE, 1.0);
             // Rounding errors and weights that depend on the result can keep the last digits moving.
             let is_settled = change < SETTLED && change > 0.5 * last_change;
-            if change < tolerance || is_settled {
+            if change < tolerance || is_settled || (share == 1.0 && decrement < DECREMENT) {
                 return fit.chi_squared.is_finite().then_some(fit);
             }
             last_change = change;
         }
-        None
+        // Rolls that contradict each other can keep a rough fit moving. It is still a place to begin a search.
+        (tolerance >= ROUGH && fit.chi_squared.is_finite()).then_some(fit)
     }
 
     /// Increase of chi-squared that is due to this roll, and its degrees of freedom. `None` if the other rolls do not
@@ -284,6 +328,22 @@ impl<const N: usize> SeriesFit<N> {
         let fall = roll.chi_squared + roll.gradient.dot(&(others * roll.gradient));
         fall.is_finite().then_some((fall, roll.freedom))
     }
+}
+
+/// Derivatives of a place with respect to the unknowns of the shape, for a contact at `x`.
+fn slopes_at<const N: usize>(
+    shape: &LocalShape,
+    x: &Vector2<f64>,
+    by_path: &Matrix2<f64>,
+    by_drive: &Matrix2<f64>,
+) -> SMatrix<f64, 2, N> {
+    if shape.terms > 1 {
+        return by_coefficients(shape.terms, x, by_drive);
+    }
+    let drive = shape.relative() * x;
+    let columns = [[drive.x, 0.0], [drive.y, drive.x], [0.0, drive.y]];
+    let slopes = by_path * Matrix2x3::from_columns(&columns.map(Vector2::from));
+    SMatrix::from_fn(|row, column| slopes[(row, column.min(2))])
 }
 
 /// Inverse of a matrix of normal equations, scaled by its diagonal. `None` if it is singular within rounding errors.

@@ -17,8 +17,10 @@ use nalgebra::{Matrix2, Matrix3, Rotation3, SMatrix, UnitQuaternion, Vector2, Ve
 pub(crate) const MAX_TERMS: usize = 4;
 /// Number of coefficients of the largest number of terms.
 pub(crate) const MAX_COEFFICIENTS: usize = coefficients(MAX_TERMS);
-/// Number of Newton steps that solve for the position of the contact. The first guess is accurate to second order.
-const NEWTON_STEPS: usize = 3;
+/// Largest number of Newton steps that solve for the position of the contact.
+const NEWTON_STEPS: usize = 4;
+/// A Newton step below this length has an error of its square, which is negligible.
+const SMALL_STEP: f64 = 1e-5;
 
 /// Number of coefficients of this number of terms: 3 for the form, 4 for its first derivatives, and so on.
 pub(crate) const fn coefficients(terms: usize) -> usize {
@@ -52,22 +54,14 @@ impl LocalShape {
 
     /// Derivatives of the drive at `x` with respect to the coefficients.
     pub(crate) fn basis(terms: usize, x: &Vector2<f64>) -> Basis {
+        let (along, across) = (powers(x.x), powers(x.y));
         let mut basis = [[0.0; 2]; MAX_COEFFICIENTS];
-        basis[0] = [x.x, 0.0];
-        basis[1] = [x.y, x.x];
-        basis[2] = [0.0, x.y];
-        for term in 1..terms {
-            // Entry j of the tensor of order m has the factor x^(m−1−j) y^j C(m−1, j) / (m−1)! along u.
-            let power = term + 1;
-            let from = coefficients(term);
-            let mut monomial = [0.0; MAX_TERMS + 1];
-            for (j, monomial) in monomial[..=power].iter_mut().enumerate() {
-                let parts = factorial(j) * factorial(power - j);
-                *monomial = x.x.powi((power - j) as i32) * x.y.powi(j as i32) / parts;
-            }
+        for term in 0..terms {
+            let (power, from) = (term + 1, coefficients(term));
             for j in 0..=power {
-                basis[from + j][0] += monomial[j];
-                basis[from + j + 1][1] += monomial[j];
+                let monomial = along[power - j] * across[j];
+                basis[from + j][0] += monomial;
+                basis[from + j + 1][1] += monomial;
             }
         }
         basis
@@ -75,40 +69,41 @@ impl LocalShape {
 
     /// The drive of a contact at `x`, and its derivative, which is the sum of the curvature forms of both bodies.
     fn drive(&self, x: &Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
+        let mut relative = self.relative();
         if self.terms == 1 {
-            let relative = self.relative();
             return (relative * x, relative);
         }
-        let mut drive = *x;
-        let basis = Self::basis(self.terms, x);
-        let count = coefficients(self.terms);
-        for (basis, tensor) in basis.iter().zip(&self.tensors).take(count) {
-            drive.x += basis[0] * tensor;
-            drive.y += basis[1] * tensor;
-        }
-        let mut relative = self.relative();
+        let (along, across) = (powers(x.x), powers(x.y));
+        let mut drive = relative * x;
         for term in 1..self.terms {
-            let from = coefficients(term);
+            let tensor = &self.tensors[coefficients(term)..];
             for j in 0..=term {
-                let parts = factorial(j) * factorial(term - j);
-                let monomial = x.x.powi((term - j) as i32) * x.y.powi(j as i32) / parts;
-                let [uu, uv, vv] = [0, 1, 2].map(|more| self.tensors[from + j + more] * monomial);
-                relative += Matrix2::new(uu, uv, uv, vv);
+                let monomial = along[term - j] * across[j];
+                relative +=
+                    Matrix2::new(tensor[j], tensor[j + 1], tensor[j + 1], tensor[j + 2]) * monomial;
+            }
+            for j in 0..=term + 1 {
+                let monomial = along[term + 1 - j] * across[j];
+                drive += Vector2::new(tensor[j], tensor[j + 1]) * monomial;
             }
         }
         (drive, relative)
     }
 }
 
-fn factorial(number: usize) -> f64 {
-    (1..=number).map(|factor| factor as f64).product()
+/// The numbers `x^k / k!`.
+fn powers(x: f64) -> [f64; MAX_TERMS + 1] {
+    let mut powers = [1.0; MAX_TERMS + 1];
+    for power in 1..=MAX_TERMS {
+        powers[power] = powers[power - 1] * x / power as f64;
+    }
+    powers
 }
 
 /// The rotations of a roll at the samples that a fit uses.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RollRotations {
-    /// Rotation vectors between successive samples, in the axes of the probe's body.
-    steps: Vec<Vector3<f64>>,
+    rotations: Vec<Vector3<f64>>,
     /// Whether the measured rotation about the normal is used. With noise, rolls are assumed not to spin, because an
     /// error of the spin would turn the rest of the path.
     has_spin: bool,
@@ -121,8 +116,8 @@ pub(crate) struct PathPoint {
     frame: Matrix3<f64>,
     /// Position of the contact on the object, in the carried frame.
     pub(crate) x: Vector2<f64>,
-    /// The measured drive, summed over the path.
-    pub(crate) drive: Vector2<f64>,
+    /// The drive, summed over the path.
+    drive: Vector2<f64>,
     /// Inverse of the sum of the curvature forms of both bodies at the contact.
     pub(crate) mobility: Matrix2<f64>,
     /// Angle by which the probe has spun about the normal.
@@ -131,48 +126,56 @@ pub(crate) struct PathPoint {
 
 impl RollRotations {
     /// The rotations at samples with these rotation vectors since the start.
-    pub(crate) fn new(rotations: impl Iterator<Item = Vector3<f64>>, has_spin: bool) -> Self {
-        let mut last = Vector3::zeros();
-        let steps = rotations.map(|rotation| {
-            // Parallel rotation vectors are subtracted, which is exact and faster than a product of quaternions.
-            let across = last.cross(&rotation).norm_squared();
-            let scale = last.norm_squared() * rotation.norm_squared();
-            let step = match across <= 1e-24 * scale {
-                true => rotation - last,
-                false => {
-                    let [from, to] = [last, rotation].map(UnitQuaternion::from_scaled_axis);
-                    (from.inverse() * to).scaled_axis()
-                }
-            };
-            last = rotation;
-            step
-        });
+    pub(crate) const fn new(rotations: Vec<Vector3<f64>>, has_spin: bool) -> Self {
         Self {
-            steps: steps.collect(),
+            rotations,
             has_spin,
         }
     }
 
-    /// The contacts at all samples. `error` is an error of the measured drive, relative to the true drive, and `ratio`
-    /// is the ratio of the true to the measured drive. `None` if the contact cannot follow the rotations.
+    /// The rotation vectors since the start.
+    pub(crate) fn rotations(&self) -> &[Vector3<f64>] {
+        &self.rotations
+    }
+
+    /// The contacts at all samples. `error` is the error of the measured drive, relative to the measured drive. `None`
+    /// if the contact cannot follow the rotations.
     pub(crate) fn path(
         &self,
         shape: &LocalShape,
         error: &Vector2<f64>,
-        ratio: f64,
         path: &mut Vec<PathPoint>,
     ) -> Option<()> {
         path.clear();
-        let start = PathPoint {
+        let mut at = PathPoint {
             frame: Matrix3::identity(),
             x: Vector2::zeros(),
             drive: Vector2::zeros(),
             mobility: shape.relative().try_inverse()?,
             spin: 0.0,
         };
-        let mut at = start;
-        for step in &self.steps {
-            at = at.after(shape, step, self.has_spin, error * ratio)?;
+        let mut last = Vector3::zeros();
+        for rotation in &self.rotations {
+            if !self.has_spin {
+                let true_drive = drive_of(rotation) - error * rotation.norm();
+                let (turn, normal_part) = at.turn_without_spin(&last, &true_drive)?;
+                last = Vector3::new(true_drive.y, -true_drive.x, normal_part);
+                at = at.after(shape, &turn)?;
+                path.push(at);
+                continue;
+            }
+            // Parallel rotation vectors are subtracted, which is exact and faster than a product of quaternions.
+            let across = last.cross(rotation).norm_squared();
+            let scale = last.norm_squared() * rotation.norm_squared();
+            let step = match across <= 1e-24 * scale {
+                true => rotation - last,
+                false => {
+                    let [from, to] = [last, *rotation].map(UnitQuaternion::from_scaled_axis);
+                    (from.inverse() * to).scaled_axis()
+                }
+            };
+            last = *rotation;
+            at = at.after(shape, &at.turn_of(&step))?;
             path.push(at);
         }
         Some(())
@@ -180,36 +183,53 @@ impl RollRotations {
 }
 
 impl PathPoint {
-    fn after(
-        &self,
-        shape: &LocalShape,
-        step: &Vector3<f64>,
-        has_spin: bool,
-        error: Vector2<f64>,
-    ) -> Option<Self> {
-        let drive_of = |turn: &Vector3<f64>| Vector2::new(-turn.y, turn.x);
-        let mut in_frame = self.frame.tr_mul(step);
+    /// The rotation `step` in the contact frame, at the middle of the step.
+    fn turn_of(&self, step: &Vector3<f64>) -> Vector3<f64> {
+        let in_frame = self.frame.tr_mul(step);
         let half = self.mobility * drive_of(&in_frame) * 0.5;
         let tilt = Vector3::new(-half.y, half.x, 0.0);
-        if !has_spin {
-            in_frame.z = tilt.x * in_frame.y - tilt.y * in_frame.x;
-        }
         let once = tilt.cross(&in_frame);
-        let turn = in_frame - once + tilt.cross(&once) * 0.5;
-        let turned = if has_spin { turn.z } else { 0.0 };
-        let spin = self.spin + turned;
-        let mean_spin = self.spin + 0.5 * turned;
-        let drive = self.drive + spun(&drive_of(&turn), mean_spin);
-        let true_drive = drive - error * drive.norm();
+        in_frame - once + tilt.cross(&once) * 0.5
+    }
+
+    /// The rotation in the contact frame for which the drive of the rotation vector becomes `drive`, without spin. The
+    /// second result is the new component of the rotation vector `last` along the normal at the start.
+    fn turn_without_spin(
+        &self,
+        last: &Vector3<f64>,
+        drive: &Vector2<f64>,
+    ) -> Option<(Vector3<f64>, f64)> {
+        let step = drive - drive_of(last);
+        let middle = last + Vector3::new(step.y, -step.x, 0.0) * 0.5;
+        let frame = self.frame * rolled(&(self.mobility * step * 0.5));
+        // Derivative of the rotation vector with respect to a rotation of the body.
+        let cross = middle.cross_matrix();
+        let square = middle.norm_squared();
+        let of_square = 1.0 / 12.0 + square * (1.0 / 720.0 + square / 30_240.0);
+        let slopes = frame + cross * frame * 0.5 + cross * cross * frame * of_square;
+        let across = slopes.fixed_view::<2, 2>(0, 0).try_inverse()? * Vector2::new(step.y, -step.x);
+        let turn = Vector3::new(across.x, across.y, 0.0);
+        Some((turn, last.z + slopes.row(2).transpose().dot(&turn)))
+    }
+
+    /// The contact after a rotation `turn` in the contact frame.
+    fn after(&self, shape: &LocalShape, turn: &Vector3<f64>) -> Option<Self> {
+        let spin = self.spin + turn.z;
+        let mean_spin = self.spin + 0.5 * turn.z;
+        let drive = self.drive + spun(&drive_of(turn), mean_spin);
         let mut x = self.x;
         let mut mobility = self.mobility;
-        for _ in 0..if shape.terms == 1 { 1 } else { NEWTON_STEPS } {
+        for _ in 0..NEWTON_STEPS {
             let (at_x, relative) = shape.drive(&x);
             mobility = relative.try_inverse()?;
             if mobility.determinant() <= 0.0 || mobility.trace() <= 0.0 {
                 return None;
             }
-            x += mobility * (true_drive - at_x);
+            let step = mobility * (drive - at_x);
+            x += step;
+            if shape.terms == 1 || step.amax() < SMALL_STEP {
+                break;
+            }
         }
         let along = spun(&(x - self.x), -mean_spin);
         let frame = self.frame * rolled(&along);
@@ -222,6 +242,11 @@ impl PathPoint {
             spin,
         })
     }
+}
+
+/// The drive (−Δθ_y, Δθ_x) of a rotation vector.
+pub(crate) fn drive_of(rotation: &Vector3<f64>) -> Vector2<f64> {
+    Vector2::new(-rotation.y, rotation.x)
 }
 
 /// A vector after a rotation by `angle`.

@@ -118,6 +118,32 @@ impl SeriesEstimate {
         }
     }
 
+    /// The weighted mean of estimates. Its covariance includes the differences between them. All other parts are those
+    /// of the first estimate.
+    pub(crate) fn mean(weighted: &[(f64, &Self)]) -> Self {
+        let entries = |one: &Self| {
+            let CurvatureForm { k_uu, k_uv, k_vv } = one.curvature;
+            Vector3::new(k_uu, k_vv, k_uv)
+        };
+        let total: f64 = weighted.iter().map(|(weight, _)| weight).sum();
+        let mut mean = Vector3::zeros();
+        for (weight, one) in weighted {
+            mean += entries(one) * (weight / total);
+        }
+        let mut covariance = Matrix3::zeros();
+        for (weight, one) in weighted {
+            let apart = entries(one) - mean;
+            let own = Matrix3::from_fn(|row, at| one.covariance[row][at]);
+            covariance += (own + apart * apart.transpose()) * (weight / total);
+        }
+        let [k_uu, k_vv, k_uv] = mean.into();
+        Self {
+            curvature: CurvatureForm { k_uu, k_uv, k_vv },
+            covariance: [0, 1, 2].map(|row| [0, 1, 2].map(|at| covariance[(row, at)])),
+            ..weighted[0].1.clone()
+        }
+    }
+
     /// The estimate without intervals, as [`LeastSquares`](crate::LeastSquares) returns it.
     pub fn estimate(&self) -> Estimate {
         let form = self.curvature;

@@ -3,11 +3,11 @@
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use palpate_statistics::{GoodnessOfFit, chi_squared_tail, ratio_tail};
 
-use crate::crossings::{crossings, drive, runs};
-use crate::pad_edge::{BoundedRoll, pad_edge_set};
+use crate::crossings::{crossings, runs};
+use crate::pad_edge::{BoundedRoll, PadEdgeSet, pad_edge_set};
 use crate::roll_fit::{FitNoise, Observation, RollData, SeriesFit};
 use crate::roll_series::check;
-use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, RollRotations};
+use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, RollRotations, drive_of};
 use crate::series_estimate::Uncertainty;
 use crate::{
     Exclusion, Places, RollReport, RollSample, RollSeries, SeriesError, SeriesEstimate,
@@ -23,7 +23,7 @@ const ROLLS_PER_OUTLIER: usize = 4;
 /// Number of contact points of a roll that a fit uses. More contact points are averaged in groups.
 const GROUPS: usize = 24;
 /// Changes of the coefficients below this value end the steps of a fit.
-const TOLERANCE: f64 = 1e-10;
+const TOLERANCE: f64 = 1e-8;
 /// Changes below this value end the fit that only locates the set of exact readings.
 const ROUGH_TOLERANCE: f64 = 0.03;
 /// Largest standard deviation of a determined mobility, divided by the mobility.
@@ -64,8 +64,8 @@ struct Problem<'r> {
     reports: Vec<RollReport>,
 }
 
-/// The best fit so far.
-struct Best {
+/// A fit with a number of terms.
+struct Candidate {
     criterion: f64,
     estimate: SeriesEstimate,
     /// The roll that contradicts the others significantly.
@@ -124,30 +124,48 @@ impl<'r> Problem<'r> {
                 }
             };
             let pitch = cell.pitch() / self.radius;
-            if let Some(set) = pad_edge_set(&bounded, &data, &first, pitch, cell) {
-                let mobility = set.centre + set.mean;
-                let mobility = Matrix2::new(mobility.x, mobility.y, mobility.y, mobility.z);
-                let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
-                let covariance = set.covariance;
-                let uncertainty = Uncertainty::Set(set);
-                return Ok(self.result(&shape, covariance, true, 1, &first, uncertainty));
+            let all: Vec<_> = bounded.iter().collect();
+            if let Some(set) = pad_edge_set(&all, &data, &first, pitch, cell) {
+                return self.of_set(set, &first);
             }
-            // No mobility agrees with all rolls. The roll whose crossings contradict the others most is left out.
+            // No mobility agrees with all rolls. Leave out one roll, beginning with the roll whose crossings contradict
+            // the others most.
             self.p_values(&data, &first);
-            let p_value = |roll: &RollData| self.reports[roll.roll].p_value.unwrap_or(1.0);
-            let least = data
-                .iter()
-                .min_by(|one, other| p_value(one).total_cmp(&p_value(other)))
-                .map_or(0, |roll| roll.roll);
-            if !self.leaves_out(Some(least)) {
-                return Err(SeriesError::Contradiction { roll: least });
+            let mut order: Vec<usize> = (0..data.len()).collect();
+            let p_value = |at: &usize| self.reports[data[*at].roll].p_value.unwrap_or(1.0);
+            order.sort_by(|one, other| p_value(one).total_cmp(&p_value(other)));
+            let least = order[0];
+            let without = order.into_iter().find_map(|left_out| {
+                let mut data = data.clone();
+                data.remove(left_out);
+                let mut rest = all.clone();
+                rest.remove(left_out);
+                let fit = SeriesFit::new(&data, &noise, first.shape, tolerance)?;
+                let set = pad_edge_set(&rest, &data, &fit, pitch, cell)?;
+                Some((left_out, set, fit))
+            });
+            let roll = data[without.as_ref().map_or(least, |found| found.0)].roll;
+            if !self.leaves_out(Some(roll)) {
+                return Err(SeriesError::Contradiction { roll });
             }
             for report in &mut self.reports {
                 if report.left_out.is_none() {
                     report.p_value = None;
                 }
             }
+            if let Some((_, set, fit)) = without {
+                return self.of_set(set, &fit);
+            }
         }
+    }
+
+    /// The result for exact readings.
+    fn of_set(&self, set: PadEdgeSet, fit: &SeriesFit<3>) -> Result<SeriesEstimate, SeriesError> {
+        let mobility = set.centre + set.mean;
+        let mobility = Matrix2::new(mobility.x, mobility.y, mobility.y, mobility.z);
+        let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
+        let covariance = set.covariance;
+        Ok(self.result(&shape, covariance, true, 1, fit, Uncertainty::Set(set)))
     }
 
     /// Leaves out a roll, unless too many rolls are left out already. Then the model or the noise is wrong, not a roll.
@@ -178,7 +196,7 @@ impl<'r> Problem<'r> {
                 Some(_)
                     if samples
                         .iter()
-                        .all(|one| drive(&one.rotation) == Vector2::zeros()) =>
+                        .all(|one| drive_of(&one.rotation) == Vector2::zeros()) =>
                 {
                     Some(Exclusion::NoRotation)
                 }
@@ -211,7 +229,7 @@ impl<'r> Problem<'r> {
                 is_start_known: series.start.is_some(),
                 start: guess,
                 start_std,
-                rotations: RollRotations::new(rotations.into_iter(), self.noise.is_exact()),
+                rotations: RollRotations::new(rotations, self.noise.is_exact()),
                 observations,
             });
             bounded.push(BoundedRoll { series, runs });
@@ -272,7 +290,8 @@ impl<'r> Problem<'r> {
         worst.1
     }
 
-    /// The fit with the number of terms that has the least information criterion of Akaike.
+    /// The mean of fits with different numbers of terms, and the roll that contradicts the others most. Each fit is
+    /// weighted by the information criterion of Akaike. The number of terms is the one of the best fit.
     fn trajectory(
         &mut self,
         data: &[RollData],
@@ -280,16 +299,34 @@ impl<'r> Problem<'r> {
         first: SeriesFit<3>,
     ) -> (SeriesEstimate, Option<usize>) {
         let mut shape = first.shape;
-        let worst = self.p_values(data, &first);
-        let mut best = Best {
-            criterion: self.criterion(&first, 3),
-            estimate: self.of_fit(&first, 1),
-            worst,
-        };
-        self.more_terms::<7>(data, noise, &mut shape, &mut best);
-        self.more_terms::<12>(data, noise, &mut shape, &mut best);
-        self.more_terms::<18>(data, noise, &mut shape, &mut best);
-        (best.estimate, best.worst)
+        let mut all = vec![self.candidate(data, &first, 1)];
+        self.more_terms::<7>(data, noise, &mut shape, &mut all);
+        self.more_terms::<12>(data, noise, &mut shape, &mut all);
+        // A symmetric object has no odd derivatives. Only if neither of two terms helps, more terms will not.
+        let first = all[0].criterion;
+        if all[1..].iter().any(|one| one.criterion < first) {
+            self.more_terms::<18>(data, noise, &mut shape, &mut all);
+        }
+        all.sort_by(|one, other| one.criterion.total_cmp(&other.criterion));
+        let weights = all
+            .iter()
+            .map(|one| libm::exp(0.5 * (all[0].criterion - one.criterion)));
+        let weighted: Vec<_> = weights.zip(all.iter().map(|one| &one.estimate)).collect();
+        let mean = SeriesEstimate::mean(&weighted);
+        (mean, all[0].worst)
+    }
+
+    fn candidate<const N: usize>(
+        &mut self,
+        data: &[RollData],
+        fit: &SeriesFit<N>,
+        terms: usize,
+    ) -> Candidate {
+        Candidate {
+            criterion: self.criterion(fit, N),
+            worst: self.p_values(data, fit),
+            estimate: self.of_fit(fit, terms),
+        }
     }
 
     fn more_terms<const N: usize>(
@@ -297,20 +334,12 @@ impl<'r> Problem<'r> {
         data: &[RollData],
         noise: &FitNoise,
         shape: &mut LocalShape,
-        best: &mut Best,
+        all: &mut Vec<Candidate>,
     ) {
         shape.terms += 1;
-        let Some(fit) = SeriesFit::<N>::new(data, noise, *shape, TOLERANCE) else {
-            return;
-        };
-        *shape = fit.shape;
-        let criterion = self.criterion(&fit, N);
-        if criterion < best.criterion {
-            *best = Best {
-                criterion,
-                worst: self.p_values(data, &fit),
-                estimate: self.of_fit(&fit, shape.terms),
-            };
+        if let Some(fit) = SeriesFit::<N>::new(data, noise, *shape, TOLERANCE) {
+            *shape = fit.shape;
+            all.push(self.candidate(data, &fit, shape.terms));
         }
     }
 
@@ -377,7 +406,7 @@ impl<'r> Problem<'r> {
         let mut gram = Matrix2::zeros();
         for roll in self.rolls {
             if let Some(last) = roll.samples.last() {
-                let drive = drive(&last.rotation);
+                let drive = drive_of(&last.rotation);
                 gram += drive * drive.transpose();
             }
         }
