@@ -54,6 +54,7 @@ mod roll_rotation;
 mod roll_series;
 mod roll_warnings;
 mod shape_report;
+mod single_direction;
 mod source;
 mod study_options;
 mod table_format;

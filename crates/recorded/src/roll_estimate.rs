@@ -17,6 +17,7 @@ use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
 use super::roll_series::{LeftOutProbe, QUANTITIES, SeriesResult, estimate_of_series};
 use super::roll_warnings::units;
+use super::single_direction::{DirectedCurvature, single_direction};
 use super::value::{FORMAT_VERSION, Value};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};
@@ -57,6 +58,8 @@ pub struct RollEstimate {
     probes: usize,
     /// The result of a method for time series; `None` for least squares.
     pub(super) series: Option<SeriesResult>,
+    /// Curvature along the contact's path, if all rolls have the same direction; otherwise `None`.
+    pub(super) single_direction: Option<DirectedCurvature>,
 }
 
 /// Curvatures and lengths estimated from rolls.
@@ -77,7 +80,7 @@ pub struct RollValues {
     /// Largest normal curvature.
     pub principal_curvature_max: Value,
     /// Direction of the largest curvature, degrees, from +u towards +v of the readings.
-    pub principal_direction_max_deg: f64,
+    pub principal_direction_max_deg: Option<f64>,
     /// Standard error of `principal_direction_max_deg`, degrees; at most 52, which is the value for a completely
     /// unknown direction. `null` if there is no estimate of the noise.
     pub principal_direction_max_std_deg: Option<f64>,
@@ -89,6 +92,8 @@ pub struct RollValues {
     pub amplification_v: Option<f64>,
     /// Root mean square of the residuals, over all components of the shifts.
     pub residual_rms: Value,
+    /// If all rolls have the same direction, the curvature along the contact's path; otherwise `None`.
+    pub single_direction: Option<DirectedCurvature>,
 }
 
 /// Output of the command `estimate roll`.
@@ -121,13 +126,15 @@ impl RollEstimate {
     /// The estimated curvatures and lengths.
     pub fn values(&self) -> RollValues {
         let Self { estimate, unit, .. } = self;
-        let value = |Measured { value, std }, power: Unit| {
-            Value::within(value, std, self.half_width, power, *unit)
+        let is_open = self.single_direction.is_some();
+        let value = |Measured { value, std }, power: Unit| match is_open {
+            true => Value::open(power, *unit),
+            false => Value::within(value, std, self.half_width, power, *unit),
         };
         let bare = |value: f64, power: Unit| Value::bare(value, power.of(*unit));
         let principal = estimate.curvature.principal();
         let stds = self
-            .covariance
+            .covariance()
             .map(|covariance| estimate.curvature.principal_stds(&covariance));
         let extreme = |extreme: f64, place: usize| {
             let std = stds.map(|stds| stds[place]);
@@ -145,11 +152,13 @@ impl RollEstimate {
             arc_length: bare(estimate.arc_length, Unit::Length),
             principal_curvature_min: extreme(principal.k_min, 0),
             principal_curvature_max: extreme(principal.k_max, 1),
-            principal_direction_max_deg: principal.angle_of_max_rad.to_degrees() + 0.0,
+            principal_direction_max_deg: (!is_open)
+                .then(|| principal.angle_of_max_rad.to_degrees() + 0.0),
             principal_direction_max_std_deg: stds.map(|[.., angle]| angle.to_degrees()),
-            amplification_u: estimate.amplification(0.0),
-            amplification_v: estimate.amplification(FRAC_PI_2),
+            amplification_u: estimate.amplification(0.0).filter(|_| !is_open),
+            amplification_v: estimate.amplification(FRAC_PI_2).filter(|_| !is_open),
             residual_rms: bare(self.residual, Unit::Length),
+            single_direction: self.single_direction.clone(),
         };
         if let Some(series) = &self.series {
             let curvatures = [
@@ -186,9 +195,9 @@ impl RollEstimate {
     }
 
     /// Covariance of the normal curvatures along u and v and of the twist k_uv, 1/length²; `None` if the noise is
-    /// neither stated nor estimated from residuals.
-    pub const fn covariance(&self) -> Option<[[f64; 3]; 3]> {
-        self.covariance
+    /// neither stated nor estimated from residuals, or if all rolls have the same direction.
+    pub fn covariance(&self) -> Option<[[f64; 3]; 3]> {
+        self.covariance.filter(|_| self.single_direction.is_none())
     }
 }
 
@@ -341,13 +350,17 @@ pub fn estimate_roll(
             lost,
             probes,
             series: Some(series),
+            single_direction: None,
             recorded,
         });
     }
-    let fit = |noise| LeastSquares::fitted(options.probe_radius, noise, readings).map_err(refused);
+    let single = single_direction(readings, options.probe_radius);
+    let fitted_readings = single.as_ref().map_or(readings, |(_, fitted)| fitted);
+    let fit =
+        |noise| LeastSquares::fitted(options.probe_radius, noise, fitted_readings).map_err(refused);
     let mut noise = options.noise;
     let (mut fitted, mut estimate) = fit(noise)?;
-    let (residual, freedom) = estimate.residual(readings);
+    let (residual, freedom) = estimate.residual(&fitted_readings[..readings.len()]);
     let mut half_width = NORMAL_95;
     let std_from = match noise {
         ReadingNoise {
@@ -365,11 +378,19 @@ pub fn estimate_roll(
         }
         _ => "none: the residuals are zero and no pitch is stated",
     };
+    let covariance = fitted.covariance(&estimate);
+    let single_direction = single.map(|(angle, mut fitted)| {
+        fitted.pop();
+        // Small rotations across the single direction are not readings of the curvature across it.
+        recorded.readings = fitted;
+        DirectedCurvature::new(angle, &estimate, covariance.as_ref(), half_width, unit)
+    });
     Ok(RollEstimate {
         options: options.clone(),
         recorded,
         unit,
-        covariance: fitted.covariance(&estimate),
+        covariance,
+        single_direction,
         estimate,
         residual,
         half_width,

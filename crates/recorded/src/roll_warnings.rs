@@ -10,6 +10,7 @@ use palpate_study::config::LengthUnit;
 use super::misfit_warning::ReadingWords;
 use super::roll_estimate::RollEstimate;
 use super::roll_recording::RollRecording;
+use super::single_direction::DirectedCurvature;
 
 /// Largest accepted ratio of a probe's rotation to its rotation on a plane, which is 1 + R_probe/R_object. If the ratio
 /// is larger, a warning is given, because the rotations are probably in degrees.
@@ -47,8 +48,10 @@ impl RollEstimate {
         };
         let left_out = self.left_out().into_iter();
         let left_out = left_out.map(|probe| Warning::new("left-out", probe.text(), []));
+        let directed = self.single_direction.as_ref();
         Warning::of("units", units)
             .into_iter()
+            .chain(directed.map(DirectedCurvature::warning))
             .chain(left_out)
             .chain(misfits.iter().map(|misfit| words.warning(misfit)))
             .chain(Warning::of("flat-object", self.flatness()))

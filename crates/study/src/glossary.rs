@@ -194,7 +194,7 @@ subjects! {
         "unnamed-fingers": "No column names the finger of each row. The fingers are found by blank lines or long steps.";
         "flat-object": "The object is so flat that the rounding of double precision changes its curvature noticeably.";
         "left-out": "Readings are left out of the fit: lost readings and other outliers, or rolls that cannot be used.";
-        "not-resolved-across": "The contacts are of one stroke. They determine the curvature along it, but not across it.";
+        "not-resolved-across": "The contacts are of one stroke, or all rolls have the same direction. They determine the curvature along this direction, but not across it.";
         "two-groups": "The contacts form two groups that are farther apart than each is wide. They may be of two objects.";
         "uncertain-shape": "The contacts fit two shapes about as well. Record more contacts over a larger part of the object.";
         "too-many-outliers": "More than a fifth of the contacts are lost readings or outliers, or of another object.";

@@ -104,11 +104,12 @@ class RollEstimate(Record):
     arc_length: _Value
     principal_curvature_min: _Value
     principal_curvature_max: _Value
-    principal_direction_max_deg: float
+    principal_direction_max_deg: float | None
     principal_direction_max_std_deg: float | None
     amplification_u: float | None
     amplification_v: float | None
     residual_rms: _Value
+    single_direction: Record | None
     radius: _Radius
     std_from: str
     unresolved_probes: list[Record]

@@ -199,3 +199,67 @@ fn unusable_quaternions_are_refused() {
         "{hint}"
     );
 }
+
+/// Rolls of a probe with the radius 10 in the direction `drive`, which are not exactly parallel, on an object with the
+/// normal curvatures 0.06 along u, 0 along v and the twist 0.02. The shifts have errors of up to `error`.
+fn rolls_along(drive: [f64; 2], spread: f64, error: f64) -> String {
+    let mobility = nalgebra::Matrix2::new(0.16, 0.02, 0.02, 0.1)
+        .try_inverse()
+        .unwrap();
+    let row = |probe: i32| {
+        let [size, turn, u_error, v_error] =
+            [0.1 + 0.02 * f64::from(probe), 1.0, 2.0, 3.0].map(|phase| match phase {
+                size if size < 1.0 => size,
+                phase => libm::sin(7.3 * phase * f64::from(probe)),
+            });
+        let drive = nalgebra::Vector2::from(drive) * size;
+        let shift = mobility * drive;
+        let [across_x, across_y] = [drive.x, drive.y].map(|along| spread * turn * along);
+        format!(
+            "{probe},{},{},{},{}\n",
+            drive.y + across_x,
+            across_y - drive.x,
+            shift.x + error * u_error,
+            shift.y + error * v_error
+        )
+    };
+    (0..12).map(row).collect()
+}
+
+#[test]
+fn rolls_in_one_direction_determine_the_curvature_along_the_path() {
+    for drive in [[1.0, 0.0], [0.0, -1.0], [0.6, 0.8], [-0.8, 0.6]] {
+        for (spread, error, tolerance) in [(0.0, 0.0, 1e-9), (0.02, 0.01, 0.01)] {
+            let text = rolls_along(drive, spread, error);
+            let estimate = estimate(&text, &options()).unwrap();
+            let json = serde_json::to_value(&estimate).unwrap();
+            let found = &json["single_direction"];
+            let angle = found["direction_deg"].as_f64().unwrap().to_radians();
+            let (sin, cos) = libm::sincos(angle);
+            let truth = 0.06 * cos * cos + 0.04 * sin * cos;
+            let along = &found["curvature_along"];
+            let value = along["value"].as_f64().unwrap();
+            assert!(
+                (value - truth).abs() < tolerance,
+                "{drive:?}: {value} {truth}"
+            );
+            if error > 0.0 {
+                let [low, high] = [0, 1].map(|end| along["interval95"][end].as_f64().unwrap());
+                assert!(
+                    low < truth && truth < high && high - low < 0.02,
+                    "{low} {high}"
+                );
+            }
+            for open in [
+                "mean_curvature",
+                "gaussian_curvature",
+                "normal_curvature_u",
+                "radius",
+            ] {
+                assert!(json[open]["value"].is_null(), "{open}");
+            }
+            assert!(json["principal_direction_max_deg"].is_null());
+            assert_eq!(json["warnings"][0]["code"], "not-resolved-across");
+        }
+    }
+}

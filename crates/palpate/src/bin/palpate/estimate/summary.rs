@@ -33,6 +33,8 @@ pub(super) fn summary(estimate: &Value) -> String {
     let quantities = QUANTITIES
         .iter()
         .filter_map(|key| quantity(key, &estimate[*key]));
+    let path = &estimate["single_direction"]["curvature_along"];
+    let along = along.or_else(|| quantity("curvature along the rolls", path));
     let quantities = along.into_iter().chain(quantities);
     let mut lines: Vec<String> = quantities.take(MAX_SHOWN).collect();
     if let (Some(first), Some(verdict)) = (lines.first_mut(), verdict(estimate)) {
@@ -74,7 +76,7 @@ fn quantity(key: &str, value: &Value) -> Option<String> {
 
 /// Text with the shape or the shape class of the object, and its probability.
 fn verdict(estimate: &Value) -> Option<String> {
-    if !estimate["stroke"].is_null() {
+    if !(estimate["stroke"].is_null() && estimate["single_direction"].is_null()) {
         return Some("not resolved across".to_owned());
     }
     let of_shape = (&estimate["shape"], &estimate["shape_probabilities"]);

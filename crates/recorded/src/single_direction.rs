@@ -1,0 +1,110 @@
+//! Rolls in a single direction. They determine the object's normal curvature along the path of the contact, but not
+//! across it.
+
+use nalgebra::{Matrix2, SymmetricEigen, Vector2};
+use palpate_ep1::{Estimate, ProbeReading};
+use palpate_statistics::Number;
+use palpate_study::config::LengthUnit;
+use palpate_study::{Unit, Warning};
+use serde::Serialize;
+
+use super::value::Value;
+
+/// Largest ratio of the rms rotations across and along a single direction.
+const MAX_SPREAD: f64 = 0.05;
+/// Size of the assumed rotation across the rolls, relative to the rms rotation.
+const ACROSS_SHARE: f64 = 0.1;
+
+/// Normal curvature along the path of the contact.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DirectedCurvature {
+    /// Curvature along the path, > 0 if convex.
+    pub curvature_along: Value,
+    /// Direction of the path, degrees, from +u towards +v of the readings.
+    pub direction_deg: f64,
+}
+
+/// Returns the angle of the contact's path, from u towards v, and the readings for a fit; `None` if the rolls have
+/// several directions. The readings for the fit have one more roll, across the others and on a plane.
+///
+/// With the drive g and the contact's path b per radian, the relative curvature along b is b·g/(|b|²|g|). It does not
+/// depend on the curvature across, so the additional roll does not change it.
+pub(super) fn single_direction(
+    readings: &[ProbeReading],
+    probe_radius: f64,
+) -> Option<(f64, Vec<ProbeReading>)> {
+    let drive = |rotation: &Vector2<f64>| Vector2::new(-rotation.y, rotation.x);
+    let largest = readings.iter().map(|one| one.rotation.amax());
+    let largest = largest.fold(f64::MIN_POSITIVE, f64::max);
+    let mut moment = Matrix2::zeros();
+    for reading in readings {
+        let drive = drive(&(reading.rotation / largest));
+        moment += drive * drive.transpose();
+    }
+    let eigen = SymmetricEigen::new(moment);
+    let (place, square) = eigen.eigenvalues.argmax();
+    let is_single = eigen.eigenvalues.min() < MAX_SPREAD * MAX_SPREAD * square;
+    if !is_single || readings.len() < 2 {
+        return None;
+    }
+    let along: Vector2<f64> = eigen.eigenvectors.column(place).into();
+    let across = Vector2::new(-along.y, along.x);
+    let rolled = |reading: &ProbeReading| drive(&reading.rotation).dot(&along) / largest;
+    let shifts = readings.iter().map(|one| one.shift * rolled(one));
+    let path = shifts.sum::<Vector2<f64>>() / (square * largest);
+    let turned = |drive: Vector2<f64>| Vector2::new(drive.y, -drive.x);
+    let mut fitted: Vec<ProbeReading> = readings
+        .iter()
+        .map(|reading| ProbeReading {
+            rotation: turned(along * rolled(reading) * largest),
+            ..*reading
+        })
+        .collect();
+    let size = ACROSS_SHARE * largest * (square / readings.len() as f64).sqrt();
+    fitted.push(ProbeReading {
+        rotation: turned(across * size),
+        shift: (along * path.dot(&across) + across * probe_radius) * size,
+    });
+    let angle = libm::atan(path.y / path.x);
+    angle.is_finite().then_some((angle, fitted))
+}
+
+impl DirectedCurvature {
+    /// The curvature along a path at `angle` from u, in an estimate from the readings of [`single_direction`].
+    pub(super) fn new(
+        angle: f64,
+        estimate: &Estimate,
+        covariance: Option<&[[f64; 3]; 3]>,
+        half_width: f64,
+        unit: LengthUnit,
+    ) -> Self {
+        let (sin, cos) = libm::sincos(angle);
+        let weights = [cos * cos, sin * sin, 2.0 * sin * cos];
+        let variance = |covariance: &[[f64; 3]; 3]| {
+            let rows = covariance.iter().zip(weights);
+            let sums = rows.map(|(row, weight)| {
+                weight * row.iter().zip(weights).map(|(a, b)| a * b).sum::<f64>()
+            });
+            sums.sum::<f64>()
+        };
+        let std = covariance.map(|covariance| variance(covariance).max(0.0).sqrt());
+        let value = estimate.curvature.normal_curvature(angle);
+        Self {
+            curvature_along: Value::within(value, std, half_width, Unit::PerLength, unit),
+            direction_deg: angle.to_degrees(),
+        }
+    }
+
+    /// Warning that the curvature is not resolved in other directions.
+    pub(super) fn warning(&self) -> Warning {
+        let angle = Number::rounded(self.direction_deg);
+        let text = format!(
+            "all rolls are in one direction: they determine the curvature along {angle} deg from u, and not across it"
+        );
+        Warning::new(
+            "not-resolved-across",
+            text,
+            [("direction_deg", self.direction_deg)],
+        )
+    }
+}
