@@ -113,67 +113,66 @@ pub(crate) fn distinct_contacts(contacts: &[Contact]) -> DistinctContacts {
 /// Merges consecutive contacts of a finger. Each contact of a run is within the distance `limit` of the run's first
 /// contact. If `with_copies`, copies are merged too.
 fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContacts {
-    struct Run {
-        first: Contact,
+    /// Sums over the contacts of a run, relative to the first.
+    struct Rest {
         sum: Vector3<f64>,
         normal: Vector3<f64>,
         count: f64,
     }
+    let unit = |contact: &Contact| {
+        let normal = contact.normal.map(|normal| normal / normal.amax());
+        normal.map_or(Vector3::zeros(), |normal| normal.normalize())
+    };
     let capacity = if with_copies { contacts.len() } else { 0 };
     let mut copies = HashMap::with_capacity(capacity);
-    let mut runs: Vec<Run> = Vec::with_capacity(contacts.len());
+    // The first contact of each run. Most runs have no other contacts.
+    let mut runs: Vec<Contact> = Vec::with_capacity(contacts.len());
+    let mut rests: HashMap<usize, Rest> = HashMap::new();
     let mut open: FingerMap<Option<usize>> = FingerMap::default();
     let mut run_of_row = Vec::with_capacity(contacts.len());
     for contact in contacts {
         let position = contact.position;
-        let unit = contact.normal.map(|normal| normal / normal.amax());
         let key = || {
             let mut hasher = DefaultHasher::new();
             bits_of(contact).hash(&mut hasher);
             hasher.finish()
         };
         let copied = with_copies.then(|| *copies.entry(key()).or_insert(runs.len()));
-        let is_copy = |run: &Run| bits_of(&run.first) == bits_of(contact);
+        let is_copy = |first: &Contact| bits_of(first) == bits_of(contact);
         let copied = copied.filter(|&run| runs.get(run).is_some_and(is_copy));
         let rested = open
             .entry(contact.finger)
-            .filter(|&run| (position - runs[run].first.position).norm() <= limit);
+            .filter(|&run| (position - runs[run].position).norm() <= limit);
         let run = match (copied, rested) {
             // A copy does not change the mean of the run.
             (Some(run), _) => run,
             (None, Some(run)) => {
-                let rest = &mut runs[run];
-                rest.sum += position - rest.first.position;
-                rest.normal += unit.unwrap_or_default().normalize();
+                let rest = rests.entry(run).or_insert_with(|| Rest {
+                    sum: Vector3::zeros(),
+                    normal: unit(&runs[run]),
+                    count: 1.0,
+                });
+                rest.sum += position - runs[run].position;
+                rest.normal += unit(contact);
                 rest.count += 1.0;
                 run
             }
             (None, None) => {
-                runs.push(Run {
-                    first: *contact,
-                    sum: Vector3::zeros(),
-                    normal: unit.map_or(Vector3::zeros(), |unit| unit.normalize()),
-                    count: 1.0,
-                });
+                runs.push(*contact);
                 *open.entry(contact.finger) = Some(runs.len() - 1);
                 runs.len() - 1
             }
         };
         run_of_row.push(run);
     }
-    let mean = |run: Run| match run.count {
-        1.0 => run.first,
-        count => Contact {
-            position: run.first.position + run.sum / count,
-            normal: run
-                .first
-                .normal
-                .map(|first| run.normal.try_normalize(1e-6).unwrap_or(first)),
-            ..run.first
-        },
-    };
+    for (run, rest) in rests {
+        let mean = &mut runs[run];
+        mean.position += rest.sum / rest.count;
+        let normal = rest.normal.try_normalize(1e-6);
+        mean.normal = mean.normal.map(|first| normal.unwrap_or(first));
+    }
     DistinctContacts {
-        contacts: runs.into_iter().map(mean).collect(),
+        contacts: runs,
         run_of_row,
     }
 }

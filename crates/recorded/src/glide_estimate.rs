@@ -304,7 +304,9 @@ impl<'r> GlideFitResult<'r> {
             let [normal_x, normal_y, normal_z] = contact.normal.unwrap_or_default().into();
             [finger, x, y, z, normal_x, normal_y, normal_z]
         });
-        let of_used = source.selected(&used.rows);
+        let has_copies = used.readings.distinct < used.rows.len();
+        let of_used = has_copies.then(|| source.selected(&used.rows));
+        let repeated = of_used.and_then(|source| source.repeated("contact", rows, 0.0));
         let spacing = of_graph.and_then(|graph| spacing(&graph.patch, &self.given, unit));
         let row = |contact: usize| source.row(used.rows[contact]);
         let distant = of_graph.and_then(|_| distant(contacts, unit, &row));
@@ -330,10 +332,7 @@ impl<'r> GlideFitResult<'r> {
             .chain(stated.unwrap_or_default())
             .chain(normals(contacts))
             .chain(Warning::of("signs", directions))
-            .chain(Warning::of(
-                "repeated-rows",
-                of_used.repeated("contact", rows, 0.0),
-            ))
+            .chain(Warning::of("repeated-rows", repeated))
             .chain(Warning::of("unnamed-fingers", recorded.note.clone()))
             .chain(recorded.source.notes.iter().cloned())
             .collect()

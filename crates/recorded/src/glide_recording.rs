@@ -113,38 +113,42 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> 
     };
     let (columns, others): (Vec<Column>, Vec<Column>) = GLIDES.into_iter().partition(is_read);
     let sheet = ReadingTable::read(&table, &columns, &others)?;
-    let mut positions = Vec::new();
+    let mut contacts = Vec::with_capacity(sheet.source.lines.len());
     // Finger numbers in the file may be arbitrary; here the fingers are numbered in the order in which they first
     // appear.
     let mut indices = Fingers::default();
-    let (mut fingers, mut normals) = (Vec::new(), Vec::new());
     for (line, numbers) in sheet.rows() {
-        let numbers = match names_fingers {
+        let (finger, numbers) = match names_fingers {
             true => {
                 let number = sheet.index(line, finger.name, numbers[0])?;
-                fingers.push(indices.place(number));
-                &numbers[1..]
+                (indices.place(number), &numbers[1..])
             }
-            false => numbers,
+            false => (0, numbers),
         };
-        positions.push(Point3::from_slice(&numbers[..3]));
-        normals.push(with_normals.then(|| Vector3::from_column_slice(&numbers[3..6])));
+        let normal = with_normals.then(|| Vector3::from_column_slice(&numbers[3..6]));
+        contacts.push(Contact::new(
+            finger,
+            Point3::from_slice(&numbers[..3]),
+            normal,
+        ));
     }
     let note = (!names_fingers).then(|| {
         let unit = sheet.unit.unwrap_or_default().as_str();
+        let positions: Vec<_> = contacts.iter().map(|contact| contact.position).collect();
         let assigned = |places: &[Point3<f64>]| assign_fingers(places, &sheet.after_gaps, unit);
-        let (found, note) = match assigned(&positions) {
-            (found, _) if found.last() > Some(&0) => assigned(&with_outliers_moved(&positions)),
+        let (fingers, note) = match assigned(&positions) {
+            (found, _) if found.last() > Some(&0) => assigned(&with_outliers_moved(&contacts)),
             one => one,
         };
-        fingers = found;
+        for (contact, finger) in contacts.iter_mut().zip(fingers) {
+            contact.finger = finger;
+        }
         note
     });
-    let parts = fingers.iter().copied().zip(positions).zip(normals);
-    let contacts = parts.map(|((finger, position), normal)| Contact::new(finger, position, normal));
+    let fingers = contacts.iter().map(|contact| contact.finger).max();
     Ok(GlideRecording {
-        contacts: contacts.collect(),
-        fingers: fingers.iter().max().map_or(0, |most| most + 1),
+        contacts,
+        fingers: fingers.map_or(0, |most| most + 1),
         source: sheet.source,
         unit: sheet.unit,
         extras: sheet.extras,
@@ -152,17 +156,16 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> 
     })
 }
 
-/// The places, with each gross outlier at the place before it, so that lost readings do not separate fingers.
-fn with_outliers_moved(places: &[Point3<f64>]) -> Vec<Point3<f64>> {
-    let contacts = places.iter().map(|place| Contact::new(0, *place, None));
-    let contacts: Vec<Contact> = contacts.collect();
-    let mut moved = places.to_vec();
-    if let Ok(sound) = SoundContacts::new(&contacts) {
+/// The places of the contacts, with each gross outlier at the place before it, so that lost readings do not separate
+/// fingers.
+fn with_outliers_moved(contacts: &[Contact]) -> Vec<Point3<f64>> {
+    let mut places: Vec<_> = contacts.iter().map(|contact| contact.position).collect();
+    if let Ok(sound) = SoundContacts::new(contacts) {
         let first = sound.rows.first().map(|&row| places[row]);
-        for outlier in &sound.outliers {
-            let before = outlier.contact.checked_sub(1).map(|row| moved[row]);
-            moved[outlier.contact] = before.or(first).unwrap_or(places[outlier.contact]);
+        for outlier in sound.outliers {
+            let before = outlier.contact.checked_sub(1).map(|row| places[row]);
+            places[outlier.contact] = before.or(first).unwrap_or(places[outlier.contact]);
         }
     }
-    moved
+    places
 }

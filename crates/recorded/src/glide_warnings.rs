@@ -165,6 +165,9 @@ pub(super) fn normals(contacts: &[Contact]) -> impl Iterator<Item = Warning> {
 
 /// Smallest number of contacts for which signs and columns of the normals are checked.
 const MIN_CONTACTS: usize = 8;
+/// Largest number of contacts for which the directions of the normals are compared. If there are more contacts, an
+/// evenly spaced selection of them is used.
+const MAX_CONTACTS: usize = 2000;
 
 /// Smallest factor by which the fit's error must decrease if components of the normals are swapped or reversed. Only
 /// then a warning is given.
@@ -180,8 +183,10 @@ pub(super) fn directions(contacts: &[Contact]) -> Option<String> {
     if !has_normals || contacts.len() < MIN_CONTACTS {
         return None;
     }
-    let own = fit_error(contacts, &Matrix3::identity());
-    let changed = changes().map(|(change, name)| (fit_error(contacts, &change), name));
+    let step = contacts.len().div_ceil(MAX_CONTACTS);
+    let contacts: Vec<Contact> = contacts.iter().copied().step_by(step).collect();
+    let own = fit_error(&contacts, &Matrix3::identity());
+    let changed = changes().map(|(change, name)| (fit_error(&contacts, &change), name));
     let (least, name) = changed
         .into_iter()
         .min_by(|(one, _), (other, _)| one.total_cmp(other))?;
