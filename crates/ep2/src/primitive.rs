@@ -6,10 +6,12 @@ mod intervals;
 mod lack_of_fit;
 mod pose;
 mod robust_fit;
+mod shape_choice;
 mod shape_map;
+mod shape_report;
 mod start;
 
-use nalgebra::{Matrix2, Matrix3, Point3, SMatrix, SymmetricEigen, Vector3};
+use nalgebra::{Point3, Vector3};
 use strum::{IntoStaticStr, VariantArray};
 use thiserror::Error;
 
@@ -18,22 +20,11 @@ use crate::error::LARGEST;
 use crate::gross_outliers::{Outlier, OutlierReason, SoundContacts, within_share};
 use crate::patch::direction;
 use crate::{Contact, Ep2Error, Noise, NoiseEstimate};
-use intervals::{CurvatureInterval, curvature_interval};
 use lack_of_fit::{LackOfFit, lack_of_fit};
-use pose::{CURVATURE, Cloud, Pose, UNKNOWNS};
+use pose::Cloud;
 use robust_fit::{RobustFit, Solution, StatedNoise, robust_fit, solve};
+use shape_choice::choose;
 
-/// P-value of a shape's lack of fit at which "none of these" is as probable as the best shape.
-const NONE_P_VALUE: f64 = 0.01;
-/// Length of the contacts' mean normal below which an object counts as touched all around. Such an object is assumed to
-/// be convex.
-const MIN_MEAN_NORMAL: f64 = 0.5;
-/// The outward direction determines the outside only if the cosine of its angle to the mean normal is at least this
-/// value.
-const MIN_OUTWARD_COSINE: f64 = 0.1;
-/// Smallest ratio of two variances of positions: across a line, and by noise. If the ratio is smaller, the positions
-/// count as a line.
-const MIN_SPREAD_RATIO: f64 = 10.0;
 /// Largest number of contacts from which the shape is chosen.
 const MAX_COMPARED: usize = 20_000;
 /// Maximum number of iterations of a fit that starts near the best solution.
@@ -259,7 +250,9 @@ impl ShapeSettings {
         self.enough(&distinct.contacts)?;
         let large = distinct.contacts.len() > MAX_COMPARED;
         if self.shape.is_none() && large {
-            return self.fit_chosen(contacts, &distinct.contacts);
+            let step = distinct.contacts.len().div_ceil(MAX_COMPARED);
+            let selection: Vec<Contact> = distinct.contacts.into_iter().step_by(step).collect();
+            return self.fit_chosen(contacts, &selection);
         }
         let scaled = Scaled::new(&distinct.contacts)?;
         let stated = self.stated(scaled.scale)?;
@@ -339,16 +332,13 @@ impl ShapeSettings {
         Ok(fit)
     }
 
-    /// Chooses the shape, and fits it to all contacts. If there are many contacts, the choice uses an evenly spaced
-    /// selection of them.
+    /// Chooses the shape for an evenly spaced selection of many contacts, and fits it to all contacts.
     fn fit_chosen(
         &self,
         contacts: &[Contact],
-        distinct: &[Contact],
+        selection: &[Contact],
     ) -> Result<ShapeFit, ShapeError> {
-        let step = distinct.len().div_ceil(MAX_COMPARED);
-        let selection: Vec<Contact> = distinct.iter().copied().step_by(step).collect();
-        let chosen = self.fit(&selection)?;
+        let chosen = self.fit(selection)?;
         let stated = Self {
             shape: Some(chosen.shape),
             ..*self
@@ -397,240 +387,4 @@ impl ShapeSettings {
         }
         Ok([position_std.map(|std| std / scale), normal_std_rad])
     }
-
-    /// The results in the unit of the contacts; `None` for numbers that exceed the range of doubles.
-    fn reported(
-        &self,
-        candidate: &Candidate,
-        scaled: &Scaled,
-        used: &Cloud,
-        outward: Vector3<f64>,
-    ) -> Option<ShapeFit> {
-        let Candidate { solution, lack } = candidate;
-        let scale = scaled.scale;
-        let interval = curvature_interval(solution, used, lack);
-        let is_reversed = used.normals.is_empty() && is_inside_out(&solution.pose, used, &outward);
-        let pose = if is_reversed {
-            solution.pose.reversed()
-        } else {
-            solution.pose
-        };
-        let shape = pose.shape;
-        let is_plane = shape == Shape::Plane;
-        let sign = if is_reversed { -1.0 } else { 1.0 };
-        let is_resolved = !is_plane && interval.is_some_and(|interval| interval.is_resolved);
-        // Two curvatures in the unit of the contacts: of the surface on which the centres of the fingertip lie, and of
-        // the object.
-        let of_object = |curvature: f64| curvature / (1.0 - curvature * self.tip_radius);
-        let centres = pose.curvature / scale;
-        let ends = interval.map(|interval| {
-            let [low, high] = interval.ends.map(|end| sign * end / scale);
-            [low.min(high), low.max(high)]
-        });
-        let std = interval.map(|interval| interval.std / scale);
-        let is_tip_smaller = |curvature: f64| curvature * self.tip_radius < 1.0;
-        let ends_of_object = ends.map_or([None; 2], |ends| {
-            ends.map(|end| is_tip_smaller(end).then(|| of_object(end)))
-        });
-        let stretch = (1.0 - centres * self.tip_radius).powi(-2);
-        let curvature = match is_plane {
-            true => SizeEstimate {
-                value: Some(0.0),
-                std: None,
-                interval95: [Some(0.0); 2],
-            },
-            false => SizeEstimate {
-                value: is_tip_smaller(centres).then(|| of_object(centres)),
-                std: std
-                    .filter(|_| is_tip_smaller(centres))
-                    .map(|std| std * stretch),
-                interval95: ends_of_object,
-            },
-        };
-        let radius = radius(&curvature, is_resolved, ends_of_object);
-        let variance = |row: &SMatrix<f64, 3, UNKNOWNS>, interval: &CurvatureInterval| {
-            let spread: Matrix3<f64> = row * interval.covariance * row.transpose();
-            spread.diagonal().map(|x| x.max(0.0).sqrt() * scale).into()
-        };
-        let place = place(&solution.pose, is_resolved);
-        let foot = pose.based_at(&start::middle(used));
-        let tip = foot.axis(2) * self.tip_radius;
-        let place_std = place
-            .and(interval)
-            .map(|interval| variance(&place_derivative(&solution.pose), &interval));
-        let direction = match shape {
-            Shape::Plane => Some(pose.axis(2)),
-            Shape::Cylinder => Some(pose.axis(0)),
-            Shape::Sphere => None,
-        };
-        let direction_std_rad = direction.and(interval).map(|interval| {
-            let angles: [usize; 2] = if is_plane { [0, 1] } else { [1, 2] };
-            let [one, other] = angles.map(|angle| interval.covariance[(angle, angle)]);
-            one.max(other).max(0.0).sqrt()
-        });
-        let distances = used.places.iter().map(|place| pose.distance(place).powi(2));
-        let rms_misfit = scale * (distances.sum::<f64>() / used.places.len() as f64).sqrt();
-        let [position, normal] = solution.variances;
-        let bending = pose.curvature * pose.curvature * position;
-        let noise = solution.freedom.map(|_| NoiseEstimate {
-            position_std: position.sqrt() * scale,
-            normal_std_rad: (!used.normals.is_empty()).then(|| (normal - bending).max(0.0).sqrt()),
-        });
-        let place = place.map(|place| match shape {
-            Shape::Plane => scaled.point(&place) - tip,
-            Shape::Sphere | Shape::Cylinder => scaled.point(&place),
-        });
-        let foot = (scaled.point(&foot.point) - tip, foot.axis(2));
-        let numbers = [rms_misfit, foot.0.coords.sum(), foot.1.sum(), centres];
-        numbers
-            .iter()
-            .all(|number| number.is_finite())
-            .then_some(ShapeFit {
-                shape,
-                probabilities: None,
-                curvature,
-                radius,
-                place,
-                place_std,
-                foot,
-                direction,
-                direction_std_rad,
-                rms_misfit,
-                p_value: lack.p_value,
-                noise,
-                readings: EffectiveReadings {
-                    contacts: 0,
-                    distinct: 0,
-                    position_correlation: 1.0,
-                    normal_correlation: 1.0,
-                },
-                outliers: Vec::new(),
-            })
-    }
-}
-
-/// The radius that follows from the curvature of the object.
-fn radius(curvature: &SizeEstimate, is_resolved: bool, ends: [Option<f64>; 2]) -> SizeEstimate {
-    let value = curvature.value.filter(|_| is_resolved);
-    let size = |curvature: f64| curvature.abs().recip();
-    // The end of the interval with the larger magnitude of curvature determines the lower bound of the radius.
-    let largest = match ends {
-        [Some(low), Some(high)] => Some(low.abs().max(high.abs())),
-        _ => None,
-    };
-    let smallest = match ends {
-        [Some(low), Some(high)] if is_resolved && low * high > 0.0 => {
-            Some(low.abs().min(high.abs()))
-        }
-        _ => None,
-    };
-    let std = curvature
-        .std
-        .zip(value)
-        .map(|(std, value)| std / (value * value));
-    SizeEstimate {
-        value: value.map(size),
-        std,
-        interval95: [
-            largest.map(size).filter(|x| x.is_finite()),
-            smallest.map(size),
-        ],
-    }
-}
-
-/// Whether the inside and the outside of a shape that was fitted without normals must be exchanged.
-fn is_inside_out(pose: &Pose, cloud: &Cloud, outward: &Vector3<f64>) -> bool {
-    let normals = cloud.places.iter().map(|place| pose.normal_at(place));
-    let mean = normals.sum::<Vector3<f64>>() / cloud.places.len() as f64;
-    let cosine = mean.dot(outward);
-    if mean.norm() < MIN_MEAN_NORMAL || cosine.abs() < MIN_OUTWARD_COSINE * mean.norm() {
-        return pose.curvature < 0.0;
-    }
-    cosine < 0.0
-}
-
-/// Centre of a sphere, point on the axis of a cylinder, or point of a plane; `None` if the size is not determined.
-fn place(pose: &Pose, is_resolved: bool) -> Option<Vector3<f64>> {
-    match pose.shape {
-        Shape::Plane => Some(pose.point),
-        Shape::Sphere | Shape::Cylinder => {
-            is_resolved.then(|| pose.point - pose.axis(2) / pose.curvature)
-        }
-    }
-}
-
-/// Derivatives of [`place`] with respect to the fitted parameters.
-fn place_derivative(pose: &Pose) -> SMatrix<f64, 3, UNKNOWNS> {
-    let mut all = SMatrix::<f64, 3, UNKNOWNS>::zeros();
-    all.set_column(3, &pose.axis(2));
-    if pose.shape != Shape::Plane {
-        let radius = pose.curvature.recip();
-        // A rotation about the axis a moves the normal by −b, and a rotation about the axis b moves it by a.
-        all.set_column(0, &(pose.axis(1) * radius));
-        all.set_column(1, &(-pose.axis(0) * radius));
-        all.set_column(CURVATURE, &(pose.axis(2) * radius * radius));
-    }
-    if pose.shape == Shape::Cylinder {
-        // The component along the cylinder's axis does not change.
-        let along = pose.axis(0);
-        all -= along * (along.transpose() * all);
-    }
-    all
-}
-
-/// Whether contacts with this variance of the positions vary in only one direction along the surface, except for noise.
-fn is_line(pose: &Pose, cloud: &Cloud, variance: f64) -> bool {
-    let pose = pose.based_at(&start::middle(cloud));
-    let mut spread = Matrix2::zeros();
-    for place in &cloud.places {
-        let q = (pose.axes * (place - pose.point)).xy();
-        spread += q * q.transpose() / cloud.places.len() as f64;
-    }
-    SymmetricEigen::new(spread).eigenvalues.min() < MIN_SPREAD_RATIO * variance
-}
-
-/// The most probable shape, and the probabilities of a plane, a sphere, a cylinder and none of these.
-///
-/// The shapes are compared by the Bayesian information criterion. The ratio of the probabilities of "none of these" and
-/// the best shape is 0.01 / p, where p is the p-value of the best shape's lack of fit.
-fn choose(
-    candidates: &[Candidate],
-    stated: StatedNoise,
-    used: &Cloud,
-) -> (usize, Option<[f64; 4]>) {
-    let correlations = [0, 1].map(|kind| {
-        let all = candidates.iter().map(|one| one.lack.correlations[kind]);
-        all.fold(f64::INFINITY, f64::min)
-    });
-    let criterion = |one: &Candidate| {
-        let counts = one.solution.equations.counts;
-        let equations = counts[0] / correlations[0] + counts[1] / correlations[1];
-        let unknowns = one.solution.pose.unknowns() as f64;
-        one.solution.deviance(stated, correlations) + unknowns * libm::log(equations)
-    };
-    let mut criteria: Vec<f64> = candidates.iter().map(criterion).collect();
-    // If the contacts lie on one line, the fits of a sphere and a cylinder differ only because of position errors. A shape
-    // that does not fit has a variance far above that of the noise.
-    let variances = candidates.iter().map(|one| one.solution.variances[0]);
-    let variance = variances.fold(f64::INFINITY, f64::min);
-    let cylinder = &candidates[Shape::Cylinder as usize].solution.pose;
-    if is_line(cylinder, used, variance) {
-        let best = criteria[Shape::Sphere as usize].min(criteria[Shape::Cylinder as usize]);
-        criteria[Shape::Sphere as usize] = best;
-        criteria[Shape::Cylinder as usize] = best;
-    }
-    let least = criteria.iter().copied().fold(f64::INFINITY, f64::min);
-    let chosen = criteria.iter().position(|&one| one == least).unwrap_or(0);
-    let weights: Vec<f64> = criteria
-        .iter()
-        .map(|one| libm::exp(0.5 * (least - one)))
-        .collect();
-    let none = NONE_P_VALUE / candidates[chosen].lack.p_value.max(f64::MIN_POSITIVE);
-    let total = weights.iter().sum::<f64>() + none;
-    let shares = weights.iter().map(|weight| weight / total);
-    let mut probabilities = [0.0; 4];
-    for (probability, share) in probabilities.iter_mut().zip(shares.chain([none / total])) {
-        *probability = share;
-    }
-    (chosen, Some(probabilities))
 }

@@ -178,7 +178,7 @@ fn tested(
     let pose = &solution.pose;
     let counts = solution.equations.counts;
     // Across a line of contacts, normals differ from those of the shape because of errors of the positions.
-    let is_line = super::is_line(pose, cloud, solution.variances[0]);
+    let is_line = super::shape_choice::is_line(pose, cloud, solution.variances[0]);
     let kinds = if is_line || cloud.normals.is_empty() {
         1
     } else {

@@ -1,0 +1,70 @@
+//! Choice of the most probable shape.
+
+use nalgebra::{Matrix2, SymmetricEigen};
+
+use super::pose::{Cloud, Pose};
+use super::robust_fit::StatedNoise;
+use super::{Candidate, Shape, start};
+
+/// P-value of a shape's lack of fit at which "none of these" is as probable as the best shape.
+const NONE_P_VALUE: f64 = 0.01;
+/// Smallest ratio of two variances of positions: across a line, and by noise. If the ratio is smaller, the positions
+/// count as a line.
+const MIN_SPREAD_RATIO: f64 = 10.0;
+
+/// Whether contacts with this variance of the positions vary in only one direction along the surface, except for noise.
+pub(super) fn is_line(pose: &Pose, cloud: &Cloud, variance: f64) -> bool {
+    let pose = pose.based_at(&start::middle(cloud));
+    let mut spread = Matrix2::zeros();
+    for place in &cloud.places {
+        let q = (pose.axes * (place - pose.point)).xy();
+        spread += q * q.transpose() / cloud.places.len() as f64;
+    }
+    SymmetricEigen::new(spread).eigenvalues.min() < MIN_SPREAD_RATIO * variance
+}
+
+/// The most probable shape, and the probabilities of a plane, a sphere, a cylinder and none of these.
+///
+/// The shapes are compared by the Bayesian information criterion. The ratio of the probabilities of "none of these" and
+/// the best shape is 0.01 / p, where p is the p-value of the best shape's lack of fit.
+pub(super) fn choose(
+    candidates: &[Candidate],
+    stated: StatedNoise,
+    used: &Cloud,
+) -> (usize, Option<[f64; 4]>) {
+    let correlations = [0, 1].map(|kind| {
+        let all = candidates.iter().map(|one| one.lack.correlations[kind]);
+        all.fold(f64::INFINITY, f64::min)
+    });
+    let criterion = |one: &Candidate| {
+        let counts = one.solution.equations.counts;
+        let equations = counts[0] / correlations[0] + counts[1] / correlations[1];
+        let unknowns = one.solution.pose.unknowns() as f64;
+        one.solution.deviance(stated, correlations) + unknowns * libm::log(equations)
+    };
+    let mut criteria: Vec<f64> = candidates.iter().map(criterion).collect();
+    // If the contacts lie on one line, the fits of a sphere and a cylinder differ only because of position errors. A shape
+    // that does not fit has a variance far above that of the noise.
+    let variances = candidates.iter().map(|one| one.solution.variances[0]);
+    let variance = variances.fold(f64::INFINITY, f64::min);
+    let cylinder = &candidates[Shape::Cylinder as usize].solution.pose;
+    if is_line(cylinder, used, variance) {
+        let best = criteria[Shape::Sphere as usize].min(criteria[Shape::Cylinder as usize]);
+        criteria[Shape::Sphere as usize] = best;
+        criteria[Shape::Cylinder as usize] = best;
+    }
+    let least = criteria.iter().copied().fold(f64::INFINITY, f64::min);
+    let chosen = criteria.iter().position(|&one| one == least).unwrap_or(0);
+    let weights: Vec<f64> = criteria
+        .iter()
+        .map(|one| libm::exp(0.5 * (least - one)))
+        .collect();
+    let none = NONE_P_VALUE / candidates[chosen].lack.p_value.max(f64::MIN_POSITIVE);
+    let total = weights.iter().sum::<f64>() + none;
+    let shares = weights.iter().map(|weight| weight / total);
+    let mut probabilities = [0.0; 4];
+    for (probability, share) in probabilities.iter_mut().zip(shares.chain([none / total])) {
+        *probability = share;
+    }
+    (chosen, Some(probabilities))
+}

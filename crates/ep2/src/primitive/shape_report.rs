@@ -1,0 +1,197 @@
+//! The results of a fit, in the unit of the contacts: sizes, place and direction with their standard errors.
+
+use nalgebra::{Matrix3, SMatrix, Vector3};
+
+use super::intervals::{CurvatureInterval, curvature_interval};
+use super::pose::{CURVATURE, Cloud, Pose, UNKNOWNS};
+use super::{Candidate, Scaled, Shape, ShapeFit, ShapeSettings, SizeEstimate, start};
+use crate::NoiseEstimate;
+use crate::effective_readings::EffectiveReadings;
+
+/// Length of the contacts' mean normal below which an object counts as touched all around. Such an object is assumed to
+/// be convex.
+const MIN_MEAN_NORMAL: f64 = 0.5;
+/// The outward direction determines the outside only if the cosine of its angle to the mean normal is at least this
+/// value.
+const MIN_OUTWARD_COSINE: f64 = 0.1;
+
+impl ShapeSettings {
+    /// The results in the unit of the contacts; `None` for numbers that exceed the range of doubles.
+    pub(super) fn reported(
+        &self,
+        candidate: &Candidate,
+        scaled: &Scaled,
+        used: &Cloud,
+        outward: Vector3<f64>,
+    ) -> Option<ShapeFit> {
+        let Candidate { solution, lack } = candidate;
+        let scale = scaled.scale;
+        let interval = curvature_interval(solution, used, lack);
+        let is_reversed = used.normals.is_empty() && is_inside_out(&solution.pose, used, &outward);
+        let pose = if is_reversed {
+            solution.pose.reversed()
+        } else {
+            solution.pose
+        };
+        let shape = pose.shape;
+        let is_plane = shape == Shape::Plane;
+        let sign = if is_reversed { -1.0 } else { 1.0 };
+        let is_resolved = !is_plane && interval.is_some_and(|interval| interval.is_resolved);
+        // Two curvatures in the unit of the contacts: of the surface on which the centres of the fingertip lie, and of
+        // the object.
+        let of_object = |curvature: f64| curvature / (1.0 - curvature * self.tip_radius);
+        let centres = pose.curvature / scale;
+        let ends = interval.map(|interval| {
+            let [low, high] = interval.ends.map(|end| sign * end / scale);
+            [low.min(high), low.max(high)]
+        });
+        let std = interval.map(|interval| interval.std / scale);
+        let is_tip_smaller = |curvature: f64| curvature * self.tip_radius < 1.0;
+        let ends_of_object = ends.map_or([None; 2], |ends| {
+            ends.map(|end| is_tip_smaller(end).then(|| of_object(end)))
+        });
+        let stretch = (1.0 - centres * self.tip_radius).powi(-2);
+        let curvature = match is_plane {
+            true => SizeEstimate {
+                value: Some(0.0),
+                std: None,
+                interval95: [Some(0.0); 2],
+            },
+            false => SizeEstimate {
+                value: is_tip_smaller(centres).then(|| of_object(centres)),
+                std: std
+                    .filter(|_| is_tip_smaller(centres))
+                    .map(|std| std * stretch),
+                interval95: ends_of_object,
+            },
+        };
+        let radius = radius(&curvature, is_resolved, ends_of_object);
+        let variance = |row: &SMatrix<f64, 3, UNKNOWNS>, interval: &CurvatureInterval| {
+            let spread: Matrix3<f64> = row * interval.covariance * row.transpose();
+            spread.diagonal().map(|x| x.max(0.0).sqrt() * scale).into()
+        };
+        let place = place(&solution.pose, is_resolved);
+        let foot = pose.based_at(&start::middle(used));
+        let tip = foot.axis(2) * self.tip_radius;
+        let place_std = place
+            .and(interval)
+            .map(|interval| variance(&place_derivative(&solution.pose), &interval));
+        let direction = match shape {
+            Shape::Plane => Some(pose.axis(2)),
+            Shape::Cylinder => Some(pose.axis(0)),
+            Shape::Sphere => None,
+        };
+        let direction_std_rad = direction.and(interval).map(|interval| {
+            let angles: [usize; 2] = if is_plane { [0, 1] } else { [1, 2] };
+            let [one, other] = angles.map(|angle| interval.covariance[(angle, angle)]);
+            one.max(other).max(0.0).sqrt()
+        });
+        let distances = used.places.iter().map(|place| pose.distance(place).powi(2));
+        let rms_misfit = scale * (distances.sum::<f64>() / used.places.len() as f64).sqrt();
+        let [position, normal] = solution.variances;
+        let bending = pose.curvature * pose.curvature * position;
+        let noise = solution.freedom.map(|_| NoiseEstimate {
+            position_std: position.sqrt() * scale,
+            normal_std_rad: (!used.normals.is_empty()).then(|| (normal - bending).max(0.0).sqrt()),
+        });
+        let place = place.map(|place| match shape {
+            Shape::Plane => scaled.point(&place) - tip,
+            Shape::Sphere | Shape::Cylinder => scaled.point(&place),
+        });
+        let foot = (scaled.point(&foot.point) - tip, foot.axis(2));
+        let numbers = [rms_misfit, foot.0.coords.sum(), foot.1.sum(), centres];
+        numbers
+            .iter()
+            .all(|number| number.is_finite())
+            .then_some(ShapeFit {
+                shape,
+                probabilities: None,
+                curvature,
+                radius,
+                place,
+                place_std,
+                foot,
+                direction,
+                direction_std_rad,
+                rms_misfit,
+                p_value: lack.p_value,
+                noise,
+                readings: EffectiveReadings {
+                    contacts: 0,
+                    distinct: 0,
+                    position_correlation: 1.0,
+                    normal_correlation: 1.0,
+                },
+                outliers: Vec::new(),
+            })
+    }
+}
+
+/// The radius that follows from the curvature of the object.
+fn radius(curvature: &SizeEstimate, is_resolved: bool, ends: [Option<f64>; 2]) -> SizeEstimate {
+    let value = curvature.value.filter(|_| is_resolved);
+    let size = |curvature: f64| curvature.abs().recip();
+    // The end of the interval with the larger magnitude of curvature determines the lower bound of the radius.
+    let largest = match ends {
+        [Some(low), Some(high)] => Some(low.abs().max(high.abs())),
+        _ => None,
+    };
+    let smallest = match ends {
+        [Some(low), Some(high)] if is_resolved && low * high > 0.0 => {
+            Some(low.abs().min(high.abs()))
+        }
+        _ => None,
+    };
+    let std = curvature
+        .std
+        .zip(value)
+        .map(|(std, value)| std / (value * value));
+    SizeEstimate {
+        value: value.map(size),
+        std,
+        interval95: [
+            largest.map(size).filter(|x| x.is_finite()),
+            smallest.map(size),
+        ],
+    }
+}
+
+/// Whether the inside and the outside of a shape that was fitted without normals must be exchanged.
+fn is_inside_out(pose: &Pose, cloud: &Cloud, outward: &Vector3<f64>) -> bool {
+    let normals = cloud.places.iter().map(|place| pose.normal_at(place));
+    let mean = normals.sum::<Vector3<f64>>() / cloud.places.len() as f64;
+    let cosine = mean.dot(outward);
+    if mean.norm() < MIN_MEAN_NORMAL || cosine.abs() < MIN_OUTWARD_COSINE * mean.norm() {
+        return pose.curvature < 0.0;
+    }
+    cosine < 0.0
+}
+
+/// Centre of a sphere, point on the axis of a cylinder, or point of a plane; `None` if the size is not determined.
+fn place(pose: &Pose, is_resolved: bool) -> Option<Vector3<f64>> {
+    match pose.shape {
+        Shape::Plane => Some(pose.point),
+        Shape::Sphere | Shape::Cylinder => {
+            is_resolved.then(|| pose.point - pose.axis(2) / pose.curvature)
+        }
+    }
+}
+
+/// Derivatives of [`place`] with respect to the fitted parameters.
+fn place_derivative(pose: &Pose) -> SMatrix<f64, 3, UNKNOWNS> {
+    let mut all = SMatrix::<f64, 3, UNKNOWNS>::zeros();
+    all.set_column(3, &pose.axis(2));
+    if pose.shape != Shape::Plane {
+        let radius = pose.curvature.recip();
+        // A rotation about the axis a moves the normal by −b, and a rotation about the axis b moves it by a.
+        all.set_column(0, &(pose.axis(1) * radius));
+        all.set_column(1, &(-pose.axis(0) * radius));
+        all.set_column(CURVATURE, &(pose.axis(2) * radius * radius));
+    }
+    if pose.shape == Shape::Cylinder {
+        // The component along the cylinder's axis does not change.
+        let along = pose.axis(0);
+        all -= along * (along.transpose() * all);
+    }
+    all
+}
