@@ -1,6 +1,7 @@
 //! Polynomials over the square [−1, 1]², as series of products T_i(a) T_j(b) of Chebyshev polynomials. The total degree
 //! i + j is limited.
 
+use std::f64::consts::PI;
 use std::ops::{Mul, Sub};
 
 use crate::matrix::SparseMap;
@@ -33,6 +34,26 @@ where
         next = [after, T::from(2.0) * x * after - this];
         this
     })
+}
+
+/// Coefficients of the series that approximates a function over the square, computed by Gauss–Chebyshev quadrature.
+pub(crate) fn approximated(degree: usize, value: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    let nodes = degree + 2;
+    let place = |node: usize| libm::cos((node as f64 + 0.5) * PI / nodes as f64);
+    let polynomials: Vec<Vec<f64>> = (0..nodes)
+        .map(|node| values(place(node), degree).collect())
+        .collect();
+    let mut coefficients = vec![0.0; count(degree)];
+    for (one, along_a) in polynomials.iter().enumerate() {
+        for (other, along_b) in polynomials.iter().enumerate() {
+            let value = value(place(one), place(other)) / (nodes * nodes) as f64;
+            for (sum, [i, j]) in coefficients.iter_mut().zip(products(degree)) {
+                let norm = [1.0, 2.0][usize::from(i > 0)] * [1.0, 2.0][usize::from(j > 0)];
+                *sum += norm * value * along_a[i] * along_b[j];
+            }
+        }
+    }
+    coefficients
 }
 
 /// The linear map from the coefficients of a series to the coefficients of its derivative along an axis. The degree of

@@ -7,6 +7,7 @@ use nalgebra::{Point3, Vector3};
 use crate::curvature::{Curvatures, form_and_basis};
 use crate::posterior::{Posterior, PosteriorLine, Series};
 use crate::spline::{Jet, LANES, Lanes, Local, TensorSpline};
+use crate::square_quadric::{Square, SquareQuadric};
 use crate::{Curvature, Ep2Error, MisfitTest, NoiseEstimate, Patch, PatchFrame, Status};
 
 /// Maximum number of places along each side of a map.
@@ -21,7 +22,7 @@ pub trait Method {
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error>;
 
     /// Goodness of fit, and the ways in which the contacts contradict the method's model. Both are empty for methods
-    /// without this test. The test repeats the fit, so it takes about as long as the fit.
+    /// without this test. The test repeats the fit for at most 2,000 contacts.
     ///
     /// # Errors
     /// Errors of [`Method::fit`].
@@ -37,8 +38,10 @@ pub struct Fit {
     pub frame: PatchFrame,
     /// The rectangle that contains the contacts: smallest and largest u, then smallest and largest v.
     pub domain: [[f64; 2]; 2],
-    /// The surface, as the height w(u, v) over the plane of the patch.
+    /// The surface, as the height w(u, v) over the plane of the patch, or its deviation from `mean`.
     pub(crate) spline: TensorSpline,
+    /// The implicit quadric to which the spline is added, with its square; `None` for a spline alone.
+    pub(crate) mean: Option<(SquareQuadric, Square)>,
     /// Mean and covariance of the surface, if the method computes them.
     pub(crate) posterior: Option<Posterior>,
     /// Noise of the contacts: stated, or estimated by the method.
@@ -150,10 +153,10 @@ impl Fit {
         check_side(side)?;
         let columns = self.columns(side);
         let mut by_v: Vec<Curvatures> = Vec::with_capacity(side * columns.len());
-        self.for_each_line(side, |_, line| {
+        self.for_each_line(side, |line| {
             for one in &columns {
-                let jet = line.jet(&one.locals, self);
-                by_v.push(self.curvatures_on(line, &one.series, &jet)?);
+                let (_, curvatures) = self.on_line(line, &one.locals, &one.series, one.places)?;
+                by_v.push(curvatures);
             }
             Ok(())
         })?;
@@ -175,12 +178,13 @@ impl Fit {
         check_side(side)?;
         let columns = self.columns(side);
         let mut by_v = Vec::with_capacity(side * side);
-        self.for_each_line(side, |v, line| {
+        self.for_each_line(side, |line| {
             for one in &columns {
-                let jet = line.jet(&one.locals, self);
-                let curvatures = self.curvatures_on(line, &one.series, &jet)?;
-                for (lane, jet) in jet.lanes()[..one.count].iter().enumerate() {
-                    by_v.push(self.map_point([one.places[lane], v], jet, curvatures.at(lane))?);
+                let (jets, curvatures) =
+                    self.on_line(line, &one.locals, &one.series, one.places)?;
+                for (lane, jet) in jets.lanes()[..one.count].iter().enumerate() {
+                    let place = [one.places[lane], line.v];
+                    by_v.push(self.map_point(place, jet, curvatures.at(lane))?);
                 }
             }
             Ok(())
@@ -208,10 +212,10 @@ impl Fit {
     fn for_each_line(
         &self,
         side: usize,
-        mut visit: impl FnMut(f64, &Line) -> Result<(), Ep2Error>,
+        mut visit: impl FnMut(&Line) -> Result<(), Ep2Error>,
     ) -> Result<(), Ep2Error> {
         for v in places(self.domain[1], side) {
-            visit(v, &Line::of(self, v, 0..self.spline.u.functions()))?;
+            visit(&Line::of(self, v, 0..self.spline.u.functions()))?;
         }
         Ok(())
     }
@@ -220,10 +224,21 @@ impl Fit {
         let local = Local::of(&self.spline.u, u);
         let functions = local.first..local.first + self.spline.u.degree() + 1;
         let line = Line::of(self, v, functions);
-        let jet = line.jet(&Local::side_by_side([&local; LANES]), self);
-        let series = self.series([u; LANES]);
-        let curvatures = self.curvatures_on(&line, &series, &jet)?;
-        Ok((jet.lanes()[0], curvatures.at(0)))
+        let (locals, series) = (
+            Local::side_by_side([&local; LANES]),
+            self.series([u; LANES]),
+        );
+        let (jets, curvatures) = self.on_line(&line, &locals, &series, [u; LANES])?;
+        Ok((jets.lanes()[0], curvatures.at(0)))
+    }
+
+    /// Height and derivatives of the surface at a place (u, v) in the patch's coordinates.
+    pub(crate) fn jet(&self, u: f64, v: f64) -> Jet {
+        let mut jet = self.spline.jet(u, v);
+        if let Some((mean, square)) = &self.mean {
+            mean.add_to(&mut jet, square, [u, v]);
+        }
+        jet
     }
 
     /// The posterior of the surface is a series of Chebyshev polynomials. Returns the values of these polynomials at
@@ -233,17 +248,27 @@ impl Fit {
         Some(posterior.series(Lanes::from(u)))
     }
 
-    /// Curvatures at several places on a line of constant v, from the surface's derivatives (`jets`) at these places.
+    /// Height, derivatives and curvatures at several places `u` on a line of constant v.
     #[inline(always)]
-    fn curvatures_on(
+    fn on_line(
         &self,
         line: &Line,
+        locals: &Local<Lanes>,
         series: &Option<Series>,
-        jet: &Jet<Lanes>,
-    ) -> Result<Curvatures, Ep2Error> {
+        u: [f64; LANES],
+    ) -> Result<(Jet<Lanes>, Curvatures), Ep2Error> {
+        let mut jet = line.jet(locals, self);
         let posterior = line.posterior.as_ref().zip(series.as_ref());
-        let errors = posterior.map(|(line, series)| line.errors(series, jet));
-        Curvatures::of_graph(jet, errors.as_ref(), self.frame.scale())
+        let errors = posterior.map(|(line, series)| line.errors(series, &jet));
+        if let Some((mean, square)) = &self.mean {
+            let mut jets = jet.lanes();
+            for (jet, u) in jets.iter_mut().zip(u) {
+                mean.add_to(jet, square, [u, line.v]);
+            }
+            jet = Jet::side_by_side(&jets);
+        }
+        let curvatures = Curvatures::of_graph(&jet, errors.as_ref(), self.frame.scale())?;
+        Ok((jet, curvatures))
     }
 
     fn map_point(
@@ -299,6 +324,7 @@ impl Columns {
 
 /// Values of the surface that are the same for all places on a line of constant v.
 struct Line {
+    v: f64,
     /// Index of the first B-spline in u that `heights` contains.
     first: usize,
     /// For each B-spline in u, three sums over the B-splines in v. In these sums, the coefficients are multiplied by
@@ -325,6 +351,7 @@ impl Line {
             })
             .collect();
         Self {
+            v,
             first,
             heights,
             posterior: fit.posterior.as_ref().map(|posterior| posterior.line(v)),

@@ -98,13 +98,16 @@ impl IndependentFit {
         log.fit()
     }
 
-    /// Widens the intervals if the contacts lie on a plane, a sphere or a cylinder. The curvature of this shape is then
-    /// within one standard error of the estimate. On these shapes, the bias of the fitted series can exceed the effect
-    /// of the noise if there are many contacts.
+    /// Widens the intervals if the contacts lie on a plane, a sphere or a cylinder, and the fit is not around an implicit
+    /// quadric. The curvature of this shape is then within one standard error of the estimate. On these shapes, the bias
+    /// of the fitted series can exceed the effect of the noise if there are many contacts.
     ///
     /// # Errors
     /// The errors of [`Fit::centre`].
     pub fn widen_to_shape(&mut self, outward: &Vector3<f64>) -> Result<(), Ep2Error> {
+        if self.fit.mean.is_some() {
+            return Ok(());
+        }
         let centre = self.fit.centre()?;
         let step = self.contacts.len().div_ceil(MAX_COMPARED).max(1);
         let selection: Vec<Contact> = self.contacts.iter().copied().step_by(step).collect();
@@ -143,7 +146,7 @@ impl IndependentFit {
             for &index in stroke {
                 let contact = &log.distinct.contacts[index];
                 let place = self.fit.frame.point(&contact.position);
-                let jet = self.fit.spline.jet(place.x, place.y);
+                let jet = self.fit.jet(place.x, place.y);
                 let steepness = (1.0 + jet.u * jet.u + jet.v * jet.v).sqrt();
                 let distance = (place.z - jet.w) / steepness;
                 residuals[0].push(distance);

@@ -18,9 +18,9 @@ use crate::{Ep2Error, Fit, Noise, Patch};
 const OBSERVATIONS: usize = 3;
 /// Smallest number of contacts for which estimated noise can be distinguished from outliers.
 const MIN_CONTACTS: usize = 10;
-/// Largest number of contacts that are tested. If there are more contacts, an evenly spaced selection of them is
-/// tested, so that the test takes no longer than a fit.
-const MAX_CONTACTS: usize = 2000;
+/// Largest number of contacts that are tested. If there are more contacts, an evenly spaced selection of them is fitted
+/// and tested.
+pub(crate) const MAX_CONTACTS: usize = 2000;
 /// Smallest estimated position noise for which the contacts are tested, in the patch's unit. A smaller value may be due
 /// to rounding errors or to the approximation error of the series.
 const MIN_POSITION_STD: f64 = 1e-4;
@@ -47,7 +47,10 @@ pub(crate) type Process = DMatrix<f64>;
 
 /// The fit that is tested, with the data that the tests need.
 pub(crate) struct Model<'a> {
+    /// The contacts that are tested.
     pub(crate) patch: &'a Patch,
+    /// Distance between the tested contacts: one of this number of contacts is tested.
+    pub(crate) step: usize,
     pub(crate) square: Square,
     pub(crate) fit: &'a Fit,
     /// A quadric near the fit. The tests use deviations from this quadric, because their rounding errors are smaller
@@ -83,16 +86,15 @@ impl Model<'_> {
         let Some(variances) = self.variances() else {
             return Ok(MisfitTest::default());
         };
-        let contacts = self
-            .samples()
-            .map(|sample| self.weighted(sample, variances, process));
+        let samples = self.patch.samples.iter();
+        let contacts = samples.map(|sample| self.weighted(sample, variances, process));
         let contacts: Vec<Weighted> = contacts
             .collect::<Option<_>>()
             .ok_or(Ep2Error::OutOfRange)?;
         let refit = Refit::new(&contacts).ok_or(Ep2Error::OutOfRange)?;
         let is_stated = self.noise.is_complete_for(self.patch);
         let poor_fit = is_stated.then(|| Misfit::poor_fit(refit.goodness, SIGNIFICANCE_LEVEL));
-        let numbers = (0..).step_by(self.step());
+        let numbers = (0..).step_by(self.step);
         let p_values = contacts
             .iter()
             .map(|contact| refit.p_value(contact, is_stated));
@@ -118,27 +120,18 @@ impl Model<'_> {
         let position = square(position);
         let found = noise.normal_std_rad.map_or(0.0, square);
         // The fit's estimate of the normals' noise includes the effect of position errors, which is subtracted here.
-        let jets = self.samples().map(|sample| self.jet(sample));
+        let samples = self.patch.samples.iter();
+        let jets = samples.map(|sample| self.jet(sample));
         let bend = |jet: Jet| 0.5 * (jet.uu * jet.uu + 2.0 * jet.uv * jet.uv + jet.vv * jet.vv);
-        let bending = jets.map(bend).sum::<f64>() / self.samples().count() as f64;
+        let bending = jets.map(bend).sum::<f64>() / self.patch.samples.len() as f64;
         Some(Variances {
             position,
             normal: stated.unwrap_or((found - bending * position).max(MIN_NORMAL_SHARE * found)),
         })
     }
 
-    /// The contacts that are tested.
-    fn samples(&self) -> impl Iterator<Item = &Sample> {
-        self.patch.samples.iter().step_by(self.step())
-    }
-
-    /// Distance between the tested contacts: one of this number of contacts is tested.
-    fn step(&self) -> usize {
-        self.patch.samples.len().div_ceil(MAX_CONTACTS).max(1)
-    }
-
     fn jet(&self, sample: &Sample) -> Jet {
-        self.fit.spline.jet(sample.u, sample.v)
+        self.fit.jet(sample.u, sample.v)
     }
 
     /// Observations of a contact, divided by the standard deviations of its noise; `None` if numbers are beyond the

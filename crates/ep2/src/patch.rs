@@ -1,5 +1,6 @@
 //! The contacts of a patch, after checks and in the patch's own frame.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
@@ -175,6 +176,25 @@ impl Patch {
     /// Whether the contacts have normals.
     pub fn has_normals(&self) -> bool {
         self.samples[0].slopes.is_some()
+    }
+
+    /// The patch with an evenly spaced selection of at most `count` contacts, and the distance between the selected
+    /// contacts.
+    pub(crate) fn thinned(&self, count: usize) -> (Cow<'_, Self>, usize) {
+        // If the contacts of the fingers alternate, the selection must contain contacts of all fingers.
+        let is_prime_to_fingers =
+            |step: &usize| !(2..=self.fingers).any(|f| self.fingers % f == 0 && step % f == 0);
+        let step = (self.samples.len().div_ceil(count).max(1)..).find(is_prime_to_fingers);
+        let step = step.unwrap_or(1);
+        let samples = || self.samples.iter().copied().step_by(step).collect();
+        let thinned = match step {
+            1 => Cow::Borrowed(self),
+            _ => Cow::Owned(Self {
+                samples: samples(),
+                ..*self
+            }),
+        };
+        (thinned, step)
     }
 
     /// Number of equations: one per contact, or three if the contacts have normals.

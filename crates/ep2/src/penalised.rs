@@ -10,16 +10,18 @@ mod weight;
 
 pub use weight::Criterion;
 
-use crate::chebyshev::count;
+use nalgebra::DVector;
+
+use crate::chebyshev::{approximated, count};
 use crate::knots::Knots;
-use crate::misfit::Model;
+use crate::misfit::{MAX_CONTACTS, Model};
 use crate::noise::{Noise, Variances};
 use crate::posterior::Posterior;
 use crate::spline::TensorSpline;
-use crate::square_quadric::{Square, SquareQuadric};
+use crate::square_quadric::{Square, SquareQuadric, UNKNOWNS};
 use crate::{Ep2Error, Fit, Method, MisfitTest, Patch};
 use equations::{DEGREE, Equations, roughness_penalty};
-use roughness_posterior::{SeriesProblem, likeliest_process};
+use roughness_posterior::{SeriesProblem, SquareTerm, likeliest_process};
 use series::SeriesEquations;
 use spectrum::Spectrum;
 use weight::Search;
@@ -38,6 +40,14 @@ const MAX_UNKNOWN_SHARE: f64 = 0.6;
 /// The number of coefficients of the posterior's series exceeds the number of the spline's coefficients by at least
 /// this value. Therefore the series can represent shapes that the spline cannot.
 const EXTRA_COEFFICIENTS: usize = 5;
+
+/// Standard deviation of the coefficient m of an implicit quadric before the contacts are used, relative to the root
+/// mean square curvature. A paraboloid has m = 0; for a ball, m is the curvature.
+const SQUARE_TERM_PRIOR: f64 = 2.0;
+
+/// Largest number of effective degrees of freedom of the deviations from an implicit quadric. If there are more, the
+/// surface deviates from an implicit quadric, for example a torus.
+const MAX_IMPLICIT_UNKNOWNS: f64 = 12.0;
 
 /// One bicubic tensor-product spline with a penalty on its third derivatives. It is fitted by weighted least squares to
 /// the heights and, if there are normals, to both slopes.
@@ -65,6 +75,9 @@ struct Estimated {
     fit: Fit,
     square: Square,
     quadric: SquareQuadric,
+    /// Standard deviation of the coefficient m of an implicit quadric before the contacts are used; `None` if the
+    /// surface is around a quadric.
+    square_term: Option<f64>,
     intervals: [usize; 2],
     /// Variances of the contacts' errors.
     variances: Variances,
@@ -85,12 +98,15 @@ impl Method for Penalised {
     }
 
     fn misfit(&self, patch: &Patch) -> Result<MisfitTest, Ep2Error> {
+        let (patch, step) = patch.thinned(MAX_CONTACTS);
+        let patch = &*patch;
         let estimated = self.estimated(patch)?;
         if !estimated.has_noise {
             return Ok(MisfitTest::default());
         }
         let model = Model {
             patch,
+            step,
             square: estimated.square,
             fit: &estimated.fit,
             quadric: &estimated.quadric,
@@ -128,7 +144,7 @@ impl Penalised {
     fn estimated_with(&self, intervals: [usize; 2], patch: &Patch) -> Result<Estimated, Ep2Error> {
         let known = self.noise.in_patch(&patch.frame)?;
         let square = Square::of(patch);
-        let quadric = SquareQuadric::of(patch, &square, &known)?;
+        let mut quadric = SquareQuadric::of(patch, &square, &known)?;
         let knots = intervals.map(|count| Knots::uniform(DEGREE, -1.0, 1.0, count));
         let equations = Equations::around(&quadric, patch, &square, &knots);
         let roughness = roughness_penalty(&knots);
@@ -148,16 +164,42 @@ impl Penalised {
             has_noise = variances.update(&known, bending, patch, &residuals, &unknowns);
             spectrum = Spectrum::of(&equations, &roughness, &variances)?;
         }
-        let search = Search::new(&spectrum, self.criterion, is_known, expected);
+        let mut search = Search::new(&spectrum, self.criterion, is_known, expected);
+        let prior = SQUARE_TERM_PRIOR * bending.sqrt();
+        let about = quadric
+            .clone()
+            .with_square_term(prior, patch, &square, &known);
+        let about = about.map(|about| {
+            let equations = Equations::around(&about, patch, &square, &knots);
+            (
+                about,
+                spectrum.clone().with_right_side(&equations, &variances),
+            )
+        });
+        let mut square_term = None;
+        if let Some((about, spectrum)) = &about {
+            let implicit = Search::new(spectrum, self.criterion, is_known, expected);
+            let penalty = libm::log(patch.equations() as f64);
+            let is_likelier = implicit.least_deviance() + penalty < search.least_deviance();
+            if is_likelier && implicit.best().effective_unknowns < MAX_IMPLICIT_UNKNOWNS {
+                search = implicit;
+                quadric = about.clone();
+                square_term = Some(prior);
+            }
+        }
+        let spectrum = search.spectrum;
         let mut choice = search.best();
         choice.scale = choice.scale.max(variances.min_scale());
         let deviation = spectrum.coefficients(&spectrum.filters(choice.log_weight));
-        let coefficients: Vec<f64> = quadric
-            .spline_coefficients(&knots[0], &knots[1])
-            .iter()
-            .zip(&deviation)
-            .map(|(quadric, deviation)| quadric + deviation)
-            .collect();
+        let coefficients: Vec<f64> = match square_term {
+            None => quadric
+                .spline_coefficients(&knots[0], &knots[1])
+                .iter()
+                .zip(&deviation)
+                .map(|(quadric, deviation)| quadric + deviation)
+                .collect(),
+            Some(_) => deviation.as_slice().to_vec(),
+        };
         if !coefficients.iter().all(|one| one.is_finite()) {
             return Err(Ep2Error::OutOfRange);
         }
@@ -171,6 +213,7 @@ impl Penalised {
                 v: square.knots(1, &knots[1]),
                 coefficients,
             },
+            mean: square_term.map(|_| (quadric.clone(), square)),
             posterior: None,
             noise: has_noise.then(|| variances.estimate(patch)),
             effective_unknowns: choice.effective_unknowns,
@@ -180,6 +223,7 @@ impl Penalised {
             fit,
             square,
             quadric,
+            square_term,
             intervals,
             variances,
             is_known,
@@ -228,6 +272,14 @@ impl Estimated {
             is_known: self.is_known,
             square: self.square,
             quadric: self.quadric.series(),
+            square_term: self.square_term.map(|prior| {
+                let by_term = |a, b| self.quadric.by_square_term(a, b);
+                let derivative = approximated(self.degree(), by_term);
+                SquareTerm {
+                    derivative: DVector::from_column_slice(&derivative[UNKNOWNS..]),
+                    prior,
+                }
+            }),
         }
     }
 }

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use crate::knots::Knots;
-use crate::misfit::Model;
+use crate::misfit::{MAX_CONTACTS, Model};
 use crate::noise::Noise;
 use crate::posterior::Posterior;
 use crate::spline::TensorSpline;
@@ -41,10 +41,12 @@ impl Method for Quadric {
     }
 
     fn misfit(&self, patch: &Patch) -> Result<MisfitTest, Ep2Error> {
-        let (fit, quadric) = self.fit_quadric(patch)?;
+        let (patch, step) = patch.thinned(MAX_CONTACTS);
+        let (fit, quadric) = self.fit_quadric(&patch)?;
         let model = Model {
-            patch,
-            square: Square::of(patch),
+            patch: &patch,
+            step,
+            square: Square::of(&patch),
             fit: &fit,
             quadric: &quadric,
             noise: &self.noise,
@@ -74,6 +76,7 @@ impl Quadric {
                 v: square.knots(1, &knots),
                 coefficients: quadric.spline_coefficients(&knots, &knots),
             },
+            mean: None,
             posterior,
             noise: quadric.noise,
             effective_unknowns: UNKNOWNS as f64,

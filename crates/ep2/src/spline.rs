@@ -62,6 +62,20 @@ impl Local {
 }
 
 impl Jet<Lanes> {
+    /// Joins one jet per place.
+    pub(crate) fn side_by_side(jets: &[Jet; LANES]) -> Self {
+        let all =
+            |part: fn(&Jet) -> f64| Lanes::from(std::array::from_fn(|lane| part(&jets[lane])));
+        Self {
+            w: all(|jet| jet.w),
+            u: all(|jet| jet.u),
+            v: all(|jet| jet.v),
+            uu: all(|jet| jet.uu),
+            uv: all(|jet| jet.uv),
+            vv: all(|jet| jet.vv),
+        }
+    }
+
     /// Splits the jet into one jet per place.
     #[inline(always)]
     pub(crate) fn lanes(&self) -> [Jet; LANES] {

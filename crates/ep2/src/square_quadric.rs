@@ -4,6 +4,7 @@ use nalgebra::{SMatrix, SVector, SymmetricEigen};
 
 use crate::knots::Knots;
 use crate::noise::{Kinds, Noise, NoiseEstimate, Variances};
+use crate::spline::Jet;
 use crate::{Ep2Error, Patch, Sample};
 
 /// Number of unknown coefficients of a quadric: of 1, a, b, a², ab and b².
@@ -11,6 +12,8 @@ pub(crate) const UNKNOWNS: usize = 6;
 /// Eigenvalues of the normal equations count as rounding errors if their ratio to the largest eigenvalue is below this
 /// value.
 const RANK_TOLERANCE: f64 = 1e-13;
+/// Smallest value of √(1 − 2mQ) on an implicit quadric. Where it is 0, the graph is vertical.
+const MIN_ROOT: f64 = 0.2;
 /// Number of iterations in which the weights are updated from the noise and the slopes.
 const ITERATIONS: usize = 4;
 
@@ -77,10 +80,13 @@ pub(crate) fn rms_second_derivative(series: &[f64; UNKNOWNS]) -> f64 {
     (0.5 * (aa * aa + 2.0 * ab * ab + bb * bb)).sqrt()
 }
 
-/// A quadric over the square, and the noise that was estimated from the contacts' distances to it.
+/// A quadric over the square, and the noise that was estimated from the contacts' distances to it. In general it is the
+/// graph of an implicit quadric, z = Q(a, b) + m z²/2, which can be a sphere, an ellipsoid or a cylinder.
 #[derive(Clone, Debug)]
 pub(crate) struct SquareQuadric {
     unknowns: Row,
+    /// The coefficient m, in the patch's unit; 0 if the height itself is the quadric Q.
+    square_term: f64,
     pub(crate) covariance: Gram,
     pub(crate) variances: Variances,
     /// Estimated noise; `None` if there are too few contacts for an estimate.
@@ -105,6 +111,16 @@ struct NormalEquations {
     grams: Kinds<Gram>,
     right_sides: Kinds<Row>,
     squares: Kinds<f64>,
+    of_square_term: SquareTerm,
+}
+
+/// The equations of the coefficient m: their products with the equations of the quadric Q and with themselves, and
+/// their right sides.
+#[derive(Default)]
+struct SquareTerm {
+    products: Kinds<Row>,
+    squares: Kinds<f64>,
+    right_sides: Kinds<f64>,
 }
 
 impl SquareQuadric {
@@ -119,6 +135,7 @@ impl SquareQuadric {
         }
         let mut quadric = Self {
             unknowns: Row::zeros(),
+            square_term: 0.0,
             covariance: Gram::zeros(),
             variances: Variances::START,
             noise: None,
@@ -126,15 +143,39 @@ impl SquareQuadric {
         let iterations = if patch.has_normals() { ITERATIONS } else { 2 };
         for _ in 0..iterations {
             let equations = NormalEquations::around(&quadric, patch, square);
-            quadric.improve(&equations, patch, square, known)?;
+            quadric.improve(&equations, 0.0, patch, square, known)?;
         }
         Ok(quadric)
     }
 
-    /// Improves the quadric: solves the equations for the remaining deviation, and estimates the noise.
+    /// The implicit quadric that fits the patch best, starting from this quadric. `prior` is the standard deviation of
+    /// the coefficient m before the contacts are used. `None` if the graph does not extend over the whole square.
+    pub(crate) fn with_square_term(
+        mut self,
+        prior: f64,
+        patch: &Patch,
+        square: &Square,
+        known: &Noise,
+    ) -> Option<Self> {
+        for _ in 0..ITERATIONS {
+            let equations = NormalEquations::around(&self, patch, square);
+            self.improve(&equations, prior, patch, square, known).ok()?;
+            let sides = || (-2..=2).map(|step| 0.5 * f64::from(step));
+            let mut places = sides().flat_map(|a| sides().map(move |b| (a, b)));
+            let is_graph = places.all(|(a, b)| self.shape(a, b).1 > MIN_ROOT);
+            if !is_graph {
+                return None;
+            }
+        }
+        Some(self)
+    }
+
+    /// Improves the quadric: solves the equations for the remaining deviation, and estimates the noise. The coefficient
+    /// m changes if its standard deviation `prior` is not 0.
     fn improve(
         &mut self,
         equations: &NormalEquations,
+        prior: f64,
         patch: &Patch,
         square: &Square,
         known: &Noise,
@@ -143,22 +184,39 @@ impl SquareQuadric {
         let gram = equations.grams.heights / heights + equations.grams.slopes / slopes;
         let right = equations.right_sides.heights / heights + equations.right_sides.slopes / slopes;
         self.covariance = inverse(&gram, patch.samples.len())?;
-        let change = self.covariance * right;
+        let mut change = self.covariance * right;
+        let mut of_square_term = 0.0;
+        if prior > 0.0 {
+            let term = &equations.of_square_term;
+            let both = |kinds: &Kinds<f64>| kinds.heights / heights + kinds.slopes / slopes;
+            let products = term.products.heights / heights + term.products.slopes / slopes;
+            let replaced = self.covariance * products;
+            let per_prior = (prior * prior).recip();
+            let information = both(&term.squares) - products.dot(&replaced) + per_prior;
+            let right =
+                both(&term.right_sides) - replaced.dot(&right) - self.square_term * per_prior;
+            of_square_term = right / information;
+            change -= replaced * of_square_term;
+        }
         self.unknowns += change;
-        let residual = |square: f64, right: &Row, gram: &Gram| {
-            (square - 2.0 * change.dot(right) + change.dot(&(gram * change))).max(0.0)
+        self.square_term += of_square_term;
+        let residual = |kind: fn(&Kinds<f64>) -> f64, right: &Row, gram: &Gram, products: &Row| {
+            let term = &equations.of_square_term;
+            let of_term = of_square_term * kind(&term.squares) + 2.0 * products.dot(&change)
+                - 2.0 * kind(&term.right_sides);
+            let square = kind(&equations.squares) - 2.0 * change.dot(right);
+            (square + change.dot(&(gram * change)) + of_square_term * of_term).max(0.0)
         };
+        let (right, grams) = (&equations.right_sides, &equations.grams);
+        let products = &equations.of_square_term.products;
         let residuals = Kinds {
             heights: residual(
-                equations.squares.heights,
-                &equations.right_sides.heights,
-                &equations.grams.heights,
+                |k| k.heights,
+                &right.heights,
+                &grams.heights,
+                &products.heights,
             ),
-            slopes: residual(
-                equations.squares.slopes,
-                &equations.right_sides.slopes,
-                &equations.grams.slopes,
-            ),
+            slopes: residual(|k| k.slopes, &right.slopes, &grams.slopes, &products.slopes),
         };
         let unknowns = Kinds {
             heights: (self.covariance * equations.grams.heights).trace() / heights,
@@ -176,15 +234,47 @@ impl SquareQuadric {
         }
     }
 
-    /// Height of the quadric, and its slopes along a and b.
+    /// Q with its slopes along a and b, and √(1 − 2mQ).
     #[inline]
-    fn value_and_slopes(&self, a: f64, b: f64) -> [f64; 3] {
+    fn shape(&self, a: f64, b: f64) -> ([f64; 3], f64) {
         let c = &self.unknowns;
-        [
+        let quadric = [
             c[0] + a * (c[1] + a * c[3] + b * c[4]) + b * (c[2] + b * c[5]),
             c[1] + 2.0 * a * c[3] + b * c[4],
             c[2] + a * c[4] + 2.0 * b * c[5],
-        ]
+        ];
+        let square = 1.0 - 2.0 * self.square_term * quadric[0];
+        (quadric, square.max(MIN_ROOT * MIN_ROOT).sqrt())
+    }
+
+    /// Height of the surface, and its slopes along a and b.
+    #[inline]
+    fn value_and_slopes(&self, a: f64, b: f64) -> [f64; 3] {
+        let ([value, along_a, along_b], root) = self.shape(a, b);
+        [2.0 * value / (1.0 + root), along_a / root, along_b / root]
+    }
+
+    /// Derivative of the height with respect to the coefficient m.
+    pub(crate) fn by_square_term(&self, a: f64, b: f64) -> f64 {
+        let ([value, ..], root) = self.shape(a, b);
+        let height = 2.0 * value / (1.0 + root);
+        height * height / (2.0 * root)
+    }
+
+    /// Adds height and derivatives of the surface at a place of the patch, in the patch's unit.
+    pub(crate) fn add_to(&self, jet: &mut Jet, square: &Square, place: [f64; 2]) {
+        let [a, b] = square.place(place);
+        let [half_u, half_v] = square.half();
+        let ([value, along_a, along_b], root) = self.shape(a, b);
+        let (along_u, along_v) = (along_a / half_u, along_b / half_v);
+        let bend = self.square_term / (root * root * root);
+        let c = &self.unknowns;
+        jet.w += 2.0 * value / (1.0 + root);
+        jet.u += along_u / root;
+        jet.v += along_v / root;
+        jet.uu += 2.0 * c[3] / (half_u * half_u * root) + bend * along_u * along_u;
+        jet.uv += c[4] / (half_u * half_v * root) + bend * along_u * along_v;
+        jet.vv += 2.0 * c[5] / (half_v * half_v * root) + bend * along_v * along_v;
     }
 
     /// Height of the quadric at a contact, and its slopes along u and v.
@@ -262,12 +352,19 @@ impl NormalEquations {
             grams,
             right_sides,
             squares,
+            of_square_term: term,
         } = &mut equations;
         let has_normals = patch.has_normals();
         for one in quadric.observations(patch, square) {
             let (a, b) = (one.a, one.b);
-            let height = Row::new(1.0, a, b, a * a, a * b, b * b);
+            let ([value, slope_a, slope_b], root) = quadric.shape(a, b);
+            let (per_root, cube) = (1.0 / root, root * root * root);
+            let of_term = quadric.by_square_term(a, b);
+            let height = Row::new(1.0, a, b, a * a, a * b, b * b) * per_root;
             let weighted = height * one.height_weight;
+            term.products.heights += weighted * of_term;
+            term.squares.heights += one.height_weight * of_term * of_term;
+            term.right_sides.heights += one.height_weight * of_term * one.height;
             grams.heights += weighted * height.transpose();
             right_sides.heights += weighted * one.height;
             squares.heights += one.height_weight * one.height * one.height;
@@ -275,8 +372,15 @@ impl NormalEquations {
                 let along_a = Row::new(0.0, 1.0, 0.0, 2.0 * a, b, 0.0);
                 let along_b = Row::new(0.0, 0.0, 1.0, 0.0, a, 2.0 * b);
                 let slopes = one.slopes.into_iter().zip(one.slope_weights);
-                for (row, (slope, weight)) in [along_a, along_b].into_iter().zip(slopes) {
+                let rows = [(along_a, slope_a), (along_b, slope_b)];
+                for ((row, bend), (slope, weight)) in rows.into_iter().zip(slopes) {
+                    let bend = bend / cube;
+                    let row = row * per_root + height * (root * quadric.square_term * bend);
+                    let of_term = value * bend;
                     let weighted = row * weight;
+                    term.products.slopes += weighted * of_term;
+                    term.squares.slopes += weight * of_term * of_term;
+                    term.right_sides.slopes += weight * of_term * slope;
                     grams.slopes += weighted * row.transpose();
                     right_sides.slopes += weighted * slope;
                     squares.slopes += weight * slope * slope;

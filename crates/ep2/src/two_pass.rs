@@ -249,6 +249,7 @@ fn fit(patch: &Patch, smoothed: Smoothed, before: Option<Status>) -> Fit {
         frame: patch.frame,
         domain: patch.domain,
         spline: smoothed.spline,
+        mean: None,
         posterior: None,
         noise: None,
         effective_unknowns: smoothed.effective_unknowns,

@@ -26,6 +26,8 @@ const EXPECTED_LENGTH: f64 = 1.75;
 const LENGTH_POWER: f64 = 2.0;
 /// The amplitude with the largest prior probability, relative to the second derivatives of the quadric.
 const EXPECTED_AMPLITUDE: f64 = 0.75;
+/// The same relative amplitude for the deviations from an implicit quadric, which are smaller.
+const EXPECTED_AMPLITUDE_ABOUT_IMPLICIT: f64 = 0.25;
 /// The prior probability of an amplitude decreases with this power of the amplitude, on both sides of its maximum.
 const AMPLITUDE_POWER: f64 = 4.0;
 /// Number of amplitudes in the average on each side of the expected amplitude.
@@ -54,6 +56,28 @@ pub(super) struct SeriesProblem<'a> {
     pub(super) square: Square,
     /// Coefficients of the quadric, as a series of Chebyshev polynomials.
     pub(super) quadric: [f64; UNKNOWNS],
+    /// If the mean surface is an implicit quadric, its coefficient of the squared height; otherwise `None`.
+    pub(super) square_term: Option<SquareTerm>,
+}
+
+/// The coefficient m of an implicit quadric, as an unknown of the series.
+pub(super) struct SquareTerm {
+    /// Derivative of the surface with respect to m: the coefficients of all rough products. The rest of the derivative
+    /// is a quadric.
+    pub(super) derivative: DVector<f64>,
+    /// Standard deviation of m before the contacts are used.
+    pub(super) prior: f64,
+}
+
+impl SeriesProblem<'_> {
+    /// The amplitude of the roughness with the largest prior probability.
+    fn expected_amplitude(&self, quadric: &[f64; UNKNOWNS]) -> f64 {
+        let ratio = match self.square_term {
+            Some(_) => EXPECTED_AMPLITUDE_ABOUT_IMPLICIT,
+            None => EXPECTED_AMPLITUDE,
+        };
+        ratio * rms_second_derivative(quadric)
+    }
 }
 
 /// The equations of the rough products (all products except those of quadrics), after the best-fitting quadric has been
@@ -110,9 +134,9 @@ pub(super) fn posterior(problem: &SeriesProblem) -> Result<Posterior, Ep2Error> 
     let carried = product(&replaced, &mixture.covariance);
     let mut low = quadrics.inverse() * mixture.scale;
     add_symmetric(&mut low, &carried, &replaced);
-    let size = count(problem.degree);
-    let covariance = DMatrix::from_fn(size, size, |row, column| {
-        match (row.checked_sub(UNKNOWNS), column.checked_sub(UNKNOWNS)) {
+    let (fixed, rough) = replaced.shape();
+    let mut covariance = DMatrix::from_fn(fixed + rough, fixed + rough, |row, column| {
+        match (row.checked_sub(fixed), column.checked_sub(fixed)) {
             (None, None) => low[(row, column)],
             (None, Some(column)) => -carried[(row, column)],
             (Some(row), None) => -carried[(column, row)],
@@ -120,8 +144,30 @@ pub(super) fn posterior(problem: &SeriesProblem) -> Result<Posterior, Ep2Error> 
         }
     });
     let change = start - replaced * &mixture.mean;
-    let quadric = problem.quadric.iter().zip(&change).map(|(a, b)| a + b);
-    let mean: Vec<f64> = quadric.chain(mixture.mean.iter().copied()).collect();
+    let mean: Vec<f64> = match &problem.square_term {
+        None => {
+            let quadric = problem.quadric.iter().zip(&change).map(|(a, b)| a + b);
+            quadric.chain(mixture.mean.iter().copied()).collect()
+        }
+        Some(term) => {
+            // The derivative with respect to m is a sum of rough products.
+            let mut merged = DMatrix::zeros(UNKNOWNS + rough, fixed + rough);
+            let mut quadrics = merged.view_mut((0, 0), (UNKNOWNS, UNKNOWNS));
+            quadrics.fill_with_identity();
+            let mut products = merged.view_mut((UNKNOWNS, fixed), (rough, rough));
+            products.fill_with_identity();
+            let mut of_term = merged.view_mut((UNKNOWNS, UNKNOWNS), (rough, 1));
+            of_term.copy_from(&term.derivative);
+            covariance = product(&product(&merged, &covariance), &merged.transpose());
+            let rough = &mixture.mean + &term.derivative * change[UNKNOWNS];
+            change
+                .iter()
+                .take(UNKNOWNS)
+                .chain(&rough)
+                .copied()
+                .collect()
+        }
+    };
     let mut numbers = covariance.iter().chain(&mean);
     match numbers.all(|number| number.is_finite()) {
         true => Ok(Posterior::new(
@@ -147,14 +193,30 @@ struct Eliminated {
 impl Eliminated {
     fn new(problem: &SeriesProblem<'_>) -> Result<Self, Ep2Error> {
         let (gram, right) = (&problem.equations.gram, &problem.equations.right);
+        let mut fixed = UNKNOWNS;
         let rough = count(problem.degree) - UNKNOWNS;
         let part = |row: usize, column: usize, rows: usize, columns: usize| {
             gram.view((row, column), (rows, columns)).into_owned()
         };
-        let quadrics = part(0, 0, UNKNOWNS, UNKNOWNS);
+        let mut quadrics = part(0, 0, UNKNOWNS, UNKNOWNS);
+        let mut cross = part(0, UNKNOWNS, UNKNOWNS, rough);
+        let mut own = right.rows(0, UNKNOWNS).into_owned();
+        if let Some(term) = &problem.square_term {
+            let products = gram.columns(UNKNOWNS, rough) * &term.derivative;
+            let rest = products.rows(UNKNOWNS, rough);
+            let square = rest.dot(&term.derivative) + (term.prior * term.prior).recip();
+            quadrics = quadrics.resize(UNKNOWNS + 1, UNKNOWNS + 1, square);
+            for place in 0..UNKNOWNS {
+                quadrics[(place, UNKNOWNS)] = products[place];
+                quadrics[(UNKNOWNS, place)] = products[place];
+            }
+            cross = cross.insert_row(UNKNOWNS, 0.0);
+            cross.row_mut(UNKNOWNS).tr_copy_from(&rest);
+            let value = right.rows(UNKNOWNS, rough).dot(&term.derivative);
+            own = own.insert_row(UNKNOWNS, value);
+            fixed += 1;
+        }
         let quadrics = quadrics.cholesky().ok_or(Ep2Error::OutOfRange)?;
-        let cross = part(0, UNKNOWNS, UNKNOWNS, rough);
-        let own = right.rows(0, UNKNOWNS).into_owned();
         let replaced = quadrics.solve(&cross);
         let start = quadrics.solve(&own);
         let mut left = part(UNKNOWNS, UNKNOWNS, rough, rough);
@@ -163,9 +225,9 @@ impl Eliminated {
             right: right.rows(UNKNOWNS, rough) - cross.tr_mul(&start),
             square: problem.equations.square - own.dot(&start),
             gram: left,
-            degrees: problem.observations as f64 - UNKNOWNS as f64,
+            degrees: problem.observations as f64 - fixed as f64,
             is_known: problem.is_known,
-            expected_amplitude: EXPECTED_AMPLITUDE * rms_second_derivative(&problem.quadric),
+            expected_amplitude: problem.expected_amplitude(&problem.quadric),
         };
         Ok(Self {
             quadrics,
@@ -188,7 +250,7 @@ pub(super) fn likeliest_process(problem: &SeriesProblem<'_>) -> Result<DMatrix<f
     let Eliminated { start, rest, .. } = Eliminated::new(problem)?;
     let quadric = std::array::from_fn(|place| problem.quadric[place] + start[place]);
     let rest = Rest {
-        expected_amplitude: EXPECTED_AMPLITUDE * rms_second_derivative(&quadric),
+        expected_amplitude: problem.expected_amplitude(&quadric),
         ..rest
     };
     let rest = rest.limited()?;
@@ -207,8 +269,13 @@ pub(super) fn likeliest_process(problem: &SeriesProblem<'_>) -> Result<DMatrix<f
     });
     let likeliest = sums.max_by(|(_, one), (_, other)| one.x.total_cmp(&other.x));
     let (length, sum) = likeliest.ok_or(Ep2Error::OutOfRange)?;
-    let process = gaussian_process::factors(length, problem.degree).matrix();
-    Ok(process * (sum.y / sum.x).sqrt())
+    let mut process =
+        gaussian_process::factors(length, problem.degree).matrix() * (sum.y / sum.x).sqrt();
+    if let Some(term) = &problem.square_term {
+        process = process.insert_column(0, 0.0);
+        process.set_column(0, &(&term.derivative * term.prior));
+    }
+    Ok(process)
 }
 
 /// Largest logarithm of the candidates' probabilities.

@@ -16,6 +16,7 @@ const PENALTY_SHARE: f64 = 1e-7;
 /// Modes U with UᵀAU = diag(fidelity) and UᵀPU = diag(roughness), where A are the weighted normal equations and P the
 /// penalty. With the smoothing weight λ, the coefficients are U diag(1/(fidelity + λ roughness)) Uᵀ (right side).
 /// Therefore all results that depend on λ are simple sums over the modes.
+#[derive(Clone)]
 pub(super) struct Spectrum {
     modes: DMatrix<f64>,
     /// Fidelity of each mode: its diagonal entry in UᵀAU, where A is the matrix of the normal equations. It is between
@@ -38,14 +39,9 @@ impl Spectrum {
         penalty: &DMatrix<f64>,
         variances: &Kinds<f64>,
     ) -> Result<Self, Ep2Error> {
-        let (per_height, per_slope) = (1.0 / variances.heights, 1.0 / variances.slopes);
-        let mut sum = &equations.grams.heights * per_height;
-        let mut right = &equations.right_sides.heights * per_height;
-        let mut square = equations.squares.heights * per_height;
+        let mut sum = &equations.grams.heights * (1.0 / variances.heights);
         if equations.has_slopes() {
-            sum += &equations.grams.slopes * per_slope;
-            right += &equations.right_sides.slopes * per_slope;
-            square += equations.squares.slopes * per_slope;
+            sum += &equations.grams.slopes * (1.0 / variances.slopes);
         }
         let shift = PENALTY_SHARE * sum.trace() / penalty.trace();
         sum += penalty * shift;
@@ -71,17 +67,35 @@ impl Spectrum {
                 }
             })
             .collect();
-        Ok(Self {
-            fidelity: roughness
-                .iter()
-                .map(|roughness| (1.0 - shift * roughness).max(0.0))
-                .collect(),
+        let fidelity = roughness
+            .iter()
+            .map(|roughness| (1.0 - shift * roughness).max(0.0))
+            .collect();
+        let spectrum = Self {
+            fidelity,
             roughness,
-            right: modes.tr_mul(&right).iter().copied().collect(),
+            right: Vec::new(),
             modes,
-            square,
+            square: 0.0,
             equations: (equations.count.heights + equations.count.slopes) as f64,
-        })
+        };
+        Ok(spectrum.with_right_side(equations, variances))
+    }
+
+    /// The same modes with the right side of equations that have the same matrix.
+    pub(super) fn with_right_side(self, equations: &Equations, variances: &Kinds<f64>) -> Self {
+        let (per_height, per_slope) = (1.0 / variances.heights, 1.0 / variances.slopes);
+        let mut right = &equations.right_sides.heights * per_height;
+        let mut square = equations.squares.heights * per_height;
+        if equations.has_slopes() {
+            right += &equations.right_sides.slopes * per_slope;
+            square += equations.squares.slopes * per_slope;
+        }
+        Self {
+            right: self.modes.tr_mul(&right).iter().copied().collect(),
+            square,
+            ..self
+        }
     }
 
     /// The filter 1/(fidelity + λ roughness) of each mode, where `log_weight` is ln λ.

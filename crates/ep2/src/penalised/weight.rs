@@ -167,7 +167,7 @@ impl Sums {
 
 /// A search for the best smoothing weight, in equal steps of its logarithm.
 pub(super) struct Search<'a> {
-    spectrum: &'a Spectrum,
+    pub(super) spectrum: &'a Spectrum,
     criterion: Criterion,
     /// Whether the variances of heights and slopes are stated. If not, only their ratio is used.
     is_known: bool,
@@ -231,6 +231,12 @@ impl<'a> Search<'a> {
             scale,
             effective_unknowns: chosen.unknowns,
         }
+    }
+
+    /// The smallest −2 ln(likelihood) of a smoothing weight.
+    pub(super) fn least_deviance(&self) -> f64 {
+        let deviances = self.sums.iter().map(|sums| self.deviance(sums));
+        deviances.fold(f64::INFINITY, f64::min)
     }
 
     /// −2 ln(likelihood), with the quadric integrated out. If the variances are not stated, it is the value for the
