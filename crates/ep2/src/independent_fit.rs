@@ -23,6 +23,12 @@ const MAX_RESIDUAL_RATIO: f64 = 2.0;
 /// If the correlation increases by a larger factor than this value, the fit is repeated with means over more contacts.
 const MAX_GROWTH: f64 = 1.3;
 
+/// Largest number of contacts in a fit. If there are more contacts, means of consecutive contacts are fitted. Their
+/// errors across a stroke are smaller, so the fitted series does not follow them.
+const MAX_FITTED: usize = 10_000;
+/// Contacts of a finger are in the order of its path if the ratio of two rms distances is below this value: from the
+/// means of consecutive contacts, and from the mean of all contacts.
+const MAX_BLOCK_RATIO: f64 = 0.05;
 /// Largest number of contacts to which simple shapes are fitted for comparison with the surface.
 const MAX_COMPARED: usize = 2000;
 
@@ -58,6 +64,8 @@ struct Log<'a, M> {
     distinct: DistinctContacts,
     /// Indices of the distinct contacts of each finger.
     strokes: Vec<Vec<usize>>,
+    /// Number of consecutive contacts that each fitted contact is the mean of, if their noise is independent.
+    block: usize,
 }
 
 impl IndependentFit {
@@ -88,13 +96,20 @@ impl IndependentFit {
         for (index, contact) in distinct.contacts.iter().enumerate() {
             strokes.entry(contact.finger).push(index);
         }
-        let log = Log {
+        let mut log = Log {
             method: &method,
             outward,
             count: contacts.len(),
-            distinct,
             strokes: strokes.iter().cloned().collect(),
+            block: distinct.contacts.len().div_ceil(MAX_FITTED),
+            distinct,
         };
+        if log.block > 1 && !log.is_ordered() {
+            for stroke in &mut log.strokes {
+                *stroke = stroke.iter().copied().step_by(log.block).collect();
+            }
+            log.block = 1;
+        }
         log.fit()
     }
 
@@ -196,7 +211,7 @@ impl<M: Method> Log<'_, M> {
         // A fit without a posterior has no intervals.
         let first = first.filter(|first| first.fit.posterior.is_some());
         let mut found = first.map_or([1.0; 2], |first| first.correlations(self).1);
-        let plain = self.of_means(1, [1.0; 2])?;
+        let plain = self.of_means(self.block, [1.0; 2])?;
         if found == [1.0; 2] {
             return Ok(plain);
         }
@@ -204,7 +219,7 @@ impl<M: Method> Log<'_, M> {
         let mut best = None;
         for _ in 0..2 {
             let block = (2.0 * largest(found)).ceil() as usize;
-            let block = block.min(longest / MIN_MEANS).max(1);
+            let block = block.min(longest / MIN_MEANS).max(self.block);
             let Ok(fit) = self.of_means(block, found) else {
                 break;
             };
@@ -224,6 +239,27 @@ impl<M: Method> Log<'_, M> {
             Some((fit, of_means)) if of_means <= MAX_RESIDUAL_RATIO * residual => fit,
             _ => plain.with(times, largest(times)),
         })
+    }
+
+    /// Whether consecutive contacts of each finger are neighbours.
+    fn is_ordered(&self) -> bool {
+        let contacts = &self.distinct.contacts;
+        let square = |part: &[usize]| {
+            let places = || {
+                part.iter()
+                    .map(|&one| contacts[one].position - contacts[part[0]].position)
+            };
+            let mean = places().sum::<Vector3<f64>>() / part.len() as f64;
+            places()
+                .map(|place| (place - mean).norm_squared())
+                .sum::<f64>()
+        };
+        let all: Vec<usize> = (0..contacts.len()).collect();
+        let blocks = self
+            .strokes
+            .iter()
+            .flat_map(|stroke| stroke.chunks(self.block));
+        blocks.map(square).sum::<f64>() < MAX_BLOCK_RATIO * MAX_BLOCK_RATIO * square(&all)
     }
 
     /// The fit to the means of every `block` consecutive contacts of a finger.
@@ -270,7 +306,8 @@ impl<M: Method> Log<'_, M> {
         for (row, &run) in run_of_row.iter().enumerate() {
             rows[run] = rows[run].min(row);
         }
-        if block <= 1 {
+        let count = self.strokes.iter().map(Vec::len).sum::<usize>();
+        if block <= 1 && count == contacts.len() {
             let contacts = contacts.clone();
             return Means { contacts, rows };
         }
