@@ -415,7 +415,12 @@ impl<'r> GlideFitResult<'r> {
             effective_contacts: self.used.readings.effective(),
             distinct_contacts: self.used.readings.distinct,
             correlated_contacts: self.used.readings.position_correlation,
-            left_out: self.used.outliers.iter().map(LeftOut::new).collect(),
+            left_out: self
+                .used
+                .outliers
+                .iter()
+                .map(|one| LeftOut::new(one, &self.recorded.source))
+                .collect(),
             stroke: self.stroke.map(|stroke| StrokeReport::new(&stroke, unit)),
             shape,
             warnings,

@@ -7,6 +7,7 @@ use palpate_ep2::{Outlier, Shape, ShapeFit, SizeEstimate, StrokeCurvature};
 use serde::Serialize;
 
 use super::glide_report::tidy;
+use super::source::ReadingSource;
 use super::value::{Value, finite};
 use palpate_study::Unit;
 use palpate_study::config::LengthUnit;
@@ -16,14 +17,18 @@ use palpate_study::config::LengthUnit;
 pub(super) struct LeftOut {
     /// Number of the row in the readings, from 1.
     row: usize,
+    /// Line in the file; `None` for arrays.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    line: Option<usize>,
     /// Reason: `sentinel`, `zeros`, `far` or `misfit`.
     reason: &'static str,
 }
 
 impl LeftOut {
-    pub(super) fn new(outlier: &Outlier) -> Self {
+    pub(super) fn new(outlier: &Outlier, source: &ReadingSource) -> Self {
         Self {
-            row: outlier.contact + 1,
+            row: source.row_number(outlier.contact),
+            line: source.line(outlier.contact),
             reason: outlier.reason.into(),
         }
     }
