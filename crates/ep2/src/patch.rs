@@ -182,8 +182,9 @@ impl Patch {
     /// contacts.
     pub(crate) fn thinned(&self, count: usize) -> (Cow<'_, Self>, usize) {
         // If the contacts of the fingers alternate, the selection must contain contacts of all fingers.
-        let is_prime_to_fingers =
-            |step: &usize| !(2..=self.fingers).any(|f| self.fingers % f == 0 && step % f == 0);
+        let is_prime_to_fingers = |step: &usize| {
+            !(2..=self.fingers).any(|f| self.fingers.is_multiple_of(f) && step.is_multiple_of(f))
+        };
         let step = (self.samples.len().div_ceil(count).max(1)..).find(is_prime_to_fingers);
         let step = step.unwrap_or(1);
         let samples = || self.samples.iter().copied().step_by(step).collect();

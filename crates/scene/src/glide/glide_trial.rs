@@ -43,8 +43,8 @@ pub struct GlideScene {
 
 /// The fitted surface: a graph over a plane, or a simple shape.
 pub(super) enum GlideSurface {
-    Graph(Fit),
-    Shape(ShapeFit),
+    Graph(Box<Fit>),
+    Shape(Box<ShapeFit>),
 }
 
 impl GlideSurface {
@@ -144,12 +144,12 @@ impl GlideScene {
         Ok(match &self.method {
             GlideMethod::Graph(method) => {
                 let patch = self.patch(method, trial)?;
-                GlideSurface::Graph(method.fit(&patch)?)
+                GlideSurface::Graph(Box::new(method.fit(&patch)?))
             }
             GlideMethod::Shape(settings) => {
                 let readings = self.readings(trial);
                 let fit = fit_shape(settings, self.tip.as_ref(), &readings, &Vector3::z())?;
-                GlideSurface::Shape(fit)
+                GlideSurface::Shape(Box::new(fit))
             }
         })
     }
@@ -216,7 +216,7 @@ impl Trials for GlideScene {
             return self.trial(trial, observe).map(|()| Vec::new());
         };
         let test = self.patch(method, Some(trial)).and_then(|patch| {
-            self.compare(&GlideSurface::Graph(method.fit(&patch)?), observe)?;
+            self.compare(&GlideSurface::Graph(Box::new(method.fit(&patch)?)), observe)?;
             method.misfit(&patch)
         });
         let test = test.map_err(|error| error.name())?;
