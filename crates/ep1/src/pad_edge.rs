@@ -1,13 +1,19 @@
 //! The set of curvatures that agree with exact rotations and pads.
 
-use nalgebra::{Matrix2, Matrix3, Vector3};
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
 use crate::crossings::{Run, edge_samples};
 use crate::feasible_set::{EdgeRow, FeasibleSet, OPEN, RollRows, distribution};
-use crate::roll_fit::{RollData, RollFit, SeriesFit};
+use crate::roll_fit::{RollData, SeriesFit};
 use crate::rolled_path::{LocalShape, RollRotations, StartFrame};
 use crate::{PadCell, RollSeries};
 
+/// Largest number of linearisations.
+const PASSES: usize = 3;
+/// First guess of the largest change of the mobility in the set, in standard deviations of the fit.
+const RANGE: f64 = 3.0;
+/// If the set is wider than this multiple of the guess, or if it is empty, it is linearised again with a larger change.
+const WIDER: f64 = 2.0;
 /// Standard deviation of the first guess of the distribution, relative to the half-width of the set.
 const STD_OF_HALF_WIDTH: f64 = 0.4;
 
@@ -36,44 +42,72 @@ pub(crate) fn pad_edge_set(
     pitch: f64,
     cell: &PadCell,
 ) -> Option<PadEdgeSet> {
-    let mobility = fit.shape.relative().try_inverse()?;
-    let mut rows = Vec::with_capacity(bounded.len());
-    for ((bounded, data), roll) in bounded.iter().zip(data).zip(&fit.rolls) {
-        let linearised = Linearised {
-            bounded,
-            is_start_known: data.is_start_known,
-            roll,
-            pitch,
-            cell,
-            shape: &fit.shape,
+    let mut shape = fit.shape;
+    let mut starts: Vec<_> = fit.rolls.iter().map(|roll| roll.start).collect();
+    let mut mobility_range = RANGE * fit.covariance.diagonal().max().sqrt();
+    for pass in 1..=PASSES {
+        let mobility = shape.relative().try_inverse()?;
+        let mut rows = Vec::with_capacity(bounded.len());
+        for (at, bounded) in bounded.iter().enumerate() {
+            let linearised = Linearised {
+                bounded,
+                is_start_known: data[at].is_start_known,
+                start: starts[at],
+                response: fit.rolls[at].start_response(),
+                pitch,
+                cell,
+                shape: &shape,
+                mobility_range,
+            };
+            rows.push(linearised.rows(&mobility)?);
+        }
+        let set = FeasibleSet::of_rolls(rows.iter());
+        let Some((middle, half_widths)) = set.middle() else {
+            mobility_range *= WIDER;
+            continue;
         };
-        rows.push(linearised.rows(&mobility)?);
+        // The distribution is narrower than the set, and its correlations are those of the fit.
+        let scale = half_widths.zip_map(&fit.covariance.diagonal(), |half_width, variance| {
+            STD_OF_HALF_WIDTH * half_width / variance.sqrt()
+        });
+        let scale = Matrix3::from_diagonal(&scale);
+        let guess = scale * fit.covariance * scale;
+        let (mean, covariance) = distribution(&rows, middle, guess).unwrap_or((middle, guess));
+        let centre = Vector3::new(mobility[(0, 0)], mobility[(0, 1)], mobility[(1, 1)]);
+        let is_covered = (half_widths + middle.abs()).amax() <= WIDER * mobility_range;
+        if is_covered || pass == PASSES {
+            return Some(PadEdgeSet {
+                centre,
+                set,
+                mean,
+                covariance,
+            });
+        }
+        let moved = centre + mean;
+        let moved = Matrix2::new(moved.x, moved.y, moved.y, moved.z);
+        if moved.determinant() > 0.0 && moved.trace() > 0.0 {
+            shape = LocalShape::of_mobility(&moved)?;
+            for (start, roll) in starts.iter_mut().zip(&fit.rolls) {
+                *start += roll.start_response() * mean;
+            }
+        }
+        mobility_range = half_widths.amax();
     }
-    let set = FeasibleSet::of_rolls(rows.iter());
-    let (middle, half_widths) = set.middle()?;
-    // The distribution is narrower than the set, and its correlations are those of the fit.
-    let scale = half_widths.zip_map(&fit.covariance.diagonal(), |half_width, variance| {
-        STD_OF_HALF_WIDTH * half_width / variance.sqrt()
-    });
-    let scale = Matrix3::from_diagonal(&scale);
-    let guess = scale * fit.covariance * scale;
-    let (mean, covariance) = distribution(&rows, middle, guess).unwrap_or((middle, guess));
-    Some(PadEdgeSet {
-        centre: Vector3::new(mobility[(0, 0)], mobility[(0, 1)], mobility[(1, 1)]),
-        set,
-        mean,
-        covariance,
-    })
+    None
 }
 
 /// A roll near a shape and a start.
 struct Linearised<'r> {
     bounded: &'r BoundedRoll<'r>,
     is_start_known: bool,
-    roll: &'r RollFit<3>,
+    start: Vector2<f64>,
+    /// Change of the start with the mobility.
+    response: Matrix2x3<f64>,
     pitch: f64,
     cell: &'r PadCell,
     shape: &'r LocalShape,
+    /// Largest change of the mobility in the set.
+    mobility_range: f64,
 }
 
 impl Linearised<'_> {
@@ -87,8 +121,8 @@ impl Linearised<'_> {
         rotations.path(self.shape, &Default::default(), &mut path)?;
         let normals: Vec<_> = self.cell.normals().collect();
         let relative = self.shape.relative();
-        let frame = StartFrame::new(&self.roll.start);
-        let response = self.roll.start_response();
+        let frame = StartFrame::new(&self.start);
+        let response = self.response;
         let is_start_known = self.is_start_known;
         let mut rows = Vec::with_capacity(edges.len() + normals.len());
         let mut couplings = Vec::with_capacity(edges.len());
@@ -113,24 +147,26 @@ impl Linearised<'_> {
             });
             couplings.push(coupling);
         }
-        if !is_start_known {
-            // The start is not quite determined by the mobility. Its coupling to the rows widens them by the remaining
-            // range.
-            let least = |edge: usize| {
-                let of_edge = rows.iter().filter(|row| row.edge == edge);
-                of_edge.map(|row| row.slack).fold(OPEN, f64::min)
-            };
-            let slacks: Vec<_> = (0..normals.len()).map(least).collect();
-            let range = match normals.len() {
-                4 => [0, 1].map(|edge| slacks[edge].abs().max(slacks[edge + 2].abs())),
-                _ => {
-                    [slacks
-                        .iter()
-                        .fold(0.0, |most: f64, slack| most.max(slack.abs()))
-                        * 1.2; 2]
-                }
-            };
-            for (row, coupling) in rows.iter_mut().zip(&couplings) {
+        let drives = path.iter().map(|at| (relative * at.x).norm());
+        let longest = self.mobility_range * drives.fold(0.0, f64::max);
+        let range = match is_start_known {
+            true => [0.0; 2],
+            // The range of the start is wider at other mobilities of the set.
+            false => self.start_range(&rows).map(|range| range + longest),
+        };
+        // Rows are linear in the start and in the mobility. The start couples rows of different edges. This coupling and
+        // the squares of the changes widen the rows.
+        let start_range = range[0].max(range[1]);
+        let offset = self.start.norm();
+        for ((row, coupling), at) in rows.iter_mut().zip(&couplings).zip(&path) {
+            let path_range = self.mobility_range * (relative * at.x).norm();
+            let length = at.x.norm();
+            row.slack += 0.5 * length * start_range * start_range
+                + 0.5 * (length + offset) * start_range * path_range
+                + 0.5 * (length + offset) * path_range * path_range
+                // The mobility also bends the path, because it turns the contact frame.
+                + length * length * path_range / 12.0;
+            if !is_start_known {
                 row.slack += coupling.x.abs() * range[0] + coupling.y.abs() * range[1];
             }
         }
@@ -140,6 +176,21 @@ impl Linearised<'_> {
             is_start_known,
             edges: normals.len(),
         })
+    }
+}
+
+impl Linearised<'_> {
+    /// Largest distances of the start from its estimate along u and v.
+    fn start_range(&self, rows: &[EdgeRow]) -> [f64; 2] {
+        let least = |edge: usize| {
+            let of_edge = rows.iter().filter(|row| row.edge == edge);
+            of_edge.map(|row| row.slack).fold(OPEN, f64::min).abs()
+        };
+        let edges = self.cell.edges();
+        match edges {
+            4 => [least(0).max(least(2)), least(1).max(least(3))],
+            _ => [1.2 * (0..edges).map(least).fold(0.0, f64::max); 2],
+        }
     }
 }
 

@@ -16,7 +16,7 @@ const MAX_STEPS: usize = 25;
 /// The steps end below this decrement.
 const DECREMENT: f64 = 1e-6;
 /// A fit with this tolerance or a larger one only finds a place to begin.
-const ROUGH: f64 = 1e-2;
+const ROUGH: f64 = 1e-4;
 /// Step of finite differences.
 const STEP: f64 = 1e-6;
 /// Changes below this value that do not shrink any more end the steps.

@@ -25,9 +25,10 @@ const GROUPS: usize = 24;
 /// Changes of the coefficients below this value end the steps of a fit.
 const TOLERANCE: f64 = 1e-8;
 /// Changes below this value end the fit that only locates the set of exact readings.
-const ROUGH_TOLERANCE: f64 = 0.03;
-/// Largest standard deviation of a determined mobility, divided by the mobility.
-const MAX_SPREAD: f64 = 0.5;
+const ROUGH_TOLERANCE: f64 = 1e-3;
+/// Largest standard deviation of a determined mobility, divided by the mobility. With a larger value, the interval of the
+/// mobility would nearly reach 0, where the curvature is infinite.
+const MAX_SPREAD: f64 = 0.25;
 /// If the mobility differs between directions by more than this ratio, the crossings are located again.
 const ISOTROPY: f64 = 0.02;
 
@@ -103,7 +104,8 @@ impl<'r> Problem<'r> {
                 true => 1.0,
                 false => first.chi_squared / first.freedom.max(1) as f64,
             };
-            if scale.sqrt() * largest_spread(&first) > MAX_SPREAD {
+            let mobility = first.shape.relative().try_inverse().unwrap_or_default();
+            if scale.sqrt() * largest_spread(&mobility, &first.covariance) > MAX_SPREAD {
                 return Err(undetermined);
             }
             if self.method == SeriesMethod::Trajectory {
@@ -165,6 +167,9 @@ impl<'r> Problem<'r> {
         let mobility = Matrix2::new(mobility.x, mobility.y, mobility.y, mobility.z);
         let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
         let covariance = set.covariance;
+        if largest_spread(&mobility, &covariance) > MAX_SPREAD {
+            return Err(self.undetermined());
+        }
         Ok(self.result(&shape, covariance, true, 1, fit, Uncertainty::Set(set)))
     }
 
@@ -432,11 +437,16 @@ pub(crate) fn inverse_slopes(relative: &Matrix2<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&columns)
 }
 
-/// Largest standard deviation of a mobility in any direction, relative to the mean mobility.
-fn largest_spread(fit: &SeriesFit<3>) -> f64 {
-    let mobility = fit.shape.relative().try_inverse().unwrap_or_default();
-    let largest = fit.covariance.diagonal().max().max(0.0).sqrt();
-    2.0 * largest / mobility.trace().max(1e-300)
+/// Largest standard deviation of the entries of a mobility, relative to the smallest mobility in any direction.
+fn largest_spread(mobility: &Matrix2<f64>, covariance: &Matrix3<f64>) -> f64 {
+    let half = 0.5 * (mobility[(0, 0)] - mobility[(1, 1)]);
+    let least = 0.5 * mobility.trace() - libm::hypot(half, mobility[(0, 1)]);
+    let largest = covariance.diagonal().max().max(0.0).sqrt();
+    if least > 0.0 {
+        largest / least
+    } else {
+        f64::INFINITY
+    }
 }
 
 /// Means of contact points and of their rotations over groups of successive samples.

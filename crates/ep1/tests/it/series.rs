@@ -95,7 +95,7 @@ const QUANTITIES: [Quantity; 5] = [
 fn the_set_of_exact_rolls_contains_the_truth_and_is_narrow() {
     let mut draws = Draws(47);
     for cell in [PadCell::square(1.0), PadCell::hexagonal(1.0)] {
-        for (object, width) in [(47.0, 0.02), (470.0, 0.12)] {
+        for (object, width) in [(47.0, 0.025), (470.0, 0.16)] {
             for turn in [0.1, 0.3, 0.6] {
                 let stated = rolls(object, &cell, turn, &mut draws);
                 for (rolls, share) in [(without_starts(&stated), 1.0), (stated, 0.7)] {
