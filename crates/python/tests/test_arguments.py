@@ -294,3 +294,19 @@ def test_extreme_numbers_return_results_or_errors(rolls, glides, presses):
             palpate.estimate_roll(bits, bits[::-1], probe_radius=float(bits[0, 0]))
         except palpate.PalpateError:
             pass
+
+
+def test_rolls_may_be_time_series():
+    # A probe of radius 10 rolls on a ball of radius 40 from the middle of a pad. Pads are 1 apart.
+    time = np.linspace(0, 1, 1001)
+    angles = np.radians([10, 70, 130, 190, 250, 310])
+    directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    turned = 0.5 * time[None, :, None] * directions[:, None, :]
+    pads = np.round(turned / (1 / 10 + 1 / 40)).reshape(-1, 2)
+    rotations = np.stack([turned[..., 1], -turned[..., 0]], axis=-1).reshape(-1, 2)
+    options = {"times": np.tile(time, 6), "probe_radius": 10, "pitch": 1, "method": "pad-edge"}
+    found = palpate.estimate_roll(rotations, pads, start=(0, 0), **options)
+    assert found.mean_curvature.value == pytest.approx(1 / 40, rel=3e-3)
+    assert found.method == "pad-edge" and found.terms == 1
+    with pytest.raises(palpate.ArgumentError):
+        palpate.estimate_roll(rotations[1:], pads, **options)

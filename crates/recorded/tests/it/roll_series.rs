@@ -14,16 +14,15 @@ fn rows(samples: u32) -> Vec<[f64; 6]> {
     let [probe, object] = RADII;
     let mobility = 1.0 / (1.0 / probe + 1.0 / object);
     let mut rows = Vec::new();
-    for (number, [u, v]) in [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]
-        .into_iter()
-        .enumerate()
-    {
+    for number in 0..4 {
+        // No roll is parallel to the edges of the pads.
+        let (v, u) = libm::sincos(0.25 + f64::from(number) * std::f64::consts::FRAC_PI_2);
         for sample in 0..=samples {
             let time = f64::from(sample) / f64::from(samples);
             let angle = 0.5 * time;
             let pad = |axis: f64| (axis * angle * mobility / PITCH).round() * PITCH + 0.0;
             let [x, y] = [v * angle, -u * angle];
-            rows.push([number as f64, time, x, y, pad(u), pad(v)]);
+            rows.push([f64::from(number), time, x, y, pad(u), pad(v)]);
         }
     }
     rows
@@ -136,4 +135,39 @@ fn arrays_are_as_files() {
     }
     let short = RollRecording::of_series(&times[1..], &rotations, &places, true, None);
     assert!(short.unwrap_err().to_string().contains("times"));
+}
+
+#[test]
+fn pad_edges_resolve_more_than_the_pitch() {
+    let curvature = 1.0 / RADII[1];
+    let all = || rows(1000);
+    let kept = |keep: fn(&[f64; 6]) -> bool| all().into_iter().filter(keep).collect::<Vec<_>>();
+    for (name, rows) in [
+        ("all", all()),
+        (
+            "lost samples",
+            kept(|row| (row[1] * 1000.0) as u32 % 7 != 3),
+        ),
+        ("a gap", kept(|row| !(0.3..0.5).contains(&row[1]))),
+    ] {
+        let settings = json!({ "kind": "auto", "pitch": PITCH, "start": [0.0, 0.0] });
+        let estimate =
+            estimate(&table(&rows), &settings).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(
+            (&estimate["method"], &estimate["terms"]),
+            (&json!("pad-edge"), &json!(1))
+        );
+        for key in ["normal_curvature_u", "normal_curvature_v", "mean_curvature"] {
+            let value = estimate[key]["value"].as_f64().unwrap();
+            assert!(
+                (value / curvature - 1.0).abs() < 0.01,
+                "{name}: {key} {value}"
+            );
+            let [low, high] = [0, 1].map(|end| estimate["bounds"][key][end].as_f64().unwrap());
+            assert!(
+                low <= curvature && curvature <= high,
+                "{name}: {key} from {low} to {high}"
+            );
+        }
+    }
 }
