@@ -93,14 +93,27 @@ impl MarkersAtRest {
     }
 }
 
-/// Returns an error for a frame that has another size than the camera, or that is too dark or too bright to distinguish
-/// colours.
+/// Smallest accepted quality of JPEG frames. Intervals from frames with lower qualities are wrong, or such frames
+/// contradict the layout.
+const MIN_JPEG_QUALITY: f64 = 92.0;
+
+/// Returns an error for a frame that has another size than the camera, that is compressed too much, or that is too dark or
+/// too bright to distinguish colours.
 pub(super) fn usable(frame: &Frame, camera: &CameraConfig) -> Result<(), String> {
     let (width, height) = frame.image.dimensions();
     if width != camera.size_px || height != camera.size_px {
         return Err(format!(
             "has {width} x {height} px; the layout's camera takes {0} x {0}",
             camera.size_px
+        ));
+    }
+    if let Some(quality) = frame
+        .jpeg_quality
+        .filter(|quality| *quality < MIN_JPEG_QUALITY)
+    {
+        return Err(format!(
+            "is compressed as JPEG with quality {quality}, which moves and colours the edges of the markers by more \
+             than their noise; at least {MIN_JPEG_QUALITY} is required, or a format without loss such as PNG"
         ));
     }
     let mut levels: Vec<u8> = frame.image.pixels().map(|pixel| pixel.0[1]).collect();

@@ -21,6 +21,8 @@ pub struct Frame {
     pub file: String,
     /// Pixels of the frame.
     pub image: RgbImage,
+    /// Quality with which a JPEG frame was compressed, from 1 to 100; `None` for other formats.
+    pub jpeg_quality: Option<f64>,
 }
 
 /// Largest side of a frame, px. Larger frames are rejected before they are decoded.
@@ -116,7 +118,34 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
     Ok(Frame {
         file: file.name.clone(),
         image: image.into_rgb8(),
+        jpeg_quality: (format == ImageFormat::Jpeg)
+            .then(|| jpeg_quality(&file.bytes))
+            .flatten(),
     })
+}
+
+/// Sum of the quantisation table of the luminance at quality 50 (ITU-T T.81, table K.1).
+const LUMINANCE_AT_50: f64 = 3688.0;
+
+/// Quality of a JPEG file on the scale of libjpeg, computed from its quantisation table of the luminance.
+fn jpeg_quality(bytes: &[u8]) -> Option<f64> {
+    let mut rest = bytes.get(2..)?;
+    loop {
+        let [_, marker, high, low, number, ..] = *rest else {
+            return None;
+        };
+        if marker == 0xdb && number == 0 {
+            let sum: f64 = rest.get(5..69)?.iter().map(|&step| f64::from(step)).sum();
+            let share = sum / LUMINANCE_AT_50;
+            let quality = if share <= 1.0 {
+                100.0 - 50.0 * share
+            } else {
+                50.0 / share
+            };
+            return Some(libm::round(quality));
+        }
+        rest = rest.get(2 + usize::from(u16::from_be_bytes([high, low]))..)?;
+    }
 }
 
 /// Tracks of the markers from a frame at rest to a pressed frame.

@@ -24,6 +24,14 @@ use super::press_warnings::{indentation_check, large_contact, left_out, stated_i
 const BLEMISHED: &str = "the effects of `light_at_rim` and `blur_px` are corrected for markers at \
      rest; they change when markers move, which may cause other warnings";
 
+/// Factor by which all uncertainties of JPEG frames are multiplied. The compression changes all markers in a similar way, so
+/// its errors do not average out. Without the factor, 14 of 20 intervals from frames of quality 92 and 95 contained the true
+/// curvature; all did at twice the width.
+const JPEG_FACTOR: f64 = 2.0;
+/// Warning text: JPEG frames.
+const OF_JPEG: &str = "the frames are compressed as JPEG, which changes all markers in a similar way, so all \
+     uncertainties are doubled; a format without loss, such as PNG, avoids this";
+
 /// Estimates the curvature of an object from a frame at rest and a pressed frame; also returns the displacements of the
 /// markers. The markers at rest are matched with the layout, and a press is fitted to the centroid, hue and size of
 /// each tracked marker. The errors of these features are those that the tracker states. `tracked` is the tracking
@@ -77,7 +85,9 @@ pub(super) fn estimate_images(
     let stated = stated.map(|value| stated_indentation(value, std, unit));
     let (indentation, assumed) = stated.unzip();
     let images = scene.images();
-    let scaled = ScaledFit::of(fit, &markers.pictures, images, indentation);
+    let is_jpeg = [rest, press].map(|frame| frame.jpeg_quality.is_some()) != [false; 2];
+    let of_jpeg = if is_jpeg { JPEG_FACTOR } else { 1.0 };
+    let scaled = ScaledFit::of(fit, &markers.pictures, images, indentation, of_jpeg);
     let mut scaled = scaled.map_err(|(error, scatter)| scene.refused(&error, scatter))?;
     let refused = |error: PressError| scene.refused(&error, 1.0);
     if scaled.misfits.is_empty() {
@@ -92,6 +102,7 @@ pub(super) fn estimate_images(
     let of_frames = (markers.missing.into_iter())
         .chain(Warning::of("other-camera", other_camera))
         .chain(Warning::of("ignored-layer", options.other_body()))
+        .chain(Warning::of("jpeg-frames", is_jpeg.then_some(OF_JPEG)))
         .chain(Warning::of(
             "uneven-pictures",
             blemished.then_some(BLEMISHED),
@@ -291,7 +302,7 @@ struct ScaledFit {
 }
 
 impl ScaledFit {
-    /// Fits the press to the markers at rest and pressed.
+    /// Fits the press to the markers at rest and pressed. All errors are multiplied by `of_jpeg`.
     ///
     /// # Errors
     /// The error of the fit, together with the scatter at rest.
@@ -300,14 +311,16 @@ impl ScaledFit {
         rest: &[Option<Seen>],
         mut pictures: MarkerImages,
         indentation: Option<Measured>,
+        of_jpeg: f64,
     ) -> Result<Self, (PressError, f64)> {
         let mut method = ImageEstimator::new(fit.clone(), rest.to_vec());
         let at_rest = method.rest().map_err(|error| (error, 1.0))?;
         let at_rest = scatter(at_rest.chi_squared / at_rest.freedom.max(1) as f64);
-        if at_rest > 1.0 {
+        let factor = at_rest * of_jpeg;
+        if factor > 1.0 {
             let mut rest = rest.to_vec();
-            widen(&mut rest, at_rest);
-            widen(&mut pictures.pressed, at_rest);
+            widen(&mut rest, factor);
+            widen(&mut pictures.pressed, factor);
             method = ImageEstimator::new(fit, rest);
         }
         Self::pressed(method, pictures, indentation, at_rest).map_err(|error| (error, at_rest))

@@ -2,6 +2,7 @@
 
 use std::io::Cursor;
 
+use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, ImageFormat, RgbImage};
 use palpate_recorded::{
     Frame, FrameReader, PictureOptions, RecordedFile, calibrate_camera, parse_camera, parse_frame,
@@ -37,7 +38,11 @@ fn frame(bytes: &[u8]) -> Result<Frame, String> {
 }
 
 /// The estimate of the pressed object. The camera is calibrated from the frame of the field at rest.
-fn estimate([rest, pressed]: [Frame; 2]) -> serde_json::Value {
+fn estimate(frames: [Frame; 2]) -> serde_json::Value {
+    read(frames).unwrap()
+}
+
+fn read([rest, pressed]: [Frame; 2]) -> Result<serde_json::Value, String> {
     let study = parse("field.toml", SENSOR).unwrap();
     let camera = calibrate_camera(&frame(REST).unwrap(), &study.config).unwrap();
     let camera = parse_camera(&RecordedFile::new(
@@ -49,10 +54,10 @@ fn estimate([rest, pressed]: [Frame; 2]) -> serde_json::Value {
     options.indentation = Some(1.0);
     let tracked = track_frames(&rest, &pressed).unwrap();
     let reader = FrameReader::Pictures(Box::new(options));
-    let read = reader
-        .read([&rest, &pressed], &tracked, (3, 0.0), None)
-        .unwrap();
-    serde_json::to_value(read.estimate.unwrap()).unwrap()
+    let read = reader.read([&rest, &pressed], &tracked, (3, 0.0), None);
+    let press = read.and_then(|read| read.estimate);
+    let press = press.map_err(|error| error.to_string())?;
+    Ok(serde_json::to_value(press).unwrap())
 }
 
 /// Checks that the interval of an estimate contains the curvature of the ball, and returns the codes of the warnings.
@@ -76,6 +81,30 @@ fn jpeg_frames_of_the_field_give_the_curvature() {
         Frame { image, ..frame }
     });
     assert_eq!(wide.map(Frame::central_square), frames);
+}
+
+#[test]
+fn jpeg_frames_of_low_quality_are_refused_by_name() {
+    let compressed = |bytes, quality| {
+        let mut jpeg = Vec::new();
+        let encoder = JpegEncoder::new_with_quality(&mut jpeg, quality);
+        frame(bytes)
+            .unwrap()
+            .image
+            .write_with_encoder(encoder)
+            .unwrap();
+        frame(&jpeg).unwrap()
+    };
+    for quality in [60, 75, 90] {
+        let pressed = compressed(PRESSED, quality);
+        let error = read([frame(REST).unwrap(), pressed]).unwrap_err();
+        let words = format!("frame: is compressed as JPEG with quality {quality}, which moves");
+        assert!(error.starts_with(&words), "{error}");
+    }
+    assert_eq!(frame(REST).unwrap().jpeg_quality, Some(92.0));
+    codes_if_right(&estimate(
+        [REST, PRESSED].map(|bytes| compressed(bytes, 97)),
+    ));
 }
 
 #[test]

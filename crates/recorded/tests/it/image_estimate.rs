@@ -52,6 +52,7 @@ fn frames(scene: &PressScene, study: &Study, trial: u64) -> [Frame; 2] {
     [("rest.png", rest), ("pressed.png", pressed)].map(|(file, image)| Frame {
         file: file.to_owned(),
         image,
+        jpeg_quality: None,
     })
 }
 
@@ -116,8 +117,8 @@ fn warp(frame: &Frame, from: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
         }
     });
     Frame {
-        file: frame.file.clone(),
         image,
+        ..frame.clone()
     }
 }
 
