@@ -146,7 +146,7 @@ impl Penalised {
         let square = Square::of(patch);
         let mut quadric = SquareQuadric::of(patch, &square, &known)?;
         let knots = intervals.map(|count| Knots::uniform(DEGREE, -1.0, 1.0, count));
-        let equations = Equations::around(&quadric, patch, &square, &knots);
+        let equations = Equations::around(&quadric, patch, &square, &knots, true);
         let roughness = roughness_penalty(&knots);
         let bending = quadric.mean_square_curvature(&square);
         let expected = weight::log_weight_of_sphere(bending);
@@ -170,25 +170,27 @@ impl Penalised {
             .clone()
             .with_square_term(prior, patch, &square, &known);
         let about = about.map(|about| {
-            let equations = Equations::around(&about, patch, &square, &knots);
+            let equations = Equations::around(&about, patch, &square, &knots, false);
             (
                 about,
                 spectrum.clone().with_right_side(&equations, &variances),
             )
         });
-        let mut square_term = None;
+        let (mut square_term, mut choice) = (None, None);
         if let Some((about, spectrum)) = &about {
             let implicit = Search::new(spectrum, self.criterion, is_known, expected);
             let penalty = libm::log(patch.equations() as f64);
-            let is_likelier = implicit.least_deviance() + penalty < search.least_deviance();
-            if is_likelier && implicit.best().effective_unknowns < MAX_IMPLICIT_UNKNOWNS {
-                search = implicit;
-                quadric = about.clone();
-                square_term = Some(prior);
+            if implicit.least_deviance() + penalty < search.least_deviance() {
+                let best = implicit.best();
+                if best.effective_unknowns < MAX_IMPLICIT_UNKNOWNS {
+                    search = implicit;
+                    quadric = about.clone();
+                    (square_term, choice) = (Some(prior), Some(best));
+                }
             }
         }
+        let mut choice = choice.unwrap_or_else(|| search.best());
         let spectrum = search.spectrum;
-        let mut choice = search.best();
         choice.scale = choice.scale.max(variances.min_scale());
         let deviation = spectrum.coefficients(&spectrum.filters(choice.log_weight));
         let coefficients: Vec<f64> = match square_term {

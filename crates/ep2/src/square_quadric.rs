@@ -142,7 +142,7 @@ impl SquareQuadric {
         };
         let iterations = if patch.has_normals() { ITERATIONS } else { 2 };
         for _ in 0..iterations {
-            let equations = NormalEquations::around(&quadric, patch, square);
+            let equations = NormalEquations::around(&quadric, patch, square, false);
             quadric.improve(&equations, 0.0, patch, square, known)?;
         }
         Ok(quadric)
@@ -158,7 +158,7 @@ impl SquareQuadric {
         known: &Noise,
     ) -> Option<Self> {
         for _ in 0..ITERATIONS {
-            let equations = NormalEquations::around(&self, patch, square);
+            let equations = NormalEquations::around(&self, patch, square, true);
             self.improve(&equations, prior, patch, square, known).ok()?;
             let sides = || (-2..=2).map(|step| 0.5 * f64::from(step));
             let mut places = sides().flat_map(|a| sides().map(move |b| (a, b)));
@@ -346,7 +346,8 @@ impl SquareQuadric {
 }
 
 impl NormalEquations {
-    fn around(quadric: &SquareQuadric, patch: &Patch, square: &Square) -> Self {
+    /// The equations for the deviation from a quadric; those of the coefficient m only if `with_term`.
+    fn around(quadric: &SquareQuadric, patch: &Patch, square: &Square, with_term: bool) -> Self {
         let mut equations = Self::default();
         let Self {
             grams,
@@ -362,9 +363,11 @@ impl NormalEquations {
             let of_term = quadric.by_square_term(a, b);
             let height = Row::new(1.0, a, b, a * a, a * b, b * b) * per_root;
             let weighted = height * one.height_weight;
-            term.products.heights += weighted * of_term;
-            term.squares.heights += one.height_weight * of_term * of_term;
-            term.right_sides.heights += one.height_weight * of_term * one.height;
+            if with_term {
+                term.products.heights += weighted * of_term;
+                term.squares.heights += one.height_weight * of_term * of_term;
+                term.right_sides.heights += one.height_weight * of_term * one.height;
+            }
             grams.heights += weighted * height.transpose();
             right_sides.heights += weighted * one.height;
             squares.heights += one.height_weight * one.height * one.height;
@@ -378,9 +381,11 @@ impl NormalEquations {
                     let row = row * per_root + height * (root * quadric.square_term * bend);
                     let of_term = value * bend;
                     let weighted = row * weight;
-                    term.products.slopes += weighted * of_term;
-                    term.squares.slopes += weight * of_term * of_term;
-                    term.right_sides.slopes += weight * of_term * slope;
+                    if with_term {
+                        term.products.slopes += weighted * of_term;
+                        term.squares.slopes += weight * of_term * of_term;
+                        term.right_sides.slopes += weight * of_term * slope;
+                    }
                     grams.slopes += weighted * row.transpose();
                     right_sides.slopes += weighted * slope;
                     squares.slopes += weight * slope * slope;

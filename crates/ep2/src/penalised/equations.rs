@@ -38,8 +38,15 @@ impl Cell {
         right: [0.0; LOCAL],
     };
 
+    /// Adds an equation; its part of the matrix only if `with_gram`.
     #[inline]
-    fn add(&mut self, along_a: &[f64], along_b: &[f64], value: f64, weight: f64) {
+    fn add(
+        &mut self,
+        along_a: &[f64],
+        along_b: &[f64],
+        [value, weight]: [f64; 2],
+        with_gram: bool,
+    ) {
         let mut row = [0.0; LOCAL];
         for (chunk, a) in row.chunks_exact_mut(SUPPORT).zip(along_a) {
             for (entry, b) in chunk.iter_mut().zip(along_b) {
@@ -49,6 +56,9 @@ impl Cell {
         for ((gram, right), entry) in self.gram.iter_mut().zip(&mut self.right).zip(row) {
             let weighted = weight * entry;
             *right += weighted * value;
+            if !with_gram {
+                continue;
+            }
             for (sum, other) in gram.iter_mut().zip(row) {
                 *sum += weighted * other;
             }
@@ -57,12 +67,13 @@ impl Cell {
 }
 
 impl Equations {
-    /// The equations for the deviation of a patch from `quadric`.
+    /// The equations for the deviation of a patch from `quadric`. Without `with_grams`, only their right sides.
     pub(super) fn around(
         quadric: &SquareQuadric,
         patch: &Patch,
         square: &Square,
         knots: &[Knots; 2],
+        with_grams: bool,
     ) -> Self {
         let [knots_a, knots_b] = knots;
         let [along_a, along_b] = intervals(knots);
@@ -75,13 +86,13 @@ impl Equations {
             let [a, da] = knots_a.derivatives::<2>(first_a, one.a);
             let [b, db] = knots_b.derivatives::<2>(first_b, one.b);
             let cell = first_a * along_b + first_b;
-            heights[cell].add(&a, &b, one.height, one.height_weight);
+            heights[cell].add(&a, &b, [one.height, one.height_weight], with_grams);
             squares.heights += one.height_weight * one.height * one.height;
             if has_slopes {
                 let [slope_a, slope_b] = one.slopes;
                 let [weight_a, weight_b] = one.slope_weights;
-                slopes[cell].add(&da, &b, slope_a, weight_a);
-                slopes[cell].add(&a, &db, slope_b, weight_b);
+                slopes[cell].add(&da, &b, [slope_a, weight_a], with_grams);
+                slopes[cell].add(&a, &db, [slope_b, weight_b], with_grams);
                 squares.slopes += weight_a * slope_a * slope_a + weight_b * slope_b * slope_b;
             }
         }
