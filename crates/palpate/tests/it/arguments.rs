@@ -244,7 +244,8 @@ fn claims_exactness(json: &Value) -> bool {
 /// A load curve with noise.
 const LOAD: &str = "indentation_mm,force_N\n1,1.1\n2,2.7\n3,5.2\n4,8.1\n";
 
-/// No flag accepts a number that is not finite. If a flag has the value 1e300, no standard error of the estimate is 0.
+/// No flag accepts a number that is not finite, except for the radius of a sensor. If a flag has the value 1e300, no
+/// standard error of the estimate is 0.
 #[test]
 fn every_number_has_bounds() {
     let mut flags = 0;
@@ -264,7 +265,12 @@ fn every_number_has_bounds() {
         desk.write("r.csv", readings);
         for flag in numeric_flags(command) {
             flags += 1;
+            // Only the radius of a sensor may be infinite: the sensor is then a flat pad.
+            let may_be_infinite = flag == "sensor-radius";
             for value in ["nan", "inf", "-1"] {
+                if value == "inf" && may_be_infinite {
+                    continue;
+                }
                 let said = desk.palpate(&format!("{command} --{flag} {value}")).said(2);
                 let is_named = said.contains(&format!("'{value}' for '--{flag} <"))
                     || said.contains("unexpected argument '-1' found");
