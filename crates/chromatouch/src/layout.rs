@@ -407,7 +407,7 @@ mod tests {
                 "{error}"
             );
         }
-        for sensor_radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        for sensor_radius in [0.0, -1.0, f64::NAN] {
             let error = Layout::published().places(sensor_radius).unwrap_err();
             assert_eq!(error.setting(), Some("radius"));
         }

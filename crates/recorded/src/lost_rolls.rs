@@ -42,7 +42,9 @@ impl RollRecording {
         let half_way = PI * options.probe_radius * (1.0 + 1e-9);
         let loss = |reading: &ProbeReading| match reading.shift {
             shift if libm::hypot(shift.x, shift.y) > half_way => Some(Loss::Far),
-            shift if shift == Vector2::zeros() => Some(Loss::Zero),
+            shift if shift == Vector2::zeros() && reading.rotation != Vector2::zeros() => {
+                Some(Loss::Zero)
+            }
             _ => None,
         };
         if !self.readings.iter().any(|reading| loss(reading).is_some()) {
@@ -101,9 +103,7 @@ impl RollRecording {
         };
         let hidden = (hidden * (1.0 + ROUNDING)).max(MIN_RESIDUALS * noise);
         let zeros = self.readings.iter().zip(losses);
-        let mut zeros = zeros.filter(|(reading, loss)| {
-            **loss == Some(Loss::Zero) && reading.rotation != Vector2::zeros()
-        });
+        let mut zeros = zeros.filter(|(_, loss)| **loss == Some(Loss::Zero));
         zeros.all(|(reading, _)| estimate.shift(&reading.rotation).amax() > hidden)
     }
 

@@ -176,7 +176,7 @@ fn standard_errors_follow_from_the_pitch() {
 
 #[test]
 fn a_contact_that_did_not_move_bounds_the_radius() {
-    let readings = format!("{EXACT}12,0,-0.5,0,0\n13,0,0,0,0\n");
+    let readings = format!("{EXACT}12,0,-0.11,0,0\n13,0,0,0,0\n");
     let bound = |options| {
         let unresolved = estimate(&readings, options)["unresolved_probes"].clone();
         // Probe 13 did not roll at all and is therefore not listed.
@@ -185,10 +185,10 @@ fn a_contact_that_did_not_move_bounds_the_radius() {
         assert_eq!(unresolved[0]["unit"], "mm");
         unresolved[0]["radius_below"].clone()
     };
-    // A probe of radius R₁ turned by 0.5 rad on an object of radius R₂, and the contact moved by less than 1 mm. So
-    // R₁R₂/(R₁ + R₂) · 0.5 < 1.
-    assert_close(bound("--pitch 1").as_f64().unwrap(), 2.5, 1e-12);
-    // Even on a plane the contact would have moved by only 5 mm, so a pitch of 6 mm gives no bound.
+    // A probe of radius R₁ turned by 0.11 rad on an object of radius R₂, and the contact moved by less than 1 mm. So
+    // R₁R₂/(R₁ + R₂) · 0.11 < 1.
+    assert_close(bound("--pitch 1").as_f64().unwrap(), 100.0, 1e-9);
+    // Even on a plane the contact would have moved by only 1.1 mm, so a pitch of 6 mm gives no bound.
     assert_eq!(bound("--pitch 6"), Value::Null);
     assert_eq!(bound(""), Value::Null);
     // If the contact does not move along u in any roll, the command fails, and its message states the bound.
