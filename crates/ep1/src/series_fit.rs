@@ -29,6 +29,9 @@ const ROUGH_TOLERANCE: f64 = 1e-3;
 /// Largest standard deviation of a determined mobility, divided by the mobility. With a larger value, the interval of the
 /// mobility would nearly reach 0, where the curvature is infinite.
 const MAX_SPREAD: f64 = 0.25;
+/// Largest standard deviation of the mobility over a set of exact readings, divided by the mobility. In a wider set, the
+/// rolls crossed so few edges that the linear rows do not bound it reliably.
+const MAX_SET_SPREAD: f64 = 0.03;
 /// If the mobility differs between directions by more than this ratio, the crossings are located again.
 const ISOTROPY: f64 = 0.02;
 
@@ -167,7 +170,7 @@ impl<'r> Problem<'r> {
         let mobility = Matrix2::new(mobility.x, mobility.y, mobility.y, mobility.z);
         let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
         let covariance = set.covariance;
-        if largest_spread(&mobility, &covariance) > MAX_SPREAD {
+        if largest_spread(&mobility, &covariance) > MAX_SET_SPREAD {
             return Err(self.undetermined());
         }
         Ok(self.result(&shape, covariance, true, 1, fit, Uncertainty::Set(set)))
