@@ -26,6 +26,9 @@ pub(crate) struct EdgeRow {
     pub(crate) edge: usize,
     pub(crate) form: Vector3<f64>,
     pub(crate) slack: f64,
+    /// Part of the slack that covers what the linearisation omits. It belongs to the bounds of the set, but not to its
+    /// distribution.
+    pub(crate) omitted: f64,
 }
 
 /// The rows of one roll.
@@ -176,7 +179,7 @@ impl RollRows {
         let mut next = rows.next();
         for (edge, least) in slacks.iter_mut().enumerate() {
             while let Some(row) = next.filter(|row| row.edge == edge) {
-                let slack = row.slack - row.form.dot(point);
+                let slack = row.slack - row.omitted - row.form.dot(point);
                 *least = if slack < *least { slack } else { *least };
                 next = rows.next();
             }

@@ -26,6 +26,8 @@ pub(crate) struct PadEdgeSet {
     /// Mean change of the mobility over the set, and its covariance.
     pub(crate) mean: Vector3<f64>,
     pub(crate) covariance: Matrix3<f64>,
+    /// Half-widths of the set along the entries of the mobility.
+    pub(crate) half_widths: Vector3<f64>,
 }
 
 /// A roll whose pads bound the contact.
@@ -81,6 +83,7 @@ pub(crate) fn pad_edge_set(
                 set,
                 mean,
                 covariance,
+                half_widths,
             });
         }
         let moved = centre + mean;
@@ -144,31 +147,37 @@ impl Linearised<'_> {
                 edge: *edge,
                 form,
                 slack: offset - normal.dot(&place.place),
+                omitted: 0.0,
             });
             couplings.push(coupling);
         }
-        let drives = path.iter().map(|at| (relative * at.x).norm());
-        let longest = self.mobility_range * drives.fold(0.0, f64::max);
         let range = match is_start_known {
             true => [0.0; 2],
-            // The range of the start is wider at other mobilities of the set.
-            false => self.start_range(&rows).map(|range| range + longest),
+            false => self.start_range(&rows),
         };
         // Rows are linear in the start and in the mobility. The start couples rows of different edges. This coupling and
-        // the squares of the changes widen the rows.
-        let start_range = range[0].max(range[1]);
+        // the squares of the changes widen the rows. The range of the start is wider at other mobilities of the set.
+        let drives = path.iter().map(|at| (relative * at.x).norm());
+        let longest = match is_start_known {
+            true => 0.0,
+            false => self.mobility_range * drives.fold(0.0, f64::max),
+        };
+        let start_range = range[0].max(range[1]) + longest;
         let offset = self.start.norm();
         for ((row, coupling), at) in rows.iter_mut().zip(&couplings).zip(&path) {
             let path_range = self.mobility_range * (relative * at.x).norm();
             let length = at.x.norm();
-            row.slack += 0.5 * length * start_range * start_range
+            row.omitted = 0.5 * length * start_range * start_range
                 + 0.5 * (length + offset) * start_range * path_range
                 + 0.5 * (length + offset) * path_range * path_range
                 // The mobility also bends the path, because it turns the contact frame.
                 + length * length * path_range / 12.0;
             if !is_start_known {
-                row.slack += coupling.x.abs() * range[0] + coupling.y.abs() * range[1];
+                let [along_u, along_v] = [coupling.x.abs(), coupling.y.abs()];
+                row.omitted += (along_u + along_v) * longest;
+                row.slack += along_u * range[0] + along_v * range[1];
             }
+            row.slack += row.omitted;
         }
         rows.sort_by_key(|row| row.edge);
         Some(RollRows {

@@ -21,7 +21,7 @@ const MIN_RESIDUAL: f64 = 1e-3;
 /// Smallest number of rolls for each roll that is left out.
 const ROLLS_PER_OUTLIER: usize = 4;
 /// Number of contact points of a roll that a fit uses. More contact points are averaged in groups.
-const GROUPS: usize = 24;
+const GROUPS: usize = 12;
 /// Changes of the coefficients below this value end the steps of a fit.
 const TOLERANCE: f64 = 1e-8;
 /// Changes below this value end the fit that only locates the set of exact readings.
@@ -29,9 +29,9 @@ const ROUGH_TOLERANCE: f64 = 1e-3;
 /// Largest standard deviation of a determined mobility, divided by the mobility. With a larger value, the interval of the
 /// mobility would nearly reach 0, where the curvature is infinite.
 const MAX_SPREAD: f64 = 0.25;
-/// Largest standard deviation of the mobility over a set of exact readings, divided by the mobility. In a wider set, the
-/// rolls crossed so few edges that the linear rows do not bound it reliably.
-const MAX_SET_SPREAD: f64 = 0.03;
+/// Largest half-width of a set of exact readings, divided by the mobility. In a wider set, the rolls crossed so few edges
+/// that the linear rows do not bound it reliably.
+const MAX_HALF_WIDTH: f64 = 0.06;
 /// If the mobility differs between directions by more than this ratio, the crossings are located again.
 const ISOTROPY: f64 = 0.02;
 
@@ -170,7 +170,8 @@ impl<'r> Problem<'r> {
         let mobility = Matrix2::new(mobility.x, mobility.y, mobility.y, mobility.z);
         let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
         let covariance = set.covariance;
-        if largest_spread(&mobility, &covariance) > MAX_SET_SPREAD {
+        let squares = Matrix3::from_diagonal(&set.half_widths.map(|width| width * width));
+        if largest_spread(&mobility, &squares) > MAX_HALF_WIDTH {
             return Err(self.undetermined());
         }
         Ok(self.result(&shape, covariance, true, 1, fit, Uncertainty::Set(set)))
