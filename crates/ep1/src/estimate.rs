@@ -54,6 +54,19 @@ impl Estimate {
         self.mobility * Vector2::new(-rotation.y, rotation.x)
     }
 
+    /// Leaves out the standard errors.
+    pub fn omit_stds(&mut self) {
+        let curvatures = [
+            &mut self.normal_curvature_u,
+            &mut self.normal_curvature_v,
+            &mut self.gaussian_curvature,
+            &mut self.mean_curvature,
+        ];
+        curvatures
+            .into_iter()
+            .for_each(|measured| measured.std = None);
+    }
+
     /// Factor by which a small relative error of the readings is amplified in the object's normal curvature at
     /// `angle_rad` from u. It is `1 + 1/RCR`, where RCR is the object's normal curvature divided by the probe's (1996
     /// paper, equation 7). `None` where the object is flat, because the factor is infinite there.

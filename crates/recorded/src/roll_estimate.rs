@@ -170,7 +170,8 @@ impl RollEstimate {
                 &mut values.principal_curvature_max,
             ];
             for (value, (_, quantity)) in curvatures.into_iter().zip(QUANTITIES) {
-                value.interval95 = Some(series.estimate.interval95(quantity));
+                let interval = || series.estimate.interval95(quantity);
+                value.interval95 = self.covariance.map(|_| interval());
             }
         }
         values
@@ -327,15 +328,22 @@ pub fn estimate_roll(
     };
 
     if let Some(series) = estimate_of_series(&recorded, options, unit).map_err(fail)? {
-        let estimate = series.estimate();
+        let mut estimate = series.estimate();
+        // Without noise, the residuals of exact readings do not show how far the curvature departs from the model.
+        let has_error =
+            series.method != "trajectory" || !has_pads || !options.series.noise.is_exact();
+        if !has_error {
+            estimate.omit_stds();
+        }
         return Ok(RollEstimate {
             options: options.clone(),
             unit,
-            covariance: Some(series.estimate.covariance),
+            covariance: has_error.then_some(series.estimate.covariance),
             residual: estimate.residual(readings).0,
             estimate,
             half_width: NORMAL_95,
             std_from: match options.series.noise.is_exact() {
+                _ if !has_error => "none: no noise is stated",
                 true if recorded
                     .series
                     .as_ref()
