@@ -145,7 +145,6 @@ subjects! {
         "std_from": "Source of the standard deviations of rolls: stated noise, the pitch of the pads, or the residuals.";
         "terms": "Number of terms of the curvature along a roll, from time series: 1 if the curvature is constant.";
         "bounds": "Smallest and largest curvatures that agree with all samples of rolls as time series, if the rotations are exact. An end is null if there is no bound.";
-        "left_out": "Readings that the fit does not use: contacts or rolls, each with the reason.";
         "unresolved_probes": "Rolls during which the contact stayed on one pad, with a bound on the \
             object's radius if possible.";
         "k_min": "Smallest normal curvature at a point; `direction_of_min` is its direction.";

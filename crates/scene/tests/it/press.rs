@@ -533,7 +533,7 @@ fn bad_scenes_are_refused_at_their_field() {
                 &ellipsoid([9.0, 8.0, 9.0]),
                 "model = { kind = \"auto\", thickness = 9 }",
             ),
-            "scene.object: a layer has no model",
+            "scene.object: a layer is modelled only for circular contacts",
         ),
         (
             text(&cylinder(9.0, 0.0), "")
