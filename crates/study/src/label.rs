@@ -87,7 +87,7 @@ pub fn quantity(name: &str) -> String {
 
 /// Units with which a header may end: alone (`_cm`), squared (`_cm2`), inverse (`_per_cm`) or in a ratio
 /// (`_rad_per_s`).
-const UNITS: [&str; 9] = ["m", "cm", "mm", "um", "unit", "rad", "deg", "s", "px"];
+const UNITS: [&str; 10] = ["m", "cm", "mm", "um", "unit", "rad", "deg", "s", "hz", "px"];
 
 /// Splits the header of a column into name and unit: `scene.object.radius_cm` is `scene.object.radius` in `cm`,
 /// `scene.motion.rate_rad_per_s` is `scene.motion.rate` in `rad_per_s`. A header without a unit is the whole name.
@@ -129,6 +129,7 @@ pub fn spoken_unit(text: &str) -> String {
     let text = text.split('/').map(plural).collect::<Vec<_>>().join("/");
     text.replace("um", "µm")
         .replace("deg", "°")
+        .replace("hz", "Hz")
         .replace("^2", "²")
         .replace('2', "²")
         .replace('3', "³")

@@ -52,7 +52,8 @@ fn codes(estimate: &Value) -> Vec<&str> {
 fn a_ball_has_its_radius_without_lost_readings() {
     let clean = estimate(&ball(&|_| None), "shape").unwrap();
     let lost = ball(&|row| (row % 9 == 4).then_some("9999,9999,9999"));
-    let rows = [5, 14, 23, 32].map(|row| json!({ "row": row, "reason": "sentinel" }));
+    let rows =
+        [5, 14, 23, 32].map(|row| json!({ "row": row, "line": row + 1, "reason": "sentinel" }));
     let of_shape = estimate(&lost, "shape").unwrap();
     for estimate in [&clean, &of_shape] {
         let radius = &estimate["radius"];

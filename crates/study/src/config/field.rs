@@ -133,7 +133,7 @@ fn in_schema(header: &str) -> Option<(&str, &str)> {
 }
 
 /// Units with which keys of configs may end.
-const IN_KEYS: [&str; 5] = ["rad_per_s", "rad", "deg", "s", "px"];
+const IN_KEYS: [&str; 6] = ["rad_per_s", "rad", "deg", "s", "hz", "px"];
 
 /// Whether the schema defines the name of a field. The result is `false` if the author of the config chooses the name
 /// (parameters of a formula), and `None` if there is no such field.

@@ -48,7 +48,7 @@ const DIMENSIONLESS: [&str; 40] = [
     "max_trials",
 ];
 
-const UNIT_SUFFIXES: [&str; 6] = ["_rad", "_deg", "_s", "_rad_per_s", "_px", "_kpa"];
+const UNIT_SUFFIXES: [&str; 7] = ["_rad", "_deg", "_s", "_hz", "_rad_per_s", "_px", "_kpa"];
 
 /// Calls `visit` with the key and the schema of every property of every kind.
 fn properties(schema: &Value, visit: &mut impl FnMut(&str, &Value)) {
