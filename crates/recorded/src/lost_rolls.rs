@@ -41,7 +41,7 @@ impl RollRecording {
     ) -> Result<Vec<LeftOutProbe>, RecordedError> {
         let half_way = PI * options.probe_radius * (1.0 + 1e-9);
         let loss = |reading: &ProbeReading| match reading.shift {
-            shift if libm::hypot(shift.x, shift.y) > half_way => Some(Loss::Far),
+            shift if shift.norm_squared() > half_way * half_way => Some(Loss::Far),
             shift if shift == Vector2::zeros() && reading.rotation != Vector2::zeros() => {
                 Some(Loss::Zero)
             }

@@ -41,12 +41,15 @@ pub(super) fn single_direction(
         let drive = drive(&(reading.rotation / largest));
         moment += drive * drive.transpose();
     }
-    let eigen = SymmetricEigen::new(moment);
-    let (place, square) = eigen.eigenvalues.argmax();
-    let is_single = eigen.eigenvalues.min() < MAX_SPREAD * MAX_SPREAD * square;
+    // The ratio q of the eigenvalues determines the ratio q / (1 + q)² of the determinant to the square of the trace.
+    const RATIO: f64 = MAX_SPREAD * MAX_SPREAD;
+    let (trace, determinant) = (moment.trace(), moment.determinant());
+    let is_single = determinant * (1.0 + RATIO) * (1.0 + RATIO) < RATIO * trace * trace;
     if !is_single || readings.len() < 2 {
         return None;
     }
+    let eigen = SymmetricEigen::new(moment);
+    let (place, square) = eigen.eigenvalues.argmax();
     let along: Vector2<f64> = eigen.eigenvectors.column(place).into();
     let across = Vector2::new(-along.y, along.x);
     let rolled = |reading: &ProbeReading| drive(&reading.rotation).dot(&along) / largest;

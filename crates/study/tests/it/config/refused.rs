@@ -64,7 +64,7 @@ rate_rad_per_s = 0.1, duration_s = 1.0 => arc_length = 1, spin_rad_per_s = 1 | 8
 rate_rad_per_s = 0.1, duration_s = 1.0 => angle_deg = 1, sampling_hz = 100 | 8:10 scene.motion.rate_rad_per_s | `sampling_hz`
 estimator = { kind = "trajectory" } | 8:10 scene.motion.sampling_hz | needs rolls as time series
 duration_s = 1.0 => duration_s = 1.0, sampling_hz = 0 | 8:66 scene.motion.sampling_hz | must be > 0
-duration_s = 1.0 => duration_s = 1.0, sampling_hz = 9, sampling = 1 | 8:70 scene.motion.sampling | did you mean `sampling_hz`?
+duration_s = 1.0 => duration_s = 1.0, sampling_hz = 9, sampling = 1 | 8:69 scene.motion.sampling | did you mean `sampling_hz`?
 estimator = { kind = "auto", start = "stated" } | 9:38 scene.estimator.start | unknown choice "stated" (known: unknown, known)
 rate_rad_per_s = 0.1, duration_s = 1.0 => angle_deg = 1, spin_rad_per_s = 1 | 8:10 scene.motion.rate_rad_per_s | `spin_rad_per_s`
 "#;
