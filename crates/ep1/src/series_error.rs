@@ -51,7 +51,8 @@ pub enum SeriesError {
     },
     /// The readings do not determine the curvature in some direction.
     #[error(
-        "the readings do not determine the curvature at {:.1} degrees from u; add a roll in this direction, or roll further",
+        "the readings do not determine the curvature at {:.1} degrees from u; add a roll in this direction, roll further, or \
+         check the signs and axes of the rotations",
         direction_rad.to_degrees()
     )]
     Undetermined {

@@ -1,9 +1,11 @@
 //! Estimates from rolls that were recorded as time series.
 
+use std::f64::consts::TAU;
+
 use nalgebra::Vector2;
 use palpate_ep1::{
-    Estimate, Exclusion, PadCell, Places, Quantity, RollSeries, SeriesError, SeriesEstimate,
-    SeriesMethod, SeriesNoise, estimate_series,
+    Estimate, Exclusion, PadCell, Places, Quantity, RollSample, RollSeries, SeriesError,
+    SeriesEstimate, SeriesMethod, SeriesNoise, estimate_series,
 };
 use palpate_statistics::Number;
 use palpate_study::config::LengthUnit;
@@ -112,6 +114,21 @@ pub(super) fn estimate_of_series(
     };
     if let Places::Pads(cell) = &places {
         all_on_lattice(recorded, readings, cell, unit)?;
+    }
+    for (roll, series) in readings.rolls.iter().enumerate() {
+        let size = |sample: &RollSample| {
+            let [x, y, z] = sample.rotation.into();
+            libm::hypot(libm::hypot(x, y), z)
+        };
+        let is_far = |sample: &&RollSample| size(sample) > TAU;
+        if let Some(sample) = series.samples.iter().find(is_far) {
+            return Err(format!(
+                "probe {} after {} s: the rotation is {} rad, more than a whole turn",
+                recorded.probe(roll),
+                Number(sample.time_s),
+                Number::rounded(size(sample))
+            ));
+        }
     }
     let radius = options.probe_radius;
     let estimate = estimate_series(method, radius, &places, &series.noise, &readings.rolls);

@@ -73,6 +73,11 @@ fn unusable_series_are_refused() {
             "probe 2 after 0.24 s: there is no pad at (",
         ),
         (
+            moved(450, 2, 1e300),
+            &pad_edge,
+            "probe 2 after 0.24 s: the rotation is 1e300 rad",
+        ),
+        (
             rolls.to_owned(),
             &pad_edge,
             "setting `kind` pad-edge needs rolls as time series",
