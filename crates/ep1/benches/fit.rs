@@ -1,5 +1,5 @@
-//! Benchmarks of the least squares of eight probes on a sphere. One measures the set-up of the fit, the other the way
-//! from readings to an estimate.
+//! Benchmarks of the least-squares fit for eight probes on a sphere. The first measures the whole computation from the
+//! readings to an estimate. The second measures only the part that depends on the rotations.
 
 use std::f64::consts::FRAC_PI_4;
 use std::hint::black_box;

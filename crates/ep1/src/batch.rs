@@ -1,4 +1,5 @@
-//! Sums over the probes, and batches of many sets of readings with the same rotations.
+//! Sums over the probes, from which the least-squares fit computes its estimates. A batch stores the sums of many sets
+//! of readings whose probes make the same rotations.
 
 use nalgebra::Vector2;
 
@@ -35,13 +36,13 @@ pub struct Moments {
     pub(crate) lengths: f64,
 }
 
-/// The rotation of one probe, prepared for [`Moments`].
+/// The rotation of one probe, and the shift that it would cause on a plane. Both are computed once and used for many
+/// sets of readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbeRotation {
     /// Drive `g = (−Δθ_y, Δθ_x)` of the probe, made from its rotation, rad.
     drive: [f64; 2],
-    /// The shift of the contact if the object were a plane, `R₁ g`, where R₁ is the radius of the probe and g its
-    /// drive; length.
+    /// Shift `R₁ g` of the contact if the object were a plane, length. R₁ is the radius of the probe and g its drive.
     flat: [f64; 2],
 }
 
@@ -58,7 +59,7 @@ impl ProbeRotation {
 }
 
 impl Moments {
-    /// The moments of the set with this index, out of sums that are stored for several sets.
+    /// The moments of the set of readings with the index `set`. The arrays contain the sums of several sets.
     #[inline(always)]
     pub(crate) fn of_set<const N: usize>(
         deviations: &[[f64; N]; 3],
@@ -132,7 +133,7 @@ pub struct BatchEstimates {
     pub values: [[f64; BATCH_SIZE]; 5],
     /// Standard errors of the four curvatures; only valid if `have_stds` is true.
     pub stds: [[f64; BATCH_SIZE]; 4],
-    /// Whether noise was stated. Only then are standard errors computed.
+    /// Whether the noise of the readings was stated. If it was not, the standard errors are not computed.
     pub have_stds: bool,
     /// For each set, 1 if the readings determine a curvature, otherwise 0.
     is_determined: [u64; BATCH_SIZE],

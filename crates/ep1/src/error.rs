@@ -29,8 +29,8 @@ pub enum Ep1Error {
         /// rotation along this axis.
         spread: f64,
     },
-    /// In some direction, the variance of the errors of the measured rotations is more than half of the mean squared
-    /// rotation.
+    /// The measured rotations are too noisy: in some direction, the variance of their errors exceeds half of the mean
+    /// squared rotation.
     #[error(
         "errors of the measured rotations are {} of the squared rotations in some direction, more than 0.5: roll further, \
          or measure the rotations more exactly",
@@ -57,7 +57,7 @@ pub enum Ep1Error {
         Number::rounded(*travel_per_radian)
     )]
     NotRolling {
-        /// Direction of this movement, as an angle from u towards v, rad.
+        /// Direction in which the contact moved backwards, as an angle from u towards v, rad.
         direction_rad: f64,
         /// Distance that the contact moved per radian of rotation, length; negative.
         travel_per_radian: f64,
@@ -68,7 +68,7 @@ pub enum Ep1Error {
         /// Number of the probe, counted from 0.
         probe: usize,
     },
-    /// The numbers are beyond the range of doubles.
+    /// A number of the readings, or a result computed from them, is too large or too small for double precision.
     #[error("the readings are too large or too small for double precision")]
     OutOfRange,
 }

@@ -49,12 +49,12 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Shift of a roll by this rotation, as the estimate predicts it.
+    /// The shift of the contact (length) that this estimate predicts for a roll by `rotation` (rad).
     pub fn shift(&self, rotation: &Vector2<f64>) -> Vector2<f64> {
         self.mobility * Vector2::new(-rotation.y, rotation.x)
     }
 
-    /// Leaves out the standard errors.
+    /// Sets the standard errors of all curvatures to `None`.
     pub fn omit_stds(&mut self) {
         let curvatures = [
             &mut self.normal_curvature_u,
@@ -67,9 +67,9 @@ impl Estimate {
             .for_each(|measured| measured.std = None);
     }
 
-    /// Factor by which a small relative error of the readings is amplified in the object's normal curvature at
-    /// `angle_rad` from u. It is `1 + 1/RCR`, where RCR is the object's normal curvature divided by the probe's (1996
-    /// paper, equation 7). `None` where the object is flat, because the factor is infinite there.
+    /// Ratio of the relative error of the object's normal curvature at `angle_rad` from u to a small relative error of
+    /// the readings. It is `1 + 1/RCR`, where RCR is the object's normal curvature divided by the probe's (1996 paper,
+    /// equation 7). `None` where the object is flat, because the ratio is infinite there.
     pub fn amplification(&self, angle_rad: f64) -> Option<f64> {
         let growth = 1.0 + self.probe_curvature / self.curvature.normal_curvature(angle_rad);
         growth.is_finite().then_some(growth)

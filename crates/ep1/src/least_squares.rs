@@ -26,14 +26,15 @@ use crate::{
     BatchEstimates, BatchMoments, Ep1Error, Estimate, Measured, Moments, ProbeReading, ReadingNoise,
 };
 
-/// Largest allowed ratio of the variance of the measured rotations to the mean squared rotation, in any direction. The
-/// check of a simulated scene uses the true rotations. This makes the check stricter, because measured rotations are
-/// larger due to their errors.
+/// Largest allowed ratio of the error variance of the measured rotations to the mean squared rotation, in any
+/// direction. For a simulated scene, the true rotations are tested. The test is then stricter, because the errors of
+/// measured rotations increase the mean square.
 const MAX_NOISE_SHARE: f64 = 0.5;
 
-/// The part of the least squares that depends only on the rotations, not on the shifts.
+/// A least-squares fit for given rotations of the probes. The fit is prepared once, because this part of it does not
+/// depend on the shifts.
 ///
-/// Many sets of shifts can be fitted for one set of rotations; see [`Moments`].
+/// It then computes an estimate for each set of shifts; see [`Moments`].
 ///
 /// ```
 /// use nalgebra::Vector2;
@@ -156,7 +157,7 @@ impl LeastSquares {
         Self::fitted(radius, noise, readings).map(|(_, estimate)| estimate)
     }
 
-    /// The fit of recorded readings of probes of `radius`, and its estimate.
+    /// The fit for recorded readings of probes of `radius`, and the estimate from these readings.
     ///
     /// # Errors
     /// Errors of [`LeastSquares::of`].
@@ -179,7 +180,7 @@ impl LeastSquares {
         Ok((fit, estimate))
     }
 
-    /// The object's curvature from the shifts of the probes, with the standard errors due to the stated noise.
+    /// Estimates the object's curvature from the sums over the probes. The standard errors are due to the stated noise.
     ///
     /// # Errors
     /// [`Ep1Error`] if the contact did not move or moved backwards in some direction, or if the numbers are out of
@@ -224,8 +225,8 @@ impl LeastSquares {
         })
     }
 
-    /// Covariance of the normal curvatures along u and v and of the twist `k_uv`, for an estimate of this fit. It is
-    /// computed to first order, 1/length²; `None` if no noise was stated.
+    /// Covariance of the normal curvatures along u and v and of the twist `k_uv`, for an estimate of this fit,
+    /// 1/length². It is computed to first order from the stated noise; `None` if no noise was stated.
     ///
     /// ```
     /// use nalgebra::Vector2;
@@ -328,8 +329,8 @@ impl LeastSquares {
 }
 
 impl Estimate {
-    /// Root mean square of the residuals `Δp − B g` per component, length. The second result is the number of degrees
-    /// of freedom: two per probe, minus three.
+    /// Root mean square of the components of the residuals `Δp − B g`, length, and the number of degrees of freedom,
+    /// which is two per probe minus three. Δp is the shift of a probe, B the mobility, and g the drive.
     pub fn residual(&self, readings: &[ProbeReading]) -> (f64, usize) {
         let freedom = (2 * readings.len()).saturating_sub(3);
         if freedom == 0 {
@@ -346,7 +347,8 @@ impl Estimate {
     }
 }
 
-/// Checks that the rotations of `probes` probes span the tangent plane. `gram` is the Gram matrix of the rotations.
+/// Checks that the rotations of `probes` probes span the tangent plane. `gram` is the sum of the outer products of
+/// their drives.
 fn spans(probes: usize, gram: &Symmetric) -> Result<(), Ep1Error> {
     if probes < 2 {
         return Err(Ep1Error::TooFewProbes { probes });
@@ -374,9 +376,9 @@ fn normal_equations(gram: &Symmetric) -> Matrix3<f64> {
     Matrix3::new(uu, 0.0, uv, 0.0, vv, uv, uv, uv, uu + vv)
 }
 
-/// The sum `Σ σ² Aᵀ C A` over the rotations, with the matrices `A` of [`normal_equations`]. `C` is the covariance of a
-/// residual for a rotation with unit variance. `gram` is the Gram matrix of the rotations, weighted with their
-/// variances σ².
+/// The sum `Σ σ² Aᵀ C A` over the rolls, with the matrix `A` of each roll as in [`normal_equations`]. `C` is the
+/// covariance of a residual if the rotation has unit variance. `gram` is the Gram matrix of the drives, in which each
+/// roll is weighted with the variance σ² of its rotation.
 fn weighted_equations(gram: &Symmetric, c: &Symmetric) -> Matrix3<f64> {
     let Symmetric { uu, uv, vv } = *gram;
     let (u_mixed, v_mixed) = (c.uu * uv + c.uv * uu, c.uv * vv + c.vv * uv);

@@ -1,5 +1,5 @@
-//! The linear map from shifts to an estimate and its standard errors. It has no branches, so that several estimates can
-//! be computed together with vector instructions.
+//! The formula that computes an estimate and its standard errors from the sums over the probes. It has no branches, so
+//! that several estimates can be computed together with vector instructions.
 
 use crate::batch::BATCH_SIZE;
 use crate::symmetric::{Symmetric, Symmetric3};
@@ -13,7 +13,8 @@ pub(crate) const MIN_TRAVEL: f64 = 1e-12;
 /// mobility of the contact. These errors come from the last digits of the readings and sums.
 pub(crate) const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
-/// The linear map from shifts to estimates, as a type that can be copied into a loop over a batch.
+/// The constants of the fit, with which estimates are computed from sums over the probes. The type can be copied into a
+/// loop over a batch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Law {
     pub(crate) radius: f64,
@@ -22,18 +23,19 @@ pub(crate) struct Law {
     /// Inverse of the matrix of the normal equations. The unknowns are the entries `uu`, `vv`, `uv` of `K₁ D`: the
     /// probe's curvature K₁ times the deviation D of the mobility from the mobility on a plane.
     pub(crate) inverse: Symmetric3,
-    /// Mean decrease of the sum of `g d` due to errors of the measured rotations, length. Here `g` is the drive of a
-    /// probe, and `d = Δp − R₁ g` is the deviation of its shift from the shift on a plane.
+    /// Correction that is added to the sums of `g₁ d₁` and `g₂ d₂`, length. On average, the errors of the measured
+    /// rotations decrease both sums by this value. Here `g` is the drive of a probe, and `d = Δp − R₁ g` is the
+    /// deviation of its shift from the shift on a plane.
     pub(crate) added: f64,
-    /// Covariance of the entries of `K₁ D` due to the shifts' noise and to rounding.
+    /// Covariance of the entries of `K₁ D` that is due to the noise of the shifts and to rounding.
     pub(crate) from_shifts: Symmetric3,
     /// Covariance of the fitted entries of `K₁ D` that is due to the rotations' noise. It is the sum of these three
     /// matrices, multiplied by the entries `uu`, `vv`, `uv` of `(K₁ B)²`, where B is the mobility.
     pub(crate) from_rotations: [Symmetric3; 3],
 }
 
-/// Standard deviation (1/length) of a normal curvature that is due to the rounding of the readings alone. The arguments
-/// are this curvature (1/length) and the radius of the probes.
+/// Standard error of a normal curvature that is due to the rounding of the readings alone, 1/length. `curvature` is the
+/// normal curvature (1/length), and `radius` is the radius of the probes.
 ///
 /// ```
 /// // Rounding errors exceed the curvature of an object 10¹⁷ times as flat as the probe.
@@ -171,9 +173,9 @@ impl Law {
     }
 }
 
-/// Derivatives of the object's curvatures K_uu, K_vv and K_uv with respect to the entries `uu`, `vv`, `uv` of the
-/// mobility times the probe's curvature, `K₁ B`. They have the opposite sign and are in units of `K₁ / det²`, where
-/// `det` is the determinant of `K₁ B`.
+/// Derivatives of the object's curvatures K_uu, K_vv and K_uv with respect to the entries `uu`, `vv`, `uv` of `K₁ B`,
+/// where K₁ is the probe's curvature and B the mobility. The results are the derivatives multiplied by `−det²/K₁`,
+/// where `det` is the determinant of `K₁ B`.
 #[inline(always)]
 pub(crate) fn gradients(travel: &Symmetric) -> [[f64; 3]; 3] {
     // `w` is the relative curvature of object and probe, in units of K₁ / det.
@@ -197,7 +199,7 @@ fn root(variance: f64) -> f64 {
     variance.sqrt()
 }
 
-/// The result of the fit. The caller must check that it describes a rolling contact.
+/// The result of a fit. It is valid only if `moved` and `in_range` are true.
 pub(crate) struct Solution {
     /// Movement of the contact, divided by its movement on a plane: the mobility B times the probe's curvature K₁.
     pub(crate) travel: Symmetric,
@@ -207,7 +209,7 @@ pub(crate) struct Solution {
     pub(crate) curvatures: [f64; 4],
     /// Standard errors of the curvatures; 0 if no noise was stated.
     pub(crate) stds: [f64; 4],
-    /// Whether the contact moved in the direction of the roll, for rolls in all directions.
+    /// Whether the contact moves forwards in every direction of rolling.
     pub(crate) moved: bool,
     /// Whether all numbers are finite.
     pub(crate) in_range: bool,

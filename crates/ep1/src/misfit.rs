@@ -1,11 +1,12 @@
-//! Tests whether rolls contradict the model: goodness of fit, and rolls that contradict the other rolls.
+//! Tests whether the readings contradict the model: goodness of fit of all rolls, and single rolls that contradict the
+//! other rolls.
 //!
 //! The residual of a roll is `Δp − B g`, with the shift `Δp`, the mobility `B` of the contact and the drive `g` of the
 //! probe. Its covariance is `σ_p² I + σ_g² B Bᵀ`, where σ_p is the noise of the shifts and σ_g the noise of the
-//! rotations. Weighted least squares remove the part that a change of `B` explains. Then the sum of the squared
-//! residuals, divided by their variances, follows a chi-squared distribution. On pads, all probes share the rounding
-//! error of the first contact. This error is fitted too, with the variance of a uniform distribution over a pad as its
-//! prior.
+//! rotations. A weighted least-squares fit removes the part of the residuals that a change of `B` explains. Then the
+//! sum of the squared residuals, divided by their variances, follows a chi-squared distribution. On pads, all probes
+//! share the rounding error of the first contact. The fit also estimates this error. Its prior variance is that of a
+//! uniform distribution over a pad.
 
 use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2};
 use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit, StatedQuantity};
@@ -19,15 +20,16 @@ const MOBILITY_ENTRIES: usize = 3;
 const UNKNOWNS: usize = 5;
 /// Smallest estimated noise, relative to the longest shift. A smaller value may be a rounding error.
 const MIN_NOISE: f64 = 1e-3;
-/// Smallest relative size of two numbers: the diagonal entry of a fitted parameter, and the noise in a direction. A
-/// smaller value may be only a rounding error.
+/// A diagonal entry of a Cholesky factor counts as zero below this value, because it may be only a rounding error. The
+/// readings then do not determine a parameter, or a residual has no noise in some direction.
 const SINGULAR: f64 = 1e-10;
 /// Significance level of a poor fit. Four probes have only five degrees of freedom. Therefore, at a level of 0.005, the
 /// test would often miss a noise that is three times the stated noise.
 const POOR_FIT_LEVEL: f64 = 0.02;
 /// Significance level for residuals that are too small for the stated noise.
 const SMALL_RESIDUALS_LEVEL: f64 = 3e-5;
-/// Smallest ratio of the stated noise to the residuals for which a misfit is reported.
+/// If the ratio of the stated noise to the root-mean-square residual exceeds this value, the stated noise may be
+/// reported as too large.
 const MIN_NOISE_RATIO: f64 = 4.0;
 
 type Unknowns = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
@@ -117,13 +119,13 @@ fn small_residuals(noise: &ReadingNoise, residual: f64, goodness: GoodnessOfFit)
     })
 }
 
-/// A weighted least-squares fit near an estimate.
+/// A weighted least-squares fit, linearised at an estimate.
 struct Refit<'r> {
     noise: ReadingNoise,
     estimate: &'r Estimate,
     readings: &'r [ProbeReading],
-    /// Units of the slopes. The first is the longest rotation. The second is the smallest standard deviation of a
-    /// residual, divided by the probe's radius.
+    /// Units in which the derivatives of the residuals are computed. The first is the longest rotation. The second is
+    /// the smallest standard deviation of a residual, divided by the probe's radius.
     units: [f64; 2],
     covariance: Unknowns,
     /// Change of the fitted parameters with which chi-squared is smallest.
@@ -133,7 +135,7 @@ struct Refit<'r> {
 }
 
 impl<'r> Refit<'r> {
-    /// The fit. `None` if the readings and their noise do not determine the parameters.
+    /// Fits the parameters. `None` if the readings and their noise do not determine them.
     fn new(
         noise: ReadingNoise,
         estimate: &'r Estimate,
@@ -192,8 +194,9 @@ impl<'r> Refit<'r> {
         GoodnessOfFit::new(self.chi_squared, self.freedom)
     }
 
-    /// For each probe, its index, residual and slopes, in standard deviations. Probes without noise in some direction,
-    /// such as a probe that did not rotate, are omitted.
+    /// For each probe: its index, its residual, and the derivatives of the residual with respect to the fitted
+    /// parameters. The residual and its derivatives are divided by the standard deviation of the residual. Probes
+    /// without noise in some direction, such as a probe that did not rotate, are omitted.
     fn weighted(&self) -> impl Iterator<Item = (usize, Vector2<f64>, Slopes)> {
         let [turned, least] = self.units;
         let mobility = self.estimate.mobility * self.estimate.probe_curvature;
@@ -244,7 +247,7 @@ impl<'r> Refit<'r> {
 }
 
 /// Two standard deviations of a residual, divided by the probe's radius. The first is due to the noise of the shift,
-/// the second due to the noise of the rotation. The second is for the direction in which the mobility is largest.
+/// the second to the noise of the rotation. The second is computed for the direction with the largest mobility.
 fn noise_sizes(noise: &ReadingNoise, estimate: &Estimate, reading: &ProbeReading) -> [f64; 2] {
     let turned = reading.rotation.norm();
     let rotation_std = libm::hypot(noise.relative_rotation_std * turned, noise.rotation_std_rad);

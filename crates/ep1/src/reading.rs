@@ -80,13 +80,14 @@ impl ReadingNoise {
             + self.rotation_std_rad * self.rotation_std_rad
     }
 
-    /// The sum `Σ AᵀCA` over pairs of rolls by `rotations`. `A` is the matrix of a roll's equations, and `C` contains
-    /// the correlations between the shift errors of two rolls that start at the same place on the pads. `None` if each
-    /// roll starts at its own place.
+    /// Covariance of the normal equations that is due to shared errors of the pads, for a variance of 1: the sum `Σ A₁ᵀ
+    /// C A₂` over all pairs of rolls. A₁ and A₂ are the matrices of the equations of the two rolls, and C contains the
+    /// correlations between their shift errors. `None` if each roll starts at its own place, because the errors are
+    /// then independent.
     ///
-    /// Rounding errors are uniform over a pad. If the ends of two rolls differ by a fraction f of a pad, their errors
-    /// have the correlation 1 − 6 f (1 − f). This formula is used only for small f, because larger distances depend on
-    /// the object.
+    /// The contact is rounded to the centre of a pad, so its error is uniform over the pad. If the ends of two rolls
+    /// differ by a fraction f of a pad, their errors have the correlation 1 − 6 f (1 − f). This formula is used only
+    /// for small f. Larger distances depend on the curvature of the object, so the correlation is then assumed to be 0.
     pub(crate) fn shared_errors(
         &self,
         radius: f64,

@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix2, Matrix3};
 
-/// If the spread of rotations perpendicular to their main axis, divided by the spread along this axis, is below this
-/// value, the rotations count as parallel.
+/// Rotations count as parallel if the ratio of their spread across their main axis to their spread along this axis is
+/// below this value.
 pub(crate) const SMALLEST_SPREAD: f64 = 1e-6;
 
 /// A symmetric 2×2 matrix.
@@ -36,14 +36,13 @@ impl Symmetric {
         }
     }
 
-    /// Sum of the products of the entries `uu`, `vv`, `uv` of the matrix with the components of the vector.
+    /// Returns `uu v[0] + vv v[1] + uv v[2]`, where `uu`, `vv` and `uv` are the entries of the matrix.
     #[inline(always)]
     pub(crate) fn dot(&self, v: &[f64; 3]) -> f64 {
         self.uu * v[0] + self.vv * v[1] + self.uv * v[2]
     }
 
-    /// The sum of `own` and three vectors. Each of these vectors is multiplied by the matrix entry that has the
-    /// vector's name.
+    /// Returns the vector `own + self.uu uu + self.vv vv + self.uv uv`.
     #[inline(always)]
     fn sum(&self, own: &[f64; 3], uu: &[f64; 3], vv: &[f64; 3], uv: &[f64; 3]) -> [f64; 3] {
         [
@@ -81,7 +80,7 @@ impl Symmetric3 {
         }
     }
 
-    /// This matrix plus the three `parts`. Each part is multiplied by the entry `uu`, `vv` or `uv` of `weights`.
+    /// Returns the matrix `self + weights.uu uu + weights.vv vv + weights.uv uv`.
     #[inline(always)]
     pub(crate) fn plus(&self, [uu, vv, uv]: &[Self; 3], weights: &Symmetric) -> Self {
         Self {
@@ -90,7 +89,7 @@ impl Symmetric3 {
         }
     }
 
-    /// This matrix, with a number added to each diagonal entry.
+    /// This matrix, with `by` added to each diagonal entry.
     #[inline(always)]
     pub(crate) fn with_diagonal(self, by: f64) -> Self {
         let [d1, d2, d3] = self.diagonal;

@@ -24,7 +24,8 @@ fn reading() -> impl Strategy<Value = ProbeReading> {
     })
 }
 
-/// The expected error for these inputs; `None` if a calculation is needed to decide.
+/// The error that must be returned for invalid numbers or too few probes. `None` if the numbers are valid, so that only
+/// the fit itself can find an error.
 fn expected_error(
     radius: f64,
     noise: &ReadingNoise,

@@ -30,7 +30,7 @@ pub fn readings(radius: f64, form: &CurvatureForm, rolls: &[(f64, f64)]) -> Vec<
         .collect()
 }
 
-/// The curvature form of an object whose curvatures are `form` in axes that are turned by `-angle_rad`.
+/// The curvature form `form`, expressed in axes that are turned by `angle_rad`.
 pub fn rotated(form: &CurvatureForm, angle_rad: f64) -> CurvatureForm {
     let turn = Rotation2::new(angle_rad);
     let matrix = turn.inverse() * form.matrix() * turn;

@@ -120,7 +120,7 @@ fn residuals_of_two_probes_to_and_fro_are_in_closed_form() {
     assert_relative_eq!(of_rotations.chi_squared, 18.0, max_relative = 1e-9);
 }
 
-/// Share of 400 noisy sets of rolls that have a misfit for which `is_due` is true.
+/// Share of 400 noisy sets of rolls in which at least one misfit fulfils the condition `is_due`.
 fn share(
     stated: ReadingNoise,
     exact: &[ProbeReading],

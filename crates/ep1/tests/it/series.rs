@@ -1,4 +1,4 @@
-//! Estimates from rolls in time, compared with a ball on a ball in closed form and with integrated rolls.
+//! Estimates from time series of rolls, compared with the closed form for a ball on a ball and with integrated rolls.
 
 use approx::assert_relative_eq;
 use nalgebra::{Rotation3, UnitQuaternion, Vector2, Vector3};
@@ -19,7 +19,7 @@ const EXACT: SeriesNoise = SeriesNoise {
     relative_sample_std: 0.0,
 };
 
-/// Centre of the pad at a place.
+/// Centre of the pad that contains `place`.
 fn pad(cell: &PadCell, place: &Vector2<f64>) -> Vector2<f64> {
     let pitch = cell.pitch();
     let period = match *cell == PadCell::square(pitch) {
@@ -35,7 +35,7 @@ fn pad(cell: &PadCell, place: &Vector2<f64>) -> Vector2<f64> {
     *centres.iter().find(inside).unwrap_or(&centres[0])
 }
 
-/// A place in the chart of the probe, for a contact at `path` from a roll's start.
+/// Position of the contact in the chart of the probe, after the contact has moved by `path` from a roll's `start`.
 fn chart(start: &Vector2<f64>, path: &Vector2<f64>) -> Vector2<f64> {
     let turned = |place: &Vector2<f64>| {
         Rotation3::from_scaled_axis(Vector3::new(-place.y, place.x, 0.0) / RADIUS)
