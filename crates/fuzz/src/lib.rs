@@ -16,19 +16,20 @@ use palpate_recorded::{
 use palpate_study::config::{self, GlideEstimatorConfig, PressEstimatorConfig, StatedNoise};
 use palpate_tracking::Finder;
 
-/// A reader that is fuzzed.
+/// A fuzz target: a function that reads one kind of file.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
-    /// Name of the reader, which is also the name of the folder with its corpus.
+    /// Name of the target, which is also the name of its folder in `corpus/`.
     pub name: &'static str,
-    /// Runs the reader on some bytes. Panics if the reader violates a rule.
+    /// Reads the bytes as the content of a file. Panics if the reader violates one of the rules at the top of this
+    /// module.
     pub run: fn(&[u8]) -> Outcome,
 }
 
 /// Outcome of a reader: the input was read, or it was rejected with this message.
 pub type Outcome = Result<(), String>;
 
-/// All readers that are fuzzed.
+/// All fuzz targets, one for each kind of file.
 pub const TARGETS: [Target; 5] = [
     Target {
         name: "config",
@@ -52,19 +53,16 @@ pub const TARGETS: [Target; 5] = [
     },
 ];
 
-/// Estimates of glides and presses are computed only for inputs with at most this number of lines, to limit the run
-/// time of a target.
+/// Largest number of lines for which estimates of glides and presses are computed. It limits the run time of a target.
 const MAX_ROWS: usize = 60;
-/// Markers are detected only in frames with at most this number of pixels, to limit the run time of a target.
+/// Largest number of pixels of a frame in which markers are detected. It limits the run time of a target.
 const MAX_PIXELS: u32 = 200 * 200;
 
 /// Reads a study's config.
 ///
-/// # Errors
-/// Message of the reader if it rejects the input.
+/// # Errors Message of the reader if it rejects the input.
 ///
-/// # Panics
-/// If a resolved config changes when it is written and read again, or an error has no message.
+/// # Panics If a config with all its defaults changes when it is written and read again, or an error has no message.
 pub fn config(bytes: &[u8]) -> Outcome {
     let study = with_message(config::parse("fuzz.toml", text(bytes)?))?;
     let written = config::to_toml(&study.config);
@@ -76,13 +74,13 @@ pub fn config(bytes: &[u8]) -> Outcome {
     Ok(())
 }
 
-/// Parses and evaluates the formula of a height field, once with two parameters and once without parameters.
+/// Parses the formula of a height field, and evaluates it at three points. This is done once with two parameters and
+/// once without parameters.
 ///
-/// # Errors
-/// Message of the parser if both attempts fail.
+/// # Errors Message of the parser if both attempts fail.
 ///
-/// # Panics
-/// If `value` and `jet` return different values, or an error has no message.
+/// # Panics If `Formula::value` and `Formula::jet` return different heights at the same point, or an error has no
+/// message.
 pub fn formula(bytes: &[u8]) -> Outcome {
     let text = text(bytes)?;
     let parameters = BTreeMap::from([("A".to_owned(), 0.15), ("k".to_owned(), 0.7)]);
@@ -209,7 +207,7 @@ fn first_read<const N: usize>(outcomes: [Outcome; N]) -> Outcome {
     outcomes.into_iter().reduce(Outcome::or).unwrap_or(Ok(()))
 }
 
-/// The value that was read, or the message of the error, which must not be empty.
+/// Returns the value that was read, or the error message. Panics if the message is empty.
 fn with_message<T>(read: Result<T, impl Display>) -> Result<T, String> {
     read.map_err(|error| {
         let message = error.to_string();
@@ -218,7 +216,7 @@ fn with_message<T>(read: Result<T, impl Display>) -> Result<T, String> {
     })
 }
 
-/// The value that was read. Its numbers must be finite.
+/// Returns the value that was read, or the error message. Panics if the value contains a number that is not finite.
 fn finite<T: Debug>(read: Result<T, RecordedError>) -> Result<T, String> {
     with_message(read).inspect(|value| check_finite(value))
 }

@@ -1,5 +1,5 @@
-//! Reads the files of the corpus and variations of them. The name of each file states the expected result of its
-//! reader.
+//! Passes the files of the corpus, and random variations of them, to the fuzz targets. The name of each file states
+//! the expected result of its target.
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
@@ -7,9 +7,10 @@ use std::path::Path;
 
 use palpate_fuzz::{TARGETS, Target};
 
-/// Number of variations of each file, for a target with few files.
+/// Number of random variations of each corpus file. For a target with many files, [`MAX_VARIATIONS`] reduces this
+/// number.
 const VARIATIONS: u64 = 40;
-/// Largest number of variations for all files of a target together.
+/// Largest total number of random variations of all files of a target.
 const MAX_VARIATIONS: u64 = 4000;
 
 /// Names and contents of the files of a target.
@@ -30,7 +31,7 @@ fn corpus(target: &Target) -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// Random numbers (SplitMix64), which are the same in every run.
+/// Generator of random numbers (SplitMix64). The numbers are the same in every run.
 struct Dice(u64);
 
 impl Dice {
