@@ -169,7 +169,8 @@ Example:
   palpate report results/ep1-roll-length results/ep1-pad-resolution --out report.html"
     )]
     Report(ReportArgs),
-    /// Print the JSON Schema of configs for editors, or the quantities and statistics that a plot may use.
+    /// Print the JSON Schema of configs, with which editors check a config. With --quantities, print the quantities
+    /// and statistics that a plot may use.
     #[command(after_help = "Examples:
   palpate schema > palpate.schema.json
   palpate schema --quantities")]
@@ -402,7 +403,7 @@ fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Largest number of shards of a run.
+/// Largest number of shards into which a run may be divided.
 const MOST_SHARDS: u64 = 1_000_000;
 
 fn shard(text: &str) -> Result<Shard, String> {
@@ -436,7 +437,7 @@ fn shards(text: &str) -> Result<NonZeroU64, String> {
     within(text, MOST_SHARDS)
 }
 
-/// Largest number of processors of a shard.
+/// Largest number of processors that a shard may request.
 const MOST_PROCESSORS: u64 = 255;
 
 fn processors(text: &str) -> Result<NonZeroU64, String> {
@@ -449,7 +450,7 @@ fn within(text: &str, most: u64) -> Result<NonZeroU64, String> {
     number.ok_or_else(|| format!("must be a whole number from 1 to {most}"))
 }
 
-/// Time limit in Slurm's format.
+/// Time limit of a job, in Slurm's format and in minutes.
 #[derive(Clone, Debug)]
 pub(crate) struct SlurmTime {
     pub(crate) text: String,

@@ -47,15 +47,13 @@ pub(crate) struct DesignArgs {
     pub(crate) target: Target,
     /// Field to vary, with its values: scene.sensor.pitch=0.05..2 or scene.sensor.normal_from=hue,both. A range is
     /// divided by equal ratios if both ends are positive and far apart, otherwise by equal differences. If several
-    /// fields vary, the answer is the region of their values in which the target is met.
+    /// fields vary, the answer is the set of their values that meet the target.
     #[arg(long, value_name = "PATH=VALUES", required = true)]
     pub(crate) vary: Vec<Vary>,
-    /// Find the largest value of this varied field at which the target is met for some values of the other varied
-    /// fields.
+    /// Find the largest value of this varied field with which some values of the other varied fields meet the target.
     #[arg(long, value_name = "PATH", conflicts_with = "minimise")]
     pub(crate) maximise: Option<String>,
-    /// Find the smallest value of this varied field at which the target is met for some values of the other varied
-    /// fields.
+    /// Find the smallest value of this varied field with which some values of the other varied fields meet the target.
     #[arg(long, value_name = "PATH")]
     pub(crate) minimise: Option<String>,
     /// Largest share of the trials that may fail; with 1, any share may fail.
@@ -66,8 +64,8 @@ pub(crate) struct DesignArgs {
         allow_negative_numbers = true
     )]
     pub(crate) max_failures: f64,
-    /// Largest gap between a value that meets the target and the next value that misses it. The gap is a share of the
-    /// value if the range is divided by ratios, otherwise a share of half the range.
+    /// Accuracy of the answer: largest gap between a value that meets the target and the next value that misses it.
+    /// The gap is relative to the value if the range is divided by ratios, otherwise relative to half the range.
     #[arg(
         long,
         value_name = "SHARE",
@@ -75,7 +73,7 @@ pub(crate) struct DesignArgs {
         allow_negative_numbers = true
     )]
     pub(crate) gap: f64,
-    /// Largest number of trials that one cell runs for one value of the varied fields.
+    /// Largest number of trials of each cell at one tried value.
     #[arg(long, value_name = "N", default_value = "4194304")]
     pub(crate) most_trials: NonZeroU64,
     /// Time after which the search tries no further values: 30s, 5m, 1.5h, or a plain number of seconds. The first scan
@@ -92,7 +90,7 @@ pub(crate) struct DistinguishArgs {
     /// mean_curvature].
     #[arg(long, value_name = "NAME")]
     pub(crate) quantity: Option<String>,
-    /// Probability with which the mean of several trials must give the right order.
+    /// Required probability of the right order if the estimates of several trials are averaged.
     #[arg(
         long,
         value_name = "SHARE",
@@ -129,7 +127,7 @@ pub(crate) struct SensitivityArgs {
     pub(crate) trials: NonZeroU64,
 }
 
-/// Parses a field with a list of values.
+/// Parses `PATH=VALUE,VALUE,…`, a field with a list of values.
 fn list(text: &str) -> Result<(String, Vec<toml::Value>), String> {
     match text
         .parse()
@@ -145,7 +143,7 @@ fn list(text: &str) -> Result<(String, Vec<toml::Value>), String> {
     }
 }
 
-/// Parses a field with one value.
+/// Parses `PATH=VALUE`, a field with one value.
 fn set(text: &str) -> Result<(String, toml::Value), String> {
     let Vary { path, values } = text
         .parse()

@@ -180,7 +180,7 @@ Examples:
   palpate estimate press examples/press-readings.csv \\
     --like examples/press-a-ball.toml --indentation 1.5");
 
-/// Arguments of a study that supplies all settings that no flag states.
+/// Options that name a study. The study supplies every setting that no flag states.
 #[derive(Debug, Args)]
 pub(crate) struct LikeArgs {
     /// Read the settings below from this study; a flag overrides the setting of the study.
@@ -202,8 +202,9 @@ pub(crate) struct EstimateRollArgs {
     pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) like: LikeArgs,
-    /// Frame along whose x and y the contact moves to u and v, if the rolls are orientations over time: probe, the probe's
-    /// at the start of each roll, or world, that of the orientations [default: probe].
+    /// Axes of the rotations, if each roll is a series of orientations over time. Choose probe for the probe's own
+    /// axes at the start of the roll, or world for the axes in which the orientations are stated. The axes u and v of
+    /// the contact lie along x and y of this frame [default: probe].
     #[arg(long, value_name = "FRAME")]
     pub(crate) rotation_frame: Option<RotationFrame>,
     #[command(flatten)]
@@ -263,7 +264,7 @@ pub(crate) struct EstimateForceArgs {
     pub(crate) readings: PathBuf,
     #[command(flatten)]
     pub(crate) form: FormArgs,
-    /// Young's modulus of the soft body, kPa; without it there is no radius.
+    /// Young's modulus of the soft body, kPa; required to estimate the radius.
     #[arg(
         long,
         visible_alias = "modulus",
@@ -271,7 +272,7 @@ pub(crate) struct EstimateForceArgs {
         value_parser = positive, allow_negative_numbers = true
     )]
     pub(crate) modulus_kpa: Option<f64>,
-    /// Standard deviation of the modulus, kPa; by default the modulus is exact.
+    /// Standard deviation of Young's modulus, kPa; by default 0.
     #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) modulus_std_kpa: Option<f64>,
     /// Poisson's ratio of the soft body.
@@ -281,8 +282,8 @@ pub(crate) struct EstimateForceArgs {
         default_value_t = 0.5, value_parser = not_negative, allow_negative_numbers = true
     )]
     pub(crate) poisson: f64,
-    /// Radius of the sensor, in the readings' length unit; `inf` for a flat pad. With it the output has the curvature of the
-    /// object.
+    /// Radius of the sensor, in the readings' length unit; `inf` for a flat pad. With this option, the output also
+    /// contains the curvature of the object.
     #[arg(long, value_name = "R", value_parser = radius, allow_negative_numbers = true)]
     pub(crate) sensor_radius: Option<f64>,
     /// Standard deviation of each force, N; by default estimated from the residuals.
@@ -290,15 +291,15 @@ pub(crate) struct EstimateForceArgs {
     pub(crate) force_std_n: Option<f64>,
 }
 
-/// Arguments about a soft sensor with markers, and about the estimator of the pressed objects.
+/// Arguments that describe a soft sensor with markers and choose the estimator of a press.
 #[derive(Debug, Args)]
 pub(crate) struct SensorArgs {
     #[command(flatten)]
     pub(crate) like: LikeArgs,
     #[command(flatten)]
     pub(crate) presses: Settings<PressOptions>,
-    /// With the estimator `gaussian`, thickness and Poisson's ratio describe the soft body that is simulated to
-    /// calibrate it.
+    /// The estimator `gaussian` is calibrated with simulated presses; its thickness and Poisson's ratio are those of
+    /// the simulated soft body.
     #[command(flatten)]
     pub(crate) estimator: Settings<PressEstimatorConfig>,
 }

@@ -7,7 +7,7 @@ use palpate_study::readings::ColumnNames;
 
 use super::number::length_unit;
 
-/// Properties of a table's format that palpate cannot read from the table itself.
+/// Format of a table of readings, for properties that palpate cannot detect in the table itself.
 #[derive(Debug, Args)]
 pub(crate) struct FormArgs {
     /// Names of columns in the file that differ from palpate's names, such as x=Finger X [m],y=Finger Y [m]. Put a pair
@@ -21,14 +21,14 @@ pub(crate) struct FormArgs {
     /// Decimal sign: point or comma [default: detected from the numbers].
     #[arg(long, value_name = "NAME")]
     pub(crate) decimal: Option<Decimal>,
-    /// Unit of lengths in options and output, and of a file whose header states no unit. Lengths in other units are
-    /// converted to it [default: the header's unit].
+    /// Unit of lengths in options and output, and in a file whose header states no unit. Lengths in other units are
+    /// converted to this unit [default: the header's unit].
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
     pub(crate) length_unit: Option<LengthUnit>,
 }
 
 impl FormArgs {
-    /// Name of the first flag in the arguments that affects only tables; `None` if the arguments have no such flag.
+    /// Name of the first given flag that affects only tables (not camera frames); `None` if no such flag was given.
     pub(crate) fn given(&self) -> Option<&'static str> {
         match self {
             Self {
@@ -44,7 +44,7 @@ impl FormArgs {
         }
     }
 
-    /// Description of the table's format from the flags.
+    /// The table format that the flags state.
     pub(crate) fn form(&self) -> Form {
         Form {
             columns: self.columns.clone().unwrap_or_default(),

@@ -6,7 +6,7 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     Range::POSITIVE.parse(text)
 }
 
-/// A radius that may be infinite.
+/// Parses a radius, which may be infinite (`inf`).
 pub(super) fn radius(text: &str) -> Result<f64, String> {
     let range = Range {
         may_be_infinite: true,
@@ -19,7 +19,7 @@ pub(super) fn not_negative(text: &str) -> Result<f64, String> {
     Range::NOT_NEGATIVE.parse(text)
 }
 
-/// `size` numbers, separated by commas; `name` is their form.
+/// Parses `size` numbers, separated by commas. Error messages show `name` as the expected form.
 pub(super) fn vector(text: &str, size: usize, name: &str) -> Result<Vec<f64>, String> {
     let number = |part: &str| {
         let number = part

@@ -125,10 +125,10 @@ pub(crate) struct CalibrateArgs {
     /// The calibration to write, a TOML file; - is standard output.
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
-    /// Inward displacements of the marker under the contact, one number per pressed frame.
+    /// Inward displacement of the marker under the contact, one number per pressed frame.
     #[arg(long, value_name = "D,D,...", value_delimiter = ',', value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) normal: Option<Vec<f64>>,
-    /// Displacements of the same marker along the skin, one number per pressed frame.
+    /// Displacement along the skin of the marker under the contact, one number per pressed frame.
     #[arg(long, value_name = "D,D,...", value_delimiter = ',', value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) tangential: Option<Vec<f64>>,
     /// Property of a marker from which its normal displacement is computed.
@@ -138,13 +138,14 @@ pub(crate) struct CalibrateArgs {
     /// displacements; the other markers share one slope.
     #[arg(long)]
     pub(crate) per_marker: bool,
-    /// Focal length of the fisheye lens that took the frames, px per rad [default: the scale in the middle of the
-    /// frames is assumed for the whole frame].
+    /// Focal length of the fisheye lens that took the frames, px per rad [default: the scale in the middle of each
+    /// frame applies to the whole frame].
     #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) px_per_rad: Option<f64>,
     #[command(flatten)]
     pub(crate) form: FormArgs,
-    /// The pixels are encoded by sRGB, as those of most cameras [default: they are linear in the light].
+    /// The pixels are encoded by sRGB, as in images of most cameras [default: pixel values are proportional to the
+    /// light].
     #[arg(long)]
     pub(crate) srgb: bool,
     /// Also overwrite files that palpate did not write, files that were edited after palpate wrote them, and input
@@ -168,17 +169,19 @@ pub(crate) struct TrackArgs {
     pub(crate) calibration: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) sensor: SensorArgs,
-    /// Focal length of the fisheye lens, px per rad [default: px per length of the calibration, multiplied by the
-    /// distance of the markers from the centre of the sphere].
+    /// Focal length of the fisheye lens, px per rad [default: the calibration's scale (px per length), multiplied by
+    /// the distance of the markers from the centre of the sphere].
     #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) px_per_rad: Option<f64>,
     /// Number of points along each side of the grid of the interpolated displacement field [default: 30].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) grid: Option<u32>,
-    /// Smooth the displacement field with a Gaussian of this standard deviation, a length along the skin [default: 0].
+    /// Standard deviation of the Gaussian that smooths the displacement field, a length along the skin [default: 0, no
+    /// smoothing].
     #[arg(long, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) filter: Option<f64>,
-    /// The pixels are encoded by sRGB, as those of most cameras [default: they are linear in the light].
+    /// The pixels are encoded by sRGB, as in images of most cameras [default: pixel values are proportional to the
+    /// light].
     #[arg(long)]
     pub(crate) srgb: bool,
     /// Also overwrite files that palpate did not write, files that were edited after palpate wrote them, and input

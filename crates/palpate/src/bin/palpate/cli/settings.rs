@@ -21,13 +21,13 @@ use serde_json::{Map, Value as Json};
 use super::number::vector;
 use crate::failure::{flag, with_flags};
 
-/// A table of a config whose keys are available as flags. The flag `--method` sets the key `kind` of the table.
+/// A table of a config whose keys are available as command-line flags. The flag `--method` sets the key `kind`.
 pub(crate) trait Flagged:
     Default + Serialize + DeserializeOwned + JsonSchema + 'static
 {
-    /// Name of the group of flags.
+    /// Name of the group of flags in clap.
     const GROUP: &'static str;
-    /// Keys without a flag of the same name, because another flag states their value.
+    /// Keys that have no flag, because another flag with this name exists.
     const NO_FLAGS: &'static [&'static str] = &[];
 }
 
@@ -61,7 +61,7 @@ impl Flagged for PressOptions {
     const NO_FLAGS: &'static [&'static str] = &["radial_scale"];
 }
 
-/// Settings that the user gave as flags, each by its key.
+/// Settings that the user gave as flags. `given` maps the key of each setting to its value.
 #[derive(Clone, Debug)]
 pub(crate) struct Settings<T> {
     pub(crate) given: Map<String, Json>,
@@ -69,7 +69,7 @@ pub(crate) struct Settings<T> {
 }
 
 impl<T> Settings<T> {
-    /// Name of one of the given flags; `None` if none was given.
+    /// Name of the first given flag; `None` if no flag was given.
     pub(crate) fn flag(&self) -> Option<String> {
         let key = self.given.keys().next()?;
         Some(format!("--{}", flag(key)))
@@ -88,7 +88,7 @@ fn flagged<T: Flagged>() -> impl Iterator<Item = Setting> {
     all.filter(|setting| !T::NO_FLAGS.contains(&setting.key.as_str()))
 }
 
-/// Kind of the estimator that is used if no flag states one.
+/// Kind of estimator that is used if the user does not give `--method`; `None` if the table has no key `kind`.
 fn default_kind<T: Flagged>() -> Option<String> {
     let default = serde_json::to_value(T::default()).ok()?;
     default["kind"].as_str().map(str::to_owned)
