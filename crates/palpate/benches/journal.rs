@@ -1,7 +1,7 @@
-//! Measures how much time the journal costs. The same study runs twice: without a journal (the rows of the journal are
-//! made and dropped), and with a journal that is written to the disk at the end, as after each second of a longer run.
-//! On a busy machine, times that were measured minutes apart cannot be compared. Therefore the printed ratio is the
-//! median over pairs of runs, one directly after the other.
+//! Measures how much time the journal costs. The same study runs twice: once without a journal (the rows of the
+//! journal are made and dropped), and once with a journal. The journal is written to the disk once, at the end of the
+//! run. On a busy machine, times that were measured minutes apart cannot be compared. Therefore, the two runs of a
+//! pair follow each other directly, and the printed ratio is the median over the pairs.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 // The source files of the journal are included here, because they belong to the program, and no crate can import a

@@ -18,7 +18,7 @@ use crate::progress;
 use crate::results::drawings;
 use crate::run::overridden;
 
-/// Time after which a progress bar is shown. If the work takes less time, no progress bar appears.
+/// A progress bar appears only if the work takes longer than this time.
 const QUIET_TIME: Duration = Duration::from_secs(1);
 
 pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
@@ -61,7 +61,8 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     print(&args.answer, lines, || found.to_json(&study))
 }
 
-/// Makes the question that the arguments of `palpate design` ask about a study.
+/// Converts the arguments of `palpate design` to a question: the target, the varied fields, the value to find, and the
+/// limits of the search.
 fn question(args: &DesignArgs, study: &Study) -> Result<Question, AnswerError> {
     let sought = match (&args.maximise, &args.minimise) {
         (Some(name), _) => Some((name, Extreme::Largest)),
@@ -165,7 +166,7 @@ pub(crate) fn sensitivity(args: &SensitivityArgs) -> Result<(), Failure> {
     print(&args.answer, found.lines(), || found.to_json(&study))
 }
 
-/// Converts the error of a question that cannot be answered to a failure with exit status 2 (bad usage).
+/// Converts the error of an unanswerable question to a failure with exit status 2 (bad usage).
 fn failure(error: AnswerError) -> Failure {
     match error {
         AnswerError::Config(error) => Failure::usage(error),
@@ -181,8 +182,8 @@ fn open_dir(args: &AnswerArgs) -> Result<Option<LockedDir>, Failure> {
     out.map(|dir| LockedDir::open(dir, guard)).transpose()
 }
 
-/// Prints a note for each field that the config both sets and sweeps. The fields `paths` are excluded, because
-/// arguments set them.
+/// Prints a note for each field to which the config gives both a value and a sweep. Fields in `paths` get no note,
+/// because command-line arguments set them.
 pub(crate) fn note_ignored_fields<'a>(study: &Study, paths: impl Iterator<Item = &'a str>) {
     let set: Vec<&str> = paths.collect();
     for (path, note) in study.swept_over() {
@@ -211,7 +212,7 @@ fn write(
     Ok(())
 }
 
-/// Prints an answer as JSON, or as lines of text that end with the directory of its files.
+/// Prints an answer as JSON or as lines of text. The last line is the directory with the answer's files.
 fn print(
     args: &AnswerArgs,
     mut lines: Vec<String>,

@@ -15,7 +15,7 @@ use crate::cli::RunArgs;
 use crate::duration::{exact, roughly, two_digits};
 use crate::failure::Failure;
 
-/// A study with the chosen number of trials and the chosen model; also the lines to print about this choice, and the
+/// A study whose number of trials and model are chosen. `lines` describe this choice to the user. `warnings` are the
 /// warnings of the planning.
 pub(crate) struct Allowed {
     pub(crate) study: Study,
@@ -23,8 +23,8 @@ pub(crate) struct Allowed {
     pub(crate) warnings: Warnings,
 }
 
-/// Chooses the number of trials and the model; returns `None` if `args` contain neither a budget nor a target error.
-/// `numbers` are the numbers of the cells that run. `start` is the time at which planning began.
+/// Chooses the number of trials and the model. Returns `None` if `args` contain neither a budget nor a target error.
+/// `numbers` are the numbers of the cells to run. `start` is the time at which planning began.
 pub(crate) fn choose(
     study: &Study,
     numbers: &[usize],
@@ -127,7 +127,7 @@ fn warnings(plan: &Plan, numbers: &[usize]) -> Warnings {
     warnings
 }
 
-/// Text with the reason for the number of trials (the target error or the budget), and the expected error of the
+/// Text that explains the number of trials: it names the target error or the budget, and the expected error of the
 /// results.
 fn reason(plan: &Plan, target: Option<f64>) -> String {
     let expected = match plan.expected_error {
@@ -153,7 +153,7 @@ fn reason(plan: &Plan, target: Option<f64>) -> String {
     format!("{rule}; {expected}")
 }
 
-/// The model of a scene as one line of TOML; `kind` comes first.
+/// The model of a scene as one line of TOML, which begins with the key `kind`.
 fn shown(scene: &SceneConfig) -> Option<String> {
     let model = serde_json::to_value(scene.model()?).ok()?;
     let (kind, settings): (Vec<_>, Vec<_>) = model
@@ -168,7 +168,7 @@ fn shown(scene: &SceneConfig) -> Option<String> {
     Some(format!("{{ {} }}", keys.join(", ")))
 }
 
-/// A share in percent, rounded to two digits.
+/// A share in percent, rounded to two significant digits.
 fn percent(share: f64) -> String {
     format!("{} %", two_digits(100.0 * share))
 }

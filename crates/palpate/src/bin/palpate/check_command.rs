@@ -13,7 +13,7 @@ use crate::duration::{roughly, short, two_digits};
 use crate::failure::Failure;
 use crate::{output, progress};
 
-/// Time after which a progress bar is shown.
+/// A progress bar appears only if the check takes longer than this time.
 const QUIET_TIME: Duration = Duration::from_secs(2);
 /// Largest number of groups of cells that are printed one by one.
 const MAX_GROUPS: usize = 50;
@@ -146,8 +146,7 @@ fn rungs(rungs: &Rungs) -> Vec<String> {
     }
 }
 
-/// Describes the errors in the list of models: the quantity with the error, and the length by which its error is
-/// divided.
+/// Text that states what the errors in the list of models measure, and the length by which these errors are divided.
 fn errors_of(ladder: &Ladder) -> &'static str {
     match ladder.taken().model {
         ModelConfig::Roll(_) => {
@@ -158,7 +157,7 @@ fn errors_of(ladder: &Ladder) -> &'static str {
     }
 }
 
-/// One line per model, with its error, its computing time, and the ratio of this time to the time of the chosen model.
+/// One line per model: its error, its computing time, and this time divided by the computing time of the chosen model.
 fn rung_lines(
     ladder: &Ladder,
     times: &[(usize, Option<EvaluationTime>)],
@@ -185,7 +184,7 @@ fn rung_lines(
     })
 }
 
-/// Computing time in words, with its ratio to the computing time `other`.
+/// A computing time as text. If `other` is given, the text also contains the time divided by `other`.
 fn time_in_words(time: EvaluationTime, other: Option<EvaluationTime>) -> String {
     let seconds = short(time.seconds());
     let ratio = other.map_or_else(String::new, |other| {

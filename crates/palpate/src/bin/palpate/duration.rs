@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-/// Number of seconds in each unit, by its suffix.
+/// Unit suffixes, each with its length in seconds.
 const UNITS: [(&str, f64); 4] = [("s", 1.0), ("m", 60.0), ("h", 3600.0), ("", 1.0)];
 /// Longest accepted duration, s. It is far below the limit of [`Duration`].
 const LONGEST_S: f64 = 1e10;
@@ -31,7 +31,7 @@ pub(crate) fn parse(text: &str) -> Result<Duration, String> {
     }
 }
 
-/// A time in words, for an estimate that is only approximate.
+/// An approximate time as text, for a forecast.
 pub(crate) fn roughly(seconds: f64) -> String {
     match seconds {
         s if s < 1.0 => "a second".to_owned(),
@@ -41,7 +41,7 @@ pub(crate) fn roughly(seconds: f64) -> String {
     }
 }
 
-/// A measured time in words, rounded to two digits.
+/// A measured time as text, rounded to two significant digits.
 pub(crate) fn short(seconds: f64) -> String {
     let (number, unit) = match seconds {
         s if s < 1e-6 => (1e9 * s, "ns"),
@@ -52,12 +52,12 @@ pub(crate) fn short(seconds: f64) -> String {
     format!("{} {unit}", two_digits(number))
 }
 
-/// A number rounded to two digits.
+/// A number rounded to two significant digits.
 pub(crate) fn two_digits(number: f64) -> String {
     exact(format!("{number:.1e}").parse().unwrap_or(number))
 }
 
-/// A number with all its digits. It has an exponent if the number is very small or very large.
+/// A number with all its digits, with an exponent if the number is very small or very large.
 pub(crate) fn exact(number: f64) -> String {
     if number == 0.0 || PLAIN.contains(&number.abs()) {
         number.to_string()

@@ -15,9 +15,9 @@ use crate::output;
 /// Width of a printed line, in characters.
 const WIDTH: usize = 100;
 
-/// Parts of a scene that have kinds.
+/// Parts of a scene that exist in several kinds.
 const PARTS: [&str; 6] = ["probe", "object", "model", "sensor", "noise", "estimator"];
-/// Word that `palpate explain` explains by the table of the kinds of scenes.
+/// The word for which `palpate explain` prints the table of kinds of scenes.
 const SCENES: &str = "scenes";
 
 /// Prints the meaning of a word; without a word, lists all words.
@@ -109,7 +109,8 @@ pub(crate) fn glossary() -> Result<(), Failure> {
     output::print(text.trim_end())
 }
 
-/// Kinds of scenes, each with its parts. A part has a text that lists its kinds, or its keys if it has no kinds.
+/// Kinds of scenes, each with its parts. The text of a part lists the kinds of the part; a part without kinds lists
+/// its keys.
 fn scenes() -> Vec<(String, Vec<(&'static str, String)>)> {
     let schema = schema();
     let text = |value: &Value| value.as_str().map(str::to_owned);
@@ -148,8 +149,8 @@ fn section(
     format!("\n## {title}\n\n| {first} | {second} |\n|---|---|\n{rows}")
 }
 
-/// Paths of all config keys, each with its meaning, unit and default. If several kinds of scenes have a key with the
-/// same description, it is listed once.
+/// Paths of all config keys, each with its meaning, unit and default. A key that has the same description in several
+/// kinds of scenes appears once.
 fn config_keys() -> Vec<(String, String)> {
     let mut keys = Vec::new();
     collect_keys(&schema(), "", &mut keys);
@@ -238,7 +239,7 @@ fn in_words(unit: Unit) -> &'static str {
     }
 }
 
-/// Wraps a text into lines of at most [`WIDTH`] characters, each after an indent.
+/// Wraps a text into lines of at most [`WIDTH`] characters. Every line begins with `indent`.
 fn wrapped(text: &str, indent: &str) -> String {
     let mut lines = String::new();
     let mut width = 0;

@@ -27,14 +27,14 @@ impl Failure {
         Self::Work(error.into())
     }
 
-    /// Failure for a value of `--cell` that is not the number of a cell of the study.
+    /// Failure if the study has no cell with the number that `--cell` states.
     pub(crate) fn no_cell(cell: usize, study: &Study) -> Self {
         let last = study.cell_count() - 1;
         Self::Usage(anyhow!("--cell is {cell}; the study has cells 0 to {last}"))
     }
 
-    /// Converts an error of running trials to a failure. The failure is bad usage if the config does not describe a
-    /// possible scene.
+    /// Converts an error of running trials to a failure. If the config describes an impossible scene, the failure is
+    /// bad usage.
     pub(crate) fn of_sweep(error: SweepError<ConfigError>) -> Self {
         match error {
             SweepError::SetUp(error) => Self::usage(error),
@@ -79,7 +79,7 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Replaces the names of settings in a message of the library by the names of their flags.
+/// Replaces the keys of settings in an error message by the names of the command-line flags.
 pub(crate) fn with_flags(message: &str) -> String {
     rename_settings(message, |key| format!("--{}", flag(key)))
 }
@@ -92,7 +92,8 @@ pub(crate) fn flag(key: &str) -> String {
     }
 }
 
-/// An error as one line of JSON. File and line are added if the message begins with them.
+/// An error as one line of JSON. If the message begins with a file name and a line number, both become fields of their
+/// own.
 pub(crate) fn error_json(kind: &str, status: u8, message: &str, field: Option<&str>) -> String {
     let place = message.split_once(": ").map(|(place, _)| place);
     let line = place.and_then(|place| {
@@ -117,7 +118,7 @@ pub(crate) fn error_json(kind: &str, status: u8, message: &str, field: Option<&s
     serde_json::json!({ "error": error }).to_string()
 }
 
-/// Escapes the control characters of a text. Otherwise, a terminal would execute control characters in quoted input.
+/// Escapes the control characters of a text, because a terminal would execute control characters from quoted input.
 fn visible(text: &str) -> String {
     let mut visible = String::with_capacity(text.len());
     for character in text.chars() {

@@ -1,9 +1,8 @@
-//! Journal of a run: the results of its finished cells. A killed run resumes with the next cell, and the journals of
-//! shards are merged.
+//! Journal of a run: a file with the results of finished cells. With its journal, a killed run resumes at the next
+//! cell. `palpate merge` combines the journals of shards.
 //!
 //! A journal consists of [`MAGIC`] and a sequence of frames. A frame contains the length of a record, its CRC-32, and
-//! the record (in postcard format). Everything from the first frame that is incomplete or has a wrong checksum is
-//! ignored.
+//! the record (in postcard format). A reader ignores the first incomplete or damaged frame and everything after it.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
@@ -21,24 +20,25 @@ use crate::output::names::JOURNAL;
 
 /// First bytes of a journal; the last byte is the version of the format.
 const MAGIC: &[u8; 8] = b"palpate\x05";
-/// Pending rows are written to the file when they have more than this number of bytes.
+/// Pending rows are written to the file when they exceed this size, bytes.
 const MAX_PENDING: usize = 1 << 18;
-/// Time between two writes of pending rows to the file, and between two synchronisations of the file with the disk.
+/// Longest time that pending rows wait before they are written, and shortest time between two synchronisations of the
+/// file with the disk.
 const INTERVAL: Duration = Duration::from_secs(1);
-/// Largest record that is accepted, bytes.
+/// Largest accepted length of a record, bytes. A larger length means that the journal is damaged.
 const MAX_RECORD: u32 = 1 << 30;
 
-/// Header of a journal: it identifies the run.
+/// Header of a journal. It states which run the journal belongs to.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub(crate) struct Header {
     /// Version of palpate that wrote the journal.
     pub(crate) version: String,
-    /// Config of the run, with the text of `run.toml`.
+    /// Config of the run, as text of `run.toml`.
     pub(crate) config: String,
     pub(crate) request: RunRequest,
     /// Warnings of the planning, and warnings of the cells that were checked before the run.
     pub(crate) warnings: Warnings,
-    /// Number of tasks of this run, that is, of this shard.
+    /// Number of tasks of this run; if the run is a shard, number of tasks of this shard.
     pub(crate) tasks: u64,
     /// Number of tasks of all shards together.
     pub(crate) all_tasks: u64,
@@ -54,7 +54,7 @@ pub(crate) struct RunRequest {
     pub(crate) every_nth_cell: u64,
     /// Number of the shard, and number of all shards; `None` for a run of the whole study.
     pub(crate) shard: Option<(u64, u64)>,
-    /// Whether the journal contains the rows of the table of trials.
+    /// Whether the journal contains rows for the table of trials.
     pub(crate) trials_out: bool,
 }
 
@@ -62,24 +62,24 @@ pub(crate) struct RunRequest {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 enum Record {
     Header(Box<Header>),
-    /// Several finished cells, and the time since the previous record of this kind, ms.
+    /// Finished cells, and the time since the previous `Cells` record, ms.
     Cells(Vec<CellRecord>, u64),
-    /// Rows of the table of trials for the next cell, which is not finished yet.
+    /// Rows that an unfinished cell adds to the table of trials.
     Trials(TrialRows),
     End,
 }
 
-/// A finished cell with its table rows.
+/// Results of a finished cell: its rows in the tables, its failures and its warnings.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub(crate) struct CellRecord {
     pub(crate) cell: u64,
-    /// Rows of `cells.csv`, `failures.csv` and `map.csv`, and the rows of the table of trials that no earlier record
-    /// contains.
+    /// Rows of `cells.csv`, `failures.csv`, `map.csv` and the table of trials. Rows of the table of trials that an
+    /// earlier `Trials` record contains are not repeated here.
     pub(crate) rows: [String; 4],
     pub(crate) trials: u64,
     /// Each kind of failure with its number of trials.
     pub(crate) kinds: Vec<(String, u64)>,
-    /// Warnings of the cell that the header does not contain.
+    /// Warnings of the cell that are not in the header.
     pub(crate) warnings: Vec<Warning>,
 }
 
@@ -107,7 +107,7 @@ pub(crate) struct Totals {
     pub(crate) has_success: bool,
 }
 
-/// Contents of a journal, without its rows.
+/// Contents of a journal, without the rows of tables.
 pub(crate) struct JournalState {
     pub(crate) header: Header,
     /// Number of finished tasks (cells).
@@ -118,14 +118,14 @@ pub(crate) struct JournalState {
     pub(crate) warnings: Warnings,
     /// Computing time of the finished cells.
     pub(crate) time: Duration,
-    /// Number of bytes at the beginning of the file that are valid.
+    /// Length of the valid part at the beginning of the file, bytes.
     valid_bytes: u64,
-    /// Whether invalid bytes follow the valid bytes, for example because the process was killed while writing.
+    /// Whether damaged bytes follow the valid part, for example because the process was killed while it wrote.
     pub(crate) is_torn: bool,
 }
 
 impl JournalState {
-    /// Whether at least one task is finished, or was finished before the journal was damaged.
+    /// Whether at least one task is finished, or was finished before damage to the journal.
     pub(crate) fn has_work(&self) -> bool {
         self.tasks > 0 || self.is_torn
     }
@@ -186,7 +186,7 @@ impl CellRecord {
     }
 }
 
-/// Writer of a journal.
+/// Writes a journal.
 pub(crate) struct Journal {
     file: File,
     path: PathBuf,
@@ -203,7 +203,7 @@ pub(crate) struct Journal {
 }
 
 impl Journal {
-    /// Starts a journal in a directory.
+    /// Creates a journal with this header in a directory.
     pub(crate) fn new(dir: &Path, header: &Header) -> io::Result<Self> {
         let path = dir.join(JOURNAL);
         let mut journal = Self::with_file(File::create(&path)?, path);
@@ -218,7 +218,7 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Opens a journal to append to its valid part.
+    /// Opens a journal to continue it. Removes the damaged bytes after its valid part.
     pub(crate) fn resumed(dir: &Path, found: &JournalState) -> io::Result<Self> {
         let path = dir.join(JOURNAL);
         let mut file = OpenOptions::new().write(true).open(&path)?;
@@ -245,7 +245,7 @@ impl Journal {
         &self.path
     }
 
-    /// Adds a finished cell. Cells are collected, and several of them are written together.
+    /// Adds a finished cell. The cell is written to the file later, together with other cells.
     pub(crate) fn cell(&mut self, record: CellRecord) -> io::Result<()> {
         self.pending_bytes += record.rows.iter().map(String::len).sum::<usize>();
         self.pending.push(record);
@@ -282,8 +282,8 @@ impl Journal {
         self.file.sync_data()
     }
 
-    /// Starts to synchronise the file with the disk if [`INTERVAL`] has passed. Returns the result of the previous
-    /// synchronisation.
+    /// Starts to synchronise the file with the disk, unless the last synchronisation started less than [`INTERVAL`]
+    /// ago. Returns the result of the previous synchronisation.
     fn sync(&mut self) -> io::Result<()> {
         if self.synced.elapsed() < INTERVAL {
             return Ok(());
@@ -331,10 +331,10 @@ fn framed(record: &Record, mut bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Reader of a journal, record by record.
+/// Reads a journal record by record.
 pub(crate) struct Reader {
     file: BufReader<File>,
-    /// Number of valid bytes that were read so far.
+    /// Length of the valid part that was read so far, bytes.
     valid_bytes: u64,
     length: u64,
     waiting: std::vec::IntoIter<CellRecord>,
@@ -433,7 +433,7 @@ impl Reader {
     }
 }
 
-/// Rejects a directory in which something other than a journal has the name of the journal.
+/// Rejects a directory in which the journal's file name belongs to something that is not a journal.
 pub(crate) fn refuse_other(dir: &Path) -> Result<(), Failure> {
     let path = dir.join(JOURNAL);
     let Ok(found) = fs::symlink_metadata(&path) else {

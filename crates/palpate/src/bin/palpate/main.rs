@@ -30,7 +30,7 @@ use clap::{CommandFactory, FromArgMatches};
 use cli::{Cli, Command, ErrorFormat, Estimator, Scheduler};
 use failure::Failure;
 
-/// Text that `palpate` prints if the user gives no command.
+/// Text that `palpate` prints if it is started without a command.
 const FIRST_STEPS: &str = "\
 palpate estimates the curvature of a surface from touch. Four first steps, in a clone of the repository:
 
@@ -93,7 +93,7 @@ fn examples_first(command: clap::Command) -> clap::Command {
     command.before_help(examples.to_owned()).after_help(rest)
 }
 
-/// Whether the arguments request errors as JSON. This function also works if the arguments cannot be parsed.
+/// Whether the arguments request errors as JSON. This function also works if clap cannot parse the arguments.
 fn asks_for_json() -> bool {
     let arguments: Vec<_> = std::env::args_os().collect();
     let mut pairs = arguments.windows(2);

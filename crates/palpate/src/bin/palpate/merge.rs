@@ -17,7 +17,7 @@ use crate::run::{
     write_results,
 };
 
-/// Largest number of shards that a message lists.
+/// Largest number of shards that an error message lists by number.
 const MAX_LISTED: usize = 20;
 
 pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
@@ -126,7 +126,7 @@ pub(crate) struct Shards {
 }
 
 impl Shards {
-    /// Returns the shards by their numbers, or the first failure if a journal cannot be used.
+    /// Returns the shards by their numbers, or the first failure if at least one journal cannot be used.
     pub(crate) fn sound(self) -> Result<BTreeMap<u64, (PathBuf, JournalState)>, Failure> {
         match self.faults.into_iter().next() {
             Some(fault) => Err(fault),
@@ -223,7 +223,7 @@ pub(crate) fn mismatch(found: &JournalState, first: &Path, of: &JournalState) ->
     })
 }
 
-/// Rejects a shard that is unfinished or damaged.
+/// Rejects a shard whose journal is unfinished or damaged.
 fn refuse_damaged(dir: &Path, found: &JournalState) -> Result<(), Failure> {
     let (number, of) = found.header.request.shard.unwrap_or((1, 1));
     let all = found.header.tasks;
@@ -240,7 +240,7 @@ fn refuse_damaged(dir: &Path, found: &JournalState) -> Result<(), Failure> {
     }
 }
 
-/// A list of numbers as text. If there are many numbers, only the first ones are listed.
+/// The numbers as text. If there are more than [`MAX_LISTED`] numbers, the text lists only the first of them.
 pub(crate) fn listed(numbers: &[u64]) -> String {
     let few = numbers.iter().take(MAX_LISTED).map(u64::to_string);
     let few: Vec<String> = few.collect();
@@ -250,7 +250,7 @@ pub(crate) fn listed(numbers: &[u64]) -> String {
     }
 }
 
-/// Cells, trials and failures of all shards together.
+/// Sums of the cells, trials and failures of several shards.
 pub(crate) fn totals_of<'f>(all: impl Iterator<Item = &'f JournalState>) -> Totals {
     let mut totals = Totals::default();
     for found in all {

@@ -1,4 +1,4 @@
-//! Settings of recorded readings that `--like` reads from a study.
+//! Reads the settings of an estimate from the study that `--like` names.
 
 use palpate_recorded::StudyMismatch;
 use palpate_study::config::{self, LengthUnit, Study, StudyConfig};
@@ -6,11 +6,11 @@ use palpate_study::config::{self, LengthUnit, Study, StudyConfig};
 use crate::cli::LikeArgs;
 use crate::failure::Failure;
 
-/// A study that supplies the settings that no flag states.
+/// The study that `--like` names. It supplies every setting that no flag states.
 pub(crate) struct Like {
     study: Study,
     cell: usize,
-    /// Config of the study's cell that `--cell` names.
+    /// Config of the study's cell with the number `cell`.
     pub(crate) config: StudyConfig,
 }
 
@@ -31,8 +31,8 @@ impl Like {
         }))
     }
 
-    /// Options of an estimate from the study. Lengths are converted to the unit of the readings. If the unit of the
-    /// readings is not stated, lengths keep the unit of the study.
+    /// Options that the study states for an estimate, with lengths in `unit`. If the unit of the readings is unknown
+    /// (`None`), lengths keep the unit of the study.
     pub(crate) fn options<T>(
         &self,
         unit: Option<LengthUnit>,

@@ -24,7 +24,7 @@ pub(crate) fn press(args: &EstimatePressArgs) -> Result<(), Failure> {
     output::print(&shown(&estimate, args.json)?)
 }
 
-/// Options of the estimator, with lengths in the readings' unit.
+/// Options of the estimate of a press, from flags and from the study of `--like`. Lengths are in the readings' unit.
 pub(crate) fn press_options(
     given: &Map<String, Json>,
     like: Option<&Like>,
@@ -36,7 +36,7 @@ pub(crate) fn press_options(
     options.map_err(Failure::usage)
 }
 
-/// Options of a fit in the image, with lengths in the given unit.
+/// Options of the fit of a press to camera frames, from flags and from the study of `--like`. Lengths are in `unit`.
 pub(crate) fn picture_options(
     given: &Map<String, Json>,
     like: Option<&Like>,

@@ -3,7 +3,7 @@
 use palpate_statistics::Number;
 use serde_json::Value;
 
-/// Quantities in the order in which they are shown.
+/// Keys of the quantities that a summary may show, most important first.
 const QUANTITIES: [&str; 12] = [
     "radius",
     "object_curvature",
@@ -20,11 +20,10 @@ const QUANTITIES: [&str; 12] = [
 ];
 /// Largest number of quantities in a summary.
 const MAX_SHOWN: usize = 5;
-/// Largest number of left-out rows that a summary lists.
+/// Largest number of rejected rows that a summary lists by number.
 const LISTED_ROWS: usize = 8;
 
-/// Summary of an estimate in lines of text: the verdict with the first quantity, other quantities, and the number of
-/// readings.
+/// Lines of text: the first quantity with the shape of the object, the other quantities, and the number of readings.
 pub(super) fn summary(estimate: &Value) -> String {
     let along = quantity(
         "curvature along the stroke",
@@ -44,7 +43,7 @@ pub(super) fn summary(estimate: &Value) -> String {
     lines.join("\n")
 }
 
-/// Text of a quantity with its interval; `None` if the quantity has no key for an interval.
+/// Text of a quantity with its 95 % interval; `None` if `value` has no interval.
 fn quantity(key: &str, value: &Value) -> Option<String> {
     value.get("interval95")?;
     let unit = value.get("unit")?.as_str()?;
@@ -74,7 +73,8 @@ fn quantity(key: &str, value: &Value) -> Option<String> {
     })
 }
 
-/// Text with the shape or the shape class of the object, and its probability.
+/// Text with the shape or the shape class of the object and its probability; "not resolved across" if all rolls or
+/// strokes have the same direction.
 fn verdict(estimate: &Value) -> Option<String> {
     if !(estimate["stroke"].is_null() && estimate["single_direction"].is_null()) {
         return Some("not resolved across".to_owned());
@@ -97,7 +97,7 @@ fn verdict(estimate: &Value) -> Option<String> {
     ))
 }
 
-/// Text with the number of readings, and the rows that are left out.
+/// Text with the number of readings, and with the rows that were left out or rejected.
 fn readings(estimate: &Value) -> Option<String> {
     let mut counts = ["contacts", "markers", "probes"].into_iter();
     let (what, count) = counts.find_map(|what| Some((what, estimate[what].as_u64()?)))?;

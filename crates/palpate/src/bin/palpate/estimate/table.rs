@@ -14,7 +14,7 @@ use crate::cli::FormArgs;
 use crate::failure::{Failure, with_flags};
 use crate::output;
 
-/// Reads a table with a stated format; `-` is standard input.
+/// Reads a table of readings; `-` is standard input. `form` states the table's format.
 pub(crate) fn table(path: &Path, form: Form) -> Result<RecordedFile, Failure> {
     let file = match path == Path::new("-") {
         true => RecordedFile::read_stream("standard input", std::io::stdin().lock()),
@@ -23,7 +23,7 @@ pub(crate) fn table(path: &Path, form: Form) -> Result<RecordedFile, Failure> {
     file.map(|file| file.written(form)).map_err(Failure::work)
 }
 
-/// Format of a table from the arguments. Column names that the arguments do not state come from the study of `--like`.
+/// Format of a table, as the arguments state it. The study of `--like` supplies the column names that are not stated.
 pub(crate) fn form(args: &FormArgs, like: Option<&Like>) -> Form {
     let mut form = args.form();
     let Some(like) = like else {
@@ -40,7 +40,7 @@ pub(crate) fn form(args: &FormArgs, like: Option<&Like>) -> Form {
     form
 }
 
-/// The estimate for standard output: JSON, or a few lines for a person at a terminal.
+/// Text of an estimate for standard output: a few lines on a terminal, otherwise (or with `--json`) JSON.
 pub(crate) fn shown(estimate: &impl Serialize, json: bool) -> Result<String, Failure> {
     if json || !std::io::stdout().is_terminal() {
         return output::json(estimate);
