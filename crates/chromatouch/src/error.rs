@@ -1,10 +1,10 @@
-//! Errors of layouts of markers.
+//! Errors of marker layouts.
 
 use palpate_statistics::{BadSetting, Number};
 use strum::IntoStaticStr;
 use thiserror::Error;
 
-/// Reason why a layout of markers is impossible.
+/// Reason why a marker layout is impossible.
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum LayoutError {

@@ -38,7 +38,8 @@ pub enum Layout {
         /// Polar angle between neighbouring rows, degrees.
         row_spacing_deg: f64,
     },
-    /// Markers with uniform density over a cap around the apex: on average one marker per area of pitch².
+    /// Markers that are spread evenly over a spherical cap around the apex. On average, there is one marker per area of
+    /// pitch².
     Lattice {
         /// Distance between neighbouring markers, length.
         pitch: f64,
@@ -79,10 +80,10 @@ impl Layout {
         }
     }
 
-    /// Coordinates (x, y) of the markers on the skin of a sensor with this radius, length. They are the logarithm map
-    /// at the apex: a marker lies in the direction (x, y) from the apex, at the distance √(x² + y²) along the skin. The
-    /// markers are sorted from the apex outward; those of a [`Layout::Line`] are sorted along +x, those of a
-    /// [`Layout::Grid`] by y and then by x. The radius of a flat skin is infinite.
+    /// Coordinates (x, y) of the markers on the skin of a sensor with the radius `sensor_radius`, length. They are the
+    /// logarithm map at the apex: a marker lies in the direction (x, y) from the apex, at the distance √(x² + y²) along
+    /// the skin. The markers are sorted from the apex outward. Exceptions: the markers of a [`Layout::Line`] are sorted
+    /// along +x, and the markers of a [`Layout::Grid`] by y and then by x. The radius of a flat skin is infinite.
     ///
     /// # Errors
     /// [`LayoutError`] if the radius is out of range or the layout is impossible.
@@ -209,8 +210,8 @@ fn in_grid(pitch: f64, size: [f64; 2], sensor_radius: f64) -> Result<Vec<[f64; 2
     Ok((0..=rows as u32).flat_map(row).collect())
 }
 
-/// Equally spaced coordinates from 0 to `length`. `reach` is the distance of the farthest marker from the apex; this
-/// distance must be less than half the circumference.
+/// Coordinates of equally spaced markers, from 0 to `length`. `reach` is the distance of the farthest marker from the
+/// apex. It must be less than half the circumference of the sensor.
 fn equal_steps(
     markers: u32,
     length: f64,
@@ -237,9 +238,9 @@ pub(crate) struct TooClose {
     pub(crate) distance: f64,
 }
 
-/// The first pair of points whose distance is below `reach`, if there is one. The points are sorted into cells. A cell
-/// is as wide as `reach` or as `narrowest`, whichever is larger. The lower limit ensures that the number of a cell fits
-/// into an integer.
+/// Returns the first pair of points whose distance is below `reach`; `None` if all distances are larger. For a fast
+/// search, the points are sorted into square cells. The width of a cell is the larger of `reach` and `narrowest`. The
+/// lower limit `narrowest` ensures that the index of a cell fits into an integer.
 pub(crate) fn too_close<const D: usize>(
     points: &[[f64; D]],
     reach: f64,

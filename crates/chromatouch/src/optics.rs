@@ -1,5 +1,5 @@
-//! Images of the markers in a camera at or near the centre of the sensor. They are computed as features of the markers,
-//! or rendered as frames of pixels.
+//! Images of the markers in a camera at or near the centre of the sensor. The module computes the features of each
+//! marker, or renders frames of pixels.
 
 mod array;
 mod camera;
@@ -63,23 +63,25 @@ pub struct Optics {
 /// The features of a marker in an ideal image, without blur, uneven light, seams or noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenMarker {
-    /// Centroid of the marker's image, px. Each point of the image is weighted by the light that is absorbed there, as
-    /// in `size_px2`.
+    /// Centroid of the marker's image, px. Each point of the image is weighted by the share of light that the marker
+    /// absorbs there, as in `size_px2`.
     pub centroid_px: [f64; 2],
-    /// HSV hue of the summed light of the image, in turns, from 0 (red) to below 1. Each point is weighted by its
-    /// chroma. The hue is 0 if the light has no chroma.
+    /// HSV hue of the sum of the light of all points of the image, in turns, from 0 (red) to below 1. It is 0 if the
+    /// sum has no colour (red, green and blue are equal).
     pub hue_turns: f64,
-    /// Mean of the HSV hue over the area of the image, in turns. It is not cyclic: the hue of red is both 0 and 1.
-    /// Regions with a saturation of at most 1/4 do not count; if there are no others, the mean is `hue_turns`.
+    /// Mean of the HSV hue over the area of the image, in turns. The mean is arithmetic, not cyclic, although the hues
+    /// 0 and 1 are both red. Regions with a saturation of at most 1/4 do not count. If all regions are so pale, the
+    /// mean is `hue_turns`.
     pub mean_hue_turns: f64,
     /// Integral over the marker's image of the absorbed share of green light plus the absorbed share of blue light,
-    /// px². The shares are relative to the light of the white layer. A disc that absorbs all light of one of these
-    /// colours contributes its area.
+    /// px². The shares are relative to the light of the white layer. A disc that absorbs all green light and no blue
+    /// light contributes its area.
     pub size_px2: f64,
 }
 
 impl Optics {
-    /// A sensor with these markers, this camera, these colours of its parts, and these imperfections of the image.
+    /// A sensor with the markers `array`, the camera, the colours of the sensor's parts, and the imperfections
+    /// `blemishes` of the image.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for a colour outside the range from 0 to 1, `light_at_rim`, `blur_px`, `gores`,
@@ -100,7 +102,7 @@ impl Optics {
         })
     }
 
-    /// Returns these optics with the camera in another pose. The image of a disc is approximated by the image of a
+    /// Returns these optics with the camera in the pose `pose`. The image of a disc is approximated by the image of a
     /// circular cap with the same solid angle, which is correct to first order in the solid angle. The seams of the
     /// skin, and the decrease of the light towards the edge of the image, are computed as if the camera were at the
     /// centre.
@@ -128,8 +130,8 @@ impl Optics {
         &self.array
     }
 
-    /// Direction and angular radius of both discs of each marker after its motion, from the camera's position; `None`
-    /// for a missing marker.
+    /// For each marker after its motion, returns the direction and the angular radius of both discs, as viewed from the
+    /// camera's position. The result is `None` for a missing marker.
     fn sights<'a>(
         &'a self,
         motions: &'a [Option<MarkerMotion>],

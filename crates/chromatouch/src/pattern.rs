@@ -1,10 +1,9 @@
-//! The flat pattern of a hemispherical skin: polyconic gores, as for paper globes (the 2020 paper, section III-B, Fig.
-//! 3).
+//! The flat pattern of a hemispherical skin (the 2020 paper, section III-B, Fig. 3).
 //!
 //! The skin of a sphere of radius R is cut into n gores, which are flat pieces like those of a paper globe. At the
-//! distance Rφ above the equator, a gore covers |x| ≤ (πR/n) cos φ. Its outline is drawn as chords between m equal
-//! steps of the quarter circle. The gores are arranged around their common apex. They never overlap: a gore spans the
-//! angle 2 atan(π/n) at the apex, which is less than its share 2π/n of the full turn.
+//! distance Rφ above the equator, a gore covers |x| ≤ (πR/n) cos φ. Its outline is drawn as a polygon: each side of a
+//! gore has m chords, one for each of m equal steps of latitude. The gores are arranged around their common apex. They
+//! never overlap: a gore spans the angle 2 atan(π/n) at the apex, which is less than its share 2π/n of the full turn.
 
 mod drawing;
 mod error;
@@ -104,8 +103,8 @@ impl Pattern {
         right.chain(left.map(|[across, from_apex]| [-across, from_apex]))
     }
 
-    /// Half the width of a gore, and the distance from the apex, after this number of steps from the apex; both
-    /// lengths.
+    /// Half the width of a gore and the distance from the apex, both lengths. `step` is the number of steps from the
+    /// apex.
     fn edge(&self, step: u32) -> [f64; 2] {
         let polar = FRAC_PI_2 * f64::from(step) / f64::from(self.samples);
         let half_width = PI / f64::from(self.gores) * libm::sin(polar);
@@ -130,7 +129,7 @@ mod tests {
     use crate::Layout;
     use approx::assert_relative_eq;
 
-    /// Outline of one gore of a sphere of this radius, with the apex at the top.
+    /// Outline of one gore of a sphere with the radius `radius`. The apex is at the top.
     fn gore(gores: u32, samples: u32, radius: f64) -> Vec<[f64; 2]> {
         let upright = |[across, from_apex]: [f64; 2]| [across, radius * FRAC_PI_2 - from_apex];
         let pattern = Pattern::new(gores, samples, radius).unwrap();

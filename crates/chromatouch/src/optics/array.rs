@@ -31,19 +31,20 @@ pub struct DiscDepths {
 pub struct DiscMotion {
     /// Displacement toward the sensor's centre, length.
     pub normal: f64,
-    /// Displacement along the skin, that is, the length of the arc around the sensor's centre on which the disc moves.
-    /// The components are along the axes of the apex, parallel-transported along the meridian to the marker.
+    /// Displacement along the skin, length. It is the length of the arc around the sensor's centre along which the disc
+    /// moves. Its components are along the marker's axes, which are the axes of the apex after parallel transport along
+    /// the meridian to the marker.
     pub tangential: [f64; 2],
     /// Relative increase of the disc's diameter due to the strain of the skin. The disc is assumed to stay a circle.
     pub stretch: f64,
-    /// Relative increase of lengths along the skin around the disc. The misalignment between the two discs grows by the
-    /// same share.
+    /// Relative stretch of the skin around the disc. The misalignment between the two discs of the marker grows by the
+    /// same factor.
     pub skin_stretch: f64,
 }
 
 impl DiscMotion {
-    /// Angles between a disc and the position of its marker: the angles of the disc's motion plus its misalignment,
-    /// which is multiplied by the stretch of the skin.
+    /// Angles between a disc and the position of its marker at rest. They are the sum of the disc's motion and its
+    /// misalignment. The misalignment grows with the stretch of the skin.
     #[inline]
     pub(super) fn moved_offset(&self, moved: [f64; 2], misalignment: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| moved[axis] + misalignment[axis] * (1.0 + self.skin_stretch))
@@ -91,7 +92,8 @@ pub(super) struct Stand {
     pub(super) misalignment: [f64; 2],
 }
 
-/// A disc as viewed from the camera: all directions within an angle from the direction of the disc's middle.
+/// A disc as viewed from the camera. It covers all directions that are within an angular radius of the direction of its
+/// middle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
     /// Unit vector to the middle of the disc.
@@ -110,8 +112,8 @@ pub(super) struct MarkerSight {
 }
 
 impl MarkerArray {
-    /// Markers at `places` on the skin of a sensor, which are in the chart coordinates of
-    /// [`Layout::places`](crate::Layout::places), with these discs at these depths.
+    /// Markers at `places` on the skin of a sensor. The places are in the chart coordinates of
+    /// [`Layout::places`](crate::Layout::places). All markers have discs with the same diameters at the same depths.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `radius`, `magenta_diameter`, `yellow_diameter`; [`OpticsError::BadDepth`]
@@ -173,9 +175,10 @@ impl MarkerArray {
         })
     }
 
-    /// Returns the markers with random misalignments from manufacture, drawn for trial number `trial`. The yellow disc
-    /// of each marker is displaced along the skin relative to the magenta disc. The displacement is uniform over a
-    /// circle, whose radius is `most` times the diameter of the yellow discs. Earlier misalignments are replaced.
+    /// Returns the markers with random misalignments, as from manufacture. They are drawn for trial number `trial`. The
+    /// yellow disc of each marker is displaced along the skin relative to the magenta disc. The displacement is uniform
+    /// over a circle, whose radius is `most` times the diameter of the yellow discs. Earlier misalignments are
+    /// replaced.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless it is from 0 to 1.
@@ -202,7 +205,7 @@ impl MarkerArray {
         self.stands.iter().map(|stand| stand.misalignment).collect()
     }
 
-    /// Returns the markers with these misalignments, rad (see [`MarkerArray::misalignments`]). If there are fewer
+    /// Returns the markers with other misalignments, rad (see [`MarkerArray::misalignments`]). If there are fewer
     /// misalignments than markers, the remaining markers keep theirs.
     ///
     /// # Errors
@@ -221,8 +224,8 @@ impl MarkerArray {
         Ok(self)
     }
 
-    /// Returns the markers with changed discs. `deeper` is added to the depths of the magenta and the yellow discs
-    /// (length). `wider` is the relative change of their diameters.
+    /// Returns the markers with other depths and diameters of their discs. `deeper` contains the increase of the depths
+    /// of the magenta and the yellow discs (length). `wider` contains the relative increase of their diameters.
     ///
     /// # Errors
     /// [`OpticsError::BadDepth`] and [`OpticsError::BadSetting`], as in [`MarkerArray::new`].
@@ -264,17 +267,17 @@ impl MarkerArray {
         &self.stands[marker]
     }
 
-    /// Magenta and yellow discs.
+    /// The layer of the magenta discs and the layer of the yellow discs.
     pub(super) const fn layers(&self) -> [&Layer; 2] {
         [&self.magenta, &self.yellow]
     }
 
-    /// Distance between the sensor's centre and the discs that are nearest to it at rest, length.
+    /// Distance between the sensor's centre and the nearest disc at rest, length.
     pub(super) fn nearest(&self) -> f64 {
         self.magenta.distance.min(self.yellow.distance)
     }
 
-    /// Both discs of one marker after a motion, in the view of a camera with this pose.
+    /// Both discs of one marker after a motion, as viewed from a camera with the pose `pose`.
     pub(super) fn sight(
         &self,
         marker: usize,
@@ -333,7 +336,7 @@ impl Layer {
     }
 
     /// Radius of a disc after a motion, relative to the disc's distance from the centre of the sensor at rest. If the
-    /// stretch is impossible, the function returns the motion of the disc's edge as the error.
+    /// stretch is impossible, the function returns the distance by which the disc's edge would move as the error.
     #[inline]
     fn stretched(&self, motion: &DiscMotion) -> Result<f64, f64> {
         for stretch in [motion.stretch, motion.skin_stretch] {
@@ -345,9 +348,10 @@ impl Layer {
         Ok(self.half_width * (1.0 + motion.stretch))
     }
 
-    /// A disc as viewed from a camera outside of the centre, computed from its view from the centre. It is a circular
-    /// cap with the same solid angle, correct to first order in the solid angle. If the motion moves the disc behind
-    /// the camera, the function returns the inward motion of the disc as the error.
+    /// A disc as viewed from a camera that is not in the sensor's centre. It is computed from `sight`, the view from
+    /// the centre. It is approximated by a circular cap with the same solid angle, which is correct to first order in
+    /// the solid angle. If the motion moves the disc behind the camera, the function returns the inward motion of the
+    /// disc as the error.
     fn seen_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
         let away = self.distance - motion.normal;
         let ray = sight.direction * away - pose.place;
@@ -395,7 +399,7 @@ fn stand(marker: usize, place: [f64; 2], sensor_radius: f64) -> Result<Stand, Op
     })
 }
 
-/// Rejects a layer in which two discs overlap as viewed from the centre.
+/// Returns an error if two discs of a layer overlap as viewed from the centre.
 fn apart(stands: &[Stand], layer: Layer) -> Result<(), OpticsError> {
     let directions: Vec<[f64; 3]> = stands.iter().map(|stand| stand.direction.into()).collect();
     // Two caps with the angular radius α touch if the chord between their middles has the length 2 sin α.

@@ -44,8 +44,8 @@ pub struct Camera {
 /// the unit vector (x `lateral_rad`, y `lateral_rad`, `cosine`).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ray {
-    /// Angle that the pixel covers in the direction around the axis, rad. It is an arc on the unit sphere, not a
-    /// difference of azimuths.
+    /// Angle that the pixel covers in the azimuthal direction, rad. It is an arc on the unit sphere, not a difference
+    /// of azimuths.
     pub(super) lateral_rad: f64,
     /// Cosine of the polar angle.
     pub(super) cosine: f64,
@@ -53,11 +53,11 @@ pub(super) struct Ray {
 
 impl Camera {
     /// A camera with a square image of `size_px` pixels a side. The image circle is the largest circle in the square.
-    /// `field_deg` is the angle between the apex and the directions at its rim.
+    /// `field_deg` is the polar angle at the rim of this circle, measured from the apex.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `size_px` unless it is from 1 to 8192, for `field_deg` unless it is from 1e-6 to
-    /// 180, or to 89.9999 for a pinhole, and for `k3` and `k5` unless each is from -100 to 100.
+    /// 180 (for a pinhole, from 1e-6 to 89.9999), and for `k3` and `k5` unless each is from -100 to 100.
     /// [`OpticsError::FoldedLens`] if the distance from the image's centre does not grow with the angle over the whole
     /// field.
     pub fn new(lens: Lens, size_px: u32, field_deg: f64) -> Result<Self, OpticsError> {
@@ -84,14 +84,14 @@ impl Camera {
         })
     }
 
-    /// Returns this camera with the centre of the image circle shifted by `offset_px` (columns to the right, rows down)
-    /// from the middle of the frame, and with another focal length `px_per_rad`. The size of the circle does not
-    /// change, so the angle at its rim changes.
+    /// Returns this camera with another centre of the image circle and another focal length `px_per_rad`. The centre is
+    /// at the distance `offset_px` (columns to the right, rows down) from the middle of the frame. The radius of the
+    /// circle in pixels does not change, so the polar angle at its rim changes.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] with the name `centre_px` if the shifted centre lies outside of the frame. The same
-    /// error with the name `px_per_rad` if the focal length is not positive and finite, or if the lens cannot show the
-    /// rim at an angle of at most 180° from the axis.
+    /// error with the name `px_per_rad` if the focal length is not positive and finite, or if the rim of the image
+    /// circle would be more than 180° from the axis.
     pub fn adjusted(self, offset_px: [f64; 2], px_per_rad: f64) -> Result<Self, OpticsError> {
         for offset in offset_px {
             let good = offset.abs() <= self.rim_px();
@@ -130,8 +130,8 @@ impl Camera {
         })
     }
 
-    /// Returns this camera with other odd terms of its fisheye lens. The image circle and the focal length do not
-    /// change, so the angle at the rim changes.
+    /// Returns this camera with other odd terms of its fisheye lens. The image circle in pixels and the focal length do
+    /// not change, so the polar angle at the rim changes.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `k3` unless the lens is a fisheye, for `k3` and `k5` unless each is from -100 to
@@ -198,12 +198,13 @@ impl Camera {
         Some([column + radius * x, row - radius * y])
     }
 
-    /// Image area of a disc, px². Its angular radius and the polar angle of its middle are in rad. `None` unless the
-    /// whole disc is in the image circle and its angular radius is less than 90°.
+    /// Image area of a disc, px². `angular_radius` is the angular radius of the disc, and `polar` the polar angle of
+    /// its middle, both in rad. `None` unless the whole disc is in the image circle and its angular radius is less than
+    /// 90°.
     ///
-    /// For a pinhole, the area is exact. For a fisheye, the solid angle is exact, but the scale of the lens is
-    /// approximated to second order in the disc's angular radius α. The relative error is of the order of α⁴. For α =
-    /// 0.05 and up to 70° from the axis, it is below 1e-5.
+    /// For a pinhole, the area is exact. For a fisheye, the scale of the lens is expanded to second order in the disc's
+    /// angular radius α. The relative error is then of the order of α⁴. For α = 0.05 and up to 70° from the axis, it is
+    /// below 1e-5.
     pub fn disc_area(&self, angular_radius: f64, polar: f64) -> Option<f64> {
         let good = angular_radius > 0.0
             && angular_radius < FRAC_PI_2
@@ -218,7 +219,7 @@ impl Camera {
         Some(cap(self.lens, &local, sine, cosine).area)
     }
 
-    /// Distance from the image's centre, px, for a direction at this polar angle.
+    /// Distance from the image's centre, px, of the image of a direction with the polar angle `polar`.
     pub(super) fn radius(&self, polar: f64) -> f64 {
         match self.lens {
             Lens::Fisheye => self.px_per_rad * polar,
@@ -227,22 +228,23 @@ impl Camera {
         }
     }
 
-    /// The lens and its derivatives at a polar angle (rad). The sine and cosine of the angle are given.
+    /// Scale of the lens and its derivatives at the polar angle `polar` (rad). The caller passes the sine and cosine of
+    /// this angle.
     #[inline]
     pub(super) fn local_at(&self, polar: f64, sine_and_cosine: (f64, f64)) -> Local {
         Local::new(self.lens, self.px_per_rad, polar, sine_and_cosine)
     }
 
-    /// The lens and its derivatives at a direction, given as a unit vector. If the direction is beyond the rim, the
-    /// result is for the rim.
+    /// Scale of the lens and its derivatives at `direction`, which is a unit vector. If the direction is beyond the rim
+    /// of the image circle, the result is for the rim.
     pub(super) fn local(&self, direction: &Vector3<f64>) -> Local {
         let polar = libm::atan2(libm::hypot(direction.x, direction.y), direction.z);
         let polar = polar.min(self.rim_rad).min(PI - 1e-6);
         self.local_at(polar, libm::sincos(polar))
     }
 
-    /// Upper bound of the scale (pixels per radian) over all directions in the image. It is valid from the axis to the
-    /// angle `polar`, which must be in the field.
+    /// Upper bound of the scale of the image (pixels per radian), in any direction along the image. It is valid at all
+    /// polar angles from 0 to `polar`, which must be in the field of view.
     pub(super) fn most_px_per_rad(&self, polar: f64) -> f64 {
         let (sine, cosine) = libm::sincos(polar);
         match self.lens {
@@ -260,7 +262,8 @@ impl Camera {
         }
     }
 
-    /// Lower bound of the scale (pixels per radian) over all directions in the image. It is valid in the whole field.
+    /// Lower bound of the scale of the image (pixels per radian), in any direction along the image. It is valid in the
+    /// whole field of view.
     pub(super) fn least_px_per_rad(&self) -> f64 {
         match self.lens {
             Lens::Fisheye | Lens::Pinhole => self.px_per_rad,

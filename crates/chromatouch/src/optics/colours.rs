@@ -33,7 +33,8 @@ impl Default for Colours {
     }
 }
 
-/// Contribution of one pixel to the size and the hue of a marker. It depends on the region of the marker.
+/// Contribution of one pixel to the size and the hue of a marker. All pixels in one region of the marker contribute
+/// equally.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contrast {
     /// Sum of the absorbed share of green light and the absorbed share of blue light, relative to the light of the
@@ -41,7 +42,7 @@ pub(super) struct Contrast {
     pub(super) absorbed: f64,
     /// Two chroma components of the pixel, computed from its light: red − (green + blue)/2, and √3/2 (green − blue).
     pub(super) chroma: [f64; 2],
-    /// Hue of the colour, turns; `None` for a pale colour, which does not count in the mean hue.
+    /// Hue of the pixel's colour, turns; `None` for a pale colour, which does not count in the mean hue.
     pub(super) hue_turns: Option<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! Departures, that is, differences between the parameters of a sensor and their nominal values.
+//! Departures of a sensor: differences between its parameters and their nominal values.
 
 use super::{Camera, Colours, OddTerms, Optics, OpticsError};
 
@@ -26,10 +26,10 @@ pub struct Departure {
 }
 
 impl Departure {
-    /// Number of parameters in a departure.
+    /// Number of values in a departure.
     pub const NUMBERS: usize = 21;
 
-    /// The sensor deviation with these numbers, which are in the order of the fields.
+    /// The departure whose fields have the values `n`, in the order of the fields.
     pub const fn of(n: [f64; Self::NUMBERS]) -> Self {
         Self {
             depths: [n[0], n[1]],
@@ -60,9 +60,9 @@ impl Camera {
 }
 
 impl Optics {
-    /// Returns the optics of a sensor with these deviations. Transmittances may be a little outside of the range from 0
-    /// to 1, because a fit needs features that are smooth at these limits. [`Optics::possible`] restricts a sensor
-    /// deviation to physically possible sensors.
+    /// Returns the optics of a sensor with the parameters of this sensor plus `departure`. Transmittances may be a
+    /// little outside of the range from 0 to 1, because a fit needs features that are smooth at these limits.
+    /// [`Optics::possible`] restricts a departure to physically possible sensors.
     ///
     /// # Errors
     /// [`OpticsError::BadDepth`], [`OpticsError::BadSetting`] and [`OpticsError::FoldedLens`] if no sensor has these
@@ -108,7 +108,7 @@ impl Optics {
         optics.seen_from(self.pose().moved(place, turn_rad))
     }
 
-    /// The possible sensor deviation that is nearest to `departure`: its transmittances lie between 0 and 1.
+    /// The departure that is nearest to `departure` and physically possible, that is, with transmittances from 0 to 1.
     pub fn possible(&self, departure: Departure) -> Departure {
         let within = |colour: [f64; 3], more: [f64; 3]| {
             std::array::from_fn(|at| (colour[at] + more[at]).clamp(0.0, 1.0) - colour[at])

@@ -14,9 +14,8 @@ pub enum OpticsError {
     /// A setting is out of its range.
     #[error(transparent)]
     BadSetting(#[from] BadSetting),
-    /// With these coefficients k3 and k5 of the lens, a ray at a larger angle from the camera's axis would reach the
-    /// image at a smaller distance from its centre, in a part of the field of view. Rays at two angles would then share
-    /// one image point.
+    /// For these coefficients k3 and k5, the image radius of a ray does not increase with the angle everywhere in the
+    /// field of view. Rays at two angles would then share one image point.
     #[error(
         "with k3 = {} and k5 = {} the image radius increases only up to {reach_deg:.4} degrees \
          from the axis, but the field ends at {field_deg:.4} degrees; {}",
@@ -47,7 +46,7 @@ pub enum OpticsError {
         /// Radius of the skin, length.
         radius: f64,
     },
-    /// The distance of a marker from the apex would be half a turn or more, or the marker's place is not finite.
+    /// A marker would be half a turn or more away from the apex, or its place is not finite.
     #[error("marker {marker} is at ({}, {}) from the apex; its distance must be less than half a \
          turn, {limit}",
         Number(place[0]), Number(place[1]), limit = Number(*limit))]
@@ -78,9 +77,10 @@ pub enum OpticsError {
         first: usize,
         /// Index of the other marker.
         second: usize,
-        /// Distance between the centres of their discs, length.
+        /// Distance between the centres of the two overlapping discs, length.
         distance: f64,
-        /// Diameter of these discs, length. Only discs of the colour with the larger angular size are compared.
+        /// Diameter of the two overlapping discs, length. The check uses the colour whose discs have the larger angular
+        /// radius.
         diameter: f64,
     },
     /// The number of displacements differs from the number of markers.
@@ -93,7 +93,7 @@ pub enum OpticsError {
         /// Number of markers.
         markers: usize,
     },
-    /// The motion of a disc is not finite, or is at least as long as the disc's distance from the centre.
+    /// The motion of a disc is not finite, or is at least as long as the disc's distance from the sensor's centre.
     #[error(
         "the {disc} disc of marker {marker} would move by {motion}; the motion must be less than \
          its distance from the centre, {distance}",
@@ -104,7 +104,7 @@ pub enum OpticsError {
         marker: usize,
         /// Colour of the disc.
         disc: &'static str,
-        /// Normal motion, tangential motion, or motion of the disc's edge, length.
+        /// Length of the impossible motion: normal to the skin, along the skin, or of the disc's edge.
         motion: f64,
         /// The disc's distance from the centre at rest, length.
         distance: f64,
@@ -137,7 +137,7 @@ impl OpticsError {
     }
 }
 
-/// Text with the smallest valid k3. The smallest valid k3 is rounded up, so that the displayed value is valid too.
+/// Text with the smallest valid k3. The value is rounded up, so that the displayed value is valid too.
 fn remedy(least_k3: f64) -> String {
     match least_k3 <= MOST_TERM {
         true => format!(

@@ -1,4 +1,4 @@
-//! A lens, and its expansion to second order about one direction.
+//! Lenses, and the expansion of a lens to second order about one direction.
 
 use std::f64::consts::TAU;
 
@@ -15,11 +15,10 @@ pub enum Lens {
     Pinhole,
 }
 
-/// A lens at a polar angle θ. The lens maps θ, the angle from its axis, to the distance r(θ) from the image's centre.
-/// The derivatives are with respect to θ.
+/// A lens at one polar angle θ, the angle from the lens's axis. The lens maps θ to the distance r(θ) from the image's
+/// centre. All derivatives are with respect to θ.
 ///
-/// The scale in the direction around the axis is g = r / sin θ. A solid angle dΩ has the image area J dΩ, where J = r′
-/// g.
+/// The scale in the azimuthal direction is g = r / sin θ. A solid angle dΩ has the image area J dΩ, where J = r′ g.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Local {
     /// Distance r from the image's centre, px.
@@ -28,12 +27,12 @@ pub(super) struct Local {
     pub(super) radial: f64,
     /// Second derivative r″ of the distance.
     pub(super) radial_slope: f64,
-    /// Scale g in the direction around the axis: px per radian of arc on the unit sphere.
+    /// Scale g in the azimuthal direction: px per radian of arc on the unit sphere.
     pub(super) lateral: f64,
-    /// Derivative g′ of this scale.
+    /// Derivative g′ of the azimuthal scale.
     pub(super) lateral_slope: f64,
     /// The expression r′ cot θ − r / sin² θ, which is the second derivative of the radial image coordinate in the
-    /// direction around the axis.
+    /// azimuthal direction.
     pub(super) bend: f64,
     /// Image area J per solid angle.
     pub(super) area: f64,
@@ -41,13 +40,13 @@ pub(super) struct Local {
     pub(super) area_slope: f64,
     /// Second derivative J″ of the image area per solid angle.
     pub(super) area_curve: f64,
-    /// The expression J′ cot θ, which is the second derivative of J in the direction around the axis.
+    /// The expression J′ cot θ, which is the second derivative of J in the azimuthal direction.
     pub(super) area_bend: f64,
 }
 
-/// A region of the image: its area, px², and the first moment of the area, px³. The moment is relative to the image of
-/// the direction about which the lens was expanded. The first component of the moment points away from the image's
-/// centre, the second points around the centre in the direction of increasing azimuth.
+/// A region of the image: its area, px², and the first moment of the area, px³. The moment is about the image point of
+/// the direction at which the lens was expanded. Its first component points away from the image's centre. Its second
+/// component points in the direction of increasing azimuth.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Region {
     pub(super) area: f64,
@@ -55,7 +54,7 @@ pub(super) struct Region {
 }
 
 impl Lens {
-    /// A fisheye with these odd terms; if both are 0, an equidistant fisheye.
+    /// A fisheye with the odd terms `terms`. If both terms are 0, it is an equidistant fisheye.
     pub fn fisheye(terms: OddTerms) -> Self {
         if terms == OddTerms::default() {
             Self::Fisheye
@@ -74,8 +73,8 @@ impl Lens {
     }
 }
 
-/// The function q = θ / sin θ and its derivatives. For an equidistant lens, q is the scale around the axis divided by
-/// the radial scale.
+/// The function q = θ / sin θ and its derivatives. For an equidistant lens, q is the azimuthal scale divided by the
+/// radial scale.
 struct Stretch {
     /// Value of the function q.
     value: f64,
@@ -120,8 +119,8 @@ impl Stretch {
 }
 
 impl Local {
-    /// The lens and its derivatives at a polar angle (rad) whose sine and cosine are given. `focal` is the focal
-    /// length, px.
+    /// The lens and its derivatives at the polar angle `polar` (rad). The caller passes the sine and cosine of this
+    /// angle. `focal` is the focal length, px.
     #[inline]
     pub(super) fn new(lens: Lens, focal: f64, polar: f64, (sine, cosine): (f64, f64)) -> Self {
         match lens {
@@ -214,8 +213,8 @@ impl Local {
     }
 }
 
-/// Image of all directions within an angle α of the direction about which `local` is expanded. `sine` and `cosine` are
-/// the sine and cosine of α.
+/// Image of a cap, that is, of all directions within an angle α of the direction at which `local` is expanded. `sine`
+/// and `cosine` are the sine and cosine of α.
 #[inline]
 pub(super) fn cap(lens: Lens, local: &Local, sine: f64, cosine: f64) -> Region {
     match lens {
@@ -225,7 +224,8 @@ pub(super) fn cap(lens: Lens, local: &Local, sine: f64, cosine: f64) -> Region {
 }
 
 /// The image of a cap through a fisheye, to second order in its angular radius α. The mean of a function over a cap of
-/// height h = 1 − cos α equals the function in the middle of the cap plus h/4 times its Laplacian there.
+/// height h = 1 − cos α is the function's value in the middle of the cap, plus h/4 times the function's Laplacian in
+/// the middle.
 #[inline]
 fn fisheye_cap(local: &Local, sine: f64, cosine: f64) -> Region {
     let height = sine * sine / (1.0 + cosine);

@@ -31,7 +31,7 @@ impl OddTerms {
         polar * self.stretch(polar * polar)
     }
 
-    /// The map of the lens divided by the angle, as a function of the squared angle.
+    /// The map of the lens (r / f) divided by the angle, as a function of the squared angle.
     #[inline]
     pub(super) fn stretch(self, square: f64) -> f64 {
         1.0 + square * (self.k3 + square * self.k5)
@@ -43,8 +43,9 @@ impl OddTerms {
         1.0 + square * (3.0 * self.k3 + square * (5.0 * self.k5))
     }
 
-    /// Inverse of [`Self::map`]: converts a distance, divided by the focal length, to the angle from the axis, which is
-    /// at least 0. The map must increase up to the angle `rim`. Beyond the rim, it is continued as a straight line.
+    /// Inverse of [`Self::map`]. It converts `scaled`, a distance from the image's centre divided by the focal length,
+    /// to the angle from the axis, which is at least 0. The map must increase up to the angle `rim`. For distances
+    /// beyond the rim, the map is continued as a straight line.
     #[inline]
     pub(super) fn angle(self, scaled: f64, rim: f64) -> f64 {
         let beyond = scaled - self.map(rim);
@@ -117,8 +118,8 @@ impl OddTerms {
         -(constant / at + k5 * at) / 3.0
     }
 
-    /// Returns these terms if they are valid for a lens whose field extends to the angle `rim`, rad; otherwise an
-    /// error.
+    /// Returns these terms if they are valid for a lens whose field extends to the angle `rim`, rad; otherwise returns
+    /// an error.
     pub(super) fn checked(self, rim: f64) -> Result<Self, OpticsError> {
         for (setting, term) in [("k3", self.k3), ("k5", self.k5)] {
             OpticsError::unless(term.abs() <= MOST_TERM, setting, term, "from -100 to 100")?;
@@ -141,8 +142,8 @@ impl OddTerms {
 mod tests {
     use super::*;
 
-    /// Odd terms of lenses whose map increases up to 1.5 rad. They are terms of textbook projections, and terms close
-    /// to the limits of what is valid.
+    /// Odd terms of lenses whose map increases up to 1.5 rad. Some are terms of textbook projections. The others are
+    /// close to the limits of the valid terms.
     const TERMS: [OddTerms; 7] = [
         OddTerms { k3: 0.0, k5: 0.0 },
         OddTerms {

@@ -1,6 +1,6 @@
 //! Overlap of two discs as viewed from the camera.
 //!
-//! Discs are caps on the sphere of directions. A stereographic projection maps them to circles in a plane. To second
+//! A disc is a cap on the sphere of directions. A stereographic projection maps a cap to a circle in a plane. To second
 //! order in the distance p from the point of projection, an area on the sphere is the area in the plane times 1 − p²/2.
 //! The overlap of two circles consists of one segment of each circle. The moments of a segment have closed forms.
 
@@ -21,7 +21,8 @@ pub(super) enum Overlap {
 pub(super) struct Part {
     /// Unit vector of the direction about which the moments are computed.
     pub(super) direction: Vector3<f64>,
-    /// Unit tangent at this direction. It points from the middle of the magenta disc to the middle of the yellow disc.
+    /// Unit vector that is perpendicular to `direction` and points from the middle of the magenta disc to the middle of
+    /// the yellow disc.
     pub(super) axis: Vector3<f64>,
     moments: Moments,
     /// Half-angles of the two segments that form the overlap. The first segment belongs to the magenta disc, the second
@@ -57,8 +58,8 @@ impl HalfAngle {
         }
     }
 
-    /// Half-angle with this sine and cosine. If it is close to the half-angle `self`, it is computed from `self` by a
-    /// short series, which is faster.
+    /// Half-angle with the sine `sine` and the cosine `cosine`. If it is close to the half-angle `self`, it is computed
+    /// from `self` by a short series, which is faster than an arctangent.
     fn beside(&self, sine: f64, cosine: f64) -> Self {
         let [across, along] = [
             sine * self.cosine - cosine * self.sine,
@@ -78,7 +79,8 @@ impl HalfAngle {
     }
 }
 
-/// Overlap of the discs of a marker. `near` are the half-angles of a similar marker, which save computing time.
+/// Overlap of the two discs of a marker. `near` contains the half-angles of a similar overlap, from which the new
+/// half-angles are computed faster.
 #[inline]
 pub(super) fn overlap(magenta: &Sight, yellow: &Sight, near: Option<&[HalfAngle; 2]>) -> Overlap {
     let step = yellow.direction - magenta.direction;
@@ -179,9 +181,9 @@ fn lens(
     (moments, angles)
 }
 
-/// Moments of a segment of a circle about the circle's centre. In `half_angle`, the sine and the cosine are multiplied
-/// by the radius. Therefore the sine is half the length of the chord, and the cosine is the distance of the chord from
-/// the centre. The segment lies at positive coordinates of the axis.
+/// Moments of a segment of a circle about the circle's centre. The sine and the cosine in `half_angle` are multiplied
+/// by the radius. Therefore the sine is half the length of the chord, and the cosine is the distance between the chord
+/// and the centre. The segment lies at positive coordinates of the axis.
 #[inline]
 fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
     let &HalfAngle {
@@ -203,7 +205,7 @@ fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
 }
 
 impl Moments {
-    /// Moments of the mirror image of the area, that is, about an axis that points in the opposite direction.
+    /// Moments of the mirror image of the area, or equivalently about an axis that points in the opposite direction.
     fn mirrored(self) -> Self {
         Self {
             first: -self.first,
@@ -223,8 +225,8 @@ impl Moments {
 }
 
 impl Part {
-    /// Image of the area through a lens that is expanded about the reference direction. The axis of symmetry has two
-    /// components: `outward` is away from the lens's axis, and `around` is around this axis.
+    /// Image of the area through a lens that is expanded at the area's reference direction. The axis of symmetry of the
+    /// area has the components `outward` (away from the lens's axis) and `around` (in the azimuthal direction).
     #[inline]
     pub(super) fn seen(&self, local: &Local, [outward, around]: [f64; 2]) -> Region {
         let Moments {

@@ -26,8 +26,8 @@ impl Default for Pose {
 }
 
 impl Pose {
-    /// A camera with this position relative to the sensor's centre (length) and this rotation vector (rad). The
-    /// components of both are along the apex's x and y axes and toward the apex.
+    /// A camera pose with the position `place` relative to the sensor's centre (length) and the rotation vector
+    /// `turn_rad` (rad). The components of both vectors are along the apex's x and y axes and toward the apex.
     pub fn new(place: [f64; 3], turn_rad: [f64; 3]) -> Self {
         let turn = Vector3::from(turn_rad);
         let angle = turn.norm();
@@ -54,7 +54,7 @@ impl Pose {
         self.turn.into()
     }
 
-    /// This pose with a small additional displacement and a small additional rotation.
+    /// This pose after a small additional displacement and a small additional rotation.
     pub(super) fn moved(&self, place: [f64; 3], turn_rad: [f64; 3]) -> Self {
         let place = self.place + Vector3::from(place);
         let turn = self.turn + Vector3::from(turn_rad);

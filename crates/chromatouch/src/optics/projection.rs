@@ -12,15 +12,15 @@ use super::sines::small_angle;
 use super::{Camera, MarkerMotion, Optics, OpticsError, SeenMarker};
 
 impl Optics {
-    /// Features of each marker in the image, in the order of the markers. They are the limit that a frame without blur,
-    /// uneven light, seams and noise approaches if its pixels are small. `None` for a marker without a motion (it is
-    /// missing), for a marker that is not completely in the image circle, and for a marker whose discs absorb no light.
+    /// Features of each marker in the image, in the order of the markers. A frame with very small pixels and without
+    /// blur, uneven light, seams and noise has the same features. `None` for a marker without a motion (it is missing),
+    /// for a marker that is not completely in the image circle, and for a marker whose discs absorb no light.
     ///
     /// The image of each disc has the accuracy of [`Camera::disc_area`]. The overlap of two discs is computed to second
-    /// order in their angular radius α. The error of the size is of the order of α⁴ relative to the size, and the error
-    /// of the centroid of the order of α⁴ relative to the focal length. For the published markers, at most 60° from the
-    /// apex, the errors are less than 0.004 px in a frame of 2048 px, 2e-5 turns and 2e-4 of the size. Through a
-    /// pinhole they are larger.
+    /// order in their angular radius α. The error of the size is of the order of α⁴ relative to the size. The error of
+    /// the centroid is of the order of α⁴ relative to the focal length. For the markers of the 2020 paper up to 60°
+    /// from the apex, the errors are less than 0.004 px in a frame of 2048 px, 2e-5 turns, and 2e-4 of the size. For a
+    /// pinhole, the errors are larger.
     ///
     /// # Errors
     /// [`OpticsError::WrongCount`] unless there is one motion per marker. [`OpticsError::ImpossibleMotion`] for a
@@ -58,8 +58,8 @@ impl Aim {
         Self::at(camera, direction, libm::atan2)
     }
 
-    /// What [`Self::new`] returns for `direction`, computed from this similar result. The computation is faster if
-    /// `direction` is near the direction of this result.
+    /// Returns the same as [`Self::new`] for `direction`. If `direction` is near the direction of `self`, the
+    /// computation is faster, because it starts from `self`.
     #[inline]
     fn beside(&self, camera: &Camera, direction: &Vector3<f64>) -> Self {
         Self::at(camera, direction, |sine, cosine| {
@@ -94,7 +94,8 @@ impl Aim {
         }
     }
 
-    /// Components of a tangent vector: the first away from the camera's axis, the second around the axis.
+    /// Components of a tangent vector: the first points away from the camera's axis, the second in the azimuthal
+    /// direction.
     #[inline]
     fn components(&self, tangent: &Vector3<f64>) -> [f64; 2] {
         let [x, y] = self.azimuth;
@@ -104,7 +105,7 @@ impl Aim {
         ]
     }
 
-    /// Whether a disc around this direction is completely in the image circle.
+    /// Whether a disc whose middle is in this direction is completely in the image circle.
     #[inline]
     fn holds(&self, camera: &Camera, disc: &Sight) -> bool {
         if self.polar > camera.rim_rad {
@@ -129,7 +130,7 @@ struct Image {
 }
 
 impl Image {
-    /// The image of a region around the direction `aim`.
+    /// The image of a region whose reference direction is `aim`.
     #[inline]
     fn of(aim: &Aim, region: &Region) -> Self {
         let [x, y] = aim.azimuth;
@@ -173,7 +174,8 @@ impl MarkerProjection {
         })
     }
 
-    /// The projection after a small change of one disc. `disc` is 0 for the magenta disc and 1 for the yellow disc.
+    /// The projection after a small change of one of the two discs. `disc` is 0 for the magenta disc and 1 for the
+    /// yellow disc.
     #[inline]
     pub(super) fn beside(&self, camera: &Camera, sight: &MarkerSight, disc: usize) -> Self {
         let changed = [&sight.magenta, &sight.yellow][disc];
@@ -201,8 +203,9 @@ fn image(camera: &Camera, aim: &Aim, disc: &Sight) -> Image {
     Image::of(aim, &cap(camera.lens, &aim.local, disc.sine, disc.cosine))
 }
 
-/// Image of the overlap of a marker's discs and, if the edges of the discs cross, the half-angles of its two segments.
-/// `aim` is a direction near the overlap, and `near` are the half-angles of a similar marker.
+/// Image of the overlap of a marker's discs. If the edges of the discs cross, the second result contains the
+/// half-angles of the overlap's two segments. `aim` is a direction near the overlap, and `near` contains the
+/// half-angles of a similar overlap.
 #[inline(always)]
 fn shared(
     camera: &Camera,
@@ -270,8 +273,8 @@ fn features(
     })
 }
 
-/// Hue (HSV) in turns of a chroma `[R - (G + B)/2, √3/2 (G - B)]`. The HSV hue follows a hexagon, so it is not the
-/// angle of the chroma.
+/// HSV hue of a colour, in turns. The argument is the chroma of the colour, `[R - (G + B)/2, √3/2 (G - B)]`. The HSV
+/// hue follows a hexagon, so it is not the angle of the chroma vector.
 fn hue([along, across]: [f64; 2]) -> f64 {
     let half_difference = across / 3.0_f64.sqrt();
     let (red, grey) = (along / 1.5, -along / 3.0);

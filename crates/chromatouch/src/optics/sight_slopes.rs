@@ -1,5 +1,5 @@
-//! Closed-form derivatives of a disc's direction and angular radius. They are with respect to the motion of the disc
-//! and to the parameters of the sensor.
+//! Derivatives, in closed form, of a disc's direction and angular radius with respect to the disc's motion and the
+//! sensor's parameters.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -32,8 +32,8 @@ pub(super) struct SightSlopes {
 }
 
 impl SightSlopes {
-    /// Changes one number of one disc by a step. The number is a component of the disc's direction or the logarithm of
-    /// its size. Disc 0 is the magenta disc, disc 1 the yellow disc.
+    /// Changes one disc by a small step. `number` selects which value changes: a component of the disc's direction, or
+    /// the logarithm of its size. Disc 0 is the magenta disc, disc 1 the yellow disc.
     pub(super) fn beside(
         &self,
         sight: &MarkerSight,
@@ -59,8 +59,8 @@ impl SightSlopes {
 }
 
 impl MarkerArray {
-    /// Derivatives of the directions and angular radii of both discs of a marker, for a camera with this pose. `turns`
-    /// are the derivatives of the camera's rotation matrix.
+    /// Derivatives of the directions and angular radii of both discs of a marker, as viewed from a camera with the pose
+    /// `pose`. `turns` contains the derivatives of the camera's rotation matrix.
     pub(super) fn sight_slopes(
         &self,
         marker: usize,
@@ -144,8 +144,8 @@ impl Layer {
 }
 
 impl Stand {
-    /// Unit vector that is reached from the marker's place by the angles `x` and `y` (rad) along the marker's axes. The
-    /// second result are the derivatives of this vector with respect to both angles.
+    /// Unit vector at the angles `x` and `y` (rad) from the marker's direction, along the marker's two axes. The second
+    /// result contains the derivatives of this vector with respect to both angles.
     fn towards(&self, x: f64, y: f64) -> (Vector3<f64>, [Vector3<f64>; 2]) {
         let square = x * x + y * y;
         let (sinc, cosine) = sinc_and_cosine(square);

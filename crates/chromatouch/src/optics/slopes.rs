@@ -1,7 +1,8 @@
 //! Derivatives of the markers' features with respect to the sensor's parameters and to the motions of the discs.
 //!
-//! The direction and the angular radius of a disc are given by three numbers. Their derivatives have closed forms. The
-//! derivatives of the features with respect to the six numbers of both discs are finite differences.
+//! Three numbers describe a disc: two for its direction and one for its angular radius. The derivatives of these
+//! numbers have closed forms. The derivatives of the features with respect to the six numbers of both discs are finite
+//! differences.
 
 use nalgebra::{Matrix3, Matrix4x2, Matrix4x3, SMatrix, Vector4};
 
@@ -40,20 +41,21 @@ pub struct MarkerSlopes {
     pub by_motion: [Matrix4x3<f64>; 2],
 }
 
-/// Values that are needed for the derivatives of all markers.
+/// Values that are computed once and used for the derivatives of all markers.
 struct Shared<'a> {
     optics: &'a Optics,
     departure: &'a Departure,
     turns: [Matrix3<f64>; 3],
-    /// For each requested transmittance, its index, and the contrasts if this transmittance is larger by one
+    /// For each requested transmittance: its index, and the contrasts after this transmittance is increased by one
     /// finite-difference step.
     colours: Vec<(usize, Contrasts)>,
     requested: &'a [usize],
 }
 
 impl Optics {
-    /// Features of the markers of a sensor with these deviations, as in [`Optics::project`], and their derivatives with
-    /// respect to the requested numbers of the sensor deviation. `None` for markers that are not visible.
+    /// Features of the markers of a sensor with the departure `departure`, as in [`Optics::project`]. The result also
+    /// contains their derivatives with respect to the requested values of the departure. `None` for markers that are
+    /// not visible.
     ///
     /// The error of the derivatives is about 5e-5 of the largest derivative. It is larger where the edges of two discs
     /// touch, because the features have a kink there.
@@ -160,9 +162,9 @@ impl Shared<'_> {
         Some(slopes)
     }
 
-    /// Writes the requested derivatives of the marker's features into `slopes`: with respect to the depths and
-    /// diameters of the discs, and to the camera's position, rotation, centre and scale. For each disc, `by` contains
-    /// the part of the derivatives that is due to the direction and size of this disc.
+    /// Writes the requested derivatives of the marker's features into `slopes`. They are with respect to the depths and
+    /// diameters of the discs, and to the camera's position, rotation, centre and scale. `by` contains one matrix per
+    /// disc: the part of the derivatives that is due to the direction and size of this disc.
     fn by_departure(&self, slopes: &mut MarkerSlopes, by: [&SMatrix<f64, 4, COLUMNS>; 2]) {
         let [magenta, yellow] = by;
         let centre = self.optics.camera.centre_px();

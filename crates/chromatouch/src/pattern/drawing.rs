@@ -17,7 +17,8 @@ const YELLOW: &str = "YELLOW";
 /// Drawing layers with their colour numbers in AutoCAD: white (black on paper), blue, magenta, yellow.
 const LAYERS: [(&str, u8); 4] = [(CUT, 7), (FOLD, 5), (MAGENTA, 6), (YELLOW, 2)];
 
-/// Smallest and largest radius of a sphere in a drawing, mm. The coordinates in the files have steps of 1e-6 mm.
+/// Smallest and largest radius of a sphere in a drawing, mm. The limits are set by the step of the coordinates in the
+/// files, 1e-6 mm.
 const DRAWABLE_MM: [f64; 2] = [0.01, 1e6];
 
 impl CuttingSheet {

@@ -15,12 +15,12 @@ pub enum PatternError {
     #[error(transparent)]
     #[strum(transparent)]
     Layout(#[from] LayoutError),
-    /// There are fewer gores than the limit. Folding would stretch such wide gores to more than twice their length.
+    /// There are fewer gores than the limit. Folding stretches such wide gores to more than twice their length.
     #[error("gores is {gores}; it must be at least {FEWEST_GORES}{}", stretched(*.strain))]
     TooFewGores {
         /// Requested number of gores.
         gores: u32,
-        /// Largest strain of folding if the skin had this number of gores; `None` for 0 gores.
+        /// Largest strain of a skin that is folded from this number of gores; `None` for 0 gores.
         strain: Option<f64>,
     },
     /// There are more gores than the limit.
@@ -48,7 +48,7 @@ pub enum PatternError {
         first: usize,
         /// Index of the other marker.
         second: usize,
-        /// Distance between the centres of their discs on the flat pattern, length.
+        /// Distance between the centres of the two markers' discs on the flat pattern, length.
         distance: f64,
         /// Diameter of the larger disc of each marker, length.
         diameter: f64,

@@ -6,8 +6,8 @@ use super::{FlatPlace, Pattern, PatternError};
 use crate::layout::too_close;
 use crate::{Layout, LayoutError};
 
-/// Diameters of a marker's two discs, length. They are drawn as circles on the sheet. Folding the sheet onto the sphere
-/// shears them.
+/// Diameters of a marker's two discs, length. The discs are drawn as circles on the sheet, and folding the sheet onto
+/// the sphere shears them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Discs {
     /// Diameter of the inner disc, which is nearer to the camera.
@@ -38,8 +38,8 @@ pub struct CuttingSheet {
 }
 
 impl Pattern {
-    /// The assembled pattern, with both discs of each marker of the layout. All gores meet at the apex. The disc there
-    /// is drawn as a full circle, although its parts in the gaps between the gores are cut off.
+    /// The assembled pattern, with both discs of each marker of the layout. All gores meet at the apex. A disc at the
+    /// apex is drawn as a full circle, although its parts in the gaps between the gores are cut off.
     ///
     /// # Errors
     /// [`PatternError`] if the layout or the discs are impossible, if a marker is beyond the equator, or if discs
@@ -89,7 +89,8 @@ impl Pattern {
         marks.into_iter().map(place).collect()
     }
 
-    /// Half the width of the drawn gore at a share (less than 1) of the distance from the apex to the equator.
+    /// Half the width of a gore as drawn, with chords instead of curved edges. `share` is the share (less than 1) of
+    /// the distance from the apex to the equator.
     fn chord_half_width(&self, share: f64) -> f64 {
         let steps = share * f64::from(self.samples);
         let [inner, outer] = [0, 1].map(|more| self.edge(steps.floor() as u32 + more)[0]);
@@ -122,14 +123,14 @@ impl Pattern {
     }
 }
 
-/// Distance of a point from the line through a chord of a gore's right edge; positive if the point is inside the gore.
-/// The point is given by its distance across the gore and its distance from the apex.
+/// Distance of a point from a chord of a gore's right edge, extended to a line. It is positive if the point is inside
+/// the gore. The point is given by its distance across the gore and its distance from the apex.
 fn inside(&[[x, y], [u, v]]: &[[f64; 2]; 2], [across, from_apex]: [f64; 2]) -> f64 {
     let length = libm::hypot(u - x, v - y);
     (u - x) / length * (from_apex - y) - (v - y) / length * (across - x)
 }
 
-/// Checks that discs of this diameter do not overlap, that is, that the distance between any two centres is at least
+/// Checks that discs with the diameter `diameter` do not overlap: the distance between any two centres must be at least
 /// the diameter.
 fn apart(centres: &[[f64; 2]], diameter: f64, narrowest: f64) -> Result<(), PatternError> {
     match too_close(centres, diameter, narrowest) {

@@ -29,8 +29,8 @@ use gauss_quad::GaussLegendre;
 use super::{FEWEST_GORES, PatternError};
 use crate::LayoutError;
 
-/// Number of quadrature nodes per direction. For three or more gores, the error is below 1e-20. The error depends on
-/// the nearest singularity of the integrand, which is at the shear s = 2i.
+/// Number of quadrature nodes per direction. For three or more gores, the quadrature error is below 1e-20. It depends
+/// on the nearest singularity of the integrand, which is at the shear s = 2i.
 const NODES: usize = 16;
 
 /// Strain of a polyconic gore that is folded onto its sphere: its largest principal stretch minus 1.
@@ -56,7 +56,7 @@ pub struct FoldStrain {
 }
 
 impl FoldStrain {
-    /// Strain of the gores of a pattern with this number of gores per turn. It does not depend on the radius.
+    /// Strain of the gores of a pattern with `gores` gores per turn. The strain does not depend on the radius.
     ///
     /// # Errors
     /// [`PatternError::TooFewGores`] for fewer than three gores.
@@ -73,7 +73,7 @@ impl FoldStrain {
     /// rad. The other principal stretch is 1/(1 + strain).
     ///
     /// # Errors
-    /// [`LayoutError::BadSetting`] for a place that is not on the gore.
+    /// [`LayoutError::BadSetting`] for a place outside the gore.
     pub fn at(&self, longitude: f64, latitude: f64) -> Result<f64, PatternError> {
         let half_width = PI / f64::from(self.gores);
         let on_gore = longitude.abs() <= half_width;
@@ -180,8 +180,8 @@ mod tests {
         }
     }
 
-    /// Mean square of the strain, computed from a series. For the shear s and the stretch σ, σ² = sσ + 1. From this
-    /// equation follows (σ − 1)² = 2 + (s − 2)(s/2 + √(1 + s²/4)). The mean of sᵏ over the gore is (π/n)ᵏ/(k + 1)².
+    /// Mean square of the strain, computed from a series. For the shear s and the stretch σ, σ² = sσ + 1. Therefore (σ
+    /// − 1)² = 2 + (s − 2)(s/2 + √(1 + s²/4)). The mean of sᵏ over the gore is (π/n)ᵏ/(k + 1)².
     fn mean_square_by_series(gores: u32) -> f64 {
         let widest = PI / f64::from(gores);
         let moment = |power: i32| widest.powi(power) / f64::from((power + 1).pow(2));

@@ -1,5 +1,5 @@
-//! Sensors that are possible have markers, patterns and images. For any numbers, the result is finite or the expected
-//! error.
+//! Sensors with random parameters. A possible sensor has markers, a pattern and images. For any parameters, each result
+//! is finite or an expected error.
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{
@@ -8,7 +8,7 @@ use palpate_chromatouch::{
 };
 use proptest::prelude::*;
 
-/// Any double; numbers of ordinary size are the most frequent.
+/// Any double. Numbers of ordinary size are drawn most frequently.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => any::<u64>().prop_map(f64::from_bits),
@@ -140,7 +140,8 @@ proptest! {
         prop_assert!(camera.disc_area(width, polar).is_none_or(|area| area.is_finite()));
     }
 
-    /// Four markers, a third of a radian apart, whose discs move by up to a hundredth of the radius, are all visible.
+    /// All markers remain visible if their discs move by up to a hundredth of the radius. The sensor has four markers
+    /// that are a third of a radian apart.
     #[test]
     fn markers_that_move_little_are_all_seen(
         lens in lens(),

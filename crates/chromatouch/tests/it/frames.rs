@@ -9,7 +9,7 @@ use palpate_sensing::{Channel, Stream};
 
 use crate::optics::{DISCS, depths};
 
-/// Colours with which the level of every region of a marker is a whole number.
+/// Colours for which all regions of a marker have integer pixel levels, so that rounding causes no error.
 const WHOLE_LEVELS: Colours = Colours {
     white: [240.0 / 255.0; 3],
     magenta: [0.95, 0.40, 0.60],
@@ -36,7 +36,8 @@ fn at_rest(optics: &Optics) -> Vec<Option<MarkerMotion>> {
     vec![Some(MarkerMotion::default()); optics.array().places().len()]
 }
 
-/// Features of a marker, computed by their definitions from the levels of the pixels in a square on a white background.
+/// Features of a marker, computed by their definitions from the pixel levels in a square of the frame. The background
+/// is white.
 fn measured(frame: &RgbImage, middle: [f64; 2], half_side: f64) -> SeenMarker {
     let ground = 240.0;
     let range = |middle: f64| (middle - half_side) as u32..=(middle + half_side) as u32;
@@ -61,7 +62,7 @@ fn measured(frame: &RgbImage, middle: [f64; 2], half_side: f64) -> SeenMarker {
     }
 }
 
-/// Hue of a colour with more red than green and blue, turns.
+/// Hue of a colour whose red component is the largest, turns.
 fn hue_of_a_red([red, green, blue]: [f64; 3]) -> f64 {
     assert!(red > green && red > blue);
     ((green - blue) / (red - green.min(blue)) / 6.0).rem_euclid(1.0)

@@ -7,8 +7,8 @@ use palpate_chromatouch::{
 
 use crate::optics::{PURE, depths, inward, moved, optics};
 
-/// Columns: diameters of the yellow and the magenta disc, distance between their centres, and hues of the marker: the
-/// mean, the circular mean, and the hue of the summed light. The values were computed from the areas of overlapping
+/// Columns: diameters of the yellow and the magenta disc, distance between their centres, mean hue of the marker,
+/// circular mean of its hue, and hue of its summed light. The values were computed from the areas of overlapping
 /// circles.
 const GOLDEN: &str = include_str!("mean-hue.csv");
 
@@ -67,7 +67,7 @@ fn pale_regions_do_not_count() {
     assert_eq!(seen.mean_hue_turns, seen.hue_turns);
 }
 
-/// Either disc may be above the other, and a misalignment grows with the strain of the skin.
+/// A misalignment grows with the strain of the skin, whichever of the two discs is the upper one.
 #[test]
 fn a_misalignment_strains_with_the_skin() {
     let place = [[0.0, 0.0]];

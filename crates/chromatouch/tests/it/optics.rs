@@ -9,7 +9,7 @@ use palpate_chromatouch::{
     MarkerArray, MarkerMotion, Optics, OpticsError, Pose, SeenMarker,
 };
 
-/// Colours with which a magenta disc absorbs only green light and a yellow disc only blue light.
+/// Colours for which a magenta disc absorbs only green light, and a yellow disc only blue light.
 pub(crate) const PURE: Colours = Colours {
     white: [1.0; 3],
     magenta: [1.0, 0.0, 1.0],
@@ -49,12 +49,12 @@ pub(crate) fn inward(normal: f64) -> DiscMotion {
     }
 }
 
-/// Features of the only marker of the sensor.
+/// Features of the marker of a sensor that has only one marker.
 fn seen(optics: &Optics, motion: Option<MarkerMotion>) -> SeenMarker {
     optics.project(&[motion]).unwrap()[0].unwrap()
 }
 
-/// Chart coordinates of the point on a skin of radius 20 at this polar angle and azimuth.
+/// Chart coordinates of the point at the polar angle `polar_deg` and the azimuth `azimuth_deg`, on a skin of radius 20.
 pub(crate) fn at(polar_deg: f64, azimuth_deg: f64) -> [f64; 2] {
     let (sine, cosine) = libm::sincos(azimuth_deg.to_radians());
     [cosine, sine].map(|share| 20.0 * polar_deg.to_radians() * share)

@@ -253,7 +253,7 @@ fn off_segment([x, y]: [f64; 2], [u, v]: [f64; 2], [s, t]: [f64; 2]) -> f64 {
     libm::hypot(x - u - along * (s - u), y - v - along * (t - v))
 }
 
-/// The largest allowed diameter is the distance between the two nearest discs, which is found here by comparing all
+/// Discs may be as large as the distance between the two nearest centres. The test finds this distance by comparing all
 /// pairs.
 #[test]
 fn discs_overlap_from_the_least_distance_on() {

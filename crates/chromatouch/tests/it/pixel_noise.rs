@@ -6,7 +6,7 @@ use palpate_sensing::{Channel, Stream};
 
 use crate::optics::{DISCS, depths};
 
-/// A frame without markers, uniformly lit with these levels.
+/// A frame without markers that is uniformly lit. `levels` are its levels of red, green and blue.
 fn frame(size_px: u32, levels: [f64; 3], pixel_std: f64, [seed, trial]: [u64; 2]) -> RgbImage {
     let array = MarkerArray::new(20.0, &[], DISCS, depths(3.0, 1.0)).unwrap();
     let camera = Camera::new(Lens::Fisheye, size_px, 70.0).unwrap();
@@ -110,8 +110,8 @@ fn pixels_outside_the_circle_have_no_noise() {
     assert!(f64::from(changed) > 0.999 * 71_000.0, "{changed}");
 }
 
-/// Errors in a square inside of the image circle, in standard deviations. Each row contains three numbers for each of
-/// its pixels.
+/// Pixel errors in a square inside of the image circle, divided by the standard deviation. Each row of the result
+/// contains three numbers per pixel.
 fn errors(frame: &RgbImage) -> Vec<Vec<f64>> {
     let size = frame.width();
     let square = size * 3 / 20..size * 17 / 20;
@@ -127,9 +127,10 @@ fn errors(frame: &RgbImage) -> Vec<Vec<f64>> {
     square.clone().map(row).collect()
 }
 
-/// Two correlation scores of the errors of two frames. The second error is `down` rows below and `on` numbers after the
-/// first. One score is computed from the errors. The other is computed from their squares, because these reveal a
-/// dependence of uncorrelated errors. If the errors are independent, each score is normally distributed.
+/// Two scores for the correlation between the errors of two frames. Each error of `one` is paired with the error of
+/// `other` that is `down` rows lower and `on` numbers further along the row. The first score uses the errors. The
+/// second score uses their squares, because errors can be dependent without being correlated. If the errors are
+/// independent, both scores have a standard normal distribution.
 fn common(one: &[Vec<f64>], other: &[Vec<f64>], down: usize, on: usize) -> [f64; 2] {
     let (mut count, mut product, mut squares) = (0.0_f64, 0.0, 0.0);
     for (row, below) in one.iter().zip(&other[down..]) {

@@ -1,4 +1,4 @@
-//! Cameras that are not in the centre, and sensors that deviate from the nominal sensor, compared with closed forms.
+//! Features for cameras that are not in the centre and for sensors with a departure, compared with closed forms.
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{
@@ -11,7 +11,7 @@ use crate::optics::depths;
 const RADIUS: f64 = 20.0;
 const DEPTH: f64 = 2.0;
 
-/// Optics of markers at `places` whose discs are aligned, have this diameter and are all at the same depth.
+/// Optics of markers at `places`. All discs have the diameter `diameter` and the same depth, and no disc is misaligned.
 fn optics(places: &[[f64; 2]], diameter: f64) -> Optics {
     let discs = Discs {
         magenta: diameter,

@@ -14,7 +14,7 @@ const MARKERS: usize = 77;
 /// Step of all central differences.
 const STEP: f64 = 1e-5;
 
-/// A sensor with moved markers that deviates from its nominal parameters.
+/// A sensor with moved markers and with parameters that differ from their nominal values.
 struct Scene {
     known: Optics,
     departure: [f64; Departure::NUMBERS],
@@ -103,8 +103,8 @@ impl Scene {
         pairs.map(slope).collect()
     }
 
-    /// Compares columns of derivatives with differences, for all markers that are visible both before and after the
-    /// step.
+    /// Compares columns of the derivatives with central differences, for all markers that are visible before and after
+    /// the step.
     fn compare(
         &mut self,
         what: &str,
@@ -187,7 +187,7 @@ fn slopes_are_those_of_the_pictures() {
     }
 }
 
-/// Optics of markers at these positions on a skin of this radius. The discs are small and do not touch each other.
+/// Optics of markers at `places` on a skin with the radius `radius`. The discs are small and do not touch each other.
 fn small(radius: f64, places: &[[f64; 2]]) -> Optics {
     let discs = Discs {
         magenta: 1.8e-3 * radius,
@@ -205,7 +205,8 @@ fn small(radius: f64, places: &[[f64; 2]]) -> Optics {
     Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap()
 }
 
-/// A motion that is the same for both discs of a marker; `normal` and `x` are in units of the skin's radius.
+/// A motion in which both discs of a marker move alike. `normal` and `x` are displacements in units of the skin's
+/// radius.
 fn alike(radius: f64, normal: f64, x: f64) -> Option<MarkerMotion> {
     let disc = DiscMotion {
         normal: normal * radius,
@@ -218,9 +219,9 @@ fn alike(radius: f64, normal: f64, x: f64) -> Option<MarkerMotion> {
     })
 }
 
-/// The image area of a small disc is proportional to (width / distance)². A displacement along the skin shifts the
-/// image by the angle displacement / (distance at rest). A displacement of the camera shifts the image by the angle
-/// displacement / distance.
+/// The image area of a small disc is proportional to (width / distance)². If the skin displaces the disc by s, its
+/// image shifts by the angle s / (distance at rest). If the camera is displaced by s, the image shifts by the angle s /
+/// distance.
 #[test]
 fn slopes_on_skins_of_any_size_have_closed_forms() {
     let all: Vec<usize> = (0..Departure::NUMBERS).collect();

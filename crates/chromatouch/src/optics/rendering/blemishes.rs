@@ -7,7 +7,7 @@ use super::super::{Camera, Optics, OpticsError};
 use super::row::Row;
 use crate::pattern::MOST_GORES;
 
-/// Imperfections of the image; by default there are none. An imperfection that is 0 takes no computing time.
+/// Imperfections of the image. By default there are none. An imperfection whose value is 0 costs no computing time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blemishes {
     /// Light at the rim of the image circle, relative to the light at the apex. The light decreases with the square of
@@ -17,7 +17,8 @@ pub struct Blemishes {
     pub blur_px: f64,
     /// Seams between gores.
     pub seams: Option<Seams>,
-    /// Standard deviation of the Gaussian error of each channel of each pixel in the image circle, in levels of 255.
+    /// Standard deviation of the Gaussian noise of each channel of each pixel in the image circle, in levels (0 to
+    /// 255).
     pub pixel_std: f64,
 }
 
@@ -66,8 +67,8 @@ impl Blemishes {
     }
 }
 
-/// A Gaussian blur. It stores the last rows that it has read, each already blurred along the row. In addition, it
-/// stores the weights of the neighbouring pixels.
+/// A Gaussian blur. It stores the last rows that it has read, already blurred along the row, and the weights of the
+/// neighbouring pixels.
 pub(super) struct Blur {
     /// Weights of the pixel itself and of its neighbours on one side, up to 3.5 standard deviations. The weights of the
     /// pixel and of the neighbours on both sides sum to 1.
@@ -80,7 +81,7 @@ pub(super) struct Blur {
 }
 
 impl Blur {
-    /// A blur with a standard deviation of `std_px`; `None` if this is 0.
+    /// A blur with a standard deviation of `std_px`; `None` if `std_px` is 0.
     pub(super) fn new(std_px: f64, size: usize) -> Option<Self> {
         if std_px <= 0.0 {
             return None;
@@ -100,7 +101,7 @@ impl Blur {
     }
 
     /// Computes a row of the blurred frame. The caller requests the rows in order, starting with the first; `paint`
-    /// provides the unblurred rows. Beyond the edges of the frame, the values at the edge are used.
+    /// provides the unblurred rows. Outside the frame, the values of the pixels at the edge are used.
     pub(super) fn blur(
         &mut self,
         number: usize,
@@ -125,7 +126,7 @@ impl Blur {
     }
 }
 
-/// Seams as straight lines from the centre of the image outward.
+/// The seams in the image: straight lines from the centre of the image outward.
 pub(super) struct SeamLines {
     /// Unit vectors along the seams, with y up.
     lines: Vec<[f64; 2]>,
@@ -135,7 +136,7 @@ pub(super) struct SeamLines {
     widest: f64,
     /// Shares of red, green and blue light that a seam absorbs.
     absorbed: [f64; 3],
-    /// Share of each pixel of the row that a seam covers.
+    /// For each pixel of the current row, the share of its area that a seam covers.
     covers: Vec<f64>,
 }
 

@@ -20,14 +20,14 @@ pub(super) struct MarkerRaster {
     yellow: DiscRaster,
 }
 
-/// A disc with the middle n and the angular radius α: all directions v with v·n > cos α.
+/// A disc with the direction n of its middle and the angular radius α. It covers all directions v with v·n > cos α.
 struct DiscRaster {
     direction: [f64; 3],
     cosine: f64,
     per_sine: f64,
-    /// Largest value of |v·n − cos α| for the directions v of pixels that the edge of the disc crosses.
+    /// Upper bound of |v·n − cos α| for the direction v of a pixel that the edge of the disc crosses.
     band: f64,
-    /// Factor by which the effect of the disc is multiplied. It is below 1 for a disc that is smaller than a pixel, so
+    /// Factor on the share of light that the disc absorbs. It is below 1 for a disc that is smaller than a pixel, so
     /// that the disc is drawn fainter.
     opacity: f64,
     /// Whether the disc is so small that its edge cannot be approximated by a straight line within a pixel.
@@ -41,9 +41,9 @@ pub(super) struct Cover {
     pub(super) both: f64,
 }
 
-/// Share of a pixel that a disc covers. If the edge of the disc crosses the pixel, it also contains the direction
-/// towards the disc. This is a vector of any length in the image, with the components away from the centre of the image
-/// and around it.
+/// Share of a pixel that a disc covers. If the edge of the disc crosses the pixel, the cover also contains a vector in
+/// the image that points towards the disc. The vector can have any length. Its first component points away from the
+/// image's centre, its second in the azimuthal direction.
 struct DiscCover {
     share: f64,
     toward: Option<[f64; 2]>,
@@ -104,8 +104,8 @@ impl DiscRaster {
         }
     }
 
-    /// Distance of a direction v from the edge of the disc, measured as v·n − cos α. Here n is the direction of the
-    /// disc's middle, and α is its angular radius. The distance is positive inside the disc.
+    /// Position of a direction v relative to the edge of the disc: v·n − cos α. Here n is the direction of the disc's
+    /// middle, and α is its angular radius. The value is positive inside the disc.
     #[inline]
     fn inside(&self, ray: &Ray, [x, y]: [f64; 2]) -> f64 {
         let [n_x, n_y, n_z] = self.direction;
@@ -172,8 +172,8 @@ impl MarkerRaster {
         })
     }
 
-    /// For each pixel of a row that the discs cover at least partly, calls `paint` with the column and the covered
-    /// shares. Pixels outside of the given range of columns are skipped. The row is `y` px above the centre of the
+    /// Calls `paint` for each pixel of a row that the discs cover at least partly. `paint` receives the column and the
+    /// covered shares. Only pixels in the given range of columns are visited. The row is `y` px above the centre of the
     /// image, which is in the column `middle`.
     pub(super) fn cover(
         &self,
@@ -219,8 +219,8 @@ impl MarkerRaster {
     }
 }
 
-/// Converts the components of a vector at the image point (x, y). The given components are away from the centre of the
-/// image and around it; the result is along columns and rows. The length of the vector may change.
+/// Converts a vector at the image point (x, y) to components along columns and rows. `outward` is its component away
+/// from the centre of the image, and `around` its azimuthal component. The length of the vector may change.
 #[inline]
 fn in_columns_and_rows([outward, around]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
     if x == 0.0 && y == 0.0 {
@@ -229,10 +229,10 @@ fn in_columns_and_rows([outward, around]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2
     [outward * x - around * y, outward * y + around * x]
 }
 
-/// Share of a pixel on one side of a straight edge. `inside` is the distance of the pixel's centre from the edge, px;
-/// it is positive on this side. (x, y) is the normal of the edge along columns and rows, and may have any length. A
-/// pixel collects the light of its whole area, because this minimises the aliasing of sums of light and of first
-/// moments.
+/// Share of a pixel that lies on the inner side of a straight edge. `inside` is the distance of the pixel's centre from
+/// the edge, px, positive on the inner side. (x, y) is the normal of the edge along columns and rows, and may have any
+/// length. A pixel collects the light of its whole area, because this minimises the aliasing of sums of light and of
+/// first moments.
 #[inline]
 fn covered(inside: f64, [x, y]: [f64; 2]) -> f64 {
     let (x, y) = (x.abs(), y.abs());
@@ -262,9 +262,9 @@ fn length([x, y]: [f64; 2]) -> f64 {
 }
 
 /// Share of a pixel that both discs cover. If both edges cross the pixel, the share depends on the angle between the
-/// edges. If the discs lie in the same direction from the pixel, it is the smaller of the two shares. If they lie in
-/// opposite directions, it is the amount by which the sum of the shares exceeds 1. If the directions are at a right
-/// angle, it is the product of the shares.
+/// edges. If both discs lie in the same direction from the pixel, the result is the smaller of their two shares. If the
+/// discs lie in opposite directions, the result is the amount by which the sum of the two shares exceeds 1. If the
+/// directions are at a right angle, the result is the product of the two shares.
 #[inline]
 fn shared(one: &DiscCover, other: &DiscCover) -> f64 {
     let product = one.share * other.share;
@@ -289,7 +289,7 @@ fn shared(one: &DiscCover, other: &DiscCover) -> f64 {
 mod tests {
     use super::*;
 
-    /// Share of a pixel on one side of an edge, estimated by counting points of a grid that are on this side.
+    /// Share of a pixel that lies on the inner side of a straight edge, estimated by counting the points of a grid.
     fn counted(inside: f64, turn: f64) -> f64 {
         const SIDE: u32 = 400;
         let (sine, cosine) = libm::sincos(turn);

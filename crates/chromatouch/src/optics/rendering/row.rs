@@ -77,7 +77,7 @@ impl Row {
         }
     }
 
-    /// Adds a Gaussian error with this standard deviation to the pixels in a range of columns.
+    /// Adds Gaussian noise with the standard deviation `std` to the pixels in a range of columns.
     pub(super) fn add_noise(&mut self, columns: Range<usize>, std: f32, stream: &mut Stream) {
         let levels = &mut self.levels[3 * columns.start..3 * columns.end];
         let (whole, rest) = levels.as_chunks_mut::<{ Stream::NORMALS }>();
@@ -113,8 +113,8 @@ pub(super) struct Rows<'a> {
     started: usize,
     ground: [f32; 3],
     outside: [f32; 3],
-    /// Shares of red, green and blue light that a completely covered pixel absorbs. The three entries are for the
-    /// magenta disc, for the yellow disc, and the correction where both overlap.
+    /// Shares of red, green and blue light that a completely covered pixel absorbs. The first entry is for the magenta
+    /// disc, the second for the yellow disc. The third is the correction where both discs overlap.
     absorbed: [[f64; 3]; 3],
     light_at_rim: f64,
     seams: Option<SeamLines>,
@@ -141,7 +141,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Half the length of the chord that a circle around the centre of the image has along a row, px. It is negative if
+    /// Half the length of the chord that a row cuts from a circle around the centre of the image, px. It is negative if
     /// the circle does not reach the row.
     fn half_chord(&self, radius: f64, number: usize) -> f64 {
         let y = self.camera.centre_px()[1] - number as f64;
