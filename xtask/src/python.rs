@@ -144,7 +144,7 @@ fn from_clone(shell: &Shell) -> Result<()> {
     let readme = shell.read_file("README.md")?;
     let (_, block) = readme
         .split_once("```python\n")
-        .context("README.md has no Python lines")?;
+        .context("README.md has no ```python block")?;
     let lines = block.split("```").next().unwrap_or_default();
     timed("Python lines of README.md", || {
         Ok(cmd!(shell, "{python} -").stdin(lines).run()?)

@@ -252,7 +252,7 @@ impl TestBench<'_> {
         let log = fs::read_to_string(out.join("logs/merge.txt")).unwrap_or_default();
         ensure!(
             log.contains("shard 5 of 16 is missing"),
-            "the log of the merge: {log}"
+            "the log of `palpate merge` does not report the missing shard: {log}"
         );
         ensure!(
             !out.join("cells.csv").exists(),

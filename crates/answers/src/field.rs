@@ -44,7 +44,9 @@ impl Field {
                 (values.clone(), Span::new(0.0, last, true))
             }
             (Varied::Range { .. }, Some(Takes::Other)) => {
-                return no_range("has no numeric values: list its values, as PATH=A,B,C");
+                return no_range(
+                    "is not a numeric field, so it has no range: list its values as PATH=A,B,C",
+                );
             }
             (Varied::Range { from, to }, takes) => {
                 let is_whole = takes == Some(Takes::Whole);

@@ -62,7 +62,7 @@ impl ParaboloidPress {
     pub fn new(body: Body, relative_curvature: f64, indentation: f64) -> Result<Self> {
         ensure!(
             relative_curvature > 0.0 && indentation > 0.0,
-            "no press: relative curvature {relative_curvature:e}, indentation {indentation:e}"
+            "relative curvature and indentation must be > 0, but are {relative_curvature:e} and {indentation:e}"
         );
         let area = indentation / relative_curvature;
         let pressure = match body {

@@ -24,7 +24,7 @@ pub enum LayoutError {
     },
     /// The rows or the rim of the layout are stated by angles, but the skin is flat.
     #[error(
-        "needs a skin with a radius; on a flat pad, markers may have the layout \
+        "needs a skin with a radius, because its markers are placed by angles; for a flat skin, use the layout \
          {{ kind = \"grid\", pitch = .., width = .., height = .. }}"
     )]
     NoAngles,

@@ -209,7 +209,7 @@ pub(crate) fn direction(outward: &Vector3<f64>) -> Result<Vector3<f64>, Ep2Error
     // The sum is used as a check because it is NaN if a component is NaN. The largest component would not show this.
     let length = outward.abs().sum();
     let is_good = length > 0.0 && length <= LARGEST;
-    let expected = "a direction of finite length > 0";
+    let expected = "a vector of finite length > 0";
     Ep2Error::unless_good("outward", length, is_good, expected)?;
     Ok(outward / outward.amax())
 }

@@ -49,7 +49,7 @@ pub fn regions(
     thresholds: &ShapeThresholds,
 ) -> Result<Regions, Ep2Error> {
     let is_good = side.checked_mul(side) == Some(points.len());
-    let expected = "as many points as the map has grid points";
+    let expected = "the square of the number of grid points per side";
     Ep2Error::unless_good("points", points.len() as f64, is_good, expected)?;
     if !points.iter().all(MapPoint::is_finite) {
         return Err(Ep2Error::OutOfRange);

@@ -46,7 +46,7 @@ impl GlideMethod {
             Self::Graph(graph) => graph.description(),
             Self::Shape(settings) => match settings.shape {
                 Some(shape) => format!("{} by robust least squares", shape.name()),
-                None => "most probable of plane, sphere and cylinder".to_owned(),
+                None => "the most probable of plane, sphere and cylinder".to_owned(),
             },
         }
     }
@@ -200,7 +200,7 @@ impl GlideFit {
                     (Some(_), Some(_)) => "noise as stated",
                     _ => "noise partly stated, partly estimated from the contacts",
                 };
-                format!("penalised bicubic spline, weight by {criterion}, {noise}")
+                format!("penalised bicubic spline, penalty weight by {criterion}, {noise}")
             }
             Self::TwoPass(TwoPass {
                 first_degree,

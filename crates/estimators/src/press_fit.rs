@@ -78,7 +78,7 @@ impl PressFitSetup<'_> {
             (None, PressEstimatorConfig::Gaussian { c: Some(c), .. }) => Body::gaussian(*c),
             (None, PressEstimatorConfig::Gaussian { window, .. }) => {
                 let undetermined = PressError::Undetermined {
-                    what: "a Gaussian without `c` needs the indentation to calibrate c",
+                    what: "neither `c` nor the indentation is given; the Gaussian needs one of them, because `c` is calibrated at the indentation",
                 };
                 let c = self
                     .calibrated_at

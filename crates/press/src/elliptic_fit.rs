@@ -54,7 +54,8 @@ impl ForwardFit {
     ) -> Result<PressEstimate, PressError> {
         let has_priors = self.baseline != Prior::Exact || self.gain != Prior::Exact;
         let half_space = self.body.sideways().filter(|_| !has_priors);
-        let what = "an elliptic contact is fitted to a half-space without baseline and gain";
+        let what =
+            "the elliptic estimator supports only a half-space, without fitted baseline and gain";
         let half_space = half_space.ok_or(PressError::Undetermined { what })?;
         let round = Self {
             is_elliptic: false,
@@ -455,7 +456,7 @@ impl<'a> Problem<'a> {
         let own = skin.curvature();
         let own_log = -libm::log(self.reading.markers.scale());
         if larger - own_log > MAX_LOG {
-            let what = "a needle of any sharpness explains the readings";
+            let what = "the readings give no upper bound on the larger curvature";
             return Err(PressError::Undetermined { what });
         }
         let mut bounds = [[f64::NEG_INFINITY; 2], [f64::INFINITY; 2]];

@@ -116,7 +116,7 @@ fn converted<'py>(
     let py = value.py();
     let numpy = get_array_module(py)?;
     let no_array = |reason: String| {
-        let message = format!("{name}: is not an array of numbers: {reason}");
+        let message = format!("{name}: must be an array of numbers: {reason}");
         error::argument(name, &[], None, message)
     };
     let refused = |error: PyErr| no_array(error.value(py).to_string());

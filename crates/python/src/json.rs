@@ -11,7 +11,7 @@ use crate::error;
 /// Converts JSON to TOML. `path` is the path of the field, which messages name.
 pub(crate) fn to_toml(path: &str, json: &Json) -> PyResult<toml::Value> {
     toml::Value::try_from(json).map_err(|error| {
-        let message = format!("{path}: {json} is not possible in a config: {error}");
+        let message = format!("{path}: a config cannot contain the value {json}: {error}");
         PyTypeError::new_err(message)
     })
 }

@@ -33,8 +33,7 @@ impl<'a> DelimitedText<'a> {
         let delimiter = stated.map_or_else(found, Ok);
         let delimiter = delimiter.map_err(|message| fail(header_line, message))?;
         if let Some(line) = unclosed_quote(text, delimiter) {
-            let message =
-                "a quotation mark is not closed before the delimiter or the end of the line";
+            let message = "a quotation mark is not closed before the end of its field";
             return Err(fail(line, message.to_owned()));
         }
         if delimiter != Delimiter::Comma || stated.is_some() || first.contains(',') {

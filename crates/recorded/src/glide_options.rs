@@ -127,7 +127,7 @@ impl GlideOptions {
         }
         let tip = options.tip();
         if has_normals && tip.is_none_or(|tip| tip.point != TipPoint::Lowest) {
-            let to = "readings without normals and to lowest points of round tips";
+            let to = "readings without normals, or readings of the lowest point of a round tip";
             useless("outward", to)?;
         }
         if tip.is_none() {

@@ -54,7 +54,7 @@ subjects! {
     }
     "Surfaces and contact" {
         "probe": "The body that touches the object: a fingertip, a point, or a soft sphere with markers.";
-        "u": "First tangent direction at the contact. For a roll it is the x axis of the first contact frame, so normal_curvature_u is the object's curvature in that direction.";
+        "u": "First tangent direction at the contact. For a roll it is the x axis of the first contact frame, so `normal_curvature_u` is the object's curvature in that direction.";
         "v": "Second tangent direction at the contact, at a right angle to u.";
         "curvature": "Inverse of a radius of curvature, 1/length. It is positive where the surface is convex.";
         "relative curvature": "Curvature of the sensor plus curvature of the object, 1/R_s + 1/R_o. It determines how two bodies roll or press on each other. For rolls, it has a value in each direction.";
@@ -80,17 +80,17 @@ subjects! {
         "indentation": "Distance by which two bodies approach each other after their first touch, length.";
         "half-space": "Model of a soft body that is deep compared with the contact radius. Its displacements under load have a closed form.";
         "bonded-layer": "Model of a soft layer that is bonded to a rigid core. Its contact is computed from an integral equation.";
-        "hertz": "Hertz's model of elastic contact. It has the displacements at the surface of a half-space.";
-        "elliptic": "Estimator of presses on a half-space. It estimates both principal curvatures of the object and their directions, for example of a cylinder.";
+        "hertz": "Hertz's model of elastic contact with a half-space. It uses the displacements at the surface for all markers, even for markers below the surface.";
+        "elliptic": "Estimator of presses of a half-space on an object that is not round, for example a cylinder. It estimates both principal curvatures of the object and their directions.";
         "gaussian": "Estimator of the 2020 paper. It fits a Gaussian to the normal displacements, and computes the effective radius from the width of the Gaussian.";
     }
     "Sensors and noise" {
-        "pads": "Sensor of a roll or a glide: the pad nearest to the contact is active and reports its own centre. The layout is square, hexagonal, or uniform, which is a lattice with the same density of pads everywhere on the sphere. With the offset random, each roll starts at another place on a pad.";
+        "pads": "Sensor of a roll or a glide: the pad nearest to the contact is active and reports its own centre. The layout is square, hexagonal, or uniform, which is a lattice with the same density of pads everywhere on the sphere. If `offset` is random, each roll starts at another place on a pad.";
         "pad": "Element of a tactile array. If the contact is anywhere on a pad, the pad reports its own centre. If the contact of a roll stays on one pad, the readings give only a bound on the object's radius.";
         "encoder": "Sensor of the rotation in a roll. It rounds the rotation to whole steps (`scene.noise.encoder`).";
         "pitch": "Distance between neighbouring pads or markers, length.";
         "IFD": "Inter-finger distance: the distance between neighbouring fingers. The 1996 paper states the noise of positions as a fraction of it (`fraction_of_ifd`, `axis_fractions`).";
-        "marker": "Coloured disc under the skin of a camera sensor, or a pair of discs at two depths. A press displaces it.";
+        "marker": "Coloured disc, or a pair of discs at two depths, under the skin of a camera sensor. A press displaces the marker.";
         "layout": "Arrangement of the markers of a sensor.";
         "hue": "Colour of a marker that is a pair of discs. The hue changes with the overlap of the discs, and so with the difference between their inward displacements.";
         "growth": "Change of the logarithm of a marker's diameter in the image. It is positive if the marker comes closer to the camera.";
@@ -111,11 +111,11 @@ subjects! {
         "trajectory": "Estimator of rolls as time series. It fits the curvature at the first contact and the change of curvature along the rolls, with as few terms as the readings need.";
         "quadric": "Estimator of glides: it fits one quadric (second-degree surface) to the whole patch. It has few unknowns, and cannot represent other shapes.";
         "image": "Estimator of presses for a sensor with a camera: it fits the contact model directly to the position, hue and size of each marker in the image, without computing displacements first.";
-        "plane": "Estimator of glides: the plane through the contacts, without outliers.";
-        "sphere": "Estimator of glides: the sphere through the contacts, on any side of it and without outliers.";
-        "cylinder": "Estimator of glides: the circular cylinder through the contacts, on any side of it and without outliers.";
+        "plane": "Estimator of glides: it fits a plane to the contacts and rejects outliers.";
+        "sphere": "Estimator of glides: it fits a sphere to the contacts and rejects outliers. The contacts may lie anywhere on the sphere.";
+        "cylinder": "Estimator of glides: it fits a circular cylinder to the contacts and rejects outliers. The contacts may lie anywhere on the cylinder.";
         "shape": "Estimator of glides. It chooses the most probable of plane, sphere and cylinder, or finds that none of them fits.";
-        "penalised": "Estimator of glides: it fits a spline to contacts and normals, with a penalty on roughness. The weight of the penalty is chosen by the noise of the readings.";
+        "penalised": "Estimator of glides: it fits a spline to contacts and normals, with a penalty on roughness. The weight of the penalty depends on the noise of the readings.";
         "two-pass": "Estimator of glides from the 1996 paper: a smoothing spline, and a second one that also uses \
             tangents. Its lengths are in units of the inter-finger distance (IFD).";
         "std": "Standard deviation that the estimator states for its estimate, from the stated noise or from the residuals.";
@@ -124,15 +124,15 @@ subjects! {
         "flat-within-noise": "Verdict of a press: the interval of the object's curvature contains 0 and is narrower than the sensor's own curvature.";
         "not-resolved": "Verdict of a press: the interval of the object's curvature contains 0 and is at least as wide as the sensor's own curvature. The press determines almost nothing. Warning of a shape fitted to contacts: they do not determine its radius, and its interval is open.";
         "amplification": "Factor between a relative error of a roll's readings and the resulting relative error of the curvature: 1 + R_object/R_probe. It increases with the radius of the object.";
-        "baseline": "Displacement that is added to the readings of all markers, length. It is fitted only on request.";
+        "baseline": "Constant displacement, length, that is part of the readings of all markers, for example because the sensor was not at rest. It is fitted only on request.";
         "gain": "Factor on all inward displacements; 1 if the sensor has no scale error. It is fitted only on request. Readings cannot separate a gain from a change of curvature and indentation.";
         "contact_seen": "Whether the readings alone show a contact. If they do not, but an indentation is stated, the interval contains the curvatures of all contacts whose displacements are within the noise.";
         "radius below": "Status of rolls during which the contact stayed on one pad in some direction. The readings then give only an upper bound on the object's radius in this direction.";
         "wrong markers": "Markers whose readings contradict the other markers so much that the fit does not use them.";
         "chi-squared": "Sum of squared residuals divided by their variances. The reduced chi-squared is about 1 if the residuals are as large as the noise.";
-        "polynomial": "Status of two-pass: a polynomial without knots already reaches the target of the smoothing sum.";
+        "polynomial": "Status of two-pass: the sum of squared residuals (the smoothing sum) is at or below its target even for a polynomial, which is a spline without knots.";
         "interpolating": "Status of two-pass: the spline passes through all contacts, up to rounding errors.";
-        "smoothing": "Status of two-pass: the smoothing sum is within the tolerance of its target.";
+        "smoothing": "Status of two-pass: the sum of squared residuals (the smoothing sum) equals its target, within a tolerance.";
         "knots-exhausted": "Status of two-pass: even with the largest possible number of knots, the sum of squared residuals (the smoothing sum) stays above its target. The curvatures are unusable. Use a larger --smoothing.";
         "unsettled": "Status of two-pass: the search found no parameter that balances residuals against roughness. The curvatures are unusable. Use another --smoothing.";
         "never-enough": "Status of a pair of objects in `distinguish`: no number of trials distinguishes them, because each single trial is as likely to put them in the wrong order as in the right order.";
@@ -160,13 +160,13 @@ subjects! {
         "format_version": "Version of the JSON. It increases when a key is removed or changes its meaning.";
     }
     "Warnings about estimates" {
-        "warnings": "Messages that the estimate may be wrong, each with a code, a text and numbers. If the numbers include a p_value, it is the probability of at least as large a contradiction by chance.";
+        "warnings": "Messages that the estimate may be wrong, each with a code, a text and numbers. The number `p_value` is the probability that chance alone causes a contradiction at least as large.";
         "p-value": "Probability that noise of the stated size causes residuals at least as large as these, if the model holds. A small p-value means that the readings contradict the model or the stated noise.";
         "poor-fit": "Warning: the residuals are larger than the noise explains (p-value below 0.005; for rolls, below 0.02). The stated noise is too small, or the model does not hold.";
         "outlier": "Warning: one reading contradicts the others. `numbers` contains the number of this reading, counted from 0. Markers of a press that contradict the others strongly are not used in the fit at all.";
         "stated-noise": "Warning: the stated noise differs from the noise that the readings show, so the intervals are too narrow or too wide.";
         "stated-pitch": "Warning about rolls: a contact moved by less than the stated pitch, but pads report only multiples of the pitch.";
-        "stated-scale": "Warning: a stated length that scales the readings, for example the distance between fingers, differs from the one in the readings or the scene.";
+        "stated-scale": "Warning: a stated length that scales the readings, for example the distance between fingers, differs from the same length in the readings or in the scene.";
         "not-round": "Warning about presses: the displacements depend on the direction from the contact. The object may have an edge, or be a cylinder or a saddle.";
         "stated-indentation": "Warning about presses: the stated indentation contradicts the displacements.";
     }
@@ -189,15 +189,15 @@ subjects! {
         "units": "The readings or a stated noise seem to be in another unit, or the displacements of a press seem to have the opposite sign.";
         "signs": "The readings seem to have the opposite sign, or their columns seem to be swapped. For example, displacements point outward, or normals contradict the positions.";
         "unnamed-probes": "No column names the roll of each row. The rolls are found by rows, blank lines or times.";
-        "assumed-columns": "The file does not name its columns as palpate does. They were found by their order, or as columns of several fingers, or some are not read.";
+        "assumed-columns": "The file does not name its columns as palpate does. palpate found the columns by their order, or as columns of several fingers, or did not read some columns.";
         "unnamed-fingers": "No column names the finger of each row. The fingers are found by blank lines or long steps.";
         "flat-object": "The object is so flat that the rounding of double precision changes its curvature noticeably.";
         "left-out": "Readings are left out of the fit: lost readings and other outliers, or rolls that cannot be used.";
-        "not-resolved-across": "The contacts are of one stroke, or all rolls have the same direction. They determine the curvature along this direction, but not across it.";
-        "two-groups": "The contacts form two groups that are farther apart than each is wide. They may be of two objects.";
-        "uncertain-shape": "The contacts fit two shapes about as well. Record more contacts over a larger part of the object.";
-        "too-many-outliers": "More than a fifth of the contacts are lost readings or outliers, or of another object.";
-        "none-of-these": "The contacts are of none of the shapes that were compared; the radius is of the best one.";
+        "not-resolved-across": "The contacts lie along one stroke, or all rolls have the same direction. The readings determine the curvature along this direction, but not across it.";
+        "two-groups": "The contacts form two groups. The gap between the groups is larger than each group, so the contacts may be of two objects.";
+        "uncertain-shape": "Two shapes fit the contacts about equally well. Record more contacts over a larger part of the object.";
+        "too-many-outliers": "More than a fifth of the contacts are lost readings, outliers, or contacts with another object.";
+        "none-of-these": "None of the compared shapes fits the contacts. The radius is that of the shape that fits best.";
         "correlated-noise": "The noise of consecutive contacts is correlated. Fewer independent contacts are counted, and the intervals are wider.";
         "distant-contact": "One contact is much farther from its neighbours than all other contacts.";
         "assumed-indentation-std": "The indentation is stated without a standard deviation, so a standard deviation of 2 % is assumed.";
@@ -214,7 +214,7 @@ subjects! {
         "other-camera": "The frame at rest contradicts the stated camera.";
         "camera-scale": "The stated radial scale contradicts the frames.";
         "uncertain-gain": "The gain of the calibration is uncertain, so the curvature is uncertain too.";
-        "ignored-layer": "The study's model is a layer, but a half-space is fitted.";
+        "ignored-layer": "The study's contact model is a layer, but the estimator fits a half-space.";
         "uneven-pictures": "The effect of light and blur is computed for markers at rest. It changes when the markers move.";
     }
     "Failures of rolls" {
@@ -224,9 +224,9 @@ subjects! {
         "unresolved": "The contact did not move in some direction although the probe rolled. The object is too sharp for the pads, so the readings give only a bound on its radius. Use finer pads or longer rolls.";
         "not-rolling": "The contact moved against the direction of the roll, which is impossible in a rolling contact. The noise is larger than the movement, or a sign of the readings is wrong. Use longer rolls or less noise. In recorded readings, a contact that moves to +u has rotation_y < 0.";
         "too-few-rolls": "There are fewer than two usable time series of rolls. A roll is not usable if it has fewer than two samples, does not rotate or stays on one pad.";
-        "time-order": "The times of a roll as a time series do not increase.";
-        "off-probe": "A place in a time series is more than half way round the probe. The lengths may be in another unit.";
-        "contradiction": "The rotations of a roll as a time series contradict its pads or the other rolls by more than the stated noise. The pitch, the radius of the probe or the axes may be wrong, or the probe slipped.";
+        "time-order": "The times in the time series of a roll do not increase.";
+        "off-probe": "A contact position in a time series is more than half way round the probe. The lengths may be in another unit.";
+        "contradiction": "The rotations in the time series of a roll contradict the pads of this roll, or the other rolls, by more than the stated noise. The pitch, the radius of the probe or the axes may be wrong, or the probe slipped.";
         "overlapping": "The object would penetrate the probe beside the contact, so a real probe cannot roll there.";
         "conforming": "The object is hollow and has almost the same radius as the probe or sensor. They would touch over a whole area, so there is no contact point and no finite effective radius. In `press`, this is also the name of a regime.";
         "too-many-steps": "The integrator of the roll reached its largest number of steps before the end of the roll.";
@@ -237,13 +237,13 @@ subjects! {
         "contact-lost": "The tip passes beside the object without a contact.";
         "two-contacts": "The tip touches the object at two points at once, because a dish or valley of the object is as narrow as the tip, or narrower. Use a smaller tip.";
         "no-convergence": "The search for the contact did not converge. The lengths differ too much for double precision, or the object is too rough for the tip.";
-        "too-few-contacts": "There are fewer contacts than unknowns of the estimator. The estimator quadric needs the fewest contacts.";
+        "too-few-contacts": "There are fewer contacts than unknowns of the estimator. Record more contacts, or use the estimator quadric, which needs fewer contacts than the splines.";
         "bad-weight": "The weight of a contact is not greater than 0.";
         "bad-normal": "A normal has the length 0, so it has no direction.";
         "missing-normal": "Some contacts have a normal, and others have none.";
         "coincident": "All contacts are at the same point.";
         "collinear": "All contacts lie on one line, so the shape across this line is undetermined. Add a second finger, or a second path beside the first.";
-        "folded": "The patch is not a graph over its mean plane: some normal is inclined by more than 85 degrees to the mean normal. Use a smaller patch, or check that all normals point outward.";
+        "folded": "The patch is folded, so it has no unique height over its mean plane: a normal is inclined by more than 85 degrees to the mean normal. Use a smaller patch, or check that all normals point outward.";
         "no-plane": "The contacts are spread equally in all directions, like those on a closed shape, so they have no mean plane.";
         "tip-too-large": "The path of the tip's centre is more strongly curved than is possible for a tip of this radius. Either --tip-radius is too large, or the readings are contact points and not positions of the tip.";
         "no-side": "The stated outward direction lies in the plane of the patch, so it does not determine which side is outside. Use another --outward X,Y,Z.";
@@ -260,10 +260,10 @@ subjects! {
         "no-contact": "The markers did not move, moved only within their noise, or all moved in the same way, so the best fit of a press is hardly better than no press. If there is no contact, noise is mistaken for a contact in fewer than 5 of 100 presses. Use a deeper press or less noise. In recorded readings, inward displacements are positive.";
         "other-body": "The model of the soft body, its thickness or the depth of the markers is wrong. This is an error if no press fits the readings, and a warning if the fit is bad.";
         "off-markers": "The contact that fits the readings best is outside the area of the markers.";
-        "hidden-marker": "In the frame at rest, a marker was found where a camera like the stated one cannot see it. The layout or the camera differs from the stated one.";
+        "hidden-marker": "In the frame at rest, a marker was found where the stated camera could not see it. The layout or the camera differs from the stated one.";
     }
     "Failures of cameras and frames" {
-        "folded-lens": "With its odd terms, the lens would map two angles within its field to the same image point.";
+        "folded-lens": "With these odd terms (k3, k5), the lens would map two angles within its field to the same image point.";
         "bad-depth": "A disc of a marker would lie outside the skin, or at the sensor's centre.";
         "off-the-skin": "A marker would be half a turn or more away from the apex.";
         "too-many-markers": "There are more markers than the limit.";
@@ -275,8 +275,8 @@ subjects! {
         "too-small": "The frame, or its part inside the image circle, is too small for a marker.";
         "too-large": "The frame is larger than the limit.";
         "mask-outside": "The radius of the image circle is not positive, or its centre is outside the frame.";
-        "no-markers": "No shape in the frame differs from the background in the way a marker does.";
-        "too-many": "The frame has more separate shapes than a sensor has markers: it is noisy, or it is not a frame of a sensor.";
+        "no-markers": "No region of the frame differs from the background as a marker does.";
+        "too-many": "The frame has more separate regions than a sensor has markers: the frame is noisy, or it does not show a sensor.";
     }
     "Other failures" {
         "off-domain": "The surface does not extend to the contact, or its formula is undefined there.";

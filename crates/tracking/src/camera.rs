@@ -43,7 +43,7 @@ impl Equidistant {
             .filter(|one| one.abs() > 1e12 || one.is_nan());
         let (what, value, needed) = match bad.next() {
             Some(&one) => {
-                let what = "a coordinate of the picture's centre";
+                let what = "a coordinate of the image's centre";
                 (what, one, "between -1e12 and 1e12")
             }
             None if (1e-6..=1e12).contains(&px_per_rad) => {

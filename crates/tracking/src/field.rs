@@ -22,7 +22,7 @@ pub struct Displaced {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum FieldError {
     /// There are no markers.
-    #[error("a field needs at least one marker")]
+    #[error("a displacement field needs at least one marker, but there is none")]
     NoMarkers,
     /// A number of a marker is not finite or too large, or the marker's place is more than half a turn from the apex.
     #[error(

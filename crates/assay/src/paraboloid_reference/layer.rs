@@ -57,7 +57,9 @@ impl Layer {
         }
         match (here.indentation / wanted - 1.0).abs() {
             off if off < 1e-12 => Ok(here),
-            off => bail!("no contact with D = {wanted:e}: off by {off:e}"),
+            off => bail!(
+                "the contact radius for D = {wanted:e} was not found: the relative error of D is {off:e}"
+            ),
         }
     }
 

@@ -77,7 +77,7 @@ impl FoldStrain {
     pub fn at(&self, longitude: f64, latitude: f64) -> Result<f64, PatternError> {
         let half_width = PI / f64::from(self.gores);
         let on_gore = longitude.abs() <= half_width;
-        let expected = format!("at most {half_width} from 0");
+        let expected = format!("from -{half_width} to {half_width}");
         LayoutError::unless(on_gore, "longitude", longitude, &expected)?;
         let on_gore = (0.0..=FRAC_PI_2).contains(&latitude);
         LayoutError::unless(on_gore, "latitude", latitude, "from 0 to a quarter turn")?;

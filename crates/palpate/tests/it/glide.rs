@@ -195,7 +195,7 @@ fn check_prints_models_noise_and_estimator() {
         "contacts by Newton's method on the offset surface, tolerance 1e-12 (a round tip on a saddle has no closed form",
         "noise: Gaussian errors of x, y and z, drawn per contact",
         "ideal sensor: the contact, with its normal",
-        "penalised bicubic spline, weight by robust generalised cross validation (gamma 1.4), noise estimated from the contacts",
+        "penalised bicubic spline, penalty weight by robust generalised cross validation (gamma 1.4), noise estimated from the contacts",
     ] {
         assert!(printed.contains(line), "{line:?} is not in {printed}");
     }

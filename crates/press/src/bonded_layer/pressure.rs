@@ -152,7 +152,7 @@ fn middle(coefficients: &[f64]) -> f64 {
 /// The `count` positive Gauss–Legendre nodes on [−1, 1], with their weights. Together with the negative nodes, they
 /// form the rule with 2 `count` nodes; for even functions, the positive half is enough.
 fn positive_gauss(count: usize) -> Vec<[f64; 2]> {
-    let degree = NonZeroUsize::new(2 * count).expect("the number of nodes is not 0");
+    let degree = NonZeroUsize::new(2 * count).expect("there is at least one node");
     let rule = GaussLegendre::new(degree);
     rule.iter()
         .filter(|(node, _)| *node > 0.0)
@@ -164,7 +164,7 @@ fn positive_gauss(count: usize) -> Vec<[f64; 2]> {
 /// are accurate for waves at distances up to `distance`.
 pub(super) fn wavenumbers(reach: f64, distance: f64, resolution: f64) -> Vec<[f64; 2]> {
     let count = (resolution * (0.27 * reach * distance + SMOOTH)).ceil() as usize;
-    let degree = NonZeroUsize::new(count).expect("the number of nodes is not 0");
+    let degree = NonZeroUsize::new(count).expect("there is at least one node");
     let half = 0.5 * reach;
     let rule = GaussLegendre::new(degree);
     rule.iter()

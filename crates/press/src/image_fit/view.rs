@@ -44,7 +44,7 @@ impl Seen {
         }
         let good = self.covariance.cholesky().is_some();
         let least = self.covariance.diagonal().min();
-        let expected = "positive, the least variance of a positive definite matrix for each marker";
+        let expected = "the smallest variance of a positive definite matrix, so > 0";
         PressError::unless_good("covariance", least, good, expected).map(|_| ())
     }
 

@@ -42,7 +42,7 @@ impl<'a> Lines<'a> {
             let unit = label(of, compare)?.unit;
             if unit != y.unit {
                 return Err(of.of.bad(format!(
-                    "compare = {compare:?} (in {unit:?}) has another unit than y = {:?} (in {:?})",
+                    "compare = {compare:?} (in {unit:?}) must have the same unit as y = {:?} (in {:?})",
                     of.y, y.unit
                 )));
             }

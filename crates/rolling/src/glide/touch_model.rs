@@ -116,7 +116,7 @@ impl TouchRung {
             }
             (TouchModel::Newton { .. }, Fingertip::Point, _) => unsupported(
                 "Newton",
-                "a point tip touches the surface straight below, which has a closed form"
+                "a point tip touches the surface straight below itself, so the contact has a closed form"
                     .to_owned(),
             ),
             (TouchModel::Newton { .. }, Fingertip::Sphere { radius }, _) => {
