@@ -1,4 +1,5 @@
-//! Trials of the cells of a study at the values of the searched field.
+//! Runs and stores the trials that a search needs. Each cell of the study (one combination of the values that the study
+//! sweeps) has its own trials at each tested value of the searched field.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,46 +13,47 @@ use crate::search::{Curves, ScoreRequest, Scores};
 use crate::target_score::{NoValue, SceneTarget};
 use crate::trial_counts::TrialCounts;
 
-/// Number of the first trial that is used only to verify an answer. The search uses the trials with smaller numbers.
+/// Number of the first fresh trial. Fresh trials only verify an answer; the search uses trials with smaller numbers.
 const FIRST_FRESH_TRIAL: u64 = 1 << 40;
-/// Largest number of scenes that are kept in memory for further trials. Scenes with a camera are large.
+/// If more scenes than this are in memory, the scenes that are not needed now are dropped, because scenes with a camera
+/// are large.
 const MAX_CACHED_SCENES: usize = 64;
-/// Kind of failure for scenes whose readings determine an estimate only because of their noise.
+/// Kind of failure for a scene whose readings would not determine an estimate if they had no noise.
 const UNDETERMINED: &str = "undetermined";
 
-/// The trials that the search has run: for each cell of a study and each tested value of the searched field.
+/// All trials of one search, for each cell of the study and each tested value of the searched field.
 pub(crate) struct CellTrials<'a> {
     source: Source<'a>,
     runner: &'a Runner,
     /// Function that receives the progress: the number of tested values and the number of trials so far.
     progress: &'a dyn Fn(usize, u64),
-    /// For each value of the searched field and each cell, its scene.
+    /// The scene of each cell at each tested value of the searched field.
     scenes: BTreeMap<Place, Setup>,
-    /// Trials of each value and cell. The flag is `false` for the trials of the search, and `true` for the fresh trials
-    /// that verify the answer.
+    /// Trials of each cell at each tested value. The flag is `false` for the trials of the search, and `true` for the
+    /// fresh trials that verify the answer.
     samples: BTreeMap<(Place, bool), (Batches, Sample)>,
 }
 
-/// The study, in which the fields of the grid are set to one combination of values.
+/// Creates the scenes of the study, with the fields of the question's grid fixed to one combination of their values.
 struct Source<'a> {
     study: &'a Study,
     region: &'a Region,
     fixed: Vec<(String, Vec<toml::Value>)>,
 }
 
-/// A value of the searched field (as the bits of the number), and the index of a cell.
+/// Key of a scene: a value of the searched field (the bits of the number), and the index of a cell.
 type Place = (u64, usize);
 
 /// The scene of a cell at a value of the searched field, or the reason why this scene has no estimate.
 enum Setup {
-    /// A scene, and the target for its statistics.
+    /// A scene, and the target that its trials should meet.
     Scene(Box<SceneTrial>, SceneTarget),
-    /// The readings do not determine an estimate. The text is the kind of failure.
+    /// No estimate is possible, because the readings do not determine it. The text is the kind of failure.
     NotEstimable(&'static str),
 }
 
 impl<'a> CellTrials<'a> {
-    /// An empty collection of trials for one combination of the grid's values.
+    /// An empty collection of trials. `place` contains the values of the fields on the question's grid.
     pub(crate) fn new(
         study: &'a Study,
         region: &'a Region,
@@ -72,8 +74,8 @@ impl<'a> CellTrials<'a> {
         }
     }
 
-    /// Results of the trials of each cell at a value. With `is_fresh`, these are the fresh trials, otherwise the trials
-    /// of the search.
+    /// Results of all cells at a value of the searched field. If `is_fresh` is true, they come from the fresh trials,
+    /// otherwise from the trials of the search.
     pub(crate) fn samples_at(&self, value: f64, is_fresh: bool) -> Vec<Sample> {
         let bits = value.to_bits();
         let at_value = self
@@ -83,7 +85,7 @@ impl<'a> CellTrials<'a> {
         chosen.map(|(_, (_, sample))| *sample).collect()
     }
 
-    /// Sets up the scenes for these values and cells, if they are not set up yet.
+    /// Creates the scenes for these values and cells, unless they are already in memory.
     fn set_up(&mut self, places: &BTreeSet<Place>) -> Result<(), AnswerError> {
         if self.scenes.len() > MAX_CACHED_SCENES {
             self.scenes.retain(|place, _| places.contains(place));
@@ -109,7 +111,8 @@ impl<'a> CellTrials<'a> {
         Ok(())
     }
 
-    /// The error for a statistic of the target that is undefined.
+    /// The error which reports that the statistic of the target is undefined at a value and a cell. `why` is the
+    /// reason.
     fn undefined(&self, ask: &ScoreRequest, why: &'static str) -> AnswerError {
         let found = self.source.study_at(ask.value);
         let found = found.and_then(|study| Ok((study.cell(ask.cell)?.coordinates, study)));

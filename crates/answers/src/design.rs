@@ -1,15 +1,16 @@
 //! Finds, by Monte Carlo simulation, which values of one or several fields of a study meet a target.
 //!
 //! One field is searched. The other varied fields form a grid, and the search is repeated at each combination of the
-//! grid's values. The grid is refined around the best value.
+//! grid's values. If the question asks for the best value of the searched field, more combinations are added to the
+//! grid near the best one.
 //!
 //! At each tested value, the same trials are run as in a study with this value in its config. Trials with the same
-//! number draw the same random numbers at every value, so that values can be compared trial by trial. All cells of the
-//! study must meet the target. Failed trials count as misses, because the result of the remaining trials alone would be
-//! too good.
+//! number draw the same random numbers at every value, so that values can be compared trial by trial. If the study
+//! itself sweeps fields, each combination of the swept values (a cell of the study) must meet the target. Failed trials
+//! count as misses, because the result of the remaining trials alone would be too good.
 //!
-//! The allowed probability of a wrong answer is divided evenly among the searches, so that the whole region is right
-//! with the confidence of the question.
+//! The allowed probability of a wrong answer is divided evenly among the searches, so that all parts of the answer are
+//! right together with the confidence that the question states.
 
 use std::cell::Cell;
 
@@ -23,10 +24,10 @@ use crate::question::Question;
 use crate::region::{DesignPoint, Region, RegionColumn};
 use crate::search::{Curves, Run, ScoreRequest, Search, Side, search};
 
-/// If no value meets the target, this number of trials is run at the value that comes nearest to meeting it, to state
-/// accurately how far it misses the target.
+/// Number of trials that are run at the best value if no value meets the target. With so many trials, the answer can
+/// state accurately how far this value misses the target.
 const BEST_VALUE_TRIALS: u64 = 4096;
-/// Number of times that the grid is refined around the best value.
+/// Largest number of times that combinations are added to the grid around the best value.
 const REFINEMENTS: usize = 3;
 
 /// Finds the values of one or several fields that meet a target, and the best value of one of these fields.
@@ -125,9 +126,9 @@ struct Searches<'a> {
     runner: &'a Runner,
     clock: &'a Clock<'a>,
     progress: &'a dyn Fn(usize, u64),
-    /// Largest number of searches, that is, of combinations of the grid.
+    /// Largest number of combinations of the grid's values. Each combination needs its own search.
     max_columns: usize,
-    /// Number of values that were tested and number of trials that were run so far.
+    /// Number of values that were tested so far, and number of trials that were run so far.
     done: Cell<(usize, u64)>,
 }
 
@@ -198,8 +199,8 @@ impl Searches<'_> {
     }
 }
 
-/// Side of the target on which a value lies. It is the side of the range in `runs` that contains the value; `None` if
-/// no range contains it.
+/// Side of the target on which a value lies: the side of the range that contains the value; `None` if no range contains
+/// it.
 fn side_of(runs: &[Run], value: f64) -> Option<Side> {
     let run = runs.iter().find(|run| (run.from..=run.to).contains(&value));
     run.map(|run| run.side)

@@ -27,33 +27,35 @@ pub struct Discrimination {
     pub trials: String,
     /// Columns of the swept fields that define the objects, such as the object's radius.
     pub object_columns: Vec<String>,
-    /// Columns of the other swept fields, such as the indentation.
+    /// Columns of the swept fields that do not define the objects, such as the indentation.
     pub columns: Vec<String>,
-    /// One group of objects for each combination of values of the other swept fields.
+    /// The objects in groups. Within a group, the swept fields of `columns` have the same values for all objects.
     pub groups: Vec<Group>,
 }
 
-/// Objects of the cells in which all other swept fields, which do not define objects, have the same values.
+/// Objects that are compared with each other. They differ only in the swept fields that define objects; all other swept
+/// fields have the same values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// Values of the other swept fields in this group, formatted as in the tables.
+    /// Values of the fields in [`Discrimination::columns`] for this group, formatted as in the tables.
     pub settings: Vec<String>,
-    /// The objects, in the order of increasing true value. If the quantity is the class, in the order of the config.
+    /// The objects, in ascending order of their true values. For the quantity `class`, they are in the order of the
+    /// config.
     pub objects: Vec<Object>,
-    /// All pairs of objects.
+    /// All pairs of the group's objects.
     pub pairs: Vec<Pair>,
 }
 
-/// An object of a group.
+/// One of the objects that the study sweeps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
-    /// Index of the object's cell.
+    /// Index of the study's cell (combination of swept values) with this object.
     pub cell: usize,
     /// Swept values that define the object, formatted as in the tables.
     pub label: Vec<String>,
-    /// True value of the quantity, averaged over a patch; `None` if every trial failed.
+    /// True value of the quantity. If it differs between trials, it is their mean; `None` if every trial failed.
     pub truth: Option<f64>,
-    /// If the quantity is the class, the true class at most places of the patch.
+    /// True class at most places of the observed patch; `None` unless the quantity is `class`.
     pub class: Option<&'static str>,
     /// Number of trials, and number of failed trials.
     pub counts: TrialCounts,
@@ -64,9 +66,9 @@ pub struct Object {
 /// A pair of objects of the same group, and how reliably trials distinguish them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// Index of one object in the group.
+    /// Index of the first object in the group.
     pub first: usize,
-    /// Index of the other object in the group. Its true value is larger.
+    /// Index of the second object in the group. It comes after the first object in [`Group::objects`].
     pub second: usize,
     /// Probability that one trial of each object distinguishes the two objects; `None` if both have the same true
     /// value.
@@ -77,7 +79,8 @@ pub struct Pair {
 }
 
 impl Object {
-    /// The object of a cell, from the means of its trials.
+    /// The object of a cell. `means` contains the mean estimate and the mean true value of each trial; `None` for
+    /// failed trials.
     pub(crate) fn new(
         cell: usize,
         label: Vec<String>,
@@ -109,9 +112,9 @@ impl Object {
 }
 
 impl Discrimination {
-    /// Table with one row per pair of objects. A row contains both objects, and the probability that one trial of each
-    /// distinguishes them, with its 95 % interval. It also contains the number of trials whose means distinguish them
-    /// with the required confidence.
+    /// Table with one row per pair of objects. A row contains both objects, the probability that one trial of each
+    /// distinguishes them, and the 95 % interval of this probability. It also contains the number of trials whose means
+    /// distinguish the objects with the required confidence.
     pub fn table(&self) -> Table {
         let names = |of: &str| -> Vec<String> {
             self.object_columns
@@ -183,7 +186,7 @@ impl Discrimination {
         table
     }
 
-    /// One sentence for each pair of neighbouring objects in a group. The sentence starts with the settings of the
+    /// One sentence for each pair of neighbouring objects in each group. The sentence starts with the settings of the
     /// group.
     pub fn sentences(&self) -> Vec<String> {
         let mut sentences = Vec::new();
@@ -202,7 +205,7 @@ impl Discrimination {
         sentences
     }
 
-    /// The settings of a group in words; empty if the study sweeps only fields of the object.
+    /// The settings of a group in words. The text is empty if the study sweeps only fields that define objects.
     pub(crate) fn settings_in_words(&self, group: &Group) -> String {
         settings_in_words(&self.columns, &group.settings)
     }

@@ -10,7 +10,7 @@ use crate::error::{AnswerError, MAX_CELLS};
 
 /// A patch counts as correctly classified if the share of its correctly classified places is larger than this value.
 const MAJORITY: f64 = 0.5;
-/// Difference between the first trial numbers of two consecutive cells. It is so large that no two cells use the same
+/// Distance between the first trial numbers of two consecutive cells. It is so large that no two cells use the same
 /// trial numbers. Equal trial numbers would mean equal random numbers.
 const TRIALS_PER_CELL: u64 = 1 << 40;
 
@@ -130,8 +130,8 @@ pub fn distinguish(
     })
 }
 
-/// Name for the trials. For a scene with rolls, the name contains the number of rolls, because one trial consists of
-/// several rolls.
+/// Name of a trial in the plural, such as `presses`. For a scene with rolls, the name contains the number of rolls,
+/// because one trial consists of several rolls.
 fn trials(scene: &SceneConfig) -> String {
     match scene {
         SceneConfig::Press(_) => "presses".to_owned(),
@@ -141,7 +141,8 @@ fn trials(scene: &SceneConfig) -> String {
     }
 }
 
-/// The quantity that is compared, and its index among the quantities of the scene.
+/// The quantity that is compared, and its index among the quantities of the scene. Without a wanted quantity, it is the
+/// object's curvature.
 pub(crate) fn place_of(
     quantities: &'static [Quantity],
     kind: &'static str,
@@ -159,8 +160,8 @@ pub(crate) fn place_of(
     Ok((place, quantities[place]))
 }
 
-/// How the cells of a study are divided into groups. Some swept fields define the object of a cell. Cells are in the
-/// same group if all remaining swept fields have the same values.
+/// The cells of a study (combinations of its swept values), divided into groups. Cells of a group differ only in the
+/// swept fields that define the object.
 struct Layout {
     /// Columns of the fields that define objects.
     objects: Vec<String>,
@@ -169,7 +170,7 @@ struct Layout {
     groups: Vec<(Vec<String>, Members)>,
 }
 
-/// Indices of cells, each with the values that define its object.
+/// Index of each cell of a group, with the values that define the cell's object.
 type Members = Vec<(usize, Vec<String>)>;
 
 /// Groups of at least two cells that differ only in their objects, in the order of the study's cells.

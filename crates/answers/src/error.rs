@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::grid::MAX_COLUMNS;
 
-/// Largest allowed number of cells of a study.
+/// Largest allowed number of cells (combinations of swept values) of a study.
 pub(crate) const MAX_CELLS: usize = 1000;
 
 /// Reason why a question has no answer.
@@ -25,13 +25,13 @@ pub enum AnswerError {
         /// Values that the setting may have, as text.
         expected: &'static str,
     },
-    /// The field does not accept the range: the field is not a number, or it needs whole numbers and the range contains
-    /// none.
+    /// The question gives a range for a field that accepts none. Either the field is not a number, or it is a whole
+    /// number and the range contains none.
     #[error("{path} {why}")]
     NoRange {
         /// Path of the field.
         path: String,
-        /// Text with the reason, and with what would be right.
+        /// Reason, and what would be right, as text.
         why: &'static str,
     },
     /// The question sets or varies the same field twice.
@@ -60,7 +60,7 @@ pub enum AnswerError {
     /// The question asks for a quantity that this kind of scene does not have.
     #[error("a {scene} has no quantity {name:?} (known: {known})")]
     NoQuantity {
-        /// Kind of the scene.
+        /// Kind of the scene: `roll`, `glide` or `press`.
         scene: &'static str,
         /// Name of the quantity.
         name: String,
@@ -74,21 +74,21 @@ pub enum AnswerError {
         statistic: &'static str,
         /// Name of the quantity.
         quantity: &'static str,
-        /// Values of the swept fields in the cell, as text.
+        /// Values of the swept fields for which the statistic is undefined, as text.
         place: String,
         /// Reason, and what would be right, as text.
         why: &'static str,
     },
-    /// The trials have no error that a field could change.
+    /// There is no error that a field could change, because every trial fails or every estimate is exact.
     #[error("the scene has no error that could change: {0}")]
     NoError(&'static str),
-    /// There are too many combinations of values.
+    /// The question has too many combinations of values.
     #[error(
         "{0} combinations of values would each be searched; at most {MAX_COLUMNS} are allowed: \
          list fewer values, or vary fewer fields"
     )]
     TooManyColumns(usize),
-    /// The study has too many cells.
+    /// The study has too many cells, that is, combinations of swept values.
     #[error(
         "the study has {0} cells; at most {MAX_CELLS} are possible: set some of the swept fields"
     )]

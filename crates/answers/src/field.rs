@@ -1,4 +1,4 @@
-//! A varied field, with its values as numbers and as config values.
+//! A varied field, whose values are available as numbers and in the form of the config.
 
 use palpate_study::config::{Study, Takes, Varied, Vary};
 use palpate_study::{Label, number};
@@ -17,12 +17,12 @@ pub struct Field {
     pub label: Label,
     /// Listed values; empty for a range of numbers.
     pub listed: Vec<toml::Value>,
-    /// Range of the values. For listed values, it is the range of their indices.
+    /// Range of the values. For listed values, it is the range of their indices in the list.
     pub span: Span,
 }
 
 impl Field {
-    /// The field of a study that `vary` describes. Each of the `fixed` fields has one value.
+    /// The field of a study that `vary` describes. Each field in `fixed` has one fixed value.
     ///
     /// # Errors
     /// [`AnswerError`] if the field does not exist or does not accept these values.
@@ -90,7 +90,7 @@ impl Field {
         }
     }
 
-    /// The path of the field, with one value in the form of the config.
+    /// The path of the field, and a list with this single value in the form of the config.
     pub(crate) fn fixed_at(&self, value: f64) -> (String, Vec<toml::Value>) {
         let value = match self.listed.get(value as usize) {
             Some(listed) => listed.clone(),
@@ -100,7 +100,7 @@ impl Field {
         (self.path.clone(), vec![value])
     }
 
-    /// The value as a number; `None` for a listed value that is not a number.
+    /// The value as a number; `None` if it is listed text.
     pub(crate) fn number(&self, value: f64) -> Option<f64> {
         match self.listed.get(value as usize) {
             Some(toml::Value::Float(number)) => Some(*number),
@@ -125,7 +125,7 @@ impl Field {
         format!("{} {}", self.label.words, self.value(value))
     }
 
-    /// The range between two values in words, with their unit.
+    /// The range between two values in words, with the unit.
     pub(crate) fn between(&self, from: f64, to: f64) -> String {
         match from == to {
             true => self.value(from),

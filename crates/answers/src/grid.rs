@@ -1,4 +1,4 @@
-//! The grid of the varied fields that are not searched. It contains all combinations of their values.
+//! The grid of a question: all combinations of the values of those varied fields that are not searched.
 
 use crate::error::AnswerError;
 use crate::field::Field;
@@ -6,12 +6,12 @@ use crate::search::SearchRange;
 
 /// Largest number of combinations in the grid.
 pub(crate) const MAX_COLUMNS: usize = 64;
-/// Number of values that the grid has for a field with a range. The first entry is for a grid of one field, the second
-/// for two fields, and the third for three or more fields.
+/// Number of values on the grid for a field with a range. The first entry is for a grid of one field, the second for
+/// two fields, and the third for three or more fields.
 const VALUES_PER_FIELD: [usize; 3] = [9, 5, 3];
 
-/// All combinations of the values of the grid's fields. The value of the last field changes fastest. If the grid has no
-/// fields, there is one empty combination.
+/// All combinations of the values of the grid's fields, where the value of the last field changes fastest. Without
+/// fields, there is one empty combination. `gap` limits the rounding of the values.
 pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, AnswerError> {
     let count = VALUES_PER_FIELD[fields.len().clamp(1, VALUES_PER_FIELD.len()) - 1];
     let mut places: Vec<Vec<f64>> = vec![Vec::new()];
@@ -34,7 +34,7 @@ pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, 
     Ok(places)
 }
 
-/// New combinations near the combination `best`. For each field with a range, they are the midpoints between `best` and
+/// New combinations near the combination `best`. In each field with a range, they are the midpoints between `best` and
 /// its neighbours among the `known` combinations.
 pub(crate) fn neighbours(
     fields: &[Field],

@@ -6,8 +6,9 @@
 //! | [`Question`]: which values of one or several fields meet a target? | [`design`] returns a [`Region`] |
 //! | how reliably do trials distinguish the swept objects? | [`distinguish`] returns a [`Discrimination`] |
 //!
-//! Both functions run trials on a [`Runner`](palpate_sweep::Runner). Their answers can be output as sentences, tables,
-//! JSON and a figure. If failed trials decide an answer, the answer names the most frequent kind of failure.
+//! Both functions run trials on a [`Runner`](palpate_sweep::Runner), which distributes them among threads. Their
+//! answers can be output as sentences, tables, JSON and a figure. If values miss the target because too many trials
+//! fail, the answer names the most frequent kind of failure.
 
 mod cell_trials;
 mod design;

@@ -12,32 +12,33 @@ use crate::search::Span;
 /// fields, meet a target?
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
-    /// Target that all cells of the study must meet.
+    /// Target that all cells of the study (combinations of its swept values) must meet.
     pub target: Target,
-    /// Field that is searched at each combination of the grid's values. The values of all varied and set fields replace
-    /// the values that the config states or sweeps.
+    /// Field that is searched at each combination of the grid's values. The values in this question replace the values
+    /// that the config states or sweeps.
     pub searched: Vary,
-    /// The other varied fields, which form the grid. A field with listed values has all of them on the grid; a field
-    /// with a range has some of its values.
+    /// The other varied fields, which form the grid. The grid contains all values of a field with listed values, and
+    /// some values of a field with a range.
     pub grid: Vec<Vary>,
     /// Field whose best value the answer states: the searched field or a field of the grid.
     pub sought: Option<Sought>,
-    /// Fields that have one fixed value in all trials of the question, with this value.
+    /// Fields that have a fixed value in all trials of the question, with this value.
     pub set: Vec<(String, toml::Value)>,
-    /// Largest share of the trials that may fail, above 0 and at most 1. If it is 1, failed trials are ignored.
+    /// Largest share of trials that may fail at a value that meets the target, above 0 and at most 1. If it is 1,
+    /// failed trials are ignored.
     pub max_failures: f64,
-    /// Largest gap between values that meet the target and values that miss it. If the values of the range are spaced
-    /// by ratios, the gap is relative to the value. Otherwise it is relative to half the range.
+    /// Largest gap that the answer may leave between values that meet the target and values that miss it. On a range
+    /// with logarithmic spacing, the gap is relative to the value. Otherwise it is relative to half the range.
     pub gap: f64,
-    /// Largest number of trials that a cell runs at one value.
+    /// Largest number of trials that each cell of the study runs at one value of the searched field.
     pub most_trials: u64,
-    /// Time after which the search tests no more values. The first scan and the verification run in any case.
+    /// Time limit, after which the search tests no more values. The first scan and the verification run in any case.
     pub budget: Option<Duration>,
     /// Probability that the whole answer is right, above 0 and below 1.
     pub confidence: f64,
 }
 
-/// The field whose largest or smallest value that meets the target is the answer.
+/// The optimised field. The answer is the largest or the smallest of its values that meet the target.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sought {
     /// Path of the field.
@@ -46,7 +47,7 @@ pub struct Sought {
     pub extreme: Extreme,
 }
 
-/// Rule for the best of several values.
+/// Which of several values is the best.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extreme {
     /// The best value of the field is the largest value that meets the target.
@@ -56,11 +57,11 @@ pub enum Extreme {
 }
 
 impl Question {
-    /// A question about these fields with default settings. These are: at most 5 % failed trials, a gap of 5 %, at most
+    /// A question about these fields with the default settings: at most 5 % failed trials, a gap of 5 %, at most
     /// 4,194,304 trials of a cell at one value, no time limit, and a confidence of 95 %.
     ///
-    /// The searched field is the optimised field if this has a range. Otherwise it is the last field with a range or,
-    /// if no field has a range, the last field. The other fields form the grid, in their order.
+    /// If the optimised field has a range, it is the searched field. Otherwise, the last field with a range is searched
+    /// or, if no field has a range, the last field. The other fields form the grid, in the order of `fields`.
     ///
     /// # Errors
     /// [`AnswerError`] if no field is varied, or if the optimised field is not varied.
@@ -95,7 +96,8 @@ impl Question {
         })
     }
 
-    /// Returns an error if a setting is out of its range, or if a field is both set and varied, or varied twice.
+    /// Returns an error if a setting is out of its range, if a field is both set and varied, or if a field is varied
+    /// twice.
     pub(crate) fn check(&self) -> Result<(), AnswerError> {
         let (failures, gap) = (self.max_failures, self.gap);
         let expected = "above 0 and at most 1 (0 cannot be verified with any number of trials)";
@@ -136,7 +138,7 @@ impl Extreme {
         }
     }
 
-    /// The word for the best value ("largest"), and the word for values beyond it.
+    /// The word for the best value (`largest`), and the word for values beyond it (`larger`).
     pub(crate) const fn words(self) -> [&'static str; 2] {
         match self {
             Self::Largest => ["largest", "more"],

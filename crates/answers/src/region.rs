@@ -15,12 +15,12 @@ use crate::trial_counts::TrialCounts;
 
 /// The values of one or several fields that together meet a target.
 ///
-/// Whether the values between the ranges in [`RegionColumn::runs`] meet the target is undecided. No trials were run
-/// between the tested values.
+/// The ranges of values that meet or miss the target are in [`RegionColumn::runs`]. For values between two ranges, this
+/// is undecided. The ends of the ranges are tested values; no trials were run between the tested values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
-    /// The question that was answered. If it did not name the quantity of its target, the first quantity of the scene
-    /// was added.
+    /// The answered question. If the question did not name the quantity of its target, this copy names the first
+    /// quantity of the scene.
     pub question: Question,
     /// Fields of the grid; empty if only one field is varied.
     pub grid: Vec<Field>,
@@ -28,11 +28,12 @@ pub struct Region {
     pub searched: Field,
     /// Unit of the target's statistic, as in `cells.csv`.
     pub unit: &'static str,
-    /// Columns of the fields that the study itself sweeps. All cells of this sweep must meet the target.
+    /// Columns of the fields that the study itself sweeps. All combinations of their values (the cells of the study)
+    /// must meet the target.
     pub cell_columns: Vec<String>,
     /// For each cell, the values of the fields in `cell_columns`, formatted as in the tables.
     pub cells: Vec<Vec<String>>,
-    /// Combinations of the grid's values in ascending order, with the result at each combination. There is at least one
+    /// One result for each combination of the grid's values, in ascending order of the values. There is at least one
     /// combination.
     pub columns: Vec<RegionColumn>,
 }
@@ -40,15 +41,15 @@ pub struct Region {
 /// A combination of the grid's values, and the values of the searched field that meet the target at this combination.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionColumn {
-    /// Value of each field of the grid; for listed values, the index.
+    /// Value of each field of the grid. For a field with listed values, it is the index in the list.
     pub at: Vec<f64>,
     /// Tested values in ascending order. Listed values are in the order of the list.
     pub points: Vec<DesignPoint>,
     /// Ranges of neighbouring values on the same side of the target, in ascending order. For listed values, the ranges
     /// contain the indices of the values.
     pub runs: Vec<Run>,
-    /// Number of range ends that fresh trials did not verify at the first attempt. The ranges are narrower at these
-    /// ends.
+    /// Number of range ends that fresh trials did not confirm at the first attempt. At these ends, the range was
+    /// shortened.
     pub narrowed: usize,
     /// Reason why the search ended.
     pub ended: EndReason,
@@ -57,16 +58,15 @@ pub struct RegionColumn {
 /// A tested value of the searched field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DesignPoint {
-    /// The value. For a listed value, its index.
+    /// The value. For a listed value, its index in the list.
     pub value: f64,
     /// Side of the target on which the value lies; `None` if it is undecided.
     pub side: Option<Side>,
-    /// Index of the cell that decides at this value: it meets the target with the least certainty, or misses it with
-    /// the greatest certainty.
+    /// Index of the decisive cell: the cell that meets the target least clearly, or misses it most clearly.
     pub worst: usize,
-    /// Results of the trials of each cell in the search, in the order of the cells.
+    /// Results of each cell from the trials of the search, in the order of the cells.
     pub searched: Vec<Sample>,
-    /// Results of the fresh trials that verify the answer, if there are any.
+    /// Results of each cell from the fresh trials that verify the answer; empty if there were none at this value.
     pub fresh: Vec<Sample>,
 }
 
@@ -84,12 +84,12 @@ pub struct Sample {
 /// The best value of the optimised field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Best<'a> {
-    /// The value. For a listed value, its index.
+    /// The value of the optimised field. For a listed value, its index in the list.
     pub value: f64,
     /// Combination of the grid's values at which the value meets the target.
     pub column: &'a RegionColumn,
-    /// Value of the searched field at which the best value of the optimised field meets the target. For a listed value,
-    /// its index.
+    /// Value of the searched field at which the target is met together with `value`. For a listed value, its index in
+    /// the list.
     pub searched: f64,
 }
 
@@ -153,14 +153,14 @@ impl Region {
         })
     }
 
-    /// Fields with one value each: the set fields, and the fields of the grid at one combination.
+    /// The set fields, and the fields of the grid at the combination `place`, each with one value.
     pub(crate) fn fixed_at(&self, place: &[f64]) -> Vec<(String, Vec<toml::Value>)> {
         let grid = self.grid.iter().zip(place);
         let grid = grid.map(|(field, value)| field.fixed_at(*value));
         single_values(&self.question.set).chain(grid).collect()
     }
 
-    /// The field whose best value is wanted, and its index in the grid; `None` if it is the searched field.
+    /// The optimised field, and its index in the grid; the index is `None` if it is the searched field.
     pub(crate) fn sought_field(&self, sought: &Sought) -> (&Field, Option<usize>) {
         match self.grid.iter().position(|field| field.path == sought.path) {
             Some(place) => (&self.grid[place], Some(place)),
@@ -168,13 +168,14 @@ impl Region {
         }
     }
 
-    /// Whether the largest or the smallest value of the searched field is wanted; `None` if another field is optimised.
+    /// Whether the largest or the smallest value of the searched field is the answer; `None` if another field or no
+    /// field is optimised.
     pub(crate) fn searched_extreme(&self) -> Option<Extreme> {
         let sought = self.question.sought.as_ref()?;
         (sought.path == self.searched.path).then_some(sought.extreme)
     }
 
-    /// Best value of the optimised field that certainly meets the target; `None` if there is none, or if no field is
+    /// Best value of the optimised field that certainly meets the target; `None` if no value does, or if no field is
     /// optimised.
     pub fn best(&self) -> Option<Best<'_>> {
         let sought = self.question.sought.as_ref()?;
@@ -205,9 +206,9 @@ impl Region {
         best
     }
 
-    /// Limit of the optimised field beyond which all better values miss the target at every combination of the grid.
-    /// `None` if this is undecided at some combination, if the optimised field is not the searched field, or if it has
-    /// listed values.
+    /// Limit of the optimised field beyond which all values miss the target, at every combination of the grid. `None`
+    /// if such a limit is undecided at some combination, if the optimised field is not the searched field, or if its
+    /// values are listed.
     pub(crate) fn missed_from(&self) -> Option<f64> {
         let extreme = self.searched_extreme()?;
         if self.searched.is_listed() {
@@ -228,22 +229,21 @@ impl Region {
         })
     }
 
-    /// Whether more trials of the sample fail than the question allows.
+    /// Whether the share of failed trials in the sample is larger than the question allows.
     pub(crate) fn is_failing(&self, sample: &Sample) -> bool {
         sample.counts.failure_rate() > self.question.max_failures
     }
 
-    /// The result of the cell that decides at a tested value. If too many trials fail in at least one cell, this is the
-    /// cell with the largest share of failures. Otherwise, it is the cell with the worst statistic.
+    /// The result of the decisive cell at a tested value. If too many trials fail in at least one cell, the cell with
+    /// the largest share of failures is decisive. Otherwise, the cell with the worst statistic is decisive.
     pub(crate) fn decisive<'a>(&self, point: &'a DesignPoint) -> Option<&'a Sample> {
         let samples = point.searched.iter();
         samples.max_by(|one, other| self.by_rank(one, other))
     }
 
-    /// The value that comes nearest to meeting the target, among the values at several combinations. It is returned
-    /// with its combination and with the result of its decisive cell. Among the values with few enough failures, it is
-    /// the value with the best statistic. If too many trials fail at all values, it is the value with the fewest
-    /// failures.
+    /// The value that comes nearest to meeting the target at any of these combinations, with its combination and the
+    /// result of its decisive cell. If some values have few enough failures, the value with the best statistic among
+    /// them is returned. Otherwise, the value with the fewest failures is returned.
     pub(crate) fn nearest<'a>(
         &self,
         columns: impl IntoIterator<Item = &'a RegionColumn>,
@@ -255,9 +255,9 @@ impl Region {
         all.min_by(|one, other| self.by_rank(one.2, other.2))
     }
 
-    /// Compares two results; the worse result is the greater one. Results are compared by their statistics. A result
-    /// with too many failures, or without a statistic, is worse than all other results. Such results are compared by
-    /// their shares of failures.
+    /// Compares two results; the worse result is the greater one. A result with too many failures or without a
+    /// statistic is worse than every other result. Two such results are compared by their shares of failures, all
+    /// others by their statistics.
     fn by_rank(&self, one: &Sample, other: &Sample) -> Ordering {
         let rank = |sample: &Sample| match (sample.statistic, self.question.target.bound) {
             _ if self.is_failing(sample) => (1, sample.counts.failure_rate()),

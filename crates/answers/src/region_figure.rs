@@ -11,14 +11,14 @@ use crate::region::{DesignPoint, Region, RegionColumn, Sample};
 use crate::search::Side;
 use crate::words::settings_in_words;
 
-/// Largest number of cells for which each cell has its own line. If there are more cells, only the line of the decisive
-/// cell is drawn.
+/// Largest number of cells for which the figure has one line per cell. If the study has more cells, one line shows the
+/// statistic of the decisive cell.
 const MAX_LINES: usize = 7;
 
 impl Region {
     /// Figure of the region. With a grid, the searched field is plotted over the last field of the grid. There is one
-    /// panel for each combination of the other fields' values. Without a grid, the target's statistic is plotted over
-    /// the searched field. `name` is the file name of the figure, without extension.
+    /// panel for each combination of values of the remaining grid fields. Without a grid, the target's statistic is
+    /// plotted over the searched field. `name` is the file name of the figure, without extension.
     ///
     /// # Errors
     /// [`ReportError`] if the figure cannot be drawn.

@@ -88,8 +88,8 @@ impl Region {
     }
 
     /// The answer as JSON: the sentence, the ranges of values that meet or miss the target at each combination of the
-    /// grid, and the best value. Without a grid, there is only one combination, and its fields are also fields of the
-    /// answer itself.
+    /// grid, and the best value. Without a grid, there is only one combination, and its fields appear also at the top
+    /// level.
     pub fn to_json(&self, study: &Study) -> Value {
         let columns = self.columns.iter().map(|column| {
             let at: Map<_, _> = self.grid_json(column).collect();
@@ -179,7 +179,7 @@ fn json_of(field: &Field, value: f64) -> Value {
     }
 }
 
-/// The word for a side of the target.
+/// The word for a side of the target: whether values meet or miss it, or whether this is undecided.
 fn verdict(side: Option<Side>) -> &'static str {
     match side {
         Some(Side::Meets) => "meets",

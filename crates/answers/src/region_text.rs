@@ -9,7 +9,7 @@ use crate::words::{DIGITS, capitalized, joined, percent, settings_in_words};
 
 /// Number of significant digits of a standard error in a sentence.
 const ERROR_DIGITS: usize = 1;
-/// Largest number of clauses in a sentence.
+/// Largest number of clauses in a sentence. Longer lists of results are shortened.
 const MAX_CLAUSES: usize = 12;
 
 impl Region {
@@ -159,8 +159,8 @@ impl Region {
         format!("; the worst cell is mostly {settings}")
     }
 
-    /// The values at one combination of the grid in words: the values that meet the target, that miss it, and that are
-    /// undecided. The text `certainty` is inserted after the first of these statements.
+    /// The values of the searched field in words: which of them meet the target, miss it, or are undecided at one
+    /// combination of the grid. The text `certainty` is inserted after the first of these statements.
     fn column_in_words(&self, column: &RegionColumn, certainty: &str) -> String {
         let runs = |side: Side| {
             let runs: Vec<String> = column.on(side).map(|run| self.run(run)).collect();
@@ -196,8 +196,8 @@ impl Region {
         }
     }
 
-    /// The failures in words, if values next to the range that meets the target miss it because too many of their
-    /// trials fail.
+    /// The reason in words if values next to the range that meets the target miss it because too many of their trials
+    /// fail; otherwise empty.
     fn failures_in_words(&self, column: &RegionColumn) -> String {
         match self.failing_end(column) {
             Some((point, sample)) => format!(", because {}", self.result_at(point, sample)),
@@ -205,8 +205,8 @@ impl Region {
         }
     }
 
-    /// Among the ends of the ranges that miss the target, the first one at which too many trials fail. Ends of the
-    /// whole searched range are ignored.
+    /// The first end of a range that misses the target at which too many trials fail, with its decisive result. The
+    /// ends of the whole searched range are ignored.
     pub(crate) fn failing_end<'a>(
         &self,
         column: &'a RegionColumn,
@@ -223,7 +223,8 @@ impl Region {
         })
     }
 
-    /// Text for a combination at which all values lie on the same side of the target.
+    /// Words for all values of the searched field, for a combination at which they all lie on the same side of the
+    /// target.
     fn all_values(&self, column: &RegionColumn) -> String {
         let (field, span) = (&self.searched, self.searched.span);
         match (field.is_listed(), span.from == span.to) {
@@ -344,7 +345,7 @@ impl Region {
         }
     }
 
-    /// The values of the other fields at the best value, in words.
+    /// Words for the values of the other fields with which the best value meets the target.
     fn at_best(&self, best: &Best<'_>, sought: Option<usize>) -> String {
         let grid = self.grid.iter().zip(&best.column.at).enumerate();
         let grid = grid.filter(|(place, _)| Some(*place) != sought);
@@ -359,7 +360,7 @@ impl Region {
         }
     }
 
-    /// Text for a region in which no value certainly meets the target.
+    /// Text for the case that no value certainly meets the target.
     fn no_value_meets(&self) -> String {
         let span = self.searched.span;
         let all_miss = self.columns.iter().all(|column| {
@@ -464,7 +465,7 @@ impl Region {
         joined(pairs.map(|(field, value)| field.named_value(*value)))
     }
 
-    /// All combinations in words.
+    /// Words for all tested combinations of the grid, for example `all 9 values of the indentation that were tested`.
     fn all_columns(&self) -> String {
         match self.columns.len() {
             2 => format!("both {}", self.columns_in_words()),
@@ -485,7 +486,7 @@ impl Region {
 const MEETS: [&str; 2] = ["meets", "meet"];
 const MISSES: [&str; 2] = ["misses", "miss"];
 
-/// The verb that follows these values: the first form for one value or range, the second for a list.
+/// The form of the verb that agrees with these values: the first form for one value or range, the second for a list.
 fn verb(values: &str, [one, many]: [&'static str; 2]) -> &'static str {
     if values.contains(" and ") { many } else { one }
 }

@@ -1,4 +1,5 @@
-//! Searches the values of a field at which a target is met, from noisy scores.
+//! Searches the values of a field at which a target is met. Each test of a value returns a score that is noisy, because
+//! it is computed from random trials.
 //!
 //! The trials at all values use the same random numbers. The answer is verified with fresh trials. The probability that
 //! any decision of a search is wrong is at most [`Search::wrong`]. One fifth of this probability is divided evenly
@@ -33,9 +34,9 @@ pub(crate) type Scores = [f64; 2];
 /// A request for the scores of a cell at a value of the field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ScoreRequest {
-    /// Value of the varied field, or the index of the value in a list of values.
+    /// Value of the searched field. For listed values, it is the index in the list.
     pub(crate) value: f64,
-    /// Index of the cell. All cells must meet the target.
+    /// Index of the cell. All cells must meet the target. A cell is a combination of the values that the study sweeps.
     pub(crate) cell: usize,
     /// Smallest number of trials from which the scores must be computed.
     pub(crate) trials: u64,
@@ -43,7 +44,7 @@ pub(crate) struct ScoreRequest {
     pub(crate) fresh: bool,
 }
 
-/// Functions that return the scores of some cells at a value of the field.
+/// Returns the scores of cells as functions (curves) of the searched field's value.
 ///
 /// A trial must draw the same random numbers at every value, so that values can be compared trial by trial.
 pub(crate) trait Curves {
@@ -68,12 +69,13 @@ pub(crate) struct Search {
     /// Largest gap that may remain between values that meet the target and values that miss it. It is measured by
     /// [`Span::gap`].
     pub(crate) gap: f64,
-    /// Largest number of trials of a cell at one value.
+    /// Largest number of trials of each cell at one value.
     pub(crate) most_trials: u64,
     /// Time after which the search tests no more values. The first scan and the verification are always done.
     pub(crate) budget: Option<Duration>,
-    /// Largest accepted probability that any part of the answer is wrong. It should be above 0 and below 1. With 0, a
-    /// negative value or NaN, nothing can be concluded, so the answer is empty. A value above 1 is treated as 1.
+    /// Largest accepted probability that any part of the answer is wrong. It should be above 0 and below 1. For 0, a
+    /// negative value or NaN, the answer is empty, because no decision can be certain enough. A value above 1 is
+    /// treated as 1.
     pub(crate) wrong: f64,
 }
 
@@ -85,7 +87,7 @@ pub(crate) struct SearchResult {
     /// Ranges of neighbouring values that all meet or all miss the target, in ascending order. Whether values between
     /// the ranges meet the target is undecided.
     pub(crate) runs: Vec<Run>,
-    /// Number of range ends that fresh trials did not verify at the first attempt. Each such end was moved inwards, or
+    /// Number of range ends that fresh trials did not confirm at the first attempt. Each such end was moved inwards, or
     /// its range was dropped.
     pub(crate) narrowed: usize,
     /// Reason why the search ended.
@@ -101,7 +103,7 @@ pub(crate) struct TestedValue {
     pub(crate) side: Option<Side>,
     /// Index of the cell that has the smallest score at this value.
     pub(crate) worst: usize,
-    /// Number of trials at this value, of the cell with the most trials.
+    /// Number of trials at this value in the cell with the most trials.
     pub(crate) trials: u64,
 }
 

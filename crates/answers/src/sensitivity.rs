@@ -10,9 +10,10 @@ use serde_json::{Value, json};
 use crate::distinguish::place_of;
 use crate::error::AnswerError;
 
-/// Number of trials that a thread runs without interruption.
+/// Number of trials in a block. Each block runs on one thread.
 const BLOCK: u64 = 32;
-/// Longest list whose numbers are changed. In a longer list, a designer does not choose a single number.
+/// Largest length of a list whose numbers are changed one by one. Longer lists are skipped, because a designer does not
+/// choose their numbers one by one.
 const LONGEST_LIST: usize = 3;
 /// Largest rms error, relative to the true value, that counts as a rounding error.
 const ROUNDING: f64 = 1e-10;
@@ -26,7 +27,7 @@ pub struct Sensitivity {
     pub quantity: Quantity,
     /// Unit of the quantity, as in `cells.csv`.
     pub unit: &'static str,
-    /// Number of trials for each value of a field.
+    /// Unit of the quantity, as in `cells.csv`.
     pub trials: u64,
     /// Rms error of the quantity for the values in the config.
     pub rms_error: f64,
@@ -47,12 +48,12 @@ pub struct FieldEffect {
     pub values: [f64; 2],
     /// Rms errors for the two values.
     pub rms_errors: [f64; 2],
-    /// Relative change of the error, divided by the relative change of the field. It is 1 if the error is proportional
-    /// to the field.
+    /// Relative change of the rms error, divided by the relative change of the field's value. It is 1 if the error is
+    /// proportional to the value.
     pub effect: f64,
     /// Standard error of `effect`.
     pub effect_std: f64,
-    /// Number of trials that failed for at least one of the two values. These trials are left out for both values.
+    /// Number of trials that failed at one or both of the two values. These trials are ignored at both values.
     pub failures: u64,
 }
 
@@ -62,10 +63,10 @@ type SquaredErrors = Vec<Option<f64>>;
 
 /// Finds the numeric field of the study's scene that changes the rms error of a quantity most.
 ///
-/// Each field is changed alone, by the relative `step` in both directions; whole numbers change by at least 1. If only
-/// one direction is possible, the second value is the value in the config. Trials with the same number draw the same
-/// random numbers for every value, so that a few trials show small effects. If the study sweeps fields, its first cell
-/// is used.
+/// Only one field is changed at a time, once upwards and once downwards by the relative `step`; whole numbers change by
+/// at least 1. If only one direction is possible, the changed value is compared with the value in the config. Trials
+/// with the same number draw the same random numbers for every value, so that a few trials suffice to measure small
+/// effects. If the study sweeps fields, each field has its first swept value.
 ///
 /// If `quantity` is `None`, the curvature of the object is used: `object_curvature` for a press, otherwise
 /// `mean_curvature`.
@@ -152,7 +153,7 @@ pub fn sensitivity(
     Ok(found)
 }
 
-/// Adds the numeric fields of a table, and of the tables in it, with their paths and values.
+/// Collects the numeric fields of a table and of the tables in it: the path and the value of each field.
 fn numbers(node: &Value, path: &str, fields: &mut Vec<(String, f64)>) {
     let mut child = |key: &str, node: &Value| numbers(node, &format!("{path}.{key}"), fields);
     match node {
@@ -168,7 +169,7 @@ fn numbers(node: &Value, path: &str, fields: &mut Vec<(String, f64)>) {
     }
 }
 
-/// Runs the trials of the scene, with other values of a field.
+/// Runs the trials of the scene with changed values of fields.
 struct ErrorRuns<'a> {
     study: &'a Study,
     quantity: Quantity,
@@ -178,7 +179,8 @@ struct ErrorRuns<'a> {
 }
 
 impl ErrorRuns<'_> {
-    /// For these values of some fields, the root mean square of the true values and the squared errors of the trials.
+    /// Runs the trials with these values of the fields. Returns the root mean square of the true values, and the
+    /// squared error of each trial.
     fn at(
         &self,
         fields: &[(String, Vec<toml::Value>)],
@@ -281,7 +283,8 @@ impl ErrorRuns<'_> {
     }
 }
 
-/// Squared error and squared true value of a trial, each averaged over the observations; `None` if the trial failed.
+/// Squared error and squared true value of a trial, each averaged over the points at which the trial estimates the
+/// quantity; `None` if the trial failed.
 fn squares(scene: &Scene, trial: u64, place: usize) -> Option<(f64, f64)> {
     let (mut errors, mut truths, mut count) = (0.0, 0.0, 0.0);
     let run = scene.trial(trial, |quantity, observed| {

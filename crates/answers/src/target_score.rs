@@ -1,15 +1,16 @@
-//! Scores of the trials of a cell. A score states how certainly the cell meets or misses the target.
+//! Computes from the trials of a cell how certainly the cell meets or misses the target. This certainty is called a
+//! score.
 
 use crate::search::Scores;
 use palpate_scene::{Scene, drop_undefined_moments};
 use palpate_study::{Bound, Quantity, QuantityKind, Statistic, Target};
 use palpate_sweep::{Batches, CERTAIN, CellStatistics, Estimate, Summary, share_at_most};
 
-/// A cell without a successful trial has no statistic. It counts as missing the target if its share of failed trials is
-/// significantly larger than this value.
+/// If no trial of a cell succeeds, the target's statistic does not exist. The cell then counts as missing the target if
+/// its share of failed trials is significantly larger than this value.
 const NO_ESTIMATE_SHARE: f64 = 0.5;
-/// Relative resolution of the distance between a quantile and the true value. The resolution is limited because
-/// quantiles are computed from a histogram.
+/// Resolution of a quantile, relative to its distance from the true value. It is limited, because quantiles are
+/// computed from a histogram.
 const QUANTILE_RESOLUTION: f64 = 1.0 / 256.0;
 
 /// A target in a scene: a limit on a statistic of one of the scene's quantities.

@@ -26,7 +26,7 @@ impl TrialCounts {
         }
     }
 
-    /// Share of failed trials; 1 without trials.
+    /// Share of failed trials. It is 1 if there are no trials.
     pub(crate) fn failure_rate(&self) -> f64 {
         match self.trials {
             0 => 1.0,

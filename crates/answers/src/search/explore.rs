@@ -1,4 +1,5 @@
-//! Exploration of a range: scans the range, then tests more values around each crossing of the limit.
+//! Explores a range: tests values all over the range, then more values around each crossing. A crossing is a place
+//! where the values change from meeting the target to missing it, or back.
 
 use super::limits::{Effort, FIRST, MAX_LOOKS, Rules, SCANNED};
 use super::points::{Point, Points};
@@ -10,16 +11,17 @@ use super::{Curves, ScoreRequest};
 pub(crate) enum SearchRange {
     /// A range; the search may test all numbers in it.
     Span(Span),
-    /// A list of values, with this number of values. They are tested independently of each other.
+    /// A list with this number of values. The values are tested independently of each other.
     Listed(usize),
 }
 
 /// Reason why a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EndReason {
-    /// Every gap is small enough, and every tested value outside of the gaps is known to meet or miss the target.
+    /// Every gap between values that meet the target and values that miss it is small enough. Outside of these gaps, no
+    /// tested value is undecided.
     Known,
-    /// The search reached its largest number of trials, or of tests of values.
+    /// The search reached the largest number of trials, or the largest number of tests.
     Trials,
     /// The time budget was used up.
     Time,
@@ -27,12 +29,12 @@ pub enum EndReason {
 
 /// Share of the time budget for the exploration; the remaining time is for the verification.
 const EXPLORATION_SHARE: f64 = 0.6;
-/// Factor by which the number of trials at an undecided value is increased.
+/// Factor by which the number of trials at an undecided value is increased in each round.
 const GROWTH: f64 = 4.0;
-/// Largest factor by which the number of trials is increased at a crossing of the limit.
+/// Largest factor by which the number of trials is increased at the undecided values within a crossing.
 const MOST_GROWTH: f64 = 16.0;
-/// Smallest factor by which the number of trials is increased. If the time is not enough for a larger factor, the
-/// factor is halved repeatedly, down to this value.
+/// Smallest factor by which the number of trials is increased. If the time budget is too short for a larger factor, the
+/// factor is halved repeatedly. Below this value, the exploration ends.
 const LEAST_GROWTH: f64 = 1.5;
 /// Largest distance between neighbouring values within a crossing, as a share of the crossing's width. If two
 /// neighbours are farther apart, a value between them is tested.
@@ -40,7 +42,8 @@ const MAX_SPACING: f64 = 0.34;
 /// Intended width of the range of undecided values within a crossing, as a share of the allowed gap.
 const UNDECIDED_SHARE: f64 = 0.6;
 
-/// Tests values until the crossings of the limit are located accurately enough.
+/// Tests values until each crossing (change from meeting the target to missing it, or back) is located accurately
+/// enough.
 pub(super) fn explore<C: Curves + ?Sized>(
     curves: &mut C,
     among: SearchRange,
@@ -113,8 +116,7 @@ fn request<C: Curves + ?Sized>(
     Ok(())
 }
 
-/// Whether more tests are needed, because a gap is too large, or because a value outside of the small gaps is
-/// undecided.
+/// Whether the answer is still incomplete: a gap is too large, or a value outside of the gaps is undecided.
 fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
     stretches(points, rules)
         .into_iter()
@@ -124,10 +126,10 @@ fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
         })
 }
 
-/// A sequence of consecutive tested values that needs more tests.
+/// A sequence of consecutive tested values that needs more trials or more values.
 enum Stretch {
-    /// The first and the last of several consecutive undecided values. The decided values next to this sequence are on
-    /// the same side of the target, or the range ends there.
+    /// The first and the last of several consecutive undecided values. The decided values on both sides of them either
+    /// meet or miss the target alike, or the range ends there.
     Open(usize, usize),
     /// Two values on different sides of the target; all tested values between them are undecided.
     Crossing(usize, usize),
@@ -160,7 +162,7 @@ fn stretches(points: &Points, rules: &Rules) -> Vec<Stretch> {
     stretches
 }
 
-/// Whether the two ends of a crossing are close enough to each other.
+/// Whether the gap between the two ends of a crossing is small enough, or no further value fits between them.
 fn is_known(crossing: &[Point], span: &Span, rules: &Rules) -> bool {
     let [low, .., high] = crossing else {
         return true;
@@ -169,7 +171,7 @@ fn is_known(crossing: &[Point], span: &Span, rules: &Rules) -> bool {
     is_close || crossing.len() == 2 && span.between(low.value, high.value, rules.gap).is_none()
 }
 
-/// Requests of the next round. The number of trials at a value is multiplied at most by `growth`.
+/// Requests for the next round of trials. The number of trials at a value grows at most by the factor `growth`.
 fn round(points: &Points, among: SearchRange, rules: &Rules, growth: f64) -> Vec<ScoreRequest> {
     let mut asks = Vec::new();
     let all = &points.points;
@@ -195,8 +197,8 @@ fn round(points: &Points, among: SearchRange, rules: &Rules, growth: f64) -> Vec
     asks
 }
 
-/// Adds requests within a crossing. If neighbouring values are too far apart, the requests are for values between them.
-/// Otherwise, the requests are for more trials at the undecided values.
+/// Adds requests that locate a crossing more accurately. If neighbouring values are too far apart, values between them
+/// are tested. Otherwise, the undecided values get more trials.
 fn closer(
     crossing: &[Point],
     span: &Span,

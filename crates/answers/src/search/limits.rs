@@ -5,10 +5,11 @@ use std::time::Duration;
 use palpate_statistics::score_of_tail;
 use palpate_sweep::Clock;
 
-/// Share of the allowed error probability that is used for the exploration. The exploration decides on the values
-/// between the verified ends of ranges.
+/// Share of the allowed error probability that the exploration may use. The remaining probability is for the
+/// verification of the ends of ranges.
 const EXPLORATION_SHARE: f64 = 0.2;
-/// Largest number of tests in a search. A test compares the scores at a value with the scores that the answer requires.
+/// Largest number of tests in a search. A test compares the scores at one value with the scores that a decision
+/// requires.
 pub(super) const MAX_LOOKS: usize = 400;
 /// Number of values in the first scan. The 16 + 1 values include the ends, the middle and the quarters of the range.
 pub(super) const SCANNED: usize = 17;
@@ -20,7 +21,7 @@ pub(super) const ATTEMPTS: u32 = 5;
 /// about this value.
 pub(super) const FRESH: f64 = 2.0;
 
-/// Scores and numbers of trials that a search requires.
+/// Scores that decisions of a search require, and its limits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rules {
     /// Allowed probability that any part of the answer is wrong.
@@ -29,7 +30,7 @@ pub(super) struct Rules {
     pub(super) gap: f64,
     /// Largest number of trials of a cell at one value.
     pub(super) most_trials: u64,
-    /// Score that all cells must reach at a value that meets the target.
+    /// Score at which a value meets the target. The scores of all cells must be at least as large.
     pub(super) meets: f64,
     /// A negative score. A value misses the target if the score of at least one condition in one cell is below this
     /// score.
@@ -52,8 +53,8 @@ impl Rules {
         }
     }
 
-    /// Score that fresh trials must reach to verify one end of a range, if `sides` ends must be verified in total.
-    /// Attempts are counted from 0. Each attempt has half the error probability of the previous attempt.
+    /// Score that fresh trials must reach to confirm one end of a range, if the answer has `sides` such ends. Attempts
+    /// are counted from 0. Each attempt may be wrong with half the probability of the previous attempt.
     pub(super) fn verifies(&self, sides: usize, attempt: u32) -> f64 {
         let wrong = (1.0 - EXPLORATION_SHARE) * self.wrong / sides.max(1) as f64;
         let half = (0..=attempt).fold(wrong, |wrong, _| 0.5 * wrong);
@@ -61,7 +62,7 @@ impl Rules {
     }
 }
 
-/// The time and the number of trials that a search has used so far, and its time budget.
+/// The time budget of a search, and the speed of its trials.
 pub(super) struct Effort<'a> {
     clock: &'a Clock<'a>,
     budget: Option<Duration>,
@@ -99,7 +100,7 @@ impl<'a> Effort<'a> {
         })
     }
 
-    /// Part of `trials` for which the remaining time is enough, as a share of at most 1.
+    /// Part of `trials` that can be run in the remaining time, as a share of at most 1.
     pub(super) fn part(&self, trials: u64) -> f64 {
         self.budget.map_or(1.0, |budget| {
             let left = budget.saturating_sub((self.clock)()).as_secs_f64();

@@ -16,7 +16,7 @@ pub enum Side {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Points {
     pub(super) points: Vec<Point>,
-    /// Number of tests of values. All requests for one value in the same round count as one test.
+    /// Number of tests so far. All requests for one value in the same round count as one test.
     pub(super) looks: usize,
 }
 
@@ -73,7 +73,7 @@ impl Point {
         trials.max().unwrap_or(0)
     }
 
-    /// Adds requests for `factor` times as many trials in the cells for which the value is undecided.
+    /// For the cells that are undecided at this value, adds requests for `factor` times as many trials.
     pub(super) fn grown(&self, factor: f64, rules: &Rules, asks: &mut Vec<ScoreRequest>) {
         for (cell, look) in self.cells.iter().enumerate() {
             if look.score() < rules.meets && look.trials < rules.most_trials {

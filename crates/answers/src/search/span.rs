@@ -1,4 +1,4 @@
-//! The range of a field that a search explores.
+//! The range of values that a search explores.
 
 /// A range of a field's values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,13 +9,14 @@ pub struct Span {
     pub to: f64,
     /// Whether values are spaced by ratios. This is the case if both ends are positive and their ratio exceeds 8.
     pub is_log: bool,
-    /// Whether all values must be whole numbers.
+    /// Whether values are spaced evenly on a logarithmic scale. This is the case if both ends are positive and their
+    /// ratio exceeds 8.
     pub is_whole: bool,
 }
 
-/// Ratio of the two ends of a range above which values are spaced by ratios.
+/// Ratio of the two ends of a range above which values are spaced logarithmically.
 const MIN_LOG_RATIO: f64 = 8.0;
-/// Number of possible values in a gap. Values are rounded to steps of the gap divided by this number.
+/// Number of possible values within a gap: values are rounded to multiples of the gap divided by about this number.
 const STEPS_PER_GAP: f64 = 8.0;
 
 impl Span {
@@ -29,7 +30,7 @@ impl Span {
         }
     }
 
-    /// Distance between two values, `low` ≤ `high`. If values are spaced by ratios, it is relative to `low`, otherwise
+    /// Distance between two values, where `low` ≤ `high`. On a logarithmic range, it is relative to `low`, otherwise
     /// relative to half the range.
     pub(crate) fn gap(&self, low: f64, high: f64) -> f64 {
         let gap = match self.is_log {
@@ -39,8 +40,8 @@ impl Span {
         if gap.is_nan() { 0.0 } else { gap }
     }
 
-    /// Position of a value in the range, from 0 (lower end) to 1 (upper end). If values are spaced by ratios, positions
-    /// are logarithmic.
+    /// Position of a value in the range, from 0 (lower end) to 1 (upper end). On a logarithmic range, the position is
+    /// proportional to the logarithm.
     pub(super) fn share(&self, value: f64) -> f64 {
         let share = match self.is_log {
             true => libm::log(value / self.from) / libm::log(self.to / self.from),

@@ -1,4 +1,4 @@
-//! Verifies with fresh trials the ranges that a search has found.
+//! Verifies the ranges that a search has found, with trials that the search has not used.
 
 use super::explore::SearchRange;
 use super::limits::{ATTEMPTS, Effort, FRESH, Rules};
@@ -8,9 +8,9 @@ use super::{Curves, ScoreRequest};
 /// A range of neighbouring values that are on the same side of the target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run {
-    /// Smallest verified value, or the lower end of the explored range.
+    /// Lower end of the range: the smallest verified value, or the lower end of the explored range.
     pub from: f64,
-    /// Largest verified value, or the upper end of the explored range.
+    /// Upper end of the range: the largest verified value, or the upper end of the explored range.
     pub to: f64,
     /// Side of the target on which the values lie.
     pub side: Side,
@@ -31,7 +31,7 @@ struct End {
     /// and the others are farther inside the range.
     places: Vec<usize>,
     attempt: u32,
-    /// Index of the value at which fresh trials verified the end; `None` if none has been verified yet.
+    /// Index of the value that fresh trials confirmed as the end; `None` if they have not confirmed any value yet.
     verified: Option<usize>,
 }
 
@@ -39,12 +39,12 @@ struct End {
 enum Kind {
     Low,
     High,
-    /// The range has no ends, because it covers the whole explored range. Therefore the value with the smallest score
-    /// is verified.
+    /// The range covers the whole explored range, so it has no ends to verify. Instead, the value with the smallest
+    /// score is verified.
     Weakest,
 }
 
-/// Verifies the ends of all ranges. If fresh trials do not confirm an end, it is moved inwards and verified there.
+/// Verifies the ends of all ranges. If fresh trials do not confirm an end, the end is moved inwards and verified there.
 /// Returns the verified ranges, and the number of ends that were moved or dropped.
 pub(super) fn verify<C: Curves + ?Sized>(
     curves: &mut C,
@@ -111,8 +111,8 @@ fn place_of(end: &End) -> usize {
     end.places[end.attempt as usize]
 }
 
-/// Requests for trials that verify an end of a range. If the range meets the target, scores of all cells are requested,
-/// otherwise only the score of the cell with the smallest score.
+/// Requests for the trials that verify an end of a range. If the range meets the target, all cells are requested. If it
+/// misses the target, only the cell with the smallest score is requested.
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];
@@ -204,7 +204,7 @@ fn ends(points: &Points, found: &[Candidate], among: SearchRange, rules: &Rules)
     ends
 }
 
-/// The ranges between the ends that were verified.
+/// The ranges between the ends that fresh trials confirmed.
 fn verified_runs(points: &Points, found: &[Candidate], ends: &[End]) -> Vec<Run> {
     let value = |place: usize| points.points[place].value;
     let run = |(number, found): (usize, &Candidate)| {

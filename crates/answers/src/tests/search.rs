@@ -40,7 +40,7 @@ fn normal(index: u64) -> f64 {
     (-2.0 * libm::log(radius)).sqrt() * libm::cos(std::f64::consts::TAU * angle)
 }
 
-/// A trial whose error is a normal number times `scale`, and which fails with the probability `fails`.
+/// A trial whose error is a normal number times `scale`. The trial fails with the probability `fails`.
 struct Noisy {
     seed: u64,
     scale: f64,
@@ -313,8 +313,8 @@ fn whole_numbers_and_lists() {
 
 #[test]
 fn fresh_trials_that_disagree_narrow_the_answer() {
-    /// Scores that contradict each other: fresh trials meet the target at values below `fresh_below`, all other trials
-    /// at values below 1.
+    /// Scores that contradict each other: fresh trials meet the target at values below `fresh_below`, but the trials of
+    /// the search meet it at values below 1.
     struct Disagreeing {
         fresh_below: f64,
     }
