@@ -24,12 +24,12 @@ pub(crate) use output_dir::{Guard, OutputDir};
 pub(crate) use output_file::{OutputFile, OutputWriter};
 pub(crate) use stage::{Contents, Draft, folder_of};
 
-/// Prints a text and a newline. It is not an error if the reader has closed the pipe.
+/// Prints a text and a newline to standard output. A closed pipe is not an error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     write_stdout(format!("{text}\n").as_bytes())
 }
 
-/// Writes to standard output. It is not an error if the reader has closed the pipe.
+/// Writes bytes to standard output. A closed pipe is not an error.
 fn write_stdout(bytes: &[u8]) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
@@ -40,7 +40,7 @@ fn write_stdout(bytes: &[u8]) -> Result<(), Failure> {
     }
 }
 
-/// A value as JSON, with one number per line. A negative zero is written without its sign.
+/// A value as JSON, with one number per line. The number −0 is written as 0.
 pub(crate) fn json(estimate: &impl Serialize) -> Result<String, Failure> {
     let text = serde_json::to_string_pretty(estimate).map_err(Failure::work)?;
     let lines = text.lines().map(|line| {

@@ -10,27 +10,27 @@ use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::duration::roughly;
 use crate::journal::Totals;
 
-/// Time between two printed lines of progress.
+/// Time between two progress lines, if standard error is not a terminal.
 const LINE_INTERVAL: Duration = Duration::from_secs(60);
 
 /// Progress of a run.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    /// Number of trials of all tasks together.
+    /// Number of trials of the whole run.
     all: u64,
-    /// Number of trials that were done before the run was interrupted.
+    /// Number of trials that an earlier, interrupted run had already done.
     before: u64,
     done: AtomicU64,
     start: Instant,
-    /// Number of lines printed so far.
+    /// Time of the last progress line, in full minutes since the start.
     lines: AtomicU64,
-    /// Text about the failures so far.
+    /// Text with the kinds of failure so far.
     failing: Mutex<String>,
     is_terminal: bool,
 }
 
 impl Progress {
-    /// Progress of `all` trials, of which `before` are already done.
+    /// Progress of a run of `all` trials. An earlier, interrupted run had done `before` of them.
     pub(crate) fn new(all: u64, before: u64) -> Self {
         let bar = bar_of("trials");
         bar.set_length(all);
@@ -48,7 +48,7 @@ impl Progress {
         }
     }
 
-    /// Adds finished trials. Any thread may call this function.
+    /// Adds a number of finished trials. Any thread may call this function.
     pub(crate) fn add(&self, trials: u64) {
         let done = trials + self.done.fetch_add(trials, Ordering::Relaxed);
         if self.is_terminal {
@@ -61,7 +61,7 @@ impl Progress {
         }
     }
 
-    /// Shows the failures so far in the progress bar.
+    /// Shows the numbers of failed trials next to the progress.
     pub(crate) fn show_failures(&self, totals: &Totals) {
         if totals.kinds.is_empty() {
             return;
@@ -94,8 +94,8 @@ impl Progress {
     }
 }
 
-/// Progress bar with rate and remaining time, if standard error is a terminal. The total number of `things` is set
-/// later. The bar appears at the first progress.
+/// Progress bar with rate and remaining time; it is invisible if standard error is not a terminal. `things` names the
+/// counted unit, for example "trials". The caller sets the total number later.
 pub(crate) fn bar_of(things: &str) -> ProgressBar {
     let style = ProgressStyle::with_template(&format!(
         "{{wide_bar}} {{human_pos}}/{{human_len}} {things}, {{per_sec}}, {{eta}} left{{msg}}"

@@ -53,7 +53,7 @@ fn load_results(dir: &Path) -> Result<Study, Failure> {
     Study::load(dir).map_err(Failure::work)
 }
 
-/// Identity of a study and its `cells.csv`, for manifests.
+/// Identity of a study, including the SHA-256 of its `cells.csv`, for the manifest.
 fn id_of(study: &Study) -> Result<StudyId, Failure> {
     let path = study.dir().join(CONFIG);
     let config = text_of(&path)
@@ -62,7 +62,7 @@ fn id_of(study: &Study) -> Result<StudyId, Failure> {
     Ok(StudyId::new(study.name(), &config).with_cells_in(study.dir()))
 }
 
-/// File names and contents of figures; each figure is an SVG file and a PNG file.
+/// File names and contents of figures: an SVG file and a PNG file for each figure.
 pub(crate) fn drawings(figures: &[Figure]) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let mut files = Vec::new();
     for figure in figures {
@@ -95,7 +95,7 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Failure> {
     out.print(&format!("page -> {}", args.out.display()))
 }
 
-/// Files of a study that `palpate report` reads, so that it does not overwrite them.
+/// Files in a directory that `palpate report` reads and therefore must not overwrite: all files except HTML pages.
 fn input_files(dir: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
     let is_page = |path: &PathBuf| path.extension().is_some_and(|kind| kind == "html");
@@ -137,7 +137,7 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     ))
 }
 
-/// File names and contents of a trace.
+/// File names and contents of a traced trial: its tables and, with a camera, its frames.
 pub(crate) fn trace_files(trace: &Trace) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
     let mut files = vec![
         (TRACE, trace.contacts.to_csv().into_bytes()),
@@ -152,8 +152,8 @@ pub(crate) fn trace_files(trace: &Trace) -> Result<Vec<(&'static str, Vec<u8>)>,
     Ok(files)
 }
 
-/// Converts the error of a trace to a failure. The failure is bad usage if the config allows no trace, but not if the
-/// traced trial ends early.
+/// Converts the error of a trace to a failure. The failure is bad usage if the config or the cell number is wrong; it
+/// is failed work if the traced trial itself fails.
 pub(crate) fn trace_failure(error: TraceError) -> Failure {
     match error {
         TraceError::Config(error) => Failure::usage(error),

@@ -183,7 +183,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     print(&summary)
 }
 
-/// The study of the config, after the changes that the arguments make.
+/// The study in the config file, with the seed and the number of trials that the arguments state. Rejects arguments
+/// that contradict each other or the config.
 fn study_of(args: &RunArgs) -> Result<Study, Failure> {
     let by_target = args.target_error.map(|_| "--target-error");
     let chosen_by = args.budget.map(|_| "--budget").or(by_target);
@@ -198,8 +199,8 @@ fn study_of(args: &RunArgs) -> Result<Study, Failure> {
     Ok(study)
 }
 
-/// The study of a config with another seed and number of trials. `chosen_by` names an argument that also chooses the
-/// number of trials, if there is one.
+/// Loads a study, and replaces its seed and number of trials if these arguments are given. `chosen_by` names another
+/// argument that chooses the number of trials, if it was given. A study with a stop rule rejects both.
 pub(crate) fn overridden(
     config: &Path,
     seed: Option<u64>,
@@ -226,8 +227,8 @@ pub(crate) fn overridden(
     Ok(study)
 }
 
-/// Text of the arguments that choose the number of trials and the model. A resumed run compares this text with the text
-/// in the journal.
+/// Text of the arguments `--budget` and `--target-error`. A resumed run compares this text with the text in its
+/// journal.
 fn goal_of(args: &RunArgs) -> String {
     let budget = args.budget.map(|budget| format!("--budget {budget:?}"));
     let target = args
@@ -237,7 +238,7 @@ fn goal_of(args: &RunArgs) -> String {
     both.join(" ")
 }
 
-/// Numbers of the cells that run, of all shards together.
+/// Numbers of the cells that the run consists of: every n-th cell of the study. All shards share these cells.
 pub(crate) fn numbers_of(study: &Study, every_nth_cell: usize) -> Vec<usize> {
     (0..study.cell_count()).step_by(every_nth_cell).collect()
 }

@@ -124,7 +124,7 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
     output::print(text.trim_end())
 }
 
-/// Lines about the numbers of cells and trials, and about the elapsed and remaining time.
+/// Lines with the numbers of finished cells and trials, the rate, and the remaining time.
 fn counts(founds: &[&JournalState], all: u64, threads: f64, is_running: bool) -> String {
     let tasks: u64 = founds.iter().map(|found| found.tasks).sum();
     let totals = totals_of(founds.iter().copied());
@@ -146,7 +146,7 @@ fn counts(founds: &[&JournalState], all: u64, threads: f64, is_running: bool) ->
     text
 }
 
-/// Line about the numbers of trials and failures.
+/// Line with the numbers of trials and failures.
 fn trials(totals: &Totals) -> String {
     let (all, failed) = (totals.trials, totals.kinds.values().sum());
     let kinds = match totals.failures() {
@@ -157,7 +157,7 @@ fn trials(totals: &Totals) -> String {
     format!("trials   {all}, {failed} failed{kinds}\n")
 }
 
-/// Numbers of cells, trials and failures, counted in the tables of a run.
+/// Numbers of cells, trials and failures, counted from the tables of a finished run.
 fn totals_in_tables(dir: &Path, format: Format) -> Result<Totals, Failure> {
     let mut totals = Totals::default();
     let [cells, failures, _] = format.tables();

@@ -15,15 +15,15 @@ use crate::output::names::{CONFIG, text_of};
 use crate::output::{self, Contents, Format, Guard, LockedDir, StudyId};
 use crate::run::{difference, overridden};
 
-/// File names of the scripts and of the list of their job numbers, and names of the folders for shards and logs.
+/// Names of the scripts, of the file with the submitted job numbers, and of the folders for shards and logs.
 const SHARDS_SCRIPT: &str = "shards.sbatch";
 const MERGE_SCRIPT: &str = "merge.sbatch";
 const JOBS: &str = "jobs.txt";
 const SHARDS: &str = "shards";
 const LOGS: &str = "logs";
 
-/// Jobs up to this length, in minutes, get no signal one minute before their end, because one minute would be a large
-/// part of their time.
+/// Longest time limit without a warning signal, minutes. A longer job gets a signal one minute before its end. For a
+/// shorter job, one minute would be a large part of its time.
 const SHORT_MIN: u64 = 3;
 
 pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
@@ -95,7 +95,7 @@ pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
     ))
 }
 
-/// Numbers of the shards that are not finished yet. Rejects a directory that contains shards of another run.
+/// Numbers of the shards that are not finished yet. Returns an error if the directory contains shards of another run.
 fn left(out: &Path, of: u64, config: &str) -> Result<Vec<u64>, Failure> {
     let place = out.join(SHARDS);
     let known = match place.is_dir() {
@@ -128,7 +128,7 @@ fn left(out: &Path, of: u64, config: &str) -> Result<Vec<u64>, Failure> {
     Ok((1..=of).filter(|number| !is_done(number)).collect())
 }
 
-/// Numbers in Slurm's format for job arrays, in which consecutive numbers are written as a range.
+/// Numbers in the format of Slurm's job arrays, which writes consecutive numbers as a range: `1-3,5`.
 fn ranges(numbers: &[u64]) -> String {
     let runs = numbers.chunk_by(|one, next| one + 1 == *next);
     let runs: Vec<String> = runs
@@ -229,7 +229,7 @@ fn merge_script(args: &SlurmArgs, name: &str, out: &Path, program: &Path) -> Str
     )
 }
 
-/// A word for a shell script, with quotation marks if necessary.
+/// A word of a shell script, in quotation marks if necessary.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:@".contains(c);
     match word.chars().all(is_plain) {
@@ -238,7 +238,8 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// Rejects more shards than the cluster allows in a job array, if the cluster states a limit.
+/// Rejects a number of shards above the cluster's limit for job arrays. If the cluster states no limit, any number
+/// passes.
 fn refuse_long_array(shards: u64) -> Result<(), Failure> {
     let config = Command::new("scontrol").args(["show", "config"]).output();
     let text = config.map(|output| String::from_utf8_lossy(&output.stdout).into_owned());
@@ -259,7 +260,7 @@ fn refuse_long_array(shards: u64) -> Result<(), Failure> {
     }
 }
 
-/// Rejects a new submission if a job of the last submission still waits or runs.
+/// Rejects a new submission while a job of the last submission waits or runs.
 fn refuse_queued(out: &Path) -> Result<(), Failure> {
     let jobs = text_of(&out.join(JOBS)).unwrap_or_default();
     let is_number =

@@ -1,4 +1,4 @@
-//! A directory that a command writes into, locked against other processes.
+//! An output directory that is locked, so that no other palpate process writes into it.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Write};
@@ -14,19 +14,19 @@ use super::output_dir::{Guard, OutputDir};
 use super::stage::{Contents, Draft, StagedFile, is_named, is_stream, remove_abandoned};
 use crate::failure::Failure;
 
-/// Name of the lock file, which contains the process number of its owner.
+/// Name of the lock file. The file contains the process number of the lock's owner.
 const LOCK_NAME: &str = ".palpate-lock";
 /// Longest time to wait for the lock of another process, which may be about to finish.
 const LOCK_TIMEOUT: Duration = Duration::from_secs(1);
 const LOCK_PAUSE: Duration = Duration::from_millis(20);
 
-/// Directory that only this process writes into, with the manifest of the files that palpate wrote there.
+/// Output directory that is locked by this process, with the manifest of the files that palpate wrote there.
 pub(crate) struct LockedDir {
     output: OutputDir,
     _lock: Lock,
 }
 
-/// Rejects an argument that is not a directory.
+/// Rejects a path that is not a directory.
 pub(crate) fn refuse_no_directory(dir: &Path) -> Result<(), Failure> {
     match dir.is_dir() {
         true => Ok(()),
@@ -34,7 +34,8 @@ pub(crate) fn refuse_no_directory(dir: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Creates `dir` if it is missing, and checks that files can be written there, before the work starts.
+/// Creates `dir` if it is missing, and checks that files can be written there. Commands call this before the work
+/// starts.
 pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
     if dir == Path::new("-") {
         return Err(Failure::usage(anyhow!(
@@ -71,8 +72,7 @@ pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
 }
 
 impl LockedDir {
-    /// Locks a directory, and removes the temporary files of processes that ended. Creates the directory if it is
-    /// missing.
+    /// Creates a directory if it is missing, and locks it. Removes temporary files that ended processes left there.
     pub(crate) fn open(dir: &Path, guard: Guard) -> Result<Self, Failure> {
         make_directory(dir)?;
         let lock = Lock::new(dir)?;
@@ -89,13 +89,13 @@ impl LockedDir {
         &self.output
     }
 
-    /// Starts a temporary file that later becomes the file `name` of the directory.
+    /// Starts a temporary file. It later becomes the file `name` of the directory.
     pub(crate) fn draft(&self, name: &str) -> Result<Draft, Failure> {
         Draft::new(&self.output.dir.join(name)).map_err(Failure::work)
     }
 
-    /// Writes the config of a run that starts. If the directory has tables or the config of another run, these files
-    /// stay until this run is finished. Until then, the config of this run has the file name [`NEXT_CONFIG`].
+    /// Writes the config at the start of a run. If the directory has the tables or the config of another run, these
+    /// files stay until this run is finished. Until then, the new config has the file name [`NEXT_CONFIG`].
     pub(crate) fn begin(&mut self, config: &str, study: &StudyId) -> Result<(), Failure> {
         let dir = &self.output.dir;
         let has_others = Format::found_in(dir).is_some() || dir.join(CONFIG).exists();
@@ -124,9 +124,9 @@ impl LockedDir {
         self.write::<&[u8]>(&[], None)
     }
 
-    /// Writes files (name and contents) of a study, as [`Self::write`] does. Removes files of other studies, and tables
-    /// in other formats, if palpate wrote them. Returns a line for each file that stays because palpate did not write
-    /// it.
+    /// Writes files of a study, each given by name and contents, as [`Self::write`] does. Also removes files of other
+    /// studies, and tables in the other format, if palpate wrote them. Returns one line of text for each file that it
+    /// did not remove because a user wrote or edited it.
     pub(crate) fn replace(
         &mut self,
         files: Vec<(&str, Contents<'_>)>,
@@ -193,8 +193,8 @@ impl LockedDir {
 
     /// Writes files of a study, each given by name and contents.
     ///
-    /// All files are written under temporary names first. They are renamed when every byte is on disk, so that a full
-    /// disk does not destroy the old files.
+    /// All files are first written under temporary names. They get their final names after every byte is on disk, so a
+    /// full disk does not destroy the old files.
     pub(crate) fn write<C: AsRef<[u8]>>(
         &mut self,
         files: &[(&str, C)],
@@ -258,9 +258,9 @@ impl LockedDir {
     }
 }
 
-/// Lock of a directory. The lock is released when its process ends.
+/// Lock of a directory. The operating system releases the lock when the process ends.
 pub(crate) struct Lock {
-    /// The directory is locked while this file is open.
+    /// The lock file. The directory is locked while this file is open.
     _file: File,
     path: PathBuf,
 }
@@ -272,7 +272,7 @@ impl Lock {
         file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
     }
 
-    /// Locks a directory. If another process has locked the directory, the error states the number of that process.
+    /// Locks a directory. If another process holds the lock, the error states the number of that process.
     fn new(dir: &Path) -> Result<Self, Failure> {
         let path = dir.join(LOCK_NAME);
         let shown = path.display();

@@ -1,4 +1,4 @@
-//! Manifest of a directory: lists the files that palpate wrote there.
+//! Manifest of an output directory: the list of files that palpate wrote there.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -18,40 +18,40 @@ pub(crate) const MANIFEST: &str = ".palpate.toml";
 /// Version of the manifest's format.
 const VERSION: u32 = 1;
 
-/// Files that palpate wrote into a directory.
+/// The files that palpate wrote into one directory.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Manifest {
     version: u32,
-    /// Files by their names.
+    /// Entries of the files, by file name.
     #[serde(default)]
     pub(crate) files: BTreeMap<String, Entry>,
 }
 
-/// A file that palpate wrote.
+/// Manifest entry of one file.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub(crate) struct Entry {
-    /// SHA-256 of the file's contents; two values (old and new) while the file is being replaced.
+    /// SHA-256 of the file's contents. While the file is being replaced, the list has two values: old and new.
     pub(crate) sha256: Vec<String>,
-    /// Study that the file belongs to; `None` for frames of a camera that were tracked without a study.
+    /// Study to which the file belongs; `None` if camera frames were tracked without a study.
     #[serde(flatten)]
     pub(crate) study: Option<StudyId>,
 }
 
-/// Identity of the study that a file belongs to.
+/// Identifies the study to which a file belongs.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub(crate) struct StudyId {
     /// Name of the study.
     study: String,
-    /// SHA-256 of the study's config, as `run.toml` states it.
+    /// SHA-256 of the study's config, as text of `run.toml`.
     config: String,
-    /// SHA-256 of the `cells.csv` from which a figure or a score was made; `None` for other files.
+    /// SHA-256 of `cells.csv`, if the file is a figure or score that was made from it; `None` for all other files.
     #[serde(skip_serializing_if = "Option::is_none")]
     cells: Option<String>,
 }
 
 impl StudyId {
-    /// Identity of the study `name` whose `run.toml` contains the text `config`.
+    /// Identity of the study with this name, whose `run.toml` contains the text `config`.
     pub(crate) fn new(name: &str, config: &str) -> Self {
         Self {
             study: name.to_owned(),
@@ -60,7 +60,7 @@ impl StudyId {
         }
     }
 
-    /// Entries for the metadata of tables: the name of the study, and the SHA-256 of its config, each with its key.
+    /// Key and value of each metadata entry that a table gets: the study's name, and the SHA-256 of its config.
     pub(crate) fn about(&self) -> [(&'static str, String); 2] {
         [
             ("study", self.study.clone()),
@@ -74,7 +74,8 @@ impl StudyId {
         Self { cells, ..self }
     }
 
-    /// Whether a file with this identity belongs to the study `other`, whose `cells.csv` has the SHA-256 `cells`.
+    /// Whether a file with this identity belongs to the study `other`. `cells` is the SHA-256 of that study's
+    /// `cells.csv`.
     pub(crate) fn is_of(&self, other: &Self, cells: Option<&String>) -> bool {
         let is_same = (&self.study, &self.config) == (&other.study, &other.config);
         is_same && (self.cells.is_none() || self.cells.as_ref() == cells)
@@ -144,7 +145,7 @@ impl Manifest {
 }
 
 impl Entry {
-    /// Whether the file at `path` is unchanged since palpate wrote it.
+    /// Whether the file at `path` has the contents that palpate wrote.
     pub(crate) fn is_of(&self, path: &Path) -> bool {
         // A pipe with this name is not read, because reading it would wait for its writer.
         let is_file = fs::metadata(path).is_ok_and(|found| found.is_file());
@@ -164,12 +165,12 @@ pub(crate) fn digest_of(path: &Path) -> io::Result<String> {
     Ok(hexadecimal(hash.finalize().as_slice()))
 }
 
-/// Bytes as hexadecimal digits.
+/// Bytes as text of hexadecimal digits.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Whether a name is a plain file name, without a path.
+/// Whether a name is only a file name, without directories.
 fn is_plain(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     matches!((parts.next(), parts.next()), (Some(Component::Normal(only)), None) if only == name)

@@ -12,11 +12,11 @@ use toml_parser::lexer::{Token, TokenKind};
 
 use crate::failure::Failure;
 
-/// Largest config or manifest that palpate accepts, MiB.
+/// Largest config or manifest that palpate reads, MiB.
 pub(crate) const MAX_MIB: u64 = 16;
-/// File name of the config of a run, in the directory of its tables.
+/// File name of a run's config, which is written next to the run's tables.
 pub(crate) const CONFIG: &str = "run.toml";
-/// File name of the config of a run while the directory still has the tables of another config.
+/// File name of a new run's config, while the directory still contains the tables of an earlier run.
 pub(crate) const NEXT_CONFIG: &str = "next-run.toml";
 /// File name of the journal of an unfinished run or of a shard.
 pub(crate) const JOURNAL: &str = "journal.palpate";
@@ -24,37 +24,38 @@ pub(crate) const JOURNAL: &str = "journal.palpate";
 pub(crate) const CELLS: &str = "cells.csv";
 pub(crate) const FAILURES: &str = "failures.csv";
 pub(crate) const MAP: &str = "map.csv";
-/// File names of the tables in Parquet format.
+/// File names of the tables `cells`, `failures` and `map` in Parquet format.
 pub(crate) const CELLS_PARQUET: &str = "cells.parquet";
 pub(crate) const FAILURES_PARQUET: &str = "failures.parquet";
 pub(crate) const MAP_PARQUET: &str = "map.parquet";
-/// File names of the warnings of a run, as lines and as JSON. The files exist only if there are warnings.
+/// File names of a run's warnings, as lines of text and as JSON. A run without warnings does not write these files.
 pub(crate) const WARNINGS: [&str; 2] = ["warnings.txt", "warnings.json"];
-/// File names of the answer of `palpate design`: its tables, its text, its config and its figure.
+/// Names of the files that `palpate design` writes: its tables, its text, its config, and its figure without the
+/// extension.
 pub(crate) const DESIGN: &str = "design.csv";
 pub(crate) const DESIGN_REGION: &str = "region.csv";
 pub(crate) const DESIGN_WORDS: &str = "design.txt";
 pub(crate) const DESIGN_CONFIG: &str = "design.toml";
 pub(crate) const DESIGN_FIGURE: &str = "design";
-/// File names of the answer of `palpate distinguish`: its table, its text, and the name of its figure.
+/// Names of the files that `palpate distinguish` writes: its table, its text, and its figure without the extension.
 pub(crate) const DISTINGUISH: &str = "distinguish.csv";
 pub(crate) const DISTINGUISH_WORDS: &str = "distinguish.txt";
 pub(crate) const DISTINGUISH_FIGURE: &str = "distinguish";
-/// File names of the answer of `palpate sensitivity`: its table, its text and its figure.
+/// Names of the files that `palpate sensitivity` writes: its table, its text, and its figure without the extension.
 pub(crate) const SENSITIVITY: &str = "sensitivity.csv";
 pub(crate) const SENSITIVITY_WORDS: &str = "sensitivity.txt";
 pub(crate) const SENSITIVITY_FIGURE: &str = "sensitivity";
-/// File name of the scores of a study's claims.
+/// File name of the table with the scores of the papers' claims.
 pub(crate) const CLAIMS: &str = "claims.csv";
-/// File names of a trace of one trial.
+/// Names of the files with the trace of one trial.
 pub(crate) const TRACE: &str = "trace.csv";
 pub(crate) const READINGS: &str = "readings.csv";
 pub(crate) const MARKERS: &str = "markers.csv";
 pub(crate) const FRAMES: [&str; 2] = ["rest.png", "pressed.png"];
-/// Names of the figures of a traced press.
+/// Names of the figures of a traced press, without the extension.
 const TRACE_FIGURES: [&str; 2] = ["quiver", "trace-profile"];
 
-/// Whether a run wrote this config. Such a config states the version of palpate and has no comments.
+/// Whether palpate wrote this config during a run. Such a config states the version of palpate and has no comments.
 pub(crate) fn is_run_config(path: &Path) -> bool {
     text_of(path).is_some_and(|text| {
         let is_comment = |token: Token| token.kind() == TokenKind::Comment;
@@ -73,7 +74,7 @@ pub(crate) fn text_of(path: &Path) -> Option<String> {
     String::from_utf8(bytes).ok()
 }
 
-/// Name of the study in the config of a run, and names of the files that commands may have written into the same
+/// Name of the study in a run's config, and the names of all files that palpate commands may write into the run's
 /// directory.
 pub(crate) fn run_files(config: &Path, text: &str) -> (String, Vec<String>) {
     let study = config::parse(&config.display().to_string(), text).ok();
@@ -117,9 +118,9 @@ pub(crate) fn run_files(config: &Path, text: &str) -> (String, Vec<String>) {
 /// File format of tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Format {
-    /// CSV, which almost every program can read.
+    /// CSV, a text format that almost every program can read.
     Csv,
-    /// Parquet, for programs that read large tables with types and units.
+    /// Parquet, a binary format for large tables. It stores the type and the unit of each column.
     Parquet,
 }
 
@@ -135,7 +136,7 @@ impl Format {
         }
     }
 
-    /// Format by the extension of a file name; `default` for any other extension.
+    /// Format that the extension of a file name states; `default` if the extension is neither .csv nor .parquet.
     pub(crate) fn of_path(path: &Path, default: Self) -> Self {
         match path.extension().and_then(OsStr::to_str) {
             Some("csv") => Self::Csv,
@@ -144,7 +145,7 @@ impl Format {
         }
     }
 
-    /// Format of the tables in a directory; `None` if it has no tables.
+    /// Format of the tables in a directory; `None` if the directory has no tables.
     pub(crate) fn found_in(dir: &Path) -> Option<Self> {
         let is_there = |format: &Self| dir.join(format.tables()[0]).is_file();
         Self::ALL.into_iter().find(is_there)

@@ -13,16 +13,16 @@ use super::names;
 use super::stage::{Contents, holds, is_stream, unwritable};
 use crate::failure::Failure;
 
-/// Directory for the files of a command. The command overwrites only files that palpate wrote.
+/// Directory into which a command writes. The command overwrites only files that palpate wrote, except with `--force`.
 pub(crate) struct OutputDir {
     pub(crate) dir: PathBuf,
-    /// Manifest of the directory. If the directory has the config of a run but no manifest, this field lists all files
-    /// in the directory whose names palpate uses.
+    /// Manifest of the directory. If the directory has a run's config but no manifest, the manifest is made here: it
+    /// lists all files in the directory that have a file name of palpate.
     pub(crate) manifest: Option<Manifest>,
     guard: Guard,
 }
 
-/// Rule for the files that a command must not overwrite.
+/// States which files a command must not overwrite.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Guard {
     inputs: Vec<PathBuf>,
@@ -31,7 +31,7 @@ pub(crate) struct Guard {
 }
 
 impl Guard {
-    /// Guard that protects the input files `inputs` of a command.
+    /// Guard for a command that reads the files `inputs`. Without `force`, the command must not overwrite them.
     pub(crate) fn new<'a>(inputs: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Self {
         let inputs = inputs.into_iter().cloned().collect();
         Self { inputs, force }
@@ -42,7 +42,7 @@ impl Guard {
         self.force
     }
 
-    /// Whether the file at `path` is an input of the command.
+    /// Whether the file at `path` is an input file of the command.
     pub(crate) fn reads(&self, path: &Path) -> bool {
         // Only existing regular files are compared, because opening a pipe would wait for its writer.
         let is_file = |path: &Path| fs::metadata(path).is_ok_and(|found| found.is_file());
@@ -51,7 +51,7 @@ impl Guard {
         is_file(path) && self.inputs.iter().any(is_same)
     }
 
-    /// Rejects a regular file that is an input of the command, or that is write-protected.
+    /// Rejects a file that is an input of the command or that is write-protected, unless `--force` is given.
     pub(crate) fn refuse(&self, path: &Path) -> Result<(), Failure> {
         if self.force {
             return Ok(());
@@ -75,7 +75,7 @@ pub(crate) fn protected(path: &Path, why: &str) -> Failure {
 }
 
 impl OutputDir {
-    /// Reads the manifest of a directory, which may be missing.
+    /// Reads the manifest of a directory. The manifest may be missing.
     pub(crate) fn read(dir: &Path, guard: Guard) -> Result<Self, Failure> {
         let manifest = match Manifest::read(dir) {
             Err(_) if guard.force => None,
@@ -88,7 +88,8 @@ impl OutputDir {
         })
     }
 
-    /// Rejects a file that palpate did not write. If the new contents are not known, only the manifest decides.
+    /// Rejects the file `name` if palpate did not write it, or if it was edited later. Without a manifest, the first
+    /// lines of the file must equal those of the new contents.
     pub(crate) fn refuse(
         &self,
         name: &str,
@@ -127,12 +128,12 @@ impl OutputDir {
         }
     }
 
-    /// Entry of a file in the manifest, if there is one.
+    /// Manifest entry of a file; `None` if the manifest does not list the file.
     fn entry(&self, name: &str) -> Option<&Entry> {
         self.manifest.as_ref()?.files.get(name)
     }
 
-    /// Reason why palpate keeps a file, that is, neither overwrites nor removes it.
+    /// Reason why palpate neither overwrites nor removes a file.
     pub(crate) fn reason_to_keep(&self, name: &str) -> &'static str {
         match self.entry(name) {
             Some(_) => "was changed since palpate wrote it",
@@ -140,13 +141,13 @@ impl OutputDir {
         }
     }
 
-    /// Whether the manifest lists the file, and the file is unchanged since palpate wrote it.
+    /// Whether the manifest lists the file and the file is unchanged since palpate wrote it.
     pub(crate) fn lists(&self, name: &str) -> bool {
         let entry = self.entry(name);
         entry.is_some_and(|entry| entry.is_of(&self.dir.join(name)))
     }
 
-    /// Names of the files in the directory that palpate did not write and that are not inputs of the command.
+    /// Names of files that palpate did not write. Input files of the command are omitted.
     pub(crate) fn foreign(&self) -> Vec<String> {
         let entries = fs::read_dir(&self.dir).into_iter().flatten().flatten();
         let files = entries.filter(|entry| entry.file_type().is_ok_and(|kind| !kind.is_dir()));
@@ -160,8 +161,8 @@ impl OutputDir {
     }
 }
 
-/// Whether an existing file begins like the new contents: with the same header, the same first comment, or the same
-/// title of a page. The result is always false for pictures.
+/// Whether an existing file begins in the same way as the new contents: with the same table header, the same first
+/// comment, or the same page title. The result is always false for pictures.
 pub(crate) fn begins_as(path: &Path, contents: &[u8]) -> bool {
     let Some(head) = head_of(contents) else {
         return false;
@@ -174,7 +175,8 @@ pub(crate) fn begins_as(path: &Path, contents: &[u8]) -> bool {
     read.is_ok() && known == head
 }
 
-/// First part of a file, which identifies its kind; `None` for kinds without such a part.
+/// The part at the beginning of a file that shows which file of palpate it is: a table header, a comment or a page
+/// title. `None` for pictures and other formats.
 fn head_of(contents: &[u8]) -> Option<&[u8]> {
     const TITLE: &[u8] = b"</title>";
     let is = |start: &[u8]| contents.starts_with(start);
@@ -190,7 +192,8 @@ fn head_of(contents: &[u8]) -> Option<&[u8]> {
     (is(b"#") || line.contains(&b',')).then_some(line)
 }
 
-/// Manifest for a directory that has the config of a run but no manifest. It lists the files whose names palpate uses.
+/// Makes a manifest for a directory that has a run's config but no manifest. It lists all files in the directory that
+/// have a file name of palpate.
 fn known_files(dir: &Path) -> Option<Manifest> {
     let config = dir.join(names::CONFIG);
     if !names::is_run_config(&config) {
@@ -214,8 +217,8 @@ fn known_files(dir: &Path) -> Option<Manifest> {
     Some(Manifest::new(files))
 }
 
-/// Whether the beginning of a file matches its extension: a table begins with a header of several columns, a picture
-/// with its magic bytes.
+/// Whether the first bytes of a file match its extension. For example, a CSV table must begin with a header of several
+/// columns, and a picture with the magic bytes of its format.
 fn matches_extension(path: &Path) -> bool {
     let mut start = Vec::new();
     let read = fs::File::open(path).and_then(|file| file.take(256).read_to_end(&mut start));

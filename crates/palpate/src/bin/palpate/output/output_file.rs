@@ -1,4 +1,4 @@
-//! Output of a command: a regular file, a pipe or device, or standard output.
+//! Output of a command that goes to a file, a pipe, a device or standard output.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind, Write};
@@ -13,7 +13,7 @@ use super::stage::{
 };
 use crate::failure::Failure;
 
-/// An output of a command.
+/// A single output file of a command, which may also be a pipe, a device or standard output.
 pub(crate) struct OutputFile {
     /// Path of the file; `None` for standard output.
     path: Option<PathBuf>,
@@ -21,8 +21,8 @@ pub(crate) struct OutputFile {
 }
 
 impl OutputFile {
-    /// Output file that the argument `option` names. Rejects a path that cannot be written, and a file that must not be
-    /// overwritten.
+    /// Output file at the path that the command-line option `option` states. Rejects a path that cannot be written,
+    /// and an existing file that is write-protected or an input of the command.
     pub(crate) fn new(option: &str, path: &Path, guard: Guard) -> Result<Self, Failure> {
         if path == Path::new("-") || path == Path::new("/dev/stdout") {
             return Ok(Self { path: None, guard });
@@ -40,7 +40,8 @@ impl OutputFile {
         Ok(Self { path, guard })
     }
 
-    /// Prints a message to standard output, or to standard error if the file itself is standard output.
+    /// Prints a message to standard output. If the output file is standard output, prints the message to standard
+    /// error.
     pub(crate) fn print(&self, text: &str) -> Result<(), Failure> {
         if self.path.is_some() {
             return super::print(text);
@@ -49,7 +50,8 @@ impl OutputFile {
         Ok(())
     }
 
-    /// Rejects an existing file before the work starts, if `is_ours` reports that palpate did not write it.
+    /// Rejects an existing file that palpate did not write, before the work starts. `is_ours` decides whether palpate
+    /// wrote it.
     pub(crate) fn refuse_other(&self, is_ours: impl Fn(&Path) -> bool) -> Result<(), Failure> {
         let Some(path) = &self.path else {
             return Ok(());
@@ -61,7 +63,7 @@ impl OutputFile {
         }
     }
 
-    /// Starts to write the file in pieces. An existing file stays until the last piece is written.
+    /// Starts to write the file piece by piece. An existing file is replaced only after the last piece.
     pub(crate) fn begin(&self) -> Result<OutputWriter<'_>, Failure> {
         let place = match &self.path {
             None => Place::Standard(io::stdout()),
@@ -77,7 +79,8 @@ impl OutputFile {
         Ok(OutputWriter { file: self, place })
     }
 
-    /// Writes the file; its directory is created if missing. An existing file is overwritten only if palpate wrote it.
+    /// Writes the whole file, and creates its directory if missing. Rejects an existing file that palpate did not
+    /// write.
     pub(crate) fn write(&self, contents: &[u8]) -> Result<(), Failure> {
         let Some(path) = &self.path else {
             return super::write_stdout(contents);
@@ -93,7 +96,7 @@ impl OutputFile {
         staged.and_then(StagedFile::persist).map_err(Failure::work)
     }
 
-    /// Creates the directory of the file, and removes temporary files that ended processes left there.
+    /// Creates the directory of the file. Removes temporary files that ended processes left there.
     fn make_folder(&self, path: &Path) -> Result<(), Failure> {
         let dir = folder_of(path);
         make_directory(dir).map_err(|failure| {
@@ -110,7 +113,7 @@ fn cannot(path: &Path) -> String {
     format!("cannot write {}", path.display())
 }
 
-/// Writes an output file in pieces.
+/// Writes an output file piece by piece.
 pub(crate) struct OutputWriter<'s> {
     file: &'s OutputFile,
     place: Place,
@@ -123,7 +126,7 @@ enum Place {
 }
 
 impl OutputWriter<'_> {
-    /// Writes into the file. It is not an error if the reader of a pipe closes it early.
+    /// Calls `put` with the writer of the file. It is not an error if the reader of a pipe closes the pipe early.
     fn put(&mut self, put: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
         let result = match &mut self.place {
             Place::Standard(stdout) => put(stdout),
@@ -149,8 +152,8 @@ impl Write for OutputWriter<'_> {
 }
 
 impl OutputWriter<'_> {
-    /// Renames the draft to its final name. Rejects an existing file if `is_ours` reports that palpate did not write
-    /// it.
+    /// Gives the complete file its final name. Rejects an existing file that palpate did not write, as `is_ours`
+    /// decides.
     pub(crate) fn end(mut self, is_ours: impl Fn(&Path) -> bool) -> Result<(), Failure> {
         let name = self.file.path.as_deref().unwrap_or(Path::new("-"));
         self.flush()

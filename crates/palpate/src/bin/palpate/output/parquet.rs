@@ -1,4 +1,4 @@
-//! Reads and writes tables in Parquet format. Each column has a type, and its unit is in the metadata.
+//! Reads and writes tables in Parquet format. The file's metadata contain the unit of each column.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -21,34 +21,35 @@ use parquet::record::Field;
 use parquet::schema::types::{Type, TypePtr};
 use polars_arrow_format::ipc::{self, planus};
 
-/// Number of rows that are collected before they are written as one row group.
+/// Number of rows in one row group of the file. Rows are collected in memory until a group is complete.
 const GROUP: usize = 1 << 16;
 /// Metadata key for the version of palpate that wrote a file.
 const VERSION_KEY: &str = "palpate_version";
 
-/// A table that is being written.
+/// Writes one table in Parquet format.
 pub(super) struct Writer<W: Write + Send> {
     file: SerializedFileWriter<W>,
     columns: Vec<(Column, Values)>,
     rows: usize,
 }
 
-/// Values of a column that are not written yet. A missing value has no entry here.
+/// Collected values of one column, which are not written yet.
 struct Values {
-    /// One number per row: 1 if the row has a value, otherwise 0.
+    /// One number per row: 1 if the row has a value, 0 if the value is missing. `present` contains only existing
+    /// values.
     levels: Vec<i16>,
     present: Present,
 }
 
 enum Present {
     Numbers(Vec<f64>),
-    /// Whole numbers. An unsigned number is stored as the signed number with the same bits.
+    /// Whole numbers. An unsigned number is stored with the same bits as a signed number.
     Whole(Vec<i64>),
     Texts(Vec<ByteArray>),
 }
 
 impl<W: Write + Send> Writer<W> {
-    /// Starts a table with these columns and no rows. `about` are entries for the metadata of the file.
+    /// Starts a table with these columns and no rows. `about` contains additional metadata entries.
     pub(super) fn new(sink: W, columns: Vec<Column>, about: &[(&str, String)]) -> io::Result<Self> {
         let version = (VERSION_KEY, env!("CARGO_PKG_VERSION").to_owned());
         let mut entries: Vec<(&str, String)> = vec![version];
@@ -127,7 +128,7 @@ impl<W: Write + Send> Writer<W> {
         Ok(())
     }
 
-    /// Finishes the table, and returns the sink that received it.
+    /// Writes the end of the table. Returns the sink into which the table was written.
     pub(super) fn end(mut self) -> io::Result<W> {
         if self.rows > 0 {
             self.write_group().map_err(plain)?;
@@ -136,7 +137,7 @@ impl<W: Write + Send> Writer<W> {
     }
 }
 
-/// A column with an empty list of values.
+/// A column with empty lists for its values.
 fn empty_column(column: Column) -> (Column, Values) {
     let present = match column.values {
         ColumnType::Number => Present::Numbers(Vec::new()),
@@ -148,7 +149,7 @@ fn empty_column(column: Column) -> (Column, Values) {
 }
 
 impl Values {
-    /// Adds the value of a field; an empty field is a missing value. Returns false if the text is not a value of the
+    /// Adds the value of a field; an empty field is a missing value. Returns false if the field does not have the
     /// column's type.
     fn push(&mut self, kind: ColumnType, field: &str) -> bool {
         self.levels.push(i16::from(!field.is_empty()));
@@ -181,9 +182,9 @@ fn added<T>(values: &mut Vec<T>, value: Option<T>) -> bool {
     is_value
 }
 
-/// Parses a whole number; the notation 1e7 is also accepted.
+/// Parses a whole number, also in a notation like 1e7.
 fn whole(field: &str) -> Option<i64> {
-    /// Largest number up to which `f64` represents every whole number exactly.
+    /// Largest number up to which `f64` can represent every whole number exactly.
     const MAX_EXACT: f64 = 9_007_199_254_740_992.0;
     let of_float = || {
         let number: f64 = field.parse().ok()?;
@@ -214,8 +215,8 @@ fn schema(columns: &[Column]) -> Result<TypePtr, ParquetError> {
 /// Metadata key for the unit of a column.
 const UNIT_KEY: &str = "unit";
 
-/// Metadata entry with the schema of the columns in Arrow's format, that is, the schema message of Arrow's stream
-/// format as base64. Programs that use Arrow read all metadata from this entry, so it repeats the other entries.
+/// Metadata entry with the columns' schema in Arrow's format (the schema message of Arrow's stream format, as base64).
+/// Programs that use Arrow read all metadata from this entry, so it repeats the other entries.
 fn arrow_schema(columns: &[Column], entries: &[(&str, String)]) -> (&'static str, String) {
     let entries = entries.iter().map(|(key, value)| key_value(key, value));
     let schema = ipc::Schema {
@@ -274,7 +275,7 @@ fn key_value(key: &str, value: &str) -> ipc::KeyValue {
     }
 }
 
-/// Converts an error to an I/O error that contains the message of its cause.
+/// Converts a Parquet error to an I/O error. The message is only that of the cause.
 fn plain(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(cause) => match cause.downcast::<io::Error>() {
@@ -285,7 +286,7 @@ fn plain(error: ParquetError) -> io::Error {
     }
 }
 
-/// Whether the file is a table with these columns that palpate wrote.
+/// Whether the file at `path` is a table with these columns, written by palpate.
 pub(super) fn is_table(path: &Path, columns: &[Column]) -> bool {
     let reader = File::open(path).map(SerializedFileReader::new);
     let Ok(Ok(reader)) = reader else {

@@ -1,4 +1,4 @@
-//! Writes files under temporary names until they are complete. The writing process holds a lock on them.
+//! Writes files under temporary names until they are complete. The process holds a lock on each temporary file.
 
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, BufWriter, ErrorKind, Seek, Write};
@@ -11,13 +11,13 @@ use tempfile::NamedTempFile;
 
 use super::manifest::{digest, digest_of, hexadecimal};
 
-/// Prefix of temporary file names; six letters or digits follow.
+/// Prefix of temporary file names; six random letters or digits follow.
 const PREFIX: &str = ".palpate-";
 const RANDOM: usize = 6;
-/// Largest number of symbolic links that are followed.
+/// Largest number of symbolic links that are followed from one path.
 const MAX_LINKS: usize = 40;
 
-/// Contents of a file to be written.
+/// New contents of a file.
 pub(crate) enum Contents<'a> {
     /// Bytes in memory.
     Bytes(&'a [u8]),
@@ -25,21 +25,21 @@ pub(crate) enum Contents<'a> {
     Draft(Draft),
 }
 
-/// Temporary file in the directory of its target. It is written in pieces.
+/// Temporary file for new contents that are written piece by piece. It is in the same directory as the final file.
 pub(crate) struct Draft {
     file: BufWriter<NamedTempFile>,
     sha256: Sha256,
     length: u64,
-    /// First bytes of the file, which identify its kind.
+    /// First bytes of the file, up to [`HEAD_BYTES`].
     head: Vec<u8>,
 }
 
-/// Number of first bytes that are stored to identify the kind of the file.
+/// Number of first bytes that a draft keeps in memory. They show which kind of file it is.
 const HEAD_BYTES: usize = 1 << 16;
 
 impl Draft {
-    /// Starts a draft in the directory of the file at `path`. If `path` is a symbolic link, this is the directory of
-    /// the link's target.
+    /// Starts a draft for the file at `path`, in the same directory. If `path` is a symbolic link, the draft is in the
+    /// directory of the link's target.
     pub(crate) fn new(path: &Path) -> Result<Self, Error> {
         let file = link_target(path).and_then(|target| locked_file(folder_of(&target)));
         let file = file.with_context(|| format!("cannot write {}", path.display()))?;
@@ -68,7 +68,7 @@ impl Write for Draft {
 }
 
 impl Contents<'_> {
-    /// First bytes of the draft, which identify the kind of the file.
+    /// First bytes of the new contents. They show which kind of file it is.
     pub(crate) fn head(&self) -> &[u8] {
         match self {
             Self::Bytes(bytes) => bytes,
@@ -84,7 +84,8 @@ impl Contents<'_> {
         }
     }
 
-    /// Whether the file at `path` has exactly these contents, is empty, or is missing.
+    /// Whether the file at `path` may be replaced without loss: it has exactly these contents, is empty, or is
+    /// missing.
     pub(crate) fn are_in(&self, path: &Path) -> bool {
         match self {
             Self::Bytes(bytes) => holds(path, bytes),
@@ -97,30 +98,30 @@ impl Contents<'_> {
     }
 }
 
-/// Whether the file at `path` has exactly these contents, is empty, or is missing.
+/// Whether the file at `path` may be replaced without loss: it has exactly these contents, is empty, or is missing.
 pub(crate) fn holds(path: &Path, contents: &[u8]) -> bool {
     let length = fs::metadata(path).map_or(0, |found| found.len());
     length == 0
         || length == contents.len() as u64 && fs::read(path).is_ok_and(|known| known == contents)
 }
 
-/// Complete file that still has a temporary name.
+/// File that is complete but still has a temporary name.
 pub(crate) struct StagedFile<'a> {
-    /// Path of the file, as messages show it.
+    /// Path of the final file, for messages.
     shown: PathBuf,
     place: Place<'a>,
 }
 
 enum Place<'a> {
-    /// Temporary file, and the final path after all symbolic links are resolved.
+    /// Temporary file, and the path of the final file with all symbolic links resolved.
     File(NamedTempFile, PathBuf),
-    /// Contents for a pipe, a device or an open file.
+    /// Contents that will be written directly into a pipe, a device or an open file.
     Stream(Contents<'a>),
 }
 
 impl<'a> StagedFile<'a> {
-    /// Writes the contents to a temporary file in the directory of `path`; if `path` is a symbolic link, in the
-    /// directory of its target. Contents for pipes and devices are not written yet.
+    /// Writes the contents to a temporary file in the directory of `path`. If `path` is a symbolic link, the directory
+    /// of its target is used. If `path` is a pipe or a device, [`Self::persist`] writes the contents later.
     pub(crate) fn new(path: &Path, contents: Contents<'a>) -> Result<Self, Error> {
         let shown = path.to_owned();
         if is_stream(path) {
@@ -147,7 +148,7 @@ impl<'a> StagedFile<'a> {
     }
 
     /// Renames the file to its final name, or writes into the pipe or device. It is not an error if the reader of a
-    /// pipe closes it early.
+    /// pipe closes the pipe early.
     pub(crate) fn persist(self) -> Result<(), Error> {
         let Self { shown, place } = self;
         let cannot = || format!("cannot write {}", shown.display());
@@ -179,7 +180,7 @@ impl<'a> StagedFile<'a> {
     }
 }
 
-/// Whether a path names a pipe, a device or an open file. Palpate writes into such files and does not replace them.
+/// Whether a path names a pipe, a device or an open file. Palpate writes into such a path instead of replacing it.
 pub(crate) fn is_stream(path: &Path) -> bool {
     let is_descriptor = |folder: &Path| {
         folder == Path::new("/dev/fd") || folder.starts_with("/proc") && folder.ends_with("fd")
@@ -216,7 +217,7 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Removes temporary files of processes that ended, that is, temporary files that no process has locked.
+/// Removes temporary files that ended processes left in a directory. No process holds the lock of such a file.
 pub(crate) fn remove_abandoned(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     for entry in entries {
@@ -238,14 +239,13 @@ pub(crate) fn remove_abandoned(folder: &Path) {
     }
 }
 
-/// Whether the path `path` still leads to this open file.
+/// Whether the file at `path` is still this open file. Another process may have renamed or removed it.
 pub(crate) fn is_named(file: &File, path: &Path) -> bool {
     let open = file.try_clone().and_then(Handle::from_file);
     matches!((open, Handle::from_path(path)), (Ok(open), Ok(named)) if open == named)
 }
 
-/// Creates a temporary file with a lock. The lock prevents other processes from removing the file while this process
-/// lives.
+/// Creates a temporary file and locks it. The lock shows other processes that the file is still in use.
 fn locked_file(folder: &Path) -> io::Result<NamedTempFile> {
     loop {
         let file = tempfile::Builder::new()
@@ -261,7 +261,7 @@ fn locked_file(folder: &Path) -> io::Result<NamedTempFile> {
     }
 }
 
-/// Target of the symbolic links at a path; the target may be missing.
+/// The path to which the symbolic links at `path` lead. No file needs to exist there.
 fn link_target(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MAX_LINKS {
@@ -273,8 +273,8 @@ fn link_target(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many symbolic links"))
 }
 
-/// Gives a file the permissions of the file that it replaces. A file that replaces none becomes readable by all users,
-/// because temporary files are readable only by their owner.
+/// Gives a new file the permissions `known` of the file that it replaces. Without an old file, the new file becomes
+/// readable for all users. A temporary file, as created by `tempfile`, is readable only for its owner.
 #[cfg(unix)]
 fn set_readable(file: &File, known: Option<Permissions>) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt;

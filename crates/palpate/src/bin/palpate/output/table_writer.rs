@@ -14,7 +14,7 @@ use super::output_dir::begins_as;
 use super::parquet;
 use crate::failure::Failure;
 
-/// Writer of a table in one of the two formats, CSV or Parquet.
+/// Writes a table row by row, as CSV or Parquet.
 pub(crate) struct TableWriter<W: Write + Send> {
     /// Name of the table, for messages.
     name: String,
@@ -28,7 +28,7 @@ enum Sink<W: Write + Send> {
 }
 
 impl<W: Write + Send> TableWriter<W> {
-    /// Starts a table with these columns. `about` are entries for the metadata of the file.
+    /// Starts a table with these columns. `about` contains metadata entries for a Parquet file.
     pub(crate) fn new(
         name: impl Into<String>,
         mut sink: W,
@@ -70,7 +70,7 @@ impl<W: Write + Send> TableWriter<W> {
         written.map_err(|error| cannot(error, &self.name))
     }
 
-    /// Finishes the table, and returns the sink that received it.
+    /// Writes the end of the table. Returns the sink into which the table was written.
     pub(crate) fn end(self) -> Result<W, Failure> {
         match self.sink {
             Sink::Csv(sink) => Ok(sink),
@@ -85,7 +85,7 @@ fn cannot(error: io::Error, name: &str) -> Failure {
     Failure::work(error.context(format!("cannot write {name}; the same command tries again")))
 }
 
-/// Whether a file is a table with these columns that palpate wrote.
+/// Whether the file at `path` is a table with these columns, written by palpate.
 pub(crate) fn is_table(path: &Path, format: Format, columns: &[Column]) -> bool {
     match format {
         Format::Csv => begins_as(path, header(columns).as_bytes()),

@@ -1,4 +1,4 @@
-//! A run with a journal: records its finished cells, resumes after an interruption, and stops cleanly when a signal
+//! A run that records its finished cells in a journal. It resumes after an interruption, and stops when a signal
 //! arrives.
 
 use std::ops::ControlFlow;
@@ -19,7 +19,7 @@ use crate::output::Lock;
 use crate::output::names::JOURNAL;
 use crate::progress::Progress;
 
-/// A run with its journal.
+/// A run, and the journal that it writes.
 pub(super) struct JournalRun<'s, 'a> {
     simulation: &'s Simulation<'a>,
     journal: Journal,
@@ -27,16 +27,16 @@ pub(super) struct JournalRun<'s, 'a> {
     warnings: Warnings,
     /// Number of finished tasks.
     tasks: u64,
-    /// CSV text of the unfinished cell's rows in the table of trials that are not yet in the journal.
+    /// Rows of the unfinished cell in the table of trials, as CSV text. They are not in the journal yet.
     rows: String,
     is_shared: bool,
 }
 
-/// Pending rows of the table of trials are written to the journal when they have more than this number of bytes.
+/// Pending rows of the table of trials are written to the journal when they exceed this size, bytes.
 const MAX_PENDING_BYTES: usize = 1 << 20;
 
 impl<'s, 'a> JournalRun<'s, 'a> {
-    /// Starts a journal, or resumes the journal that was found.
+    /// Starts a new journal, or continues the journal `found` of an interrupted run.
     pub(super) fn begin(
         simulation: &'s Simulation<'a>,
         out: &Path,
@@ -101,7 +101,7 @@ impl<'s, 'a> JournalRun<'s, 'a> {
         self.journal.cell(record)
     }
 
-    /// Runs the remaining tasks.
+    /// Runs the tasks that are not finished yet.
     pub(super) fn run(mut self) -> Result<(Totals, Warnings), Failure> {
         let simulation = self.simulation;
         let all = simulation.trials();
@@ -163,7 +163,7 @@ impl<'s, 'a> JournalRun<'s, 'a> {
         }
     }
 
-    /// Stores the output of a task: rows of the table of trials, or the result of a cell.
+    /// Stores one output of the task `number`: rows of the table of trials, or the results of the finished cell.
     fn take(&mut self, number: u64, taken: SweepOutput<CellRecord>) -> Result<(), anyhow::Error> {
         match taken {
             SweepOutput::TrialRows(rows) => {
@@ -185,7 +185,8 @@ impl<'s, 'a> JournalRun<'s, 'a> {
     }
 }
 
-/// The journal that the run resumes; `None` if there is none. Rejects the journal of a different run.
+/// The journal of an interrupted run that this run can resume; `None` if the directory has none. Returns an error if
+/// the journal belongs to a different run.
 pub(super) fn journal_to_resume(
     out: &Path,
     request: &RunRequest,
@@ -251,7 +252,7 @@ pub(super) fn journal_to_resume(
     )))
 }
 
-/// Text with the first lines in which two configs differ.
+/// Text with the lines that are only in the old config or only in the new config; at most 8 lines.
 pub(crate) fn difference(old: &str, new: &str) -> String {
     const MAX_LINES: usize = 8;
     let only = |sign: char, text: &str, other: &str| {
@@ -279,8 +280,8 @@ pub(crate) fn difference(old: &str, new: &str) -> String {
     text
 }
 
-/// Handlers of Ctrl-C and of `SIGTERM`, the signal by which job schedulers end a job. A second signal ends the process
-/// at once.
+/// Handlers of the signals `SIGINT` (Ctrl-C) and `SIGTERM` (sent by job schedulers). The first signal stops the run
+/// cleanly; a second signal ends the process at once.
 struct Signals {
     stop: Arc<AtomicBool>,
     signal: Arc<AtomicUsize>,
@@ -288,7 +289,7 @@ struct Signals {
 }
 
 impl Signals {
-    /// Installs the handlers.
+    /// Installs the signal handlers.
     fn new() -> Result<Self, Failure> {
         let stop = Arc::new(AtomicBool::new(false));
         let signal = Arc::new(AtomicUsize::new(0));
@@ -313,12 +314,12 @@ impl Signals {
         })
     }
 
-    /// Flag that the first signal sets.
+    /// Flag that becomes true when the first signal arrives.
     fn stop(&self) -> &AtomicBool {
         &self.stop
     }
 
-    /// Exit status of a process that was stopped by the signal that arrived.
+    /// Exit status for a run that the signal stopped: 128 plus the number of the signal.
     fn status(&self) -> u8 {
         128 + self.signal.load(Ordering::Relaxed) as u8
     }

@@ -1,4 +1,4 @@
-//! Writes the tables of a run from its journal, or from the journals of its shards.
+//! Writes the tables of a run. Their rows come from the journal of the run, or from the journals of its shards.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use crate::output::{
 };
 use crate::results::{trace_failure, trace_files};
 
-/// Names of the files, besides its config, that a run of the study may write.
+/// Names of the files that a run of the study may write, except its config and its journal.
 pub(crate) fn output_names(study: &Study, format: Format) -> Vec<&'static str> {
     let [cells, failures, map] = format.tables();
     let mut names = vec![NEXT_CONFIG, cells, failures];
@@ -32,15 +32,15 @@ pub(crate) fn output_names(study: &Study, format: Format) -> Vec<&'static str> {
     names
 }
 
-/// The file for the table of trials.
+/// The file that `--trials-out` names, for the table of trials.
 pub(crate) struct TrialsOut {
     file: OutputFile,
     format: Format,
 }
 
 impl TrialsOut {
-    /// The file of `--trials-out` for a run that writes into `out`. Rejects the path of another output file of the run,
-    /// and a path that cannot be written.
+    /// Output file at the path of `--trials-out`, for a run that writes its other files into the directory `out`.
+    /// Rejects a path that cannot be written, and the path of another output file of the run.
     pub(crate) fn new(
         path: &Path,
         default: Format,
@@ -55,7 +55,7 @@ impl TrialsOut {
         Ok(Self { file, format })
     }
 
-    /// Rejects an existing file that is not a table of trials.
+    /// Rejects an existing file that is not a table of trials written by palpate.
     pub(crate) fn refuse_other(&self, simulation: &Simulation<'_>) -> Result<(), Failure> {
         let [.., columns] = simulation.columns();
         let columns = columns.unwrap_or_default();
@@ -82,7 +82,7 @@ impl TrialsOut {
     }
 }
 
-/// Writer of the table of trials.
+/// Writes the table of trials.
 struct TrialsTable<'s> {
     output: &'s TrialsOut,
     table: TableWriter<OutputWriter<'s>>,
@@ -96,7 +96,7 @@ impl TrialsTable<'_> {
     }
 }
 
-/// Rejects a path of `--trials-out` that is the path of another output file of the run.
+/// Rejects a path of `--trials-out` at which the run writes another file.
 fn refuse_own(path: &Path, out: &Path, study: &Study) -> Result<(), Failure> {
     let [own, dir] = [folder_of(path), out].map(|dir| {
         // If the directory does not exist, its path cannot be canonicalised, so use its absolute path.
@@ -119,7 +119,7 @@ fn refuse_own(path: &Path, out: &Path, study: &Study) -> Result<(), Failure> {
     }
 }
 
-/// Trace files of a cell, if the config requests a trace.
+/// Names and contents of a cell's trace files; empty if the config does not request a trace.
 pub(crate) fn requested_trace(
     study: &Study,
     cell: usize,
@@ -131,9 +131,9 @@ pub(crate) fn requested_trace(
     trace_files(&trace)
 }
 
-/// Unfinished tables of a run.
+/// Tables of a run that are not complete yet.
 pub(crate) struct Drafts<'s> {
-    /// Tables with their names, in the order in which the records of the journal contain their rows.
+    /// Name and writer of each table: cells, failures and map. A journal record contains rows in the same order.
     tables: [(&'static str, Option<TableWriter<Draft>>); 3],
     trials: Option<TrialsTable<'s>>,
 }
@@ -142,7 +142,8 @@ pub(crate) struct Drafts<'s> {
 type Tables = Vec<(&'static str, Draft)>;
 
 impl<'s> Drafts<'s> {
-    /// Starts the tables of a simulation. The table of trials is a separate file.
+    /// Starts the tables of a simulation. The table of trials is separate from the other tables, because it may be in
+    /// another directory.
     pub(crate) fn new(
         folder: &LockedDir,
         simulation: &Simulation<'_>,
@@ -232,7 +233,7 @@ fn merge_records(
     }
 }
 
-/// Renames the tables of a run to their final names, and writes its other files.
+/// Gives the tables of a run their final names, and writes the run's config, trace and warnings.
 pub(crate) fn write_results(
     folder: &mut LockedDir,
     tables: Tables,

@@ -52,7 +52,7 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     out.print(&lines.join("\n"))
 }
 
-/// Estimates the camera from a frame at rest.
+/// Estimates position, rotation and scale of a camera from a frame at rest.
 fn camera(args: &CalibrateArgs, rest: &PathBuf, layout: &PathBuf) -> Result<(), Failure> {
     let out = OutputFile::new("--out", &args.out, Guard::new([rest, layout], args.force))?;
     let study = config::load(layout).map_err(Failure::usage)?;
@@ -75,7 +75,8 @@ fn camera(args: &CalibrateArgs, rest: &PathBuf, layout: &PathBuf) -> Result<(), 
     out.print(&lines.join("\n"))
 }
 
-/// The frame of an image file, whose pixels are linear in the light or encoded by sRGB.
+/// Reads a frame from an image file. If `srgb` is true, its sRGB pixels are converted to pixels that are linear in the
+/// light.
 pub(super) fn read_frame(path: &Path, srgb: bool) -> Result<Frame, Failure> {
     let frame = RecordedFile::read(path).and_then(|file| parse_frame(&file));
     let frame = frame.map_err(Failure::work)?;
@@ -91,7 +92,7 @@ fn is_frame(path: &Path) -> bool {
     )
 }
 
-/// Whether the inputs are camera frames instead of tables. Rejects options that have no effect on such inputs.
+/// Whether the inputs are camera frames (true) or tables. Rejects options that have no effect on this kind of input.
 fn shows_frames(args: &CalibrateArgs) -> Result<bool, Failure> {
     let refuse = |message: String| Err(Failure::Usage(anyhow!(message)));
     let frames = args.inputs.iter().filter(|path| is_frame(path)).count();

@@ -88,7 +88,8 @@ fn summary(counts: &TrackCounts, out: &Path) -> String {
     )
 }
 
-/// Method of reading frames that the arguments state; `None` if the arguments state no method.
+/// Chooses how the pressed frame is evaluated: by a fit to its pixels, or with a calibration. `None` if the arguments
+/// state neither.
 fn reader(args: &TrackArgs) -> Result<Option<FrameReader>, Failure> {
     let like = Like::of(&args.sensor.like)?;
     let study = like.as_ref().map(|like| &like.config);
@@ -103,7 +104,7 @@ fn reader(args: &TrackArgs) -> Result<Option<FrameReader>, Failure> {
     }
 }
 
-/// Name of a flag that has an effect only with a calibration, if such a flag was given.
+/// Name of the first given flag that has an effect only with a calibration; `None` if no such flag was given.
 fn of_calibration(args: &TrackArgs) -> Option<String> {
     let given = [
         ("--like", args.sensor.like.like.is_some()),
@@ -118,7 +119,7 @@ fn of_calibration(args: &TrackArgs) -> Option<String> {
         .or_else(|| args.sensor.estimator.flag())
 }
 
-/// Options of a fit in the image.
+/// Options of the fit of a press to the camera frames (`--method image`).
 fn pictures(args: &TrackArgs, like: Option<&Like>) -> Result<PictureOptions, Failure> {
     if args.px_per_rad.is_some() {
         return Err(Failure::Usage(anyhow!(
