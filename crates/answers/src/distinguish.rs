@@ -66,7 +66,7 @@ pub fn distinguish(
     if cells > MAX_CELLS {
         return Err(AnswerError::TooManyCells(cells));
     }
-    // Check the quantity before the objects, so that a wrong quantity is reported first.
+    // Check the quantity before the objects. If both are wrong, the error about the quantity is reported.
     let first = study.cell(0)?.config.scene;
     let (_, compared) = place_of(quantities_of(&first), first.kind(), quantity)?;
     let layout = grouped(study)?;

@@ -32,7 +32,8 @@ impl Field {
         vary: &Vary,
     ) -> Result<Self, AnswerError> {
         let path = vary.path.clone();
-        // Set the fixed fields first, because their values may determine which type of value this field accepts.
+        // Set the fixed fields first, because their values may determine whether the varied field accepts numbers,
+        // texts or tables.
         let takes = study.varied(fixed)?.takes(&path);
         let no_range = |why| {
             let path = path.clone();
@@ -67,7 +68,7 @@ impl Field {
             listed,
             span,
         };
-        // This call returns an error if the path is unknown, or if the field does not accept its first value.
+        // `Study::varied` returns an error if the path is unknown, or if the field does not accept its first value.
         let varied = study.varied(&[fixed, &[field.fixed_at(field.first())]].concat())?;
         field.column = varied.columns.last().cloned().unwrap_or_default();
         field.label = Label::of_field(&field.column);

@@ -153,7 +153,8 @@ impl Region {
         }
         let points = || self.columns.iter().flat_map(|column| &column.points);
         let decided = |cell: &usize| points().filter(|point| point.worst == *cell).count();
-        // The order is reversed so that, of several cells that decide the same number of values, the first is used.
+        // `max_by_key` returns the last of several equal maxima. The order of the cells is reversed, so that the result
+        // is the first of them.
         let worst = (0..self.cells.len()).rev().max_by_key(decided);
         let settings = settings_in_words(&self.cell_columns, &self.cells[worst.unwrap_or(0)]);
         format!("; the worst cell is mostly {settings}")

@@ -159,8 +159,8 @@ impl SceneTarget {
             Bound::AtMost => estimate.at_most(limit),
             Bound::AtLeast => estimate.at_least(limit),
         };
-        // For the size of an error, compare the logarithms of the statistic and the limit, because the logarithm is
-        // closer to normally distributed.
+        // An error statistic is positive, and its logarithm is closer to normally distributed than the statistic
+        // itself. Therefore compare the logarithms of the statistic and of the limit.
         let logs = match statistic.is_size() && limit > 0.0 {
             true => estimate.map(libm::log),
             false => None,
@@ -174,9 +174,9 @@ impl SceneTarget {
         if !(is_share && limit > 0.0 && limit < 1.0) {
             return score;
         }
-        // If the share of correct places is the same in all batches, its estimated standard error is 0, although the
-        // true share may differ. Therefore a second score is computed from the number of trials, and the less certain
-        // of the two scores is used.
+        // A share, such as a coverage, may be the same in all batches. Then its standard error estimated from the batches
+        // is 0, although the true share may differ. Therefore a second score is computed from the number of trials, and
+        // the less certain of the two scores is used.
         let (share, limit) = match bound {
             Bound::AtMost => (estimate.value, limit),
             Bound::AtLeast => (1.0 - estimate.value, 1.0 - limit),
@@ -209,8 +209,7 @@ fn of_summary(summary: &Summary, statistic: Statistic) -> Option<f64> {
         Statistic::Coverage50 => summary.coverage50,
         Statistic::Coverage80 => summary.coverage80,
         Statistic::Coverage95 => summary.coverage95,
-        // These statistics cannot be targets, because they do not depend on the trials or do not describe the
-        // estimates.
+        // These statistics cannot be targets: they do not depend on the trials, or they do not describe the estimates.
         Statistic::Truth | Statistic::Trials | Statistic::Failures | Statistic::StdBound => None,
     }
 }

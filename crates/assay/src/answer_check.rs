@@ -260,7 +260,7 @@ mod tests {
             (0.399, many, false),
             (0.519, many, true),
             (0.521, many, false),
-            // A standard error of 0.005 and a half-width of 0.02 give a combined half-width of 0.0223.
+            // At 10,000 pairs, the standard error is 0.005. Combined with the half-width 0.02, the tolerance is 0.0223.
             (0.522, 10_000, true),
             (0.5225, 10_000, false),
         ] {

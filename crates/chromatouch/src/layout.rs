@@ -198,7 +198,7 @@ fn in_grid(pitch: f64, size: [f64; 2], sensor_radius: f64) -> Result<Vec<[f64; 2
         let good = (0.0..=1e300).contains(&length);
         LayoutError::unless(good, setting, length, "at least 0 and at most 1e300")?;
     }
-    // Without the small term, rounding errors could remove the last marker of a row.
+    // Without the small term 1e-9, rounding errors could remove the last marker of a row.
     let [columns, rows] = size.map(|length| (length / pitch + 1e-9).floor());
     few_enough((columns + 1.0) * (rows + 1.0))?;
     let corner = 0.5 * pitch * libm::hypot(columns, rows);
@@ -328,7 +328,7 @@ mod tests {
                 "{cap_deg}: {within}, {expected}"
             );
         }
-        // Neighbouring markers are never much closer than the pitch.
+        // The distance between neighbouring markers is never below 0.7 times the pitch.
         let nearest = places.iter().enumerate().map(|(one, [x, y])| {
             let others = places.iter().enumerate().filter(|(other, _)| *other != one);
             others

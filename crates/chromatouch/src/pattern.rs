@@ -207,7 +207,7 @@ mod tests {
                 );
                 let half_width = PI * shrunk / f64::from(gores);
                 assert!(flat.across.abs() <= half_width + 1e-12);
-                // The gores do not overlap on the flat sheet, because each stays within its angular share of the full
+                // The gores cannot overlap on the flat sheet, because each gore stays within its share of the full
                 // turn.
                 let [x, y] = flat.assembled;
                 assert_relative_eq!(

@@ -176,8 +176,8 @@ impl BatchEstimates {
     #[inline(always)]
     pub(crate) fn determined(&self, count: usize) -> usize {
         let all = &self.is_determined[..count.min(BATCH_SIZE)];
-        // Compare the sum with the number of estimates before searching, because nearly always all estimates are
-        // determined.
+        // Nearly always, all estimates are determined. This is the case if the sum of the flags equals their number,
+        // which is faster than a search.
         match all.iter().sum::<u64>() as usize {
             sum if sum == all.len() => sum,
             _ => all.iter().take_while(|&&one| one == 1).count(),

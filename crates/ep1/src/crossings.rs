@@ -93,8 +93,8 @@ pub(crate) fn crossings(
             .fold(0.0, f64::max);
         for normal in cell.normals() {
             let distance = normal.dot(&between);
-            // On squares, the contact crosses each edge between the columns and rows of both pads. On hexagons, only
-            // the edge across the largest distance is surely crossed.
+            // On square pads, the contact surely crosses each edge between the columns and between the rows of both
+            // pads. On hexagonal pads, it surely crosses only the edge across which the two pads are farthest apart.
             let is_crossed = match pairs {
                 2 => distance > 0.5 * pitch,
                 _ => distance > furthest - 1e-6 * pitch && distance > 0.5 * pitch,
@@ -161,7 +161,8 @@ fn rotation_at_change(
         change = slope * (high.time_s - low.time_s);
         variance = std * std * (1.0 / count + time * time / square);
     }
-    // An edge along the path is crossed slowly. The direction of the path limits the accuracy of such a crossing.
+    // If the path is nearly parallel to the edge, the contact crosses the edge slowly. Then the uncertain direction of
+    // the path limits the accuracy of the crossing.
     let change = drive_of(&change);
     let width = libm::hypot(change.dot(across), MIN_WIDTH * change.norm());
     (rotation, (variance + width * width / 12.0).sqrt())

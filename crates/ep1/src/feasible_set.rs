@@ -80,7 +80,7 @@ impl FeasibleSet {
 
     /// The point of the set that is furthest in `direction`, by the dual simplex method. `None` if the set is empty.
     pub(crate) fn furthest(&self, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
-        // The first basis consists of three sides of a box.
+        // Start the dual simplex method with three sides of a large box as the basis.
         let mut basis = Matrix3::from_diagonal(&direction.map(|part| 1.0_f64.copysign(part)));
         let mut slacks = Vector3::repeat(OPEN);
         let mut inverse = basis;
@@ -97,7 +97,7 @@ impl FeasibleSet {
                 return Some(point);
             };
             let (form, slack) = self.rows[entering];
-            // Multipliers of the basis rows, and of the entering row.
+            // `multipliers` are those of the three basis rows. `shares` express the entering row in the basis rows.
             let multipliers = inverse.tr_mul(direction);
             let shares = inverse.tr_mul(&form);
             let mut leaving = (f64::INFINITY, None);

@@ -95,7 +95,8 @@ impl LeastSquares {
             return Err(Ep1Error::OutOfRange);
         }
         spans(rotations.len(), &gram)?;
-        // The errors of measured rotations increase the sum of the squared rotations by their variance.
+        // `added` is the part of the sum of squared rotations that comes from errors of the measured rotations.
+        // Subtract it, because it would bias the estimate.
         let added = noise.rotation_std_rad * noise.rotation_std_rad * rotations.len() as f64;
         let share = added / gram.least();
         if share > MAX_NOISE_SHARE {
@@ -353,7 +354,8 @@ fn spans(probes: usize, gram: &Symmetric) -> Result<(), Ep1Error> {
     if probes < 2 {
         return Err(Ep1Error::TooFewProbes { probes });
     }
-    // The ratio of the smaller to the larger eigenvalue is between `det/trace²` and four times `det/trace²`.
+    // The bound uses det/trace² instead of the ratio of the smaller to the larger eigenvalue. This ratio is between
+    // det/trace² and four times det/trace².
     let trace = gram.uu + gram.vv;
     let determinant = gram.determinant();
     if determinant > SMALLEST_SPREAD * SMALLEST_SPREAD * trace * trace {

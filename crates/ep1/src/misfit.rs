@@ -86,8 +86,8 @@ impl Estimate {
         }
         let tested = match is_stated {
             true => noise,
-            // Without a stated noise, residuals are only compared with each other, so any value of the noise gives the
-            // same result.
+            // Without a stated noise, the test compares residuals only with each other. Then any value of the noise
+            // gives the same result.
             false => ReadingNoise {
                 shift_std: residual,
                 ..noise
@@ -159,7 +159,8 @@ impl<'r> Refit<'r> {
             chi_squared: 0.0,
             freedom: 0,
         };
-        // The rounding error of the first contact is distributed uniformly over a pad. Without pads, it is zero.
+        // At the first contact, the rounding error of the pads is uniformly distributed over one pad. Without pads, it
+        // is zero.
         let start = noise.shift_resolution * estimate.probe_curvature / (12.0_f64.sqrt() * least);
         let per_start = start.max(SINGULAR).powi(-2);
         let mut information = Unknowns::zeros();

@@ -68,7 +68,8 @@ pub(crate) fn pad_edge_set(
             mobility_range *= WIDER;
             continue;
         };
-        // The distribution is narrower than the set, and its correlations are those of the fit.
+        // First guess of the distribution: its standard deviations are a fixed share of the half-widths of the set, and
+        // its correlations are those of the fit.
         let scale = half_widths.zip_map(&fit.covariance.diagonal(), |half_width, variance| {
             STD_OF_HALF_WIDTH * half_width / variance.sqrt()
         });
@@ -155,8 +156,9 @@ impl Linearised<'_> {
             true => [0.0; 2],
             false => self.start_range(&rows),
         };
-        // Rows are linear in the start and in the mobility. The start couples rows of different edges. This coupling and
-        // the squares of the changes widen the rows. The range of the start is wider at other mobilities of the set.
+        // Each row is linear in the start and in the mobility, so the products and squares of their changes are
+        // missing. Widen the row by an upper bound of the missing terms. At other mobilities of the set, the range of
+        // the start is wider.
         let drives = path.iter().map(|at| (relative * at.x).norm());
         let longest = match is_start_known {
             true => 0.0,
@@ -170,7 +172,7 @@ impl Linearised<'_> {
             row.omitted = 0.5 * length * start_range * start_range
                 + 0.5 * (length + offset) * start_range * path_range
                 + 0.5 * (length + offset) * path_range * path_range
-                // The mobility also bends the path, because it turns the contact frame.
+                // The mobility also turns the contact frame, which bends the path.
                 + length * length * path_range / 12.0;
             if !is_start_known {
                 let [along_u, along_v] = [coupling.x.abs(), coupling.y.abs()];

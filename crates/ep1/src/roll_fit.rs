@@ -176,7 +176,8 @@ impl<const N: usize> RollFit<N> {
                         + crossing.gap * crossing.gap / 12.0;
                     let normal = crossing.normal;
                     let weight = normal * normal.transpose() / variance;
-                    // The error of a single crossing is too small to attenuate the estimate.
+                    // Errors of measured rotations bias the estimate, but the error of a single crossing is too small
+                    // for this. So it is not corrected.
                     (normal * residual, weight, Vector2::zeros(), 1)
                 }
                 Observation::Contact(contact, samples) => {
@@ -185,8 +186,9 @@ impl<const N: usize> RollFit<N> {
                     let own = noise.contact_std * noise.contact_std / samples + rounded * rounded;
                     let square = by_drive * by_drive.transpose();
                     let (mut weight, mut error) = (Matrix2::zeros(), Vector2::zeros());
-                    // The noise is relative to the true rotation. A weight from the measured rotation would depend on
-                    // its error, and would bias the estimate.
+                    // The noise is relative to the true rotation, so the weight is computed from the corrected
+                    // rotation. A weight computed from the measured rotation would depend on its error and bias the
+                    // estimate.
                     for _ in 0..2 {
                         let size = (relative * (at.x + at.mobility * error)).norm();
                         let relative_std = noise.relative_sample_std * size;
@@ -228,7 +230,8 @@ impl<const N: usize> RollFit<N> {
             chi_squared += residual.dot(&weighted);
             count += rows;
         }
-        // A known start and a known error are fixed by their weights.
+        // The prior weights of the start and of the error are so large for known values that the fit does not change
+        // them.
         let prior = 1.0 / (roll.start_std * roll.start_std);
         let error_prior = match knows_error {
             true => 1.0,
@@ -302,22 +305,25 @@ impl<const N: usize> SeriesFit<N> {
             let mut change = step.amax();
             for state in &mut fit.rolls {
                 let own = state.step * share + state.response * step;
-                // The start stays near the readings even if the first guess of the shape is bad.
+                // Each roll adds its own change of its start and its error to the largest change.
                 change = change.max(own.amax());
                 state.start += own.fixed_rows::<2>(0);
                 state.error += own.fixed_rows::<2>(2);
             }
-            // Newton's decrement is the squared distance from the minimum, in standard errors.
+            // Newton's decrement is the squared distance of the estimate from the minimum, in units of the standard
+            // errors.
             let scale = fit.chi_squared / fit.freedom.max(1) as f64;
             let decrement = gradient.dot(&full) / scale.clamp(f64::MIN_POSITIVE, 1.0);
-            // Rounding errors and weights that depend on the result can keep the last digits moving.
+            // The changes may stop decreasing before they are below the tolerance, because of rounding errors and of
+            // weights that depend on the result.
             let is_settled = change < SETTLED && change > 0.5 * last_change;
             if change < tolerance || is_settled || (share == 1.0 && decrement < DECREMENT) {
                 return fit.chi_squared.is_finite().then_some(fit);
             }
             last_change = change;
         }
-        // Rolls that contradict each other can keep a rough fit moving. It is still a place to begin a search.
+        // If rolls contradict each other, the fit may not converge. With a rough tolerance, the result is still good
+        // enough as the start of a search.
         (tolerance >= ROUGH && fit.chi_squared.is_finite()).then_some(fit)
     }
 

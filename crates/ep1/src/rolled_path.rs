@@ -164,7 +164,8 @@ impl RollRotations {
                 path.push(at);
                 continue;
             }
-            // Parallel rotation vectors are subtracted, which is exact and faster than a product of quaternions.
+            // If two rotation vectors are parallel, their difference is exact, and faster to compute than a product of
+            // quaternions.
             let across = last.cross(rotation).norm_squared();
             let scale = last.norm_squared() * rotation.norm_squared();
             let step = match across <= 1e-24 * scale {
@@ -202,7 +203,7 @@ impl PathPoint {
         let step = drive - drive_of(last);
         let middle = last + Vector3::new(step.y, -step.x, 0.0) * 0.5;
         let frame = self.frame * rolled(&(self.mobility * step * 0.5));
-        // Derivative of the rotation vector with respect to a rotation of the body.
+        // `slopes` is the derivative of the rotation vector with respect to a small rotation of the body.
         let cross = middle.cross_matrix();
         let square = middle.norm_squared();
         let of_square = 1.0 / 12.0 + square * (1.0 / 720.0 + square / 30_240.0);
@@ -341,7 +342,7 @@ impl StartFrame {
         let by_start = self
             .turns
             .map(|turn| in_chart(&(self.frame * turn.cross(&local))));
-        // A displacement across a straight path is shorter on a sphere than on a plane.
+        // A displacement across the path is shorter on a sphere than on a plane, by the factor `narrow`.
         let length = at.x.norm();
         let (along, narrow) = match length < 1e-6 {
             true => (Vector2::x(), 1.0),

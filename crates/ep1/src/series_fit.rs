@@ -133,8 +133,8 @@ impl<'r> Problem<'r> {
             if let Some(set) = pad_edge_set(&all, &data, &first, pitch, cell) {
                 return self.of_set(set, &first);
             }
-            // No mobility agrees with all rolls. Leave out one roll, beginning with the roll whose crossings contradict
-            // the others most.
+            // If no mobility agrees with all rolls, leave out one roll. Start with the roll whose crossings contradict
+            // the other rolls most.
             self.p_values(&data, &first);
             let mut order: Vec<usize> = (0..data.len()).collect();
             let p_value = |at: &usize| self.reports[data[*at].roll].p_value.unwrap_or(1.0);
@@ -272,7 +272,8 @@ impl<'r> Problem<'r> {
     fn p_values<const N: usize>(&mut self, data: &[RollData], fit: &SeriesFit<N>) -> Option<usize> {
         let longest = fit.rolls.iter().map(|roll| roll.length).fold(0.0, f64::max);
         let residual = (fit.chi_squared / fit.freedom.max(1) as f64).sqrt();
-        // Without a stated noise, small residuals are errors of the model.
+        // If the noise is not stated and the residuals are very small, they are errors of the model and not noise. Then
+        // no roll is an outlier.
         if !self.is_noise_stated() && residual < MIN_RESIDUAL * longest {
             return None;
         }
@@ -311,7 +312,9 @@ impl<'r> Problem<'r> {
         let mut all = vec![self.candidate(data, &first, 1)];
         self.more_terms::<7>(data, noise, &mut shape, &mut all);
         self.more_terms::<12>(data, noise, &mut shape, &mut all);
-        // A symmetric object has no odd derivatives. Only if neither of two terms helps, more terms will not.
+        // On a symmetric object, odd derivatives are zero, so the first additional terms may not improve the fit
+        // although the next do. More terms are tried only if at least one of the two fits with more terms is better
+        // than the first fit.
         let first = all[0].criterion;
         if all[1..].iter().any(|one| one.criterion < first) {
             self.more_terms::<18>(data, noise, &mut shape, &mut all);

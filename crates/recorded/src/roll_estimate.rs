@@ -384,7 +384,7 @@ pub fn estimate_roll(
             half_width = student_95(freedom);
             "the residuals"
         }
-        _ => "no source: the residuals are zero, and no noise or pitch is stated",
+        _ => "none: the residuals are zero, and no noise or pitch is stated",
     };
     let covariance = fitted.covariance(&estimate);
     let single_direction = single.map(|(angle, mut fitted)| {

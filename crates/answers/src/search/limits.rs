@@ -39,8 +39,8 @@ pub(super) struct Rules {
 
 impl Rules {
     pub(super) fn new(gap: f64, most_trials: u64, wrong: f64, cells: usize) -> Self {
-        // If the allowed error probability is NaN, 0 or negative, it is replaced by 0, and then no score is high
-        // enough.
+        // If the allowed error probability is NaN, 0 or negative, use 0. Then no score is high enough, so no value is
+        // ever decided.
         let wrong = if wrong > 0.0 { wrong.min(1.0) } else { 0.0 };
         let of_look = EXPLORATION_SHARE * wrong / MAX_LOOKS as f64;
         let conditions = 2 * cells.max(1);

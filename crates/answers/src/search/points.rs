@@ -124,7 +124,7 @@ impl Points {
                     },
                 );
             }
-            // A score of NaN is replaced by 0, which decides nothing.
+            // Replace a score of NaN by 0, so that the value stays undecided.
             let scores = scores.map(|score| if score.is_nan() { 0.0 } else { score });
             if let Some(cell) = self.points[place].cells.get_mut(ask.cell) {
                 *cell = CellScores {

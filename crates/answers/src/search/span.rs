@@ -45,7 +45,8 @@ impl Span {
     pub(super) fn share(&self, value: f64) -> f64 {
         let share = match self.is_log {
             true => libm::log(value / self.from) / libm::log(self.to / self.from),
-            // Halve the numbers first, because the difference of the halves is always finite.
+            // Halve the numbers first: the difference of two large numbers may overflow, but the difference of their
+            // halves does not.
             false => (0.5 * value - 0.5 * self.from) / (0.5 * self.to - 0.5 * self.from),
         };
         if share.is_nan() {

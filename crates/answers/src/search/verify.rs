@@ -116,8 +116,8 @@ fn place_of(end: &End) -> usize {
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];
-    // A range without ends is verified at the value with the smallest score. The next attempt tests the same value with
-    // more trials, because there is no better place.
+    // A range without ends (`Weakest`) is verified at the value with the smallest score. If an attempt fails, the next
+    // attempt tests the same value with more trials, because no other value is a better test.
     let again = match end.kind {
         Kind::Weakest => FRESH * f64::from(end.attempt + 1),
         Kind::Low | Kind::High => FRESH,
@@ -173,7 +173,8 @@ fn ends(points: &Points, found: &[Candidate], among: SearchRange, rules: &Rules)
             continue;
         };
         let value = |place: usize| points.points[place].value;
-        // Try only values that are at least half a gap apart.
+        // Keep only values that are at least half a gap apart from the previous one, because closer values would give
+        // nearly the same result.
         let apart = |places: &mut dyn Iterator<Item = usize>| {
             let mut kept: Vec<usize> = Vec::new();
             for place in places {

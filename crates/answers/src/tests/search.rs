@@ -189,8 +189,8 @@ fn a_crossing_is_bracketed_closely_and_rightly() {
         most = most.max(curve.trials);
     }
     assert!(right >= 29, "{right} of 30 are right");
-    // Fresh trials may rarely contradict the search. If they often did, the search would decide about values after too
-    // few trials.
+    // The search is narrowed if fresh trials contradict it. If this happened often, the search would decide about
+    // values after too few trials.
     assert!(narrowed <= 6, "{narrowed} of 30 were narrowed");
     assert!(most < 2_000_000, "{most} trials");
 }
@@ -229,7 +229,7 @@ fn every_crossing_is_found() {
 #[test]
 fn failures_belong_to_the_target() {
     let runner = runner(2);
-    // The errors are always small. Therefore a value can only miss the target because of its failures.
+    // The errors are always small, so a value can miss the target only because of its failed trials.
     let curve: Curve = |x| (0.1, x);
     let mut curve = Noise::new(&runner, 2, &[curve]);
     let found = searched(&mut curve, span(0.001, 1.0), MOST);
@@ -260,7 +260,8 @@ fn the_worst_cell_decides() {
     let misses = |looked: &&TestedValue| looked.side == Some(Side::Misses);
     let mut missing = found.tested.iter().filter(misses);
     assert!(missing.all(|looked| looked.worst == 2));
-    // Cells that cannot change the decision get no further trials.
+    // Cell 1 cannot change the decision, because cell 2 is always worse. So the search must not give cell 1 more
+    // trials.
     let easy = curve
         .known
         .iter()
@@ -280,7 +281,7 @@ fn all_or_nothing_and_a_single_value() {
         let mut curve = Noise::new(&runner, 5, &[|x| (x, 0.0)]);
         let found = searched(&mut curve, span(from, to), MOST);
         assert_eq!(found.runs, [Run { from, to, side }]);
-        // The result was verified with fresh trials.
+        // The key is (value, cell, fresh). The result was verified with fresh trials if any key has `fresh`.
         assert!(curve.known.keys().any(|(_, _, fresh)| *fresh));
     }
 }
@@ -346,8 +347,8 @@ fn fresh_trials_that_disagree_narrow_the_answer() {
     let moved = found(0.9);
     assert_eq!((moved.narrowed, moved.runs.len()), (1, 2));
     assert!(moved.runs[0].to < 0.9 && moved.runs[1].from < 1.05);
-    // Fresh trials meet the target at no value, so the search drops the range of values that met the target in its
-    // exploration.
+    // In exploration, some values met the target, but with fresh trials no value meets it. The search must drop the
+    // range of these values.
     let lost = found(0.0);
     assert_eq!((lost.narrowed, lost.runs.len()), (1, 1));
     assert_eq!(lost.runs[0].side, Side::Misses);

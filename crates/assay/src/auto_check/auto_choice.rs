@@ -94,7 +94,7 @@ impl AutoChoice {
         match self.kind {
             Kind::Roll => adequate.all(|place| taken <= MAX_COST_RATIO * evaluations(place)),
             Kind::Glide => self.taken == 0 || !self.is_adequate(0),
-            // Hertz contact and the half-space cost the same.
+            // The first two models, Hertz contact and half-space, cost the same. Therefore both count as model 1.
             Kind::Press => adequate.all(|place| place.max(1) >= self.taken),
         }
     }

@@ -113,8 +113,8 @@ fn roll(mut draws: Draws) -> String {
         0 => format!(", spin_rad_per_s = {:e}", turn * draws.between(-1.0, 1.0)),
         _ => String::new(),
     };
-    // Noise that is drawn at several instants divides a roll into several motions, although the check itself uses rolls
-    // without noise.
+    // The check itself uses rolls without noise. Noise that is drawn at several instants is stated here only because it
+    // divides a roll into several motions.
     let noise = match draws.index(4) {
         0 => format!(
             "noise = {{ angular_velocity = {{ kind = \"gaussian\", fraction = 0.01, when = \"per-instant\", \

@@ -24,7 +24,7 @@ type MethodRung = (&'static str, Box<dyn Method>, fn(Fit) -> Fit);
 pub(super) fn few() -> Result<Vec<Figure>> {
     let one_pass = TwoPass {
         passes: Passes::One,
-        // Fit in this unit of length, because the peer's weights are per unit of length.
+        // Lengths are fitted in the unit of the readings, because the peer's weights are also per unit of length.
         unit_length: Some(1.0),
         ..TwoPass::default()
     };

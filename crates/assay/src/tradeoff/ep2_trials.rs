@@ -177,7 +177,8 @@ mod tests {
 
     #[test]
     fn errors_are_relative_to_the_curvedness() {
-        // For a sphere of radius 2, the curvatures are H = 1/2 and K = 1/4, so C² = 1/4.
+        // For a sphere of radius 2, the mean curvature is H = 1/2 and the Gaussian curvature is K = 1/4, so the squared
+        // curvedness C² is 1/4.
         let mut squares = Squares::default();
         squares.add([0.25, 0.25], [0.55, 0.5]);
         assert!((larger(&[squares]).unwrap().error - 0.1).abs() < 1e-12);

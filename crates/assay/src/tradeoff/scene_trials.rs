@@ -143,7 +143,7 @@ pub(super) fn run(scene: &Scene, trials: u32) -> f64 {
         _ => 0,
     };
     for trial in together..trials {
-        // A failed trial has no estimate to add.
+        // A failed trial has no estimate, so it adds nothing to the sum.
         let _ = scene.trial(trial, |_, outcome| sum += outcome.estimate);
     }
     sum
@@ -215,7 +215,8 @@ mod tests {
 
     #[test]
     fn a_root_mean_square_has_the_standard_error_of_its_trials() {
-        // For the squares 1 and 9, the mean is 5, s = √32 and r = √5, so the standard error s/(2r√2) is 2/√5.
+        // The mean of the squares 1 and 9 is 5, and their standard deviation is s = √32. The root mean square is r =
+        // √5. Its standard error from two trials is s/(2r√2) = 2/√5.
         let rms = root_mean(&[1.0, 9.0]).unwrap();
         assert!((rms.error - 5_f64.sqrt()).abs() < 1e-15);
         assert!((rms.std.unwrap() - 2.0 / 5_f64.sqrt()).abs() < 1e-15);

@@ -56,7 +56,8 @@ motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
     },
     StagedScene {
         kind: "glide",
-        // The estimator fits a quadric, because the cost of this fit does not depend on the readings.
+        // The stages measure costs. The estimator is the quadric, because the cost of its fit does not depend on the
+        // readings.
         base: r#"
 probe = { kind = "point" }
 object = { kind = "saddle", a = 0.1 }

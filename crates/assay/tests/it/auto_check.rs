@@ -26,7 +26,7 @@ fn check(kind: Kind) -> Vec<AutoChoice> {
         })
         .collect();
     assert!(failed.is_empty(), "{}", failed.join("\n"));
-    // Several different models are chosen.
+    // `auto` must not choose the same model in all scenes.
     let first = &choices[0].taken().name;
     assert!(choices.iter().any(|choice| choice.taken().name != *first));
     // In most scenes, several models meet the tolerance. All scenes have an independent reference.

@@ -156,8 +156,8 @@ impl Local {
         let OddTerms { k3, k5 } = terms;
         let square = polar * polar;
         let even = terms.stretch(square);
-        // The derivative dm/du, and n with its derivatives with respect to u, where m = r / (f θ), n = m r′ / f and u =
-        // θ².
+        // Compute dm/du (`per_square`), and n with its derivatives with respect to u. Here m = r / (f θ), n = m r′ / f
+        // and u = θ².
         let per_square = k3 + 2.0 * k5 * square;
         let [once, twice, thrice, fourth] = [
             4.0 * k3,

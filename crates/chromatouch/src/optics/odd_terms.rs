@@ -78,8 +78,9 @@ impl OddTerms {
     /// Largest angle, at most half a turn, such that the slope of the map is at least [`LEAST_SLOPE`] everywhere up to
     /// this angle.
     pub(super) fn reach(self) -> f64 {
-        // With u = θ², where θ is the angle, the slope minus its smallest allowed value is the polynomial a u² + b u +
-        // c. Its smallest positive root is computed without cancellation.
+        // The lens stops being invertible where its slope reaches the smallest allowed value. With u = θ², where θ is
+        // the angle, the slope minus this value is the polynomial a u² + b u + c. Its smallest positive root is
+        // computed without cancellation.
         let (a, b, c) = (5.0 * self.k5, 3.0 * self.k3, 1.0 - LEAST_SLOPE);
         let square = b * b - 4.0 * a * c;
         if square < 0.0 {
@@ -169,7 +170,8 @@ mod tests {
             terms.checked(1.5).unwrap();
             for step in 0..=160 {
                 let angle = 0.01 * f64::from(step);
-                // Beyond the angle of the rim, the lens's map is a straight line.
+                // `map` is defined up to the angle of the rim, 1.5 rad. Beyond the rim, `angle` continues it with a
+                // straight line.
                 let beyond = (angle - 1.5_f64).max(0.0);
                 let mapped = terms.map(angle.min(1.5)) + beyond * terms.slope(2.25);
                 let back = terms.angle(mapped, 1.5);
@@ -197,8 +199,8 @@ mod tests {
 
     #[test]
     fn lenses_fold_where_their_slope_ends() {
-        // Here u is the squared angle. The slope 1 − 0.6 u of the first lens is 0.01 at u = 1.65. The slope 1 − u +
-        // 0.24 u² of the second lens is 0.01 at its smaller root.
+        // The reach of a lens is the angle θ at which its slope has decreased to 0.01. With u = θ², the slope of the
+        // first lens is 1 − 0.6 u, which is 0.01 at u = 1.65. The slope of the second lens is 1 − u + 0.24 u².
         let terms = OddTerms { k3: -0.2, k5: 0.0 };
         assert!((terms.reach() - 1.65_f64.sqrt()).abs() < 1e-15);
         let terms = OddTerms {

@@ -121,8 +121,8 @@ fn part(
     near: Option<&[HalfAngle; 2]>,
 ) -> Part {
     let chord = square.sqrt();
-    // The direction about which moments are computed is about half-way between the two edges of the overlap. It need
-    // not be exact.
+    // Moments are computed about a direction that is about half-way between the two edges of the overlap. An
+    // approximate direction is sufficient.
     let wider = chord_of(magenta.sine, magenta.cosine) - chord_of(yellow.sine, yellow.cosine);
     let share = (0.5 + 0.5 * wider / chord).clamp(0.0, 1.0);
     let rest = 1.0 - share;
@@ -130,8 +130,8 @@ fn part(
     let scale = 1.0 / (1.0 - share * rest * square).sqrt();
     let direction = between * scale;
     let along = step - direction * direction.dot(step);
-    // `sine` is the sine of the angle between the middles of the discs. `direction` divides this angle in the ratio of
-    // `share` to `rest`.
+    // `direction` divides the angle between the middles of the discs in the ratio of `share` to `rest`. `sine` is the
+    // sine of this angle.
     let sine = chord * (1.0 - 0.25 * square).max(0.0).sqrt();
     let circle = |disc: &Sight, side: f64, away: f64| {
         let cosine = (1.0 - 0.5 * away * square) * scale;
@@ -192,7 +192,8 @@ fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
         cosine: to_chord,
     } = half_angle;
     let square = radius * radius;
-    // The products r² sin β cos β and r² sin² β, where β is the half-angle.
+    // `triangle` is the product r² sin β cos β, and `half_square` is r² sin² β. Here r is the radius and β is the
+    // half-angle.
     let (triangle, half_square) = (half * to_chord, half * half);
     let area = square * angle - triangle;
     let fourth = half_square * triangle;

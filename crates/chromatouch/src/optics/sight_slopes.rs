@@ -107,8 +107,8 @@ impl Layer {
         let direction = sight.direction;
         let across = across(&direction);
         let mut by = SMatrix::zeros();
-        // Sets the column of a variable from two derivatives with respect to this variable: of the ray to the disc, and
-        // of the disc's normal.
+        // `set` computes the column of one variable. `ray` is the derivative of the ray to the disc with respect to
+        // this variable, and `turned` is the derivative of the disc's normal.
         let mut set = |column: usize, ray: Vector3<f64>, turned: Vector3<f64>| {
             let nearer = towards.dot(&ray);
             let step = (ray - towards * nearer) / distance;
@@ -123,8 +123,8 @@ impl Layer {
         for axis in 0..2 {
             let turned = by_angles[axis] / self.distance;
             set(X + axis, turned * away, turned);
-            // Add the effect of a displacement along the skin. For a deeper disc, which is nearer to the centre, the
-            // same displacement corresponds to a larger angle.
+            // A deeper disc is nearer to the centre, so the same displacement along the skin turns it by a larger
+            // angle. Add this effect.
             deeper += turned * aside[axis];
         }
         set(DEEPER, deeper * away - normal, deeper);

@@ -179,8 +179,8 @@ impl Shared<'_> {
                 4 => Vector4::x(),
                 5 => Vector4::y(),
                 6 => {
-                    // The derivative is simple, because all lengths in the image are proportional to the pixels per
-                    // radian.
+                    // All lengths in the image are proportional to the pixels per radian. So the derivatives are the
+                    // lengths themselves, divided by the scale.
                     let [x, y] = [0, 1].map(|axis| seen[axis] - centre[axis]);
                     Vector4::new(x, y, 0.0, 2.0) / (1.0 + self.departure.px_per_rad)
                 }

@@ -73,7 +73,7 @@ fn hue_of_a_red([red, green, blue]: [f64; 3]) -> f64 {
 fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64; 3] {
     let polar = [0.0_f64, 0.02, 20.0, 40.0, 60.0, 60.0];
     let azimuth = [0.0_f64, 0.0, 100.0, 200.0, 300.0, 45.0];
-    // The first two markers would overlap, so that they are rendered in two different frames.
+    // The first two markers would overlap in one frame, so they are rendered in two frames.
     let places: Vec<[f64; 2]> = std::iter::zip(polar, azimuth)
         .map(|(polar, azimuth)| {
             let (sine, cosine) = libm::sincos(azimuth.to_radians());
@@ -109,7 +109,7 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
             let [column, row] = marker.centroid_px;
             let [middle, _] = camera.centre_px();
             let from_centre = libm::hypot(column - middle, row - middle) / camera.px_per_rad();
-            // Half-width of a square that contains this marker but none of its neighbours, divided by the focal length.
+            // Half-width of a square that contains this marker but no other marker, divided by the focal length.
             let half_side = match lens {
                 Lens::Fisheye | Lens::Odd(_) => 0.16,
                 Lens::Pinhole => 0.15 * (1.0 + from_centre * from_centre),
@@ -149,9 +149,9 @@ fn frames_show_what_is_projected_the_better_the_larger() {
                 std::iter::zip(large, bounds).all(|(one, bound)| one < bound),
                 "{large:?}"
             );
-            // The error of the centroid is divided by the size of the frame before it is compared with its bound; the
-            // errors of the hue and the size are compared directly. The centroids of a pinhole lens differ mostly by
-            // the second-order error in the overlap of the discs, which does not depend on the size of the frame.
+            // Check that errors decrease with the size of the frame. The errors of hue and size are compared directly,
+            // the error of the centroid relative to the size of the frame. The pinhole lens is excepted: its error of
+            // the centroid comes mostly from the overlap of the discs, and does not depend on the size of the frame.
             assert!(
                 lens == Lens::Pinhole || large[0] / 2048.0 < 0.5 * small[0] / 256.0,
                 "{small:?} {large:?}"
@@ -181,7 +181,7 @@ fn discs_much_smaller_than_a_pixel_take_their_share() {
         yellow: 1.0,
     };
     let array = MarkerArray::new(20.0, &places, discs, depths).unwrap();
-    // The discs have radii of 0.2 to 1.6 px.
+    // In these frames, the discs have radii of 0.2 to 1.6 px.
     for size_px in [100, 200, 400, 800] {
         let optics = optics(array.clone(), size_px, Blemishes::default());
         let motions = at_rest(&optics);
@@ -300,8 +300,8 @@ fn seams_are_as_wide_on_the_skin_everywhere() {
             let found = 2.0 * taken(&mut (400..600).map(|row| (column, row)));
             let expected = 2.0 * libm::sin(0.025 * width) * focal * polar / libm::sin(polar);
             assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
-            // The seams at ±120° cross the column at an angle. On the side opposite to the first seam, there is no
-            // seam.
+            // This column is on the other side of the apex, where there is no seam along −x. Instead, it crosses the
+            // seams at ±120° at an angle.
             let column = (500.0 - 0.5 * focal * polar).round() as u32;
             let found = taken(&mut (0..1001).filter_map(|row| {
                 let inside = libm::hypot(f64::from(row) - 500.0, f64::from(column) - 500.0) < 499.0;
@@ -328,8 +328,8 @@ fn a_blur_is_a_gaussian_and_keeps_the_light() {
         optics.render(&at_rest(&optics), None).unwrap()
     });
     assert!((sum(&soft) / sum(&sharp) - 1.0).abs() < 1e-3);
-    // The edge of a straight seam that is half as wide as the field. Its blur is an error function, whose values at
-    // 0.5, 1 and 2 standard deviations from the edge are tabulated.
+    // A straight seam that is half as wide as the field. The blur turns its edge into an error function, whose values
+    // at 0.5, 1 and 2 standard deviations from the edge are tabulated.
     let wide = Seams {
         gores: 1,
         width: 20.0,
@@ -346,8 +346,8 @@ fn a_blur_is_a_gaussian_and_keeps_the_light() {
     let edge = {
         let focal = 200.5 / 70.0_f64.to_radians();
         let polar = |row: f64| libm::hypot(row - 200.0, 100.0) / focal;
-        // For rows in which the distance from the middle of the seam is equal to the half-width of the seam in the
-        // image.
+        // Find the row of the seam's edge by bisection: there, the distance from the middle of the seam equals the
+        // half-width of the seam in the image.
         let off = |row: f64| {
             row - 200.0 - libm::sin(0.5_f64) * focal * polar(row) / libm::sin(polar(row))
         };

@@ -42,7 +42,7 @@ fn angles_are_seen_where_the_polynomial_has_them() {
     for [k3, k5] in TERMS {
         let camera = camera([k3, k5]);
         let map = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
-        // For all odd terms, the rim of the image shows the edge of the field.
+        // The rim of the image shows the edge of the field, whatever the odd terms are.
         assert_relative_eq!(
             camera.px_per_rad() * map(FIELD.to_radians()),
             320.0,
@@ -90,8 +90,8 @@ fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
             assert_eq!([k3, k5], TERMS[4]);
             continue;
         };
-        // The deviation does not change the image circle and the pixels per radian. Therefore the angle at the rim
-        // changes.
+        // The odd terms deviate, but the image circle and the pixels per radian stay the same. Therefore the rim shows
+        // another angle than before.
         let other = departed.camera();
         assert_relative_eq!(other.px_per_rad(), known.camera().px_per_rad());
         let (sine, cosine) = libm::sincos(0.9_f64);

@@ -91,7 +91,7 @@ fn a_disc_has_the_image_area_that_integration_gives() {
         let area = fisheye.disc_area(radius, 0.0).unwrap();
         assert_relative_eq!(area, PI * square * radius * radius, max_relative = 2e-6);
     }
-    // The image of a disc through a pinhole is an ellipse, because the rays to its edge form a cone.
+    // A pinhole images a disc as an ellipse, because the rays to the edge of the disc form a cone.
     let pinhole = Camera::new(Lens::Pinhole, 640, 70.0).unwrap();
     let square = pinhole.px_per_rad().powi(2);
     for polar_deg in [0.0_f64, 30.0, 60.0] {
@@ -106,7 +106,7 @@ fn a_disc_has_the_image_area_that_integration_gives() {
 
 #[test]
 fn series_at_the_axis_and_closed_forms_off_it_meet() {
-    // At 0.05 rad, the code switches from the series to the closed form.
+    // At 0.05 rad, the code switches from the series to the closed form. The area must not jump there.
     let camera = Camera::new(Lens::Fisheye, 640, 80.0).unwrap();
     let area = |polar| camera.disc_area(0.05, polar).unwrap();
     let step = 1e-6;
@@ -191,8 +191,8 @@ fn the_disc_that_comes_nearer_tints_the_marker() {
 
 #[test]
 fn markers_move_along_the_carried_axes() {
-    // At the azimuth 90°, the transported y axis points away from the apex, and the transported x axis points around
-    // the apex. Arc lengths are measured on the sphere of the discs.
+    // The axes x and y of a marker are transported along the skin from the apex. At the azimuth 90°, y points away from
+    // the apex, and x points around the apex. Arc lengths are measured on the sphere of the discs.
     let optics = optics(&[at(30.0, 90.0)], depths(2.0, 2.0), Lens::Fisheye, PURE);
     let focal = optics.camera().px_per_rad();
     let along = |tangential| DiscMotion {
@@ -337,7 +337,7 @@ fn discs_that_the_skin_widens_are_seen_as_wider_discs() {
     let wider = seen(&wider.unwrap(), moved(inward(0.3), inward(0.3)));
     assert_relative_eq!(strained.size_px2, wider.size_px2, max_relative = 1e-13);
     assert_relative_eq!(strained.hue_turns, wider.hue_turns, epsilon = 1e-13);
-    // A camera that is not in the centre also sees the strained discs like wider discs.
+    // A camera that is not in the centre must also image the strained discs in the same way as wider discs.
     let beside = |optics: Optics| {
         optics
             .seen_from(Pose::new([1.0, 0.0, 2.0], [0.0; 3]))

@@ -81,7 +81,8 @@ fn discs_that_cover_each_other_are_found_among_many() {
         distance < 0.05 && (diameter - 0.1).abs() < 1e-15,
         "{distance} {diameter}"
     );
-    // Two points on opposite sides of the outer edge of the chart are close to each other on the sphere.
+    // Both markers are nearly half a turn from the apex, in opposite directions. In the chart they are far apart, but
+    // on the sphere they are close to each other.
     let opposite = [at(179.9, 0.0), at(179.9, 180.0)];
     assert_eq!(array(&opposite, 0.2).unwrap_err().name(), "discs-overlap");
     assert!(array(&opposite, 0.05).is_ok());

@@ -233,8 +233,8 @@ fn seam_marks_begin_on_the_drawn_edges() {
                 .map(|(from, to)| off_segment(*start, *from, *to))
                 .fold(f64::INFINITY, f64::min);
             assert!(nearest < 2e-6, "{samples}: {nearest}");
-            // The marks are at one third and two thirds of the quarter circle, measured along the middle meridian,
-            // which is at 60° from +x here.
+            // The marks are at one third and two thirds of the quarter circle, measured along the middle meridian of
+            // the gore. Here, the middle meridian is at 60° from +x.
             let (sin, cos) = libm::sincos(PI / 3.0);
             let share = if count < 2 { 1.0 / 3.0 } else { 2.0 / 3.0 };
             let across = |[x, y]: [f64; 2]| y * cos - x * sin;
@@ -300,8 +300,8 @@ fn sheets_that_do_not_fit_are_named() {
         (rows(4, &[1; 4], 25.0), alike(2.0), "beyond-the-equator"),
         (rows(4, &[1], 89.0), alike(2.0), "disc-across-edge"),
         (rows(4, &[], 10.0), alike(63.0), "disc-across-edge"),
-        // The markers are laid out in two gores, but the pattern has four. The middle of one of the two gores is a seam
-        // in the pattern.
+        // The layout has two gores, but the pattern has four. So the middle of a gore of the layout, where the marker
+        // lies, is a seam of the pattern.
         (rows(2, &[1], 30.0), alike(0.1), "disc-across-edge"),
         (rows(0, &[1], 30.0), alike(0.1), "bad-setting"),
         (rows(4, &[1, 1], 90.0), alike(0.1), "around-the-sphere"),

@@ -59,7 +59,7 @@ fn bytes_are_levels_with_a_normal_error_rounded_and_clipped() {
                 255 => 1.0,
                 byte => below((byte as f64 + 0.5 - level) / std),
             };
-            // Levels with a small expected count are combined.
+            // Combine levels with a small expected count, because the chi-squared test needs large counts.
             let (mut square, mut freedom) = (0.0, -1.0);
             let (mut seldom, mut expected_seldom) = (0.0, 0.0);
             let mut compare = |count: f64, expected: f64| {
@@ -149,8 +149,8 @@ fn errors_of_pixels_are_independent() {
     let noise = |key| errors(&frame(401, [128.0; 3], 8.0, key));
     let own = noise([1, 0]);
     let mut scores = Vec::new();
-    // Offsets within a row compare channels of the same pixel, of its neighbours and of more distant pixels. Then
-    // offsets to the rows below follow.
+    // First compare values of the same row: channels of the same pixel, of its neighbours and of more distant pixels.
+    // Then compare rows with the rows below.
     scores.extend((1..=64).map(|on| common(&own, &own, 0, on)));
     scores.extend(
         (1..=3)

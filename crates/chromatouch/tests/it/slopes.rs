@@ -38,7 +38,7 @@ impl Scene {
         if !matches!(lens, Lens::Odd(_)) {
             departure[19..].fill(0.0);
         }
-        // Some pairs of discs overlap partly, others not at all.
+        // With these misalignments, some pairs of discs overlap partly and others do not overlap.
         let misalignments = (0..MARKERS).map(|_| [aside + draw(0.03), 0.02 + draw(0.02)]);
         let misalignments = misalignments.collect();
         let mut motion = || [draw(0.5), draw(0.5), draw(0.5)];

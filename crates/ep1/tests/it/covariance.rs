@@ -108,7 +108,8 @@ fn the_residual_increases_with_a_departure_from_the_model() {
 
 #[test]
 fn the_covariance_of_the_form_matches_finite_differences() {
-    // The change of the curvature form, to first order, per unit error in one component of one probe's reading.
+    // To first order, the covariance follows from the change of the curvature form per unit error in each component of
+    // each reading.
     let noise = ReadingNoise {
         shift_std: 1e-3,
         ..Default::default()
@@ -180,8 +181,8 @@ fn rolls_that_share_errors_count_once() {
         1.0,
         max_relative = 1e-9
     );
-    // The rolls of a star have opposite directions, so the common error of their start cancels. Only the errors of the
-    // ends remain.
+    // A star has pairs of rolls in opposite directions from the same start. So the error of the start cancels, and only
+    // the errors of the ends remain.
     assert_relative_eq!(
         std_over_pads(PadStart::PerTrial, &star),
         std_over_pads(PadStart::PerRoll, &star) / 2.0_f64.sqrt(),
@@ -193,7 +194,8 @@ fn rolls_that_share_errors_count_once() {
 fn intervals_of_flat_objects_include_the_rounding_error() {
     for flatter in [1e3, 1e9, 1e13, 1e17, 1e30] {
         let exact = readings(2.0, &CurvatureForm::isotropic(0.5 / flatter), &eight(0.1));
-        // This noise is far smaller than the last digit of the readings, so the standard error is due to rounding.
+        // This noise is far smaller than the last digit of the readings, so the rounding of the readings alone
+        // determines the standard error.
         let noise = ReadingNoise {
             shift_std: 1e-30,
             ..Default::default()

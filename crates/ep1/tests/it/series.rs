@@ -238,7 +238,7 @@ fn errors_of_the_measured_rotations_do_not_attenuate() {
                 let size = noise.relative_sample_std * sample.rotation.norm();
                 sample.rotation += Vector3::from_fn(|_, _| draws.normal()) * size;
             }
-            // Few samples, because the attenuation does not depend on their number.
+            // Use few samples, because the bias does not depend on their number.
             roll.samples = roll.samples.iter().step_by(50).copied().collect();
         }
         let places = Places::Contacts { std: 0.0 };
@@ -246,7 +246,7 @@ fn errors_of_the_measured_rotations_do_not_attenuate() {
             estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &noise, &rolls).unwrap();
         sum += found.estimate().mean_curvature.value * 50.0 - 1.0;
     }
-    // Without the correction the mean error is above 3 %.
+    // Without the correction of this bias, the mean error would be above 3 %.
     let bias = sum / f64::from(trials);
     assert!(bias.abs() < 0.02, "{bias}");
 }
@@ -346,7 +346,7 @@ fn gaps_and_chatter_do_not_bias() {
     let cell = PadCell::square(1.0);
     let mut rolls = without_starts(&rolls(47.0, &cell, 0.3, &mut Draws(3)));
     for roll in &mut rolls {
-        // Pads alternate for 6 ms around each crossing.
+        // Around each crossing, the two pads alternate for 6 ms.
         let places: Vec<_> = roll.samples.iter().map(|sample| sample.place).collect();
         for index in 3..places.len() - 3 {
             if index % 2 == 0 {

@@ -283,7 +283,8 @@ impl<'a> Problem<'a> {
 impl LeastSquares for Problem<'_> {
     type Fit = (State, Sums);
     const SINGULAR: f64 = 1e-7;
-    const FREE: &'static str = "the readings do not determine curvature, position, indentation, baseline and gain separately";
+    const FREE: &'static str =
+        "curvature, position, indentation, baseline and gain cannot be determined separately";
     const ENOUGH_OF_PROFILE: f64 = 1e-4;
 
     fn state_of((state, _): &Self::Fit) -> &State {

@@ -59,8 +59,8 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
         return None;
     }
     let size = f64::from(camera.size_px());
-    // The rectangle is around the middle of the disc or, if this is outside of the field, around the nearest point of
-    // the rim. `reach` is an upper bound of the distance from this point to the edge of the disc. If the disc crosses
+    // `reach` is an upper bound of the distance from the rectangle's centre to the edge of the disc. The centre is the
+    // middle of the disc or, if this middle is outside of the field, the nearest point of the rim. If the disc crosses
     // the rim, the bound must be larger, because the shortest path on the sphere may leave the field.
     let crosses = polar + radius > rim;
     let reach = if crosses { 4.0 * radius } else { radius };
@@ -241,8 +241,8 @@ fn covered(inside: f64, [x, y]: [f64; 2]) -> f64 {
         return (0.5 + inside).clamp(0.0, 1.0);
     }
     let (long, short) = (x.max(y) * per_length, x.min(y) * per_length);
-    // Between the two inner corners, chords of the pixel parallel to the edge have the constant length 1 / `long`. From
-    // the inner to the outer corners, their length decreases to 0.
+    // The pixel is a unit square, and its chords are parallel to the edge. Between the two inner corners, the chords
+    // have the constant length 1 / `long`. From the inner to the outer corners, their length decreases to 0.
     let depth = inside.abs();
     let beyond = 0.5 * (long + short) - depth;
     let more = if beyond <= 0.0 {
