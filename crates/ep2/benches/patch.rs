@@ -1,5 +1,6 @@
-//! Measures the time of a fit by the penalised spline: to the 30 contacts of the 1996 paper, with the map of curvatures
-//! and their standard errors; and to many contacts on a detailed surface. Each result is checked before it is timed.
+//! Measures the computing time of the penalised spline. The first case is the 30 contacts of the 1996 paper, with a map
+//! of the curvatures and their standard errors. The second case is many contacts on a detailed surface. Each result is
+//! checked before it is timed.
 
 use std::hint::black_box;
 

@@ -45,8 +45,8 @@ pub(crate) struct Curvatures {
 }
 
 impl Curvatures {
-    /// Curvatures of a graph from these jets, which are the slopes and second derivatives of its height. `scale` is the
-    /// unit of length of the graph, expressed in the unit of the result.
+    /// Curvatures of a graph at several places. `jet` contains the slopes and second derivatives of the graph's height.
+    /// `scale` is the unit of length of the graph, expressed in the unit of the result.
     ///
     /// With the slopes p, q, the second derivatives r, s, t, D = 1 + p² + q² and the normal upwards: K = (rt − s²)/D²,
     /// H = −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}).
@@ -80,7 +80,7 @@ impl Curvatures {
         }
     }
 
-    /// The curvature at one of the places.
+    /// The curvature at the place with the index `lane`.
     #[inline(always)]
     pub(crate) fn at(&self, lane: usize) -> Curvature {
         let at = |lanes: Lanes| lanes.to_array()[lane];

@@ -1,4 +1,5 @@
-//! Number of independent readings in a log, which contains copies, rests, and noise that is correlated along a stroke.
+//! Number of independent readings in a log. It is smaller than the number of rows, because of copies, resting fingers,
+//! and noise that is correlated along a stroke.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -8,45 +9,46 @@ use nalgebra::Vector3;
 use crate::Contact;
 use crate::patch::FingerMap;
 
-/// Consecutive contacts of a finger count as one reading if their distance, relative to a long step, is at most this
+/// Consecutive contacts of a finger count as one reading if the ratio of their distance to a long step is at most this
 /// value.
 const REST_SHARE: f64 = 0.1;
 /// Quantile of the step lengths that is used as the length of a long step.
 const LONG_STEP_QUANTILE: f64 = 0.9;
-/// Smallest ratio of long steps (moving finger) to short steps (finger at rest). At least this ratio is a gap between
-/// the two.
+/// Smallest ratio between two successive step lengths (sorted by size) that counts as a gap. The steps below the gap
+/// belong to a resting finger, the steps above to a moving finger.
 const MIN_STEP_GAP: f64 = 8.0;
-/// Share of the shortest steps that always count as steps at rest when a gap between step lengths is searched.
+/// Share of the shortest steps that always count as steps of a resting finger. A gap between the step lengths is
+/// searched only among the longer steps.
 const MIN_REST_SHARE: f64 = 0.02;
-/// Largest accepted extent of a rest, as a multiple of the typical step within rests.
+/// Largest accepted distance of a contact from the mean of its rest, as a multiple of the typical step within rests.
 const MAX_REST_EXTENT: f64 = 3.0;
-/// Largest accepted share of short steps among the steps from one run of contacts to the next. If the share is larger,
-/// the finger was moving.
+/// Successive contacts are merged into runs. This is the largest accepted share of short steps among the steps from one
+/// run to the next. If the share is larger, the finger was moving, and the contacts are not merged.
 const MAX_SHORT_BREAKS: f64 = 0.2;
 /// Largest number of gaps in the sorted step lengths that are tried.
 const MAX_GAPS: usize = 4;
-/// Largest number of residuals from which the correlation is computed.
+/// Number of residuals after which no further stroke is used for the correlation.
 const MAX_RESIDUALS: usize = 60_000;
 /// Largest lag of the correlation, as a number of residuals.
 const MAX_LAG: usize = 1000;
-/// Correlations are corrected for the variance that the fit absorbed. The correction is made only if the ratio of
-/// fitted parameters to readings is below this value.
+/// Correlations are corrected for the variance that the fit removes from the residuals. The correction is made only if
+/// the ratio of fitted parameters to independent readings is at most this value.
 const MAX_ABSORBED_SHARE: f64 = 0.3;
 
-/// Contacts in which each group of copies and each rest of a finger counts as one reading.
+/// Contacts after each group of copies, and each rest of a finger, was merged into one reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistinctContacts {
-    /// Mean contact of each run of copied or resting readings, with its finger, in the order of the first rows of the
-    /// runs.
+    /// One contact for each run of merged rows: the mean of its rows. The contacts are in the order of the first rows
+    /// of the runs.
     pub contacts: Vec<Contact>,
-    /// Index of the run to which each row belongs.
+    /// For each row of the log, the index of its contact in `contacts`.
     pub run_of_row: Vec<usize>,
 }
 
-/// Number of independent readings, and the reasons for which the number is not larger.
+/// Number of independent readings in a log, with the numbers from which it is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffectiveReadings {
-    /// Number of contacts that are used, without outliers.
+    /// Number of contacts in the log, without outliers.
     pub contacts: usize,
     /// Number of readings after copies and rests were merged.
     pub distinct: usize,
@@ -57,7 +59,7 @@ pub struct EffectiveReadings {
 }
 
 impl EffectiveReadings {
-    /// Effective number of independent contacts.
+    /// Effective number of independent contacts: `distinct` divided by `position_correlation`.
     pub fn effective(&self) -> f64 {
         self.distinct as f64 / self.position_correlation
     }
@@ -110,10 +112,10 @@ pub(crate) fn distinct_contacts(contacts: &[Contact]) -> DistinctContacts {
     DistinctContacts::without_rests(contacts).without_short_steps()
 }
 
-/// Merges consecutive contacts of a finger. Each contact of a run is within the distance `limit` of the run's first
-/// contact. If `with_copies`, copies are merged too.
+/// Merges consecutive contacts of each finger into runs. Each contact of a run is at most the distance `limit` away
+/// from the run's first contact. If `with_copies`, exact copies are merged too.
 fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContacts {
-    /// Sums over the contacts of a run, relative to the first.
+    /// Sums over the contacts of a run, whose positions are relative to the first contact of the run.
     struct Rest {
         sum: Vector3<f64>,
         normal: Vector3<f64>,
@@ -196,8 +198,8 @@ fn steps(contacts: &[Contact]) -> Vec<f64> {
     steps
 }
 
-/// Counts the steps of fingers from one run to the next: returns the number of steps of at most the length `longest`,
-/// and the number of all steps.
+/// Counts the steps of the fingers from one run of merged contacts to the next. Returns the number of steps that are
+/// not longer than `longest`, and the number of all steps.
 fn breaks(contacts: &[Contact], merged: &DistinctContacts, longest: f64) -> [usize; 2] {
     let mut last: FingerMap<Option<usize>> = FingerMap::default();
     let [mut short, mut all] = [0, 0];
@@ -213,8 +215,8 @@ fn breaks(contacts: &[Contact], merged: &DistinctContacts, longest: f64) -> [usi
     [short, all]
 }
 
-/// Contacts without rests. `None` unless a gap separates short steps from long steps. In addition, the finger must stay
-/// at one position during short steps and leave it by a long step.
+/// Merges the contacts of resting fingers. `None` if no gap separates short steps from long steps, or if a finger moves
+/// by short steps: each finger must stay at one position during short steps and leave it by a long step.
 fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     let mut sorted = steps(contacts);
     sorted.retain(|&step| step > 0.0);
@@ -245,8 +247,9 @@ fn rests(contacts: &[Contact]) -> Option<DistinctContacts> {
     None
 }
 
-/// Number of consecutive residuals that count as one independent residual, ≥ 1: 1 + 2 Σ ρ. The sum of the correlations
-/// ρ ends at the first lag at which ρ < 2/√N. `absorbed` is the number of parameters that were fitted to the residuals.
+/// Number of consecutive residuals that count as one independent residual: 1 + 2 Σ ρ, which is at least 1. The sum of
+/// the correlations ρ ends at the first lag at which ρ < 2/√N, where N is the number of pairs of residuals. `absorbed`
+/// is the number of parameters that were fitted to the residuals.
 pub(crate) fn correlation_time(strokes: &[Vec<f64>], absorbed: usize) -> f64 {
     let total: usize = strokes.iter().map(Vec::len).sum();
     let (mut used, mut count) = (0, 0_usize);

@@ -10,7 +10,7 @@ use crate::spline::{Jet, LANES, Lanes, Local, TensorSpline};
 use crate::square_quadric::{Square, SquareQuadric};
 use crate::{Curvature, Ep2Error, MisfitTest, NoiseEstimate, Patch, PatchFrame, Status};
 
-/// Maximum number of places along each side of a map.
+/// Maximum number of grid points along each side of a map.
 const MAX_SIDE: usize = 2048;
 
 /// A method that fits a surface to the contacts of a patch.
@@ -38,9 +38,11 @@ pub struct Fit {
     pub frame: PatchFrame,
     /// The rectangle that contains the contacts: smallest and largest u, then smallest and largest v.
     pub domain: [[f64; 2]; 2],
-    /// The surface, as the height w(u, v) over the plane of the patch, or its deviation from `mean`.
+    /// The surface as a height w(u, v) over the plane of the patch. If `mean` is not `None`, the spline is only the
+    /// deviation of the surface from this quadric.
     pub(crate) spline: TensorSpline,
-    /// The implicit quadric to which the spline is added, with its square; `None` for a spline alone.
+    /// The implicit quadric to which the spline is added, with the square over which the quadric is defined. `None` if
+    /// the spline alone describes the surface.
     pub(crate) mean: Option<(SquareQuadric, Square)>,
     /// Mean and covariance of the surface, if the method computes them.
     pub(crate) posterior: Option<Posterior>,
@@ -48,9 +50,9 @@ pub struct Fit {
     pub noise: Option<NoiseEstimate>,
     /// Effective degrees of freedom of the fit: the trace of the linear map from the observations to the fitted values.
     pub effective_unknowns: f64,
-    /// Status of the method's smoothing splines, if it uses any. It is the status of the first spline that did not
-    /// reach its required sum of squares; if there is none, the status of the last spline. If a spline did not reach
-    /// its sum, the curvature is useless.
+    /// Status of the smoothing splines, if the method uses any. If a spline did not reach its required sum of squares,
+    /// it is the status of the first such spline, and the curvature is useless. Otherwise it is the status of the last
+    /// spline.
     pub status: Option<Status>,
 }
 
@@ -93,7 +95,7 @@ fn check_side(side: usize) -> Result<(), Ep2Error> {
 }
 
 impl Fit {
-    /// The fit without its uncertainty, for which curvatures are computed faster.
+    /// The fit without standard errors. Its curvatures are computed faster.
     pub fn without_uncertainty(self) -> Self {
         Self {
             posterior: None,
@@ -121,7 +123,8 @@ impl Fit {
         self.map_point([u, v], &jet, curvature)
     }
 
-    /// Points of the surface that have the positions `world` if they are projected along the patch's normal.
+    /// For each position in `world`, the point of the surface that lies on the line through this position along the
+    /// patch's normal.
     ///
     /// # Errors
     /// [`Ep2Error::OutOfRange`] if the surface exceeds the range of doubles.
@@ -144,8 +147,8 @@ impl Fit {
         self.point_at(u, v)
     }
 
-    /// Gaussian and mean curvature on a grid of `side` × `side` places that covers the rectangle of the contacts. u
-    /// varies slowest.
+    /// Gaussian and mean curvature on a grid of `side` × `side` points over the rectangle of the contacts. u varies
+    /// slowest.
     ///
     /// # Errors
     /// Errors of [`Fit::curvature_at`]; [`Ep2Error::BadSetting`] for more than 2048 places along a side.
@@ -241,8 +244,8 @@ impl Fit {
         jet
     }
 
-    /// The posterior of the surface is a series of Chebyshev polynomials. Returns the values of these polynomials at
-    /// several coordinates `u` on the patch; `None` if the method computes no posterior.
+    /// Values of the Chebyshev polynomials at the coordinates `u`, from which the standard errors at these places are
+    /// computed; `None` if the fit has no standard errors.
     fn series(&self, u: [f64; LANES]) -> Option<Series> {
         let posterior = self.posterior.as_ref()?;
         Some(posterior.series(Lanes::from(u)))
@@ -334,7 +337,8 @@ struct Line {
 }
 
 impl Line {
-    /// The surface along the line of constant `v`, for some of the B-splines in u.
+    /// The sums for the line of constant `v`. They are computed for the B-splines in u whose indices are in
+    /// `functions`.
     fn of(fit: &Fit, v: f64, functions: Range<usize>) -> Self {
         let spline = &fit.spline;
         let local = Local::of(&spline.v, v);

@@ -21,8 +21,8 @@ const LEAST_SIDE_RAD: f64 = 0.02;
 /// A patch counts as elongated if the ratio of its spreads along and across exceeds this value. Its sides are then
 /// parallel to the principal directions of the spread.
 const LONG: f64 = 1.15;
-/// The fingers count as having travelled in a common direction if the contacts scatter more along this direction than
-/// across it, by more than this factor.
+/// The fingers have a common direction of travel only if the ratio of the contacts' scatter along this direction to
+/// their scatter across it exceeds this value.
 const LEAST_TRAVEL: f64 = 2.0;
 
 /// The frame of a patch. Its w axis is the mean normal (without normals, the normal of the principal plane). Its u axis

@@ -1,5 +1,5 @@
-//! Fits to logs whose contacts are not independent, because of copies, rests, and noise that is correlated along a
-//! stroke.
+//! Fits to logs whose contacts are not independent, because of copies, resting fingers, and noise that is correlated
+//! along a stroke.
 
 use nalgebra::Vector3;
 
@@ -9,39 +9,42 @@ use crate::effective_readings::{
 use crate::patch::{FingerMap, check};
 use crate::{Contact, Ep2Error, Fit, Method, Patch, Shape, ShapeFit, ShapeSettings};
 
-/// Smallest number of contacts of a finger for which a correlation is estimated.
+/// Smallest number of contacts of a finger from which the correlation of its noise is estimated.
 const MIN_CONTACTS: usize = 60;
-/// Number of means along a stroke in the first fit. This fit uses means of consecutive contacts, so correlated noise
-/// has little effect on it.
+/// Number of contacts along a stroke in the first fit. Each of them is the mean of consecutive contacts, so correlated
+/// noise has little effect on the fit.
 const FIRST_MEANS: usize = 30;
 /// Smallest number of means of consecutive contacts along the longest stroke.
 const MIN_MEANS: usize = 8;
-/// Largest accepted ratio of two root-mean-square distances of contacts: from a surface through means, and from a
-/// surface through all contacts. If the ratio is larger, the surface through means is too smooth, and its residuals are
-/// not only noise.
+/// Two surfaces are compared: one fitted to means of contacts, the other to all contacts. This is the largest accepted
+/// ratio of the root-mean-square distances of the contacts from the two surfaces. If the ratio is larger, the surface
+/// through the means is too smooth.
 const MAX_RESIDUAL_RATIO: f64 = 2.0;
-/// If the correlation increases by a larger factor than this value, the fit is repeated with means over more contacts.
+/// The fit is repeated with means over more contacts if the correlation length of its residuals exceeds the assumed
+/// length by more than this factor.
 const MAX_GROWTH: f64 = 1.3;
 
-/// Largest number of contacts in a fit. If there are more contacts, means of consecutive contacts are fitted. Their
-/// errors across a stroke are smaller, so the fitted series does not follow them.
+/// Largest number of contacts in a fit. Larger logs are replaced by means of consecutive contacts, whose errors across a
+/// stroke are smaller. Otherwise the fitted surface would follow the errors of single contacts.
 const MAX_FITTED: usize = 10_000;
-/// Contacts of a finger are in the order of its path if the ratio of two rms distances is below this value: from the
-/// means of consecutive contacts, and from the mean of all contacts.
+/// The contacts of a finger must be in the order of its path if means of consecutive contacts are fitted. They are in
+/// this order if the ratio of two root-mean-square distances is below this value: their distance from the means of
+/// consecutive contacts, divided by their distance from the mean of all contacts.
 const MAX_BLOCK_RATIO: f64 = 0.05;
-/// Largest number of contacts to which simple shapes are fitted for comparison with the surface.
+/// Largest number of contacts to which a plane, a sphere and a cylinder are fitted for comparison with the surface.
 const MAX_COMPARED: usize = 2000;
 
-/// A fit, and the contacts that count as independent in it.
+/// A fit to the independent contacts of a log, with these contacts.
 #[derive(Clone, Debug)]
 pub struct IndependentFit {
-    /// Contacts without copies and rests. If their noise is correlated, means of consecutive contacts.
+    /// Contacts of the fit, in which copies and the contacts of resting fingers are merged. If the noise is correlated,
+    /// they are means of consecutive contacts.
     pub contacts: Vec<Contact>,
     /// The patch that these contacts form.
     pub patch: Patch,
     /// The fitted surface. Its noise is the noise of a single contact.
     pub fit: Fit,
-    /// For each contact of the patch, the index of the first of the given contacts that it represents.
+    /// For each contact of the patch, the index of the first row of the log that it represents.
     pub rows: Vec<usize>,
     /// Number of independent readings in the log.
     pub readings: EffectiveReadings,
@@ -50,31 +53,32 @@ pub struct IndependentFit {
     pub noise_ratios: [f64; 2],
 }
 
-/// Contacts that count as independent, with the index of the first row of each contact.
+/// Means of consecutive contacts. `rows` contains the index of the first row of the log for each mean.
 struct Means {
     contacts: Vec<Contact>,
     rows: Vec<usize>,
 }
 
-/// Contacts without copies and rests, and the method by which they are fitted.
+/// A log in which copies and the contacts of resting fingers are merged, and the method by which it is fitted.
 struct Log<'a, M> {
     method: &'a dyn Fn([f64; 2]) -> M,
     outward: &'a Vector3<f64>,
     count: usize,
     distinct: DistinctContacts,
-    /// Indices of the distinct contacts of each finger.
+    /// For each finger, the indices of its contacts in `distinct`.
     strokes: Vec<Vec<usize>>,
-    /// Number of consecutive contacts that each fitted contact is the mean of, if their noise is independent.
+    /// Number of consecutive contacts that are replaced by their mean in a fit that assumes independent noise.
     block: usize,
 }
 
 impl IndependentFit {
-    /// Fits contacts; `distinct` are the distinct contacts of [`SoundContacts`](crate::SoundContacts), if they were
-    /// computed. `method` returns the method with stated standard deviations of positions and normals multiplied by
-    /// these factors.
+    /// Fits the contacts of a log. `distinct` are the merged contacts of [`SoundContacts`](crate::SoundContacts), if
+    /// they were already computed. `method` returns the method for two factors, by which it multiplies the stated
+    /// standard deviations of positions and normals.
     ///
     /// # Errors
-    /// Errors of [`Patch::new`] and of the method; they name a contact by its number among the given contacts.
+    /// Errors of [`Patch::new`] and of the method. If an error names a contact, it is the number of the contact in
+    /// `contacts`.
     pub fn new<M: Method>(
         method: impl Fn([f64; 2]) -> M,
         contacts: &[Contact],
@@ -113,9 +117,10 @@ impl IndependentFit {
         log.fit()
     }
 
-    /// Widens the intervals if the contacts lie on a plane, a sphere or a cylinder, and the fit is not around an implicit
-    /// quadric. The curvature of this shape is then within one standard error of the estimate. On these shapes, the bias
-    /// of the fitted series can exceed the effect of the noise if there are many contacts.
+    /// Increases the standard errors if the contacts lie on a plane, a sphere or a cylinder. Afterwards, the curvature
+    /// of this shape is within one standard error of the estimate. The reason is that on these shapes the bias of the
+    /// fitted surface can exceed the effect of the noise if there are many contacts. Fits that are based on an implicit
+    /// quadric do not change.
     ///
     /// # Errors
     /// The errors of [`Fit::centre`].
@@ -151,8 +156,9 @@ impl IndependentFit {
         Ok(())
     }
 
-    /// Two values: the standard deviation of the contacts' distances from the surface, in the unit of the patch; and
-    /// the correlations of these distances and of the normals.
+    /// Returns two results. The first is the root-mean-square distance of the contacts from the surface, in the unit of
+    /// the patch. The second contains the numbers of consecutive distances, and of consecutive normals, that count as
+    /// one because their errors are correlated.
     fn correlations<M>(&self, log: &Log<'_, M>) -> (f64, [f64; 2]) {
         let (mut distances, mut tilts) = (Vec::new(), Vec::new());
         let (mut square, mut count) = (0.0, 0.0);
@@ -190,7 +196,8 @@ impl IndependentFit {
         ((square / f64::max(count, 1.0)).sqrt(), times)
     }
 
-    /// The fit, with these correlations in its counts of readings, and with its variances multiplied by `variance`.
+    /// This fit with the given correlations in its counts of readings. Its variances are multiplied by `variance` if
+    /// this factor exceeds 1.
     fn with(mut self, [position, normal]: [f64; 2], variance: f64) -> Self {
         self.readings.position_correlation = position;
         self.readings.normal_correlation = normal;
@@ -241,7 +248,7 @@ impl<M: Method> Log<'_, M> {
         })
     }
 
-    /// Whether consecutive contacts of each finger are neighbours.
+    /// Whether the contacts of each finger are in the order of its path, so that consecutive contacts are neighbours.
     fn is_ordered(&self) -> bool {
         let contacts = &self.distinct.contacts;
         let square = |part: &[usize]| {
@@ -262,7 +269,8 @@ impl<M: Method> Log<'_, M> {
         blocks.map(square).sum::<f64>() < MAX_BLOCK_RATIO * MAX_BLOCK_RATIO * square(&all)
     }
 
-    /// The fit to the means of every `block` consecutive contacts of a finger.
+    /// Fits the means of every `block` consecutive contacts of each finger. `times` are the numbers of consecutive
+    /// positions and normals that count as one because their noise is correlated.
     fn of_means(&self, block: usize, times: [f64; 2]) -> Result<IndependentFit, Ep2Error> {
         let means = self.means(block);
         // If a mean is over fewer contacts than the noise is correlated over, its noise is as large as the noise of a

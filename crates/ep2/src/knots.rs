@@ -73,14 +73,15 @@ impl Knots {
         }
     }
 
-    /// Values at `x` of the B-splines, starting with index `first` (see [`Knots::first_function`]).
+    /// Values at `x` of the B-splines that are not zero there. `first` is the index of the first of these B-splines
+    /// (see [`Knots::first_function`]).
     #[inline]
     pub(crate) fn values(&self, first: usize, x: f64) -> Basis {
         self.derivatives::<1>(first, x)[0]
     }
 
-    /// Values at `x` of the B-splines and their derivatives up to order `ORDERS − 1`, starting with the B-spline
-    /// `first`.
+    /// Values and derivatives up to order `ORDERS − 1`, at `x`, of the B-splines that are not zero there. `first` is
+    /// the index of the first of these B-splines.
     ///
     /// The values for degrees 0, 1, … are computed by the recurrence of Cox and de Boor. A derivative of order m is an
     /// m-fold difference of the values for degree `degree − m`.

@@ -4,15 +4,16 @@
 //! ([`Contact`]). A [`Patch`] stores the contacts in its own frame, in which the patch is a graph w(u, v). Therefore
 //! its position, orientation and size do not affect the result. A [`Method`] fits a surface to the patch:
 //!
-//! | method | what it is | states its uncertainty |
+//! | method | fitted surface | standard errors |
 //! |---|---|---|
-//! | [`Quadric`] | weighted least squares; exact for quadrics, biased for all else | of the noise alone |
-//! | [`TwoPass`] | the 1996 paper's: a smoothing spline, then another through the first and its tangents | no |
-//! | [`Penalised`] | one spline through heights and slopes, smoothed as much as the data ask for | yes, with the bias of smoothing |
+//! | [`Quadric`] | one quadric, by weighted least squares; biased on all other surfaces | due to noise only |
+//! | [`TwoPass`] | two smoothing splines, as in the 1996 paper; the second is fitted to points of the first and of its tangents | none |
+//! | [`Penalised`] | one spline; the smoothing is selected from the heights and slopes of the contacts | due to noise and to the bias of the smoothing |
 //!
-//! [`ShapeSettings`] fits planes, spheres and cylinders to contacts on any side of an object and chooses among them,
-//! without gross outliers ([`SoundContacts`]). [`IndependentFit`] fits a surface with the number of independent readings
-//! ([`EffectiveReadings`]), and [`stroke_curvature`] a single stroke.
+//! [`ShapeSettings`] fits a plane, a sphere or a cylinder to contacts on any side of an object. It chooses the most
+//! probable shape and leaves out gross outliers ([`SoundContacts`]). [`IndependentFit`] fits a surface to a log whose
+//! contacts are not independent ([`EffectiveReadings`]). [`stroke_curvature`] computes the curvature along a single
+//! stroke.
 //!
 //! [`RoundTip`] computes the contacts of round fingertips from their centres or their lowest points.
 //!

@@ -57,7 +57,8 @@ impl SparseMap {
 /// Number of columns that are added to a sum in the same loop, which reduces the number of memory accesses.
 const COLUMNS_PER_PASS: usize = 4;
 
-/// Product A' B, where A' consists of the last columns of `a`, as many as `b` has rows.
+/// Product A' B, where A' consists of the last columns of `a`, and B is `b`. The number of these columns is the number
+/// of rows of `b`.
 pub(crate) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let height = a.nrows();
     let columns = &a.as_slice()[(a.ncols() - b.nrows()) * height..];
@@ -80,7 +81,7 @@ pub(crate) fn add_symmetric(sum: &mut DMatrix<f64>, a: &DMatrix<f64>, b: &DMatri
 }
 
 /// Adds to `sum` the last `height` entries of each column, multiplied by the factor of the column. Four columns are
-/// added at a time, in the same order on every processor.
+/// added at a time. The order of additions is the same on every processor, so that the results are the same.
 #[inline]
 fn add_columns(sum: &mut [f64], columns: &[f64], height: usize, factor: impl Fn(usize) -> f64) {
     let skipped = height - sum.len();

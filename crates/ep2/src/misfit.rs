@@ -1,4 +1,5 @@
-//! Tests whether contacts contradict a fitted surface: goodness of fit, and contacts that contradict the others.
+//! Tests whether contacts contradict a fitted surface: goodness of fit of all contacts, and single contacts that
+//! contradict the other contacts.
 //!
 //! The surface is modelled as a quadric plus a Gaussian process (a random smooth surface) with a given covariance. The
 //! errors of the contacts' heights and slopes are computed to first order from the errors of positions and normals. The
@@ -41,20 +42,20 @@ pub struct MisfitTest {
     pub misfits: Vec<Misfit>,
 }
 
-/// A Gaussian process that is added to a quadric, as a matrix. The rows are coefficients of the series (without those
-/// of the quadric), and each column belongs to one independent factor of unit variance.
+/// A Gaussian process that is added to a quadric. The process is stored as a matrix that maps independent random
+/// factors of variance 1 (columns) to coefficients of the series (rows). The coefficients of the quadric are left out.
 pub(crate) type Process = DMatrix<f64>;
 
 /// The fit that is tested, with the data that the tests need.
 pub(crate) struct Model<'a> {
     /// The contacts that are tested.
     pub(crate) patch: &'a Patch,
-    /// Distance between the tested contacts: one of this number of contacts is tested.
+    /// Every `step`-th contact of the log is tested.
     pub(crate) step: usize,
     pub(crate) square: Square,
     pub(crate) fit: &'a Fit,
-    /// A quadric near the fit. The tests use deviations from this quadric, because their rounding errors are smaller
-    /// than those of heights.
+    /// A quadric near the fitted surface. The tests use deviations from this quadric instead of heights, because the
+    /// rounding errors of the deviations are smaller.
     pub(crate) quadric: &'a SquareQuadric,
     /// Noise of the contacts, as the caller of the fit stated it.
     pub(crate) noise: &'a Noise,
@@ -69,16 +70,17 @@ struct Variances {
     normal: f64,
 }
 
-/// Observations of a contact, divided by the standard deviations of their noise.
+/// Observations of a contact (height and slopes), transformed such that their errors are independent and have variance
+/// 1.
 struct Weighted {
     /// Deviations of the observations from the quadric.
     values: DVector<f64>,
-    /// Derivatives with respect to the factors of the quadric and the process.
+    /// Derivatives of the values with respect to the factors of the quadric and the process.
     slopes: DMatrix<f64>,
 }
 
 impl Model<'_> {
-    /// Goodness of fit and misfits, computed with the most probable process.
+    /// Goodness of fit and misfits of the contacts, for a surface that is a quadric plus this process.
     ///
     /// # Errors
     /// [`Ep2Error::OutOfRange`] if numbers are beyond the range of doubles.
@@ -134,8 +136,8 @@ impl Model<'_> {
         self.fit.jet(sample.u, sample.v)
     }
 
-    /// Observations of a contact, divided by the standard deviations of its noise; `None` if numbers are beyond the
-    /// range of doubles.
+    /// Observations of a contact, transformed such that their errors are independent and have variance 1; `None` if
+    /// numbers are beyond the range of doubles.
     fn weighted(
         &self,
         sample: &Sample,
@@ -190,20 +192,21 @@ impl Model<'_> {
     }
 }
 
-/// A fit of the quadric and the process to weighted contacts.
+/// A fit of a quadric plus a process to all contacts.
 struct Refit {
     covariance: DMatrix<f64>,
     /// The most probable factors of the quadric and the process.
     factors: DVector<f64>,
     goodness: GoodnessOfFit,
-    /// Sum of squared residuals of all contacts, without the part that the process explains. The next field is the
-    /// number of degrees of freedom.
+    /// Sum of squared residuals of all contacts, after the quadric and the process were fitted. The next field is the
+    /// number of degrees of freedom without the process.
     chi_squared: f64,
     freedom: usize,
 }
 
 impl Refit {
-    /// The fit; `None` if the equations do not determine the quadric, or if numbers are beyond the range of doubles.
+    /// Fits the factors. `None` if the contacts do not determine the quadric, or if numbers are beyond the range of
+    /// doubles.
     fn new(contacts: &[Weighted]) -> Option<Self> {
         let size = contacts.first()?.slopes.ncols();
         let mut information = DMatrix::zeros(size, size);
@@ -264,8 +267,8 @@ impl Refit {
         })
     }
 
-    /// P-value of a contact's residuals. They are compared with the stated noise if this noise explains the other
-    /// contacts; otherwise with the residuals of the other contacts.
+    /// P-value of a contact's residuals. The residuals are compared with the stated noise if this noise explains the
+    /// other contacts. Otherwise they are compared with the residuals of the other contacts.
     fn p_value(&self, contact: &Weighted, is_noise_stated: bool) -> f64 {
         let rows = contact.values.len();
         let residual = &contact.values - &contact.slopes * &self.factors;
@@ -283,8 +286,8 @@ impl Refit {
     }
 }
 
-/// Products of Chebyshev polynomials at a contact, one per column. The rows contain the products and their slopes along
-/// u and v.
+/// Products of Chebyshev polynomials at a contact, with one product per column. The first row contains the values of
+/// the products, and the other two rows contain their slopes along u and v.
 fn series(square: Square, degree: usize, sample: &Sample) -> DMatrix<f64> {
     let [a, b] = square.place([sample.u, sample.v]);
     let [half_u, half_v] = square.half();

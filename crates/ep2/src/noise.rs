@@ -24,8 +24,8 @@ pub struct NoiseEstimate {
 
 /// Smallest standard deviation that is assumed, in the patch's unit. Smaller values are rounding errors.
 const MIN_STD: f64 = 1e-12;
-/// Largest allowed ratio of the estimated variances of heights and slopes, and of its inverse. A larger ratio means
-/// that one of the two is fitted almost exactly by chance.
+/// Largest allowed ratio of the estimated variances of heights and slopes, and of the inverse of this ratio. A larger
+/// ratio means that heights or slopes are fitted almost exactly by chance.
 const MAX_VARIANCE_RATIO: f64 = 1e8;
 
 impl Noise {
@@ -119,7 +119,8 @@ impl Variances {
         is_determined
     }
 
-    /// The smallest factor by which the residuals may reduce the variances. Smaller variances would be rounding errors.
+    /// The smallest factor by which the variances may be multiplied. A smaller factor would give variances that are
+    /// only rounding errors.
     pub(crate) fn min_scale(&self) -> f64 {
         MIN_STD * MIN_STD / self.heights
     }

@@ -41,12 +41,12 @@ const MAX_UNKNOWN_SHARE: f64 = 0.6;
 /// this value. Therefore the series can represent shapes that the spline cannot.
 const EXTRA_COEFFICIENTS: usize = 5;
 
-/// Standard deviation of the coefficient m of an implicit quadric before the contacts are used, relative to the root
-/// mean square curvature. A paraboloid has m = 0; for a ball, m is the curvature.
+/// Prior standard deviation of the coefficient m in the implicit quadric z = Q(a, b) + m z²/2, relative to the root
+/// mean square curvature. For a paraboloid, m is 0; for a ball, m is the curvature.
 const SQUARE_TERM_PRIOR: f64 = 2.0;
 
-/// Largest number of effective degrees of freedom of the deviations from an implicit quadric. If there are more, the
-/// surface deviates from an implicit quadric, for example a torus.
+/// Largest number of effective degrees of freedom of a spline that is added to an implicit quadric. A larger number
+/// means that the surface is not close to an implicit quadric; an example is a torus.
 const MAX_IMPLICIT_UNKNOWNS: f64 = 12.0;
 
 /// One bicubic tensor-product spline with a penalty on its third derivatives. It is fitted by weighted least squares to
@@ -54,9 +54,9 @@ const MAX_IMPLICIT_UNKNOWNS: f64 = 12.0;
 ///
 /// For a quadric, the penalty is 0. The weight of the penalty is selected by a [`Criterion`].
 ///
-/// The posterior is computed for a series of higher degree than the spline: a quadric plus a Gaussian process whose
-/// length and amplitude are unknown. Therefore, it includes the approximation error of the spline and the bias of the
-/// smoothing.
+/// The standard errors are computed for a series of higher degree than the spline: a quadric plus a Gaussian process
+/// whose correlation length and amplitude are unknown. Therefore, they include the approximation error of the spline
+/// and the bias of the smoothing.
 ///
 /// The computing time is proportional to the number of contacts and to the sixth power of the number of intervals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -66,7 +66,8 @@ pub struct Penalised {
     pub intervals: Option<usize>,
     /// Criterion by which the smoothing weight is selected.
     pub criterion: Criterion,
-    /// Standard deviations of the contacts' errors, where the user states them.
+    /// Stated standard deviations of the contacts' errors. A standard deviation that is not stated is estimated from
+    /// the contacts.
     pub noise: Noise,
 }
 
@@ -75,8 +76,8 @@ struct Estimated {
     fit: Fit,
     square: Square,
     quadric: SquareQuadric,
-    /// Standard deviation of the coefficient m of an implicit quadric before the contacts are used; `None` if the
-    /// surface is around a quadric.
+    /// Prior standard deviation of the coefficient m, if the spline is added to an implicit quadric; `None` if the
+    /// spline alone describes the surface.
     square_term: Option<f64>,
     intervals: [usize; 2],
     /// Variances of the contacts' errors.
@@ -119,7 +120,7 @@ impl Method for Penalised {
 }
 
 impl Penalised {
-    /// The fitted surface without standard errors. It is the same surface as from [`Method::fit`], but costs less.
+    /// Fits the same surface as [`Method::fit`], but without standard errors, which saves computing time.
     ///
     /// # Errors
     /// Errors of [`Method::fit`].
@@ -286,9 +287,9 @@ impl Estimated {
     }
 }
 
-/// Automatic numbers of knot intervals along u and along v. They are equal, and as large as the limit on the
-/// coefficients per equation allows. Across the travel, there are at most as many intervals as gaps between fingers,
-/// because the contacts of one finger are nearly on a line.
+/// Automatic numbers of knot intervals along u and along v, as large as the limit on the coefficients per equation
+/// allows. Both numbers are equal, but across the fingers' travel there are at most as many intervals as gaps between
+/// fingers. More intervals would not be determined, because the contacts of one finger are nearly on a line.
 fn default_intervals(patch: &Patch) -> [usize; 2] {
     let gaps = match patch.fingers {
         1 => MAX_DEFAULT_INTERVALS,
@@ -302,7 +303,7 @@ fn default_intervals(patch: &Patch) -> [usize; 2] {
         .unwrap_or([1, 1])
 }
 
-/// Twice the number of intervals; `None` if there are not enough contacts for them.
+/// The doubled numbers of knot intervals; `None` if the numbers would be too large or if there are not enough contacts.
 fn finer(intervals: [usize; 2], patch: &Patch) -> Option<[usize; 2]> {
     let finer = intervals.map(|count| 2 * count);
     let fits = finer.iter().all(|&count| count <= MAX_DEFAULT_INTERVALS);

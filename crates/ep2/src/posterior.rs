@@ -8,7 +8,7 @@ use crate::matrix::SparseMap;
 use crate::spline::{Jet, Lanes};
 use crate::square_quadric::Square;
 
-/// Number of unordered pairs of the surface's derivatives (p, q, r, s, t).
+/// Number of pairs of the surface's derivatives (p, q, r, s, t), including the pair of each derivative with itself.
 const PAIRS: usize = DERIVATIVES * (DERIVATIVES + 1) / 2;
 
 /// The posterior distribution of the surface. It contains the mean and the covariance of the slopes and second
@@ -31,7 +31,8 @@ pub(crate) struct Posterior {
 pub(crate) type Series = Vec<Lanes>;
 
 impl Posterior {
-    /// The posterior of a surface that is a series of [`products`] over the square.
+    /// The posterior of a surface that is a series of [`products`] over the square. `mean` and `covariance` are those
+    /// of the coefficients.
     pub(crate) fn new(
         square: Square,
         degree: usize,
@@ -62,7 +63,7 @@ impl Posterior {
         }
     }
 
-    /// Multiplies all variances of the surface by a factor.
+    /// Multiplies all variances of the surface by `factor`.
     pub(crate) fn widen(&mut self, factor: f64) {
         for covariance in self.covariances.iter_mut().flatten() {
             *covariance *= factor;
@@ -99,7 +100,7 @@ impl Posterior {
     }
 }
 
-/// The linear maps from a series to its derivatives.
+/// The linear maps from the coefficients of a series to the coefficients of its derivatives.
 struct Maps {
     /// Maps to the first derivatives with respect to u and v.
     slopes: [SparseMap; 2],
@@ -119,8 +120,8 @@ impl Maps {
         }
     }
 
-    /// The derivatives (p, q, r, s, t), starting at index `first`, of series whose coefficients are the rows of a
-    /// matrix.
+    /// Coefficients of the derivatives (p, q, r, s, t) of several series, from the derivative with the index `first`
+    /// on. Each row of `series` contains the coefficients of one series.
     fn all(&self, series: &DMatrix<f64>, first: usize) -> Vec<DMatrix<f64>> {
         let by_v = self.slopes[1].apply_to_rows(series);
         let last = self.bends[1].apply_to_rows(&by_v);

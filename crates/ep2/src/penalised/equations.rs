@@ -14,12 +14,12 @@ const SUPPORT: usize = DEGREE + 1;
 /// Number of products of two B-splines (along u and along v) that are not 0 at a position.
 const LOCAL: usize = SUPPORT * SUPPORT;
 
-/// The normal equations for heights and for slopes, for observations of unit variance. The unknown is the deviation
-/// from a quadric.
+/// Normal equations for the coefficients of a spline that describes the deviation of the surface from a quadric. The
+/// equations of heights and of slopes are stored separately, and are for observations with variance 1.
 pub(super) struct Equations {
     pub(super) grams: Kinds<DMatrix<f64>>,
     pub(super) right_sides: Kinds<DVector<f64>>,
-    /// Weighted sums of squares of the deviations.
+    /// Weighted sums of the squared deviations of the observations from the quadric.
     pub(super) squares: Kinds<f64>,
     /// Number of equations for heights and for slopes.
     pub(super) count: Kinds<usize>,
@@ -38,7 +38,7 @@ impl Cell {
         right: [0.0; LOCAL],
     };
 
-    /// Adds an equation; its part of the matrix only if `with_gram`.
+    /// Adds one observation to the right side and, if `with_gram`, to the matrix.
     #[inline]
     fn add(
         &mut self,
@@ -67,7 +67,8 @@ impl Cell {
 }
 
 impl Equations {
-    /// The equations for the deviation of a patch from `quadric`. Without `with_grams`, only their right sides.
+    /// Sums the equations for the deviations of a patch's contacts from `quadric`. If `with_grams` is false, only the
+    /// right sides are computed.
     pub(super) fn around(
         quadric: &SquareQuadric,
         patch: &Patch,
@@ -119,7 +120,8 @@ impl Equations {
         self.count.slopes > 0
     }
 
-    /// Weighted sums of squared residuals, for heights and for slopes.
+    /// Weighted sums of squared residuals of the heights and of the slopes, for a spline with the coefficients
+    /// `deviation`.
     pub(super) fn residuals(&self, deviation: &DVector<f64>) -> Kinds<f64> {
         let residual = |gram: &DMatrix<f64>, right: &DVector<f64>, square: f64| {
             (square - 2.0 * deviation.dot(right) + deviation.dot(&(gram * deviation))).max(0.0)
@@ -138,8 +140,8 @@ impl Equations {
         }
     }
 
-    /// Effective degrees of freedom that are fitted to heights and to slopes, computed from the matrix (A + λP)⁻¹ of
-    /// the fit.
+    /// Effective degrees of freedom that are fitted to heights and to slopes. `inverse` is the matrix (A + λP)⁻¹, where
+    /// A is the matrix of the normal equations, P the penalty matrix and λ the smoothing weight.
     pub(super) fn effective_unknowns(
         &self,
         inverse: &DMatrix<f64>,

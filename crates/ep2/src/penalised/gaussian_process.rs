@@ -10,12 +10,12 @@ use crate::matrix::SparseMap;
 use crate::matrix::product;
 use crate::square_quadric::UNKNOWNS;
 
-/// A random factor is omitted if the second derivatives that it causes have a variance below this value everywhere in
-/// the square.
+/// A random factor of the process is omitted if the second derivatives that it causes have a variance below this value
+/// everywhere in the square.
 const MIN_VARIANCE: f64 = 1e-3;
 
-/// The transposed map from independent factors of unit variance to the rough part of a random surface. The rough part
-/// consists of all products of polynomials except those that form quadrics.
+/// A random surface, as a linear map from independent random factors of variance 1 to the coefficients of a series. The
+/// map is returned in transposed form. The coefficients of quadrics are left out.
 ///
 /// The covariance of heights is proportional to exp(−d²/2ℓ²). Here d is the distance between two places and ℓ is
 /// `length`, both in units of half a side of the square. The second derivatives along an axis have unit variance.
@@ -67,7 +67,7 @@ pub(super) fn factors(length: f64, degree: usize) -> SparseMap {
     SparseMap::new(products(degree).count() - UNKNOWNS, count, entries)
 }
 
-/// Square of the largest second derivative of a product, which is at a corner of the square.
+/// Square of the largest second derivative of the product T_i T_j in the square. It occurs at a corner of the square.
 fn max_square_second_derivative([i, j]: [usize; 2]) -> f64 {
     let [i, j] = [i, j].map(|order| (order * order) as f64);
     let bends = [i * (i - 1.0) / 3.0, i * j, j * (j - 1.0) / 3.0];
@@ -77,8 +77,8 @@ fn max_square_second_derivative([i, j]: [usize; 2]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Covariance of the coefficients up to a degree, for a process of unit variance along one side of the square, computed
-/// by Gauss–Chebyshev quadrature.
+/// Covariance of the coefficients of T_0 to T_degree, for a process of one variable with variance 1. It is computed by
+/// Gauss–Chebyshev quadrature.
 fn covariance(length: f64, degree: usize) -> DMatrix<f64> {
     let nodes = 2 * degree + 2;
     let places: Vec<f64> = (0..nodes)
@@ -121,8 +121,8 @@ mod tests {
         }
     }
 
-    /// Variances of the second derivative along a at the place (a, b): for all products of polynomials, and for all
-    /// products except those of quadrics.
+    /// Variances of the process's second derivative along a at the place (a, b): for all products of polynomials, and
+    /// for all products except those of quadrics.
     fn bends(length: f64, degree: usize, [a, b]: [f64; 2]) -> [f64; 2] {
         let [a, b] = [a, b].map(|x| values(x, degree).collect::<Vec<f64>>());
         let here: Vec<f64> = products(degree).map(|[i, j]| a[i] * b[j]).collect();

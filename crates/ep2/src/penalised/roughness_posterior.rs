@@ -26,7 +26,8 @@ const EXPECTED_LENGTH: f64 = 1.75;
 const LENGTH_POWER: f64 = 2.0;
 /// The amplitude with the largest prior probability, relative to the second derivatives of the quadric.
 const EXPECTED_AMPLITUDE: f64 = 0.75;
-/// The same relative amplitude for the deviations from an implicit quadric, which are smaller.
+/// The amplitude with the largest prior probability for deviations from an implicit quadric, relative to the second
+/// derivatives of the quadric. These deviations are usually smaller than deviations from an ordinary quadric.
 const EXPECTED_AMPLITUDE_ABOUT_IMPLICIT: f64 = 0.25;
 /// The prior probability of an amplitude decreases with this power of the amplitude, on both sides of its maximum.
 const AMPLITUDE_POWER: f64 = 4.0;
@@ -38,14 +39,15 @@ const LOG_AMPLITUDE_STEP: f64 = 0.5;
 /// real surface depends on place and direction, unlike that of a sample of the process. Therefore the contacts
 /// determine the roughness of a real surface less accurately.
 const LIKELIHOOD_POWER: f64 = 0.5;
-/// Logarithm of the probability ratio to the most probable length and amplitude. Combinations below this value are
-/// omitted from the average.
+/// A combination of length and amplitude is omitted from the average if the logarithm of its probability, relative to
+/// the most probable combination, is below this value.
 const MIN_LOG_PROBABILITY: f64 = -7.0;
 /// Largest ratio of the information in the equations to the information in the prior at the expected amplitude. With a
 /// larger ratio, rounding errors would dominate.
 const MAX_INFORMATION: f64 = 1e11;
 
-/// A surface as a series around a quadric: the equations for its coefficients, and the settings.
+/// Data from which the posterior is computed. The surface is a quadric plus a series of Chebyshev polynomials, and
+/// `equations` are the normal equations for the coefficients of the series.
 pub(super) struct SeriesProblem<'a> {
     pub(super) equations: &'a SeriesEquations,
     pub(super) degree: usize,
@@ -56,14 +58,14 @@ pub(super) struct SeriesProblem<'a> {
     pub(super) square: Square,
     /// Coefficients of the quadric, as a series of Chebyshev polynomials.
     pub(super) quadric: [f64; UNKNOWNS],
-    /// If the mean surface is an implicit quadric, its coefficient of the squared height; otherwise `None`.
+    /// Data of the coefficient m, if the surface is an implicit quadric z = Q + m z²/2 plus a series; otherwise `None`.
     pub(super) square_term: Option<SquareTerm>,
 }
 
-/// The coefficient m of an implicit quadric, as an unknown of the series.
+/// The coefficient m of an implicit quadric z = Q + m z²/2, as an additional unknown of the series.
 pub(super) struct SquareTerm {
-    /// Derivative of the surface with respect to m: the coefficients of all rough products. The rest of the derivative
-    /// is a quadric.
+    /// Derivative of the surface with respect to m, as coefficients of all products of Chebyshev polynomials except
+    /// those that form quadrics.
     pub(super) derivative: DVector<f64>,
     /// Standard deviation of m before the contacts are used.
     pub(super) prior: f64,
@@ -80,8 +82,8 @@ impl SeriesProblem<'_> {
     }
 }
 
-/// The equations of the rough products (all products except those of quadrics), after the best-fitting quadric has been
-/// eliminated.
+/// Normal equations for the coefficients of the rough products, after the best-fitting quadric has been eliminated.
+/// Rough products are all products of Chebyshev polynomials except those that form quadrics.
 struct Rest {
     gram: DMatrix<f64>,
     right: DVector<f64>,
@@ -95,8 +97,8 @@ struct Rest {
 /// The rough part of the surface, as a Gaussian process with one correlation length.
 struct Process {
     log_length: f64,
-    /// Modes, as combinations of the rough products, with one mode per column. In the modes, the equations are
-    /// tridiagonal.
+    /// Modes as columns. Each mode is a combination of the rough products. Expressed in the modes, the matrix of the
+    /// equations is tridiagonal.
     modes: DMatrix<f64>,
     information: Tridiagonal,
     right: Vec<f64>,
@@ -180,12 +182,12 @@ pub(super) fn posterior(problem: &SeriesProblem) -> Result<Posterior, Ep2Error> 
     }
 }
 
-/// The equations after the elimination of the quadric.
+/// The normal equations, divided into the equations of the quadric and the remaining equations of the rough products.
 struct Eliminated {
     quadrics: Cholesky<f64, Dyn>,
-    /// For each rough product, the quadric that fits it best.
+    /// For each rough product, the coefficients of the quadric that fits it best.
     replaced: DMatrix<f64>,
-    /// Coefficients of the best-fitting quadric without the rough products.
+    /// Coefficients of the quadric that fits the contacts best if the rough products are left out.
     start: DVector<f64>,
     rest: Rest,
 }
@@ -291,7 +293,7 @@ struct Mixture {
 }
 
 impl Rest {
-    /// These equations, with variances that are increased as far as necessary so that rounding errors do not dominate.
+    /// These equations, with increased variances where the ratio of information would exceed [`MAX_INFORMATION`].
     fn limited(self) -> Result<Self, Ep2Error> {
         let amplitude = self.expected_amplitude;
         let information = self.gram.trace() * amplitude * amplitude;
@@ -437,7 +439,7 @@ impl Process {
     }
 
     /// Total probability of the candidates, and the mean and covariance of the modes' factors, averaged over the
-    /// candidates. The covariance is multiplied by the total probability.
+    /// candidates. The returned covariance is multiplied by the total probability.
     fn mixture(&self, likely: &[(f64, &Candidate)]) -> (f64, Vec<f64>, DMatrix<f64>) {
         let size = self.right.len();
         let total: f64 = likely.iter().map(|(share, _)| share).sum();

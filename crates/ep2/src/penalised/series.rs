@@ -7,12 +7,12 @@ use crate::chebyshev::{count, derivative, products, values};
 use crate::noise::Variances;
 use crate::square_quadric::{Square, SquareQuadric};
 
-/// The weighted normal equations for heights and slopes of unit variance. The unknown is the deviation from a quadric,
-/// as a series.
+/// Normal equations for the coefficients of a series that describes the deviation of the surface from a quadric. They
+/// contain heights and slopes, weighted with their inverse variances.
 pub(super) struct SeriesEquations {
     pub(super) gram: DMatrix<f64>,
     pub(super) right: DVector<f64>,
-    /// Weighted sum of squares of the deviations.
+    /// Weighted sum of the squared deviations of the observations from the quadric.
     pub(super) square: f64,
 }
 
@@ -85,7 +85,7 @@ fn add_products(sums: &mut [f64], degree: usize, a: &[f64], b: &[f64], weight: f
 }
 
 impl SeriesEquations {
-    /// The equations of a series with this degree, for the deviation of a patch from `quadric`.
+    /// Sums the equations of a series of this degree, for the deviations of a patch's contacts from `quadric`.
     pub(super) fn around(
         quadric: &SquareQuadric,
         patch: &Patch,
@@ -123,7 +123,8 @@ impl SeriesEquations {
         equations
     }
 
-    /// Adds the equations of the slopes along an axis. `sums` are for the series of the derivatives along this axis.
+    /// Adds the equations of the slopes along `axis`. `sums` contains the sums for a series that represents the
+    /// derivative along this axis.
     fn add_derivatives(&mut self, sums: &Sums, axis: usize, degree: usize) {
         let adjoint = derivative(degree, axis).transposed();
         let half = adjoint.apply_to_rows(&sums.gram());

@@ -1,4 +1,5 @@
-//! Symmetric tridiagonal matrices. They replace eigenvalues if only sums over all eigenvalues are needed.
+//! Symmetric tridiagonal matrices. A matrix is transformed to this form if only determinants and inverses are needed,
+//! because this costs less than the computation of eigenvalues.
 
 use nalgebra::{DMatrix, SymmetricTridiagonal};
 
@@ -52,7 +53,7 @@ impl Factors {
         products.map(|product: f64| libm::log(product)).sum()
     }
 
-    /// Solves the equations. Replaces the right side by the solution.
+    /// Solves (1 + s T) x = b. `right` contains b and is overwritten by x.
     pub(super) fn solve(&self, right: &mut [f64]) {
         for index in 1..right.len() {
             right[index] -= self.below[index - 1] * right[index - 1];
@@ -65,7 +66,7 @@ impl Factors {
         }
     }
 
-    /// Adds a multiple of the inverse to the lower triangle of a matrix.
+    /// Adds the inverse of 1 + s T, multiplied by `factor`, to the lower triangle of `sum`.
     pub(super) fn add_inverse(&self, sum: &mut DMatrix<f64>, factor: f64) {
         let size = self.pivots.len();
         // In each row of the inverse matrix, the entries to the right of the diagonal are a multiple of the entries in

@@ -14,18 +14,18 @@ const MIN_WEIGHT_RATIO: f64 = 1e-2;
 /// Upper end of the search for the smoothing weight, relative to the largest weight that damps a mode by half. Beyond
 /// this end, the fit is nearly a quadric.
 const MAX_WEIGHT_RATIO: f64 = 1e3;
-/// If a product is below this bound, it is multiplied by the inverse of this bound, and the power of two is stored
-/// separately.
+/// When a product of many factors falls below this value, it is divided by this value, so that it does not underflow.
+/// The logarithm of the product is corrected afterwards.
 const SMALL: f64 = 1.0 / (1u64 << 60) as f64;
-/// Number of halvings that are recorded when a product is scaled up.
+/// Number of halvings that correspond to [`SMALL`], which is 2⁻⁶⁰.
 const SMALL_HALVINGS: f64 = 60.0;
 /// The half-damping weight of a mode is the smoothing weight that damps it by half. If its ratio to the largest
 /// half-damping weight is below this value, the mode does not extend the range of the search.
 const MIN_MODE_RATIO: f64 = 1e-8;
-/// Smallest difference between the logarithms of the upper end of the search and of the expected weight.
+/// The upper end of the search exceeds the expected weight by at least this difference of logarithms.
 const EXPECTED_MARGIN: f64 = 5.0;
-/// Largest difference between the logarithms of the expected weight and of the largest weight that damps a mode by
-/// half.
+/// The expected weight is limited. Its logarithm exceeds the logarithm of the largest weight that damps a mode by half
+/// by at most this difference.
 const MAX_EXPECTED: f64 = 16.0;
 
 /// A criterion by which the smoothing weight is chosen.
@@ -92,7 +92,7 @@ struct Sums<T = f64> {
 }
 
 impl Sums<Lanes> {
-    /// Sums for several weights, which are given by their logarithms.
+    /// Computes the sums for several smoothing weights. `log_weights` contains their logarithms.
     fn at(spectrum: &Spectrum, log_weights: [f64; LANES]) -> [Sums; LANES] {
         let weight = Lanes::from(log_weights.map(libm::exp));
         let square = Lanes::splat(spectrum.square);
@@ -177,8 +177,8 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Evaluates weights from a range that includes the neighbourhood of the expected weight. `expected` is the
-    /// logarithm of the expected weight.
+    /// Computes the sums at smoothing weights in a range that includes the neighbourhood of the expected weight.
+    /// `expected` is the logarithm of the expected weight.
     pub(super) fn new(
         spectrum: &'a Spectrum,
         criterion: Criterion,
@@ -233,7 +233,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The smallest −2 ln(likelihood) of a smoothing weight.
+    /// The smallest value of −2 ln(likelihood) among the evaluated smoothing weights.
     pub(super) fn least_deviance(&self) -> f64 {
         let deviances = self.sums.iter().map(|sums| self.deviance(sums));
         deviances.fold(f64::INFINITY, f64::min)
@@ -281,8 +281,8 @@ impl<'a> Search<'a> {
         sums.residual_prime / sums.residual + 2.0 * gamma * sums.unknowns_prime / left
     }
 
-    /// The root of the slope between two places. The slope must be negative at the first place and positive at the
-    /// second (regula falsi, Illinois variant).
+    /// Logarithm of the smoothing weight at which the slope of the score is zero. The slope must be negative at `low`
+    /// and positive at `high`. The method is regula falsi in the Illinois variant.
     fn root(&self, low: f64, high: f64) -> f64 {
         let slope = |place: f64| self.slope(&Sums::at_one(self.spectrum, place));
         let (mut ends, mut slopes) = ([low, high], [slope(low), slope(high)]);
@@ -305,8 +305,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Logarithm of the weight that is suitable for the roughness of a sphere with this squared curvature. Lengths are in
-/// units of half a side of the square.
+/// Logarithm of the smoothing weight that is expected for the roughness of a sphere with this squared curvature.
+/// Lengths are in units of half a side of the square.
 ///
 /// The penalty of a sphere of curvature κ over the square is 32 κ⁶. This corresponds to third derivatives with the
 /// amplitude λ^(−1/2) = ¾ κ³.
