@@ -1,8 +1,8 @@
 //! Errors of palpate on fixed scenes with fixed seeds: errors of models against closed forms, of estimators against the
 //! true values of the scenes, and of the marker tracker against the true places of the discs in its frames.
 //!
-//! `cargo xtask bench-check` compares these errors with `baseline/accuracy.csv`, so that a change which makes an answer
-//! less accurate is noticed. An error is relative unless its name ends with a unit.
+//! `cargo xtask bench-check` compares these errors with `baseline/accuracy.csv`, to detect changes of the code that
+//! make results less accurate. An error is relative unless its name ends with a unit.
 
 use anyhow::{Context, Result, ensure};
 use palpate_ep2::{Curvature, Method, Penalised, Quadric, TwoPass};
@@ -20,7 +20,8 @@ use crate::workloads::unit_rolls::{self, Chart, Ep1, Model, paraboloid, roller, 
 
 type Figures = Vec<(String, f64)>;
 
-/// Names and values of all errors, for rolls, EP1 trials, EP2 fits, presses and frames.
+/// Name and value of every error: of rolls, of estimates from rolls (EP1), of fits to contacts (EP2), of presses, and
+/// of markers in frames.
 ///
 /// # Errors
 /// An error if a scene cannot be run, or an error is not finite.
@@ -46,7 +47,7 @@ pub(crate) fn rms(errors: impl IntoIterator<Item = f64>) -> f64 {
     (sum / f64::from(count)).sqrt()
 }
 
-/// Errors of rolls with each model, compared with closed forms.
+/// Errors of simulated rolls with each roll model, relative to closed forms.
 fn roll_errors() -> Result<Figures> {
     let charts = Chart::Montana(HeldAxis::Transported);
     let rk4 = |chart| Model::Rk4 { steps: 64, chart };
@@ -76,7 +77,7 @@ fn roll_errors() -> Result<Figures> {
     Ok(figures)
 }
 
-/// Errors of EP1 estimates in repeated trials.
+/// Errors of the curvatures that are estimated from rolls (EP1), over repeated trials.
 fn trial_errors() -> Result<Figures> {
     let mut figures = Vec::new();
     for (sensor, setting) in [("uniform errors", Ep1::UNIFORM), ("pads", Ep1::PADS)] {
@@ -91,7 +92,7 @@ fn trial_errors() -> Result<Figures> {
     Ok(figures)
 }
 
-/// Errors of the curvatures that EP2 estimates from contacts.
+/// Errors of the curvatures that are estimated from contact points (EP2).
 fn ep2_errors() -> Result<Figures> {
     const MANY: usize = 10_000;
     let methods: [(&str, &dyn Method); 3] = [
@@ -123,8 +124,8 @@ fn ep2_errors() -> Result<Figures> {
     Ok(figures)
 }
 
-/// Errors of the markers that the tracker finds in two frames. One frame is a drawing on a dark background, the other
-/// is a rendered frame of the sensor.
+/// Errors of the markers that the tracker finds in two frames. One frame is a drawing on a dark background. The other
+/// frame is rendered as the sensor's camera would record it.
 fn frame_errors() -> Result<Figures> {
     let (frame, discs) = camera_frames::frame(640);
     let dark = camera_frames::errors(&camera_frames::finder(640).find(&frame)?.markers, &discs);
@@ -151,7 +152,8 @@ const THICKNESS: f64 = 5.0;
 /// Depth of the markers, mm.
 const DEPTH: f64 = 2.0;
 
-/// Errors of the displacement field of a press, and errors of the curvatures that fits estimate from this field.
+/// Errors of a press: of the displacements that the models compute, and of the curvatures that are fitted to these
+/// displacements.
 fn press_errors() -> Result<Figures> {
     let half_space = Body::half_space(0.5, DEPTH)?;
     let table = Body::bonded_layer(THICKNESS, DEPTH)?;
@@ -174,8 +176,8 @@ fn press_errors() -> Result<Figures> {
     Ok(figures.map(name).to_vec())
 }
 
-/// Largest error of the displacements, divided by the largest displacement. The displacements are compared with a
-/// quadrature over wavenumbers.
+/// Largest error of the displacements, divided by the largest displacement. The reference is a quadrature over
+/// wavenumbers.
 fn displacement_error(body: &Body, reference: paraboloid_reference::Body) -> Result<f64> {
     let distances: Vec<f64> = (0..77).map(|marker| 0.25 * f64::from(marker)).collect();
     let truth = ParaboloidPress::new(reference, 1.0 / SKIN, INDENTATION)?;

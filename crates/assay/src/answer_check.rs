@@ -14,15 +14,15 @@ use crate::csv_table::Column;
 
 const DESIGN: &str = "design";
 const DISTINGUISH: &str = "distinguish";
-/// Gap of the reference, relative to the gap of the design that is checked. A gap that is ten times smaller needs 100
+/// Gap of the reference, as a multiple of the gap of the checked design. A gap that is ten times smaller needs 100
 /// times the trials.
 const REFERENCE_GAP: f64 = 0.1;
 /// Seed of the random numbers of the reference.
 const REFERENCE_SEED: u64 = 1_000_003;
-/// Number of the first trial that is used to test the probabilities. The estimates use only trials with smaller
-/// numbers.
+/// Number of the first fresh trial. Fresh trials test the estimated probabilities. The estimates use only trials with
+/// smaller numbers.
 const FRESH: u64 = 1 << 50;
-/// Difference between the numbers of the first fresh trials of two cells. It keeps the cells from sharing random
+/// Distance between the first fresh trial numbers of two cells. It is so large that no two cells use the same random
 /// numbers.
 const APART: u64 = 1 << 40;
 /// Half-width of a 95 % interval, in standard errors.
@@ -35,11 +35,11 @@ pub struct Options<'a> {
     pub seeds: u64,
     /// Number of pairs of trials for each probability.
     pub pairs: u64,
-    /// Only scenes whose names contain these words are run.
+    /// Run only scenes whose names contain these words.
     pub only: &'a str,
 }
 
-/// Number of answers to the question of a scene, and number of correct answers.
+/// How many of the answers for a scene are correct.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Score {
     /// The command: `design` or `distinguish`.
@@ -93,8 +93,8 @@ pub fn scores(options: Options<'_>, report: impl Fn(&Score)) -> Result<Vec<Score
 /// Fails if too few answers are correct. At least 183 of 200 designs, at least 16 of 20 designs of each scene, and at
 /// least 19 of 20 probabilities must be correct.
 ///
-/// An answer should be correct with a probability of 95 %. If it is, at least 183 of 200 answers are correct with a
-/// probability of 98.8 %, and at least 16 of 20 with a probability of 99.7 %.
+/// An answer should be correct with a probability of 95 %. Then at least 183 of 200 answers are correct with a
+/// probability of 98.8 %, and at least 16 of 20 answers with a probability of 99.7 %.
 ///
 /// # Errors
 /// An error if too few answers are correct.
@@ -126,7 +126,7 @@ pub fn check(scores: &[Score]) -> Result<()> {
     Ok(())
 }
 
-/// Compares the designs of a scene, one for each seed, with a reference.
+/// Computes a design of the scene for each seed, and compares these designs with a reference design.
 fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
     let ask = |seed: u64, gap: f64| -> Result<Region> {
         let mut study = parse(scene.name, scene.config)?;
@@ -151,8 +151,8 @@ fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
     })
 }
 
-/// Whether an answer of `design` is correct. It must contain values on both sides of the target, and the reference must
-/// not contradict it at any end of its ranges.
+/// Whether an answer of `design` is correct. It must contain a range that meets the target and a range that misses it.
+/// At no end of these ranges may the reference state the opposite.
 fn is_right_design(answer: &Region, reference: &Region) -> bool {
     let [answer, reference] = [answer, reference].map(|region| &region.columns[0]);
     let is_wrong = |value: f64, side: Side| {
@@ -167,8 +167,8 @@ fn is_right_design(answer: &Region, reference: &Region) -> bool {
         && !ends.any(|(value, side)| is_wrong(value, side))
 }
 
-/// For each pair of objects and each seed, compares the estimated probability of the right order with a measured share.
-/// This is the share of pairs of fresh trials that are in the right order.
+/// Compares probabilities that `distinguish` estimates, one for each pair of objects and each seed, with measured
+/// shares. A measured share is the share of pairs of fresh trials whose estimates are in the right order.
 fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> Result<Score> {
     let (config, radii) = (scene.config, scene.radii);
     let sweep = format!("[[sweep]]\npath = \"scene.object.radius\"\nvalues = {radii:?}\n");
@@ -210,9 +210,9 @@ fn distinguish_score(scene: &Objects, runner: &Runner, options: Options<'_>) -> 
     Ok(score)
 }
 
-/// Whether an estimated probability agrees with the share of fresh pairs. The difference may be as large as the
-/// interval of the probability combined with the standard error of the share. This standard error must be included,
-/// because every seed is compared with the same share.
+/// Whether an estimated probability agrees with the share of fresh pairs in the right order. The allowed difference
+/// combines the half-width of the probability's interval with the standard error of the share. The standard error is
+/// included because every seed is compared with the same share.
 fn is_right_order(order: Order, share: f64, pairs: usize) -> bool {
     let side = match share < order.probability {
         true => order.probability - order.low,

@@ -1,7 +1,7 @@
-//! Scenes for the check of the answers of `design` and `distinguish`.
+//! Scenes on which the answers of `design` and `distinguish` are checked.
 
-/// A question for `design`: a target, the varied field, and a gap. The gap is so small that the test is meaningful, but
-/// not so small that the available trials cannot reach it.
+/// A question for `design`: a target, the varied field, and a gap. A larger gap would make the check meaningless, and a
+/// smaller gap would need too many trials.
 #[derive(Debug)]
 pub(crate) struct Design {
     pub(crate) name: &'static str,
@@ -11,7 +11,7 @@ pub(crate) struct Design {
     pub(crate) gap: f64,
 }
 
-/// Balls or cylinders that `distinguish` must distinguish.
+/// A scene with balls or cylinders of several radii, which `distinguish` must distinguish.
 #[derive(Debug)]
 pub(crate) struct Objects {
     pub(crate) name: &'static str,
@@ -21,7 +21,7 @@ pub(crate) struct Objects {
     pub(crate) quantity: &'static str,
 }
 
-/// Config of rolls with a probe of radius 10 mm. The arguments are the object, and the sensor or its noise.
+/// Config of rolls with a probe of radius 10 mm. The macro's arguments are the object, and the sensor or its noise.
 macro_rules! roll {
     ($object:literal, $rest:literal) => {
         concat!(
@@ -37,8 +37,8 @@ macro_rules! roll {
     };
 }
 
-/// Config of glides with three fingers, each with five contacts. The arguments are the object and the noise of
-/// positions.
+/// Config of glides with three fingers that touch the object at five points each. The macro's arguments are the object
+/// and the noise of the positions.
 macro_rules! glide {
     ($object:literal, $noise:literal) => {
         concat!(
@@ -175,8 +175,8 @@ pub(crate) const DESIGNS: &[Design] = &[
     },
 ];
 
-/// Objects for the check of `distinguish`. In each entry of this list, the check compares every pair of radii. There
-/// are twenty pairs in total.
+/// Scenes for the check of `distinguish`. In each scene, every pair of radii is checked. All scenes together have
+/// twenty pairs.
 pub(crate) const OBJECTS: &[Objects] = &[
     Objects {
         name: "roll: balls by noisy rates",

@@ -7,9 +7,9 @@
 //! | glide | the contact points of all fingers | contacts, relative to the tip's radius | the offset surface in closed form; Newton's method for a closed form, and a closed form for Newton's method | closed form, Newton's method with tolerances in steps of ten |
 //! | press | the press, and the displacements of the markers | displacements, relative to the largest | quadrature over wavenumbers, which no competing model uses | Hertz, half-space, layer |
 //!
-//! The set-up of a scene is not counted. For a roll, a competing model is not counted if it evaluates the contact
-//! equations more than three times as often as the chosen model. Such a model cannot be cheaper, because the cost per
-//! evaluation of two methods differs by a factor of at most 2.1.
+//! The set-up of a scene is not counted. For a roll, the instructions of some models need not be counted: those that
+//! evaluate the contact equations more than three times as often as the chosen model. Such a model cannot be cheaper,
+//! because the costs per evaluation of any two methods differ at most by a factor of 2.1.
 
 mod auto_choice;
 mod auto_scenes;
@@ -26,7 +26,7 @@ pub use auto_choice::{AutoChoice, SCENES};
 pub use auto_scenes::{Kind, config_text};
 pub use competing_models::CompetingModel;
 
-/// The choices of `auto` on all scenes, sorted by kind of scene.
+/// The choices of `auto` on all random scenes, first all rolls, then all glides, then all presses.
 ///
 /// # Errors
 /// Errors of [`AutoChoice::new`].
@@ -35,8 +35,8 @@ pub fn choices() -> Result<Vec<AutoChoice>> {
     Kind::ALL.into_iter().flat_map(of_kind).collect()
 }
 
-/// Checks all scenes, writes `promise.csv`, and returns a summary. With `counted`, it only runs the computations whose
-/// instructions are counted (see [`timing::instructions`]).
+/// Checks all scenes, writes `promise.csv`, and returns a summary. If `counted` is true, the function only runs the
+/// computations whose instructions valgrind counts (see [`timing::instructions`]).
 ///
 /// # Errors An error if a choice fails the check, if counting fails, or if the table cannot be written. If a choice
 /// fails, the table is written before the error is returned.
@@ -66,18 +66,19 @@ pub fn run(out: &Path, counted: bool) -> Result<String> {
     summary(&verdicts).map_err(|summary| anyhow!("{summary}: see {}", out.display()))
 }
 
-/// A choice of `auto`, and the costs of the models with which it is compared.
+/// A choice of `auto`, compared with the other models by cost.
 struct Verdict<'a> {
     choice: &'a AutoChoice,
     /// Number of processor instructions of the chosen model.
     taken: u64,
-    /// Index of the cheapest model within the tolerance, and the number of processor instructions that it takes.
+    /// Index of the cheapest model within the tolerance, and its number of processor instructions; `None` if no model
+    /// is within the tolerance.
     cheapest: Option<(usize, u64)>,
 }
 
 impl<'a> Verdict<'a> {
-    /// Compares the costs of a choice. `counts` contains the number of instructions of each of the
-    /// [`AutoChoice::counted`] models.
+    /// Finds the cheapest model. `counts` contains the number of instructions of each of the [`AutoChoice::counted`]
+    /// models.
     fn new(choice: &'a AutoChoice, counts: &mut impl Iterator<Item = u64>) -> Self {
         let counted: Vec<(usize, u64)> = choice.counted().zip(counts).collect();
         let taken = counted.iter().find(|(place, _)| *place == choice.taken);
@@ -137,9 +138,8 @@ fn write(verdicts: &[Verdict<'_>], out: &Path) -> Result<()> {
     csv_table::write(out, verdicts.iter().map(row))
 }
 
-/// Summary for each kind of scene. It states how many scenes pass the check, how many have competing models, and how
-/// many have an independent computation as reference. It also states the largest ratio of costs. Returns an error if a
-/// scene fails.
+/// Summary for each kind of scene: how many scenes pass the check, how many have competing models, how many have an
+/// independent reference, and the largest ratio of costs. Returns an error if a scene fails the check.
 fn summary(verdicts: &[Verdict<'_>]) -> Result<String, String> {
     let of_kind = Kind::ALL.map(|kind| {
         let of = || verdicts.iter().filter(move |one| one.choice.kind == kind);

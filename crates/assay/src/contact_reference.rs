@@ -1,8 +1,9 @@
 //! Contacts in closed form: the contact at the end of a roll of the unit sphere, and the contact of a round fingertip.
 //!
 //! `palpate-rolling` computes most of these contacts by other methods, so the closed forms are an independent check. If
-//! a tip of radius r touches from above at the point p with outward normal n, its centre is p + r n, a point of the
-//! offset surface. The equations contain one unknown, which is found by bisection or by fixed-point iteration.
+//! a tip of radius r touches from above at the point p with outward normal n, the centre of the tip is p + r n. All
+//! such centres form the offset surface. Each closed form contains one unknown, which is found by bisection or by
+//! fixed-point iteration.
 
 use nalgebra::{Point3, Vector3};
 
@@ -17,17 +18,17 @@ pub struct RollEnd {
 }
 
 impl RollEnd {
-    /// The contact after rolling by the angle θ = `angle_rad` in this direction, starting at the top of a ball that is
-    /// centred at the origin. On a ball of radius R, the contact moves by s = θ/(1 + 1/R) along great circles of ball
-    /// and probe.
+    /// The contact after rolling by the angle θ = `angle_rad` in this direction. The roll starts at the top of a ball
+    /// that is centred at the origin. On a ball of radius R, the contact moves by s = θ/(1 + 1/R) along a great circle
+    /// of the ball and a great circle of the probe.
     pub fn on_ball(radius: f64, direction: f64, angle_rad: f64) -> Self {
         let path = angle_rad / (1.0 + radius.recip());
         let (sine, cosine) = libm::sincos(path / radius);
         Self::new(direction, path, [radius * sine, radius * cosine])
     }
 
-    /// The contact after rolling by the angle θ = `angle_rad`, starting at the apex of z = −c r². The end satisfies θ =
-    /// α + s, where α is the slope angle at the end, and s the arc length of the parabola up to the end.
+    /// The contact after rolling by the angle θ = `angle_rad`, starting at the apex of z = −c r². At the end, θ = α +
+    /// s, where α is the slope angle of the parabola and s is its arc length from the apex.
     pub fn on_paraboloid(c: f64, direction: f64, angle_rad: f64) -> Self {
         let length = |r: f64| {
             let slope = 2.0 * c * r;
@@ -38,8 +39,8 @@ impl RollEnd {
         Self::new(direction, length(r), [r, -c * r * r])
     }
 
-    /// The end of a roll in the plane of a meridian. `path` is the length of the contact's path. `distance` (from the
-    /// axis) and `height` are the position of the last contact point on the object.
+    /// The end of a roll within a plane that contains the object's axis. `path` is the length of the contact's path.
+    /// The last contact point on the object has the given `distance` from the axis and the given `height`.
     fn new(direction: f64, path: f64, [distance, height]: [f64; 2]) -> Self {
         let ahead = Vector3::new(libm::cos(direction), libm::sin(direction), 0.0);
         let (sine, cosine) = libm::sincos(path);
@@ -58,8 +59,8 @@ pub fn tip_on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
 }
 
 /// Contact point of a tip of radius r on z = k x² + l y². Where the object is concave, the tip must be more curved than
-/// the object. With s = √(1 + 4 (k²x² + l²y²)), the tip's centre is at x (1 − 2kr/s), y (1 − 2lr/s). The unknown s is
-/// found by bisection.
+/// the object. If the contact is at (x, y), the tip's centre is at x (1 − 2kr/s), y (1 − 2lr/s) with s = √(1 + 4 (k²x²
+/// + l²y²)). The unknown s is found by bisection.
 pub fn tip_on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let at = |s: f64| [x / (1.0 - 2.0 * k * tip / s), y / (1.0 - 2.0 * l * tip / s)];
     let square = |[x, y]: [f64; 2]| 1.0 + 4.0 * ((k * x).powi(2) + (l * y).powi(2));
@@ -70,8 +71,9 @@ pub fn tip_on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] 
     [x, y, k * x * x + l * y * y]
 }
 
-/// Contact point of a tip of radius r on an ellipsoid. With g = |(x/a², y/b², z/c²)|, the tip's centre is at x (1 +
-/// r/(g a²)), and correspondingly in y and z. The unknown g is found by bisection. NaN if the tip misses the ellipsoid.
+/// Contact point of a tip of radius r on an ellipsoid. If the contact is at (x, y, z), the tip's centre is at x (1 +
+/// r/(g a²)) with g = |(x/a², y/b², z/c²)|, and correspondingly in y and z. The unknown g is found by bisection. NaN if
+/// the tip misses the ellipsoid.
 pub fn tip_on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let squares = semi_axes.map(|axis| axis * axis);
     let at = |g: f64| {
@@ -109,8 +111,8 @@ pub fn tip_on_waves([a, l]: [f64; 2], tip: f64, centre: [f64; 2]) -> [f64; 3] {
     [x, y, a * libm::sin(x / l) * libm::cos(y / l)]
 }
 
-/// The largest number, to the last bit, for which the condition `holds` is true. The condition must be true below this
-/// number and false above it.
+/// The largest number for which the condition `holds` is true, found by bisection to the last bit. The condition must
+/// be true for all smaller numbers and false for all larger ones.
 fn bisected(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     while let middle = 0.5 * (low + high)
         && low < middle

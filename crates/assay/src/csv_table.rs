@@ -1,14 +1,14 @@
-//! Writes CSV tables from rows whose values have column names.
+//! Writes CSV tables. Each value of a row comes with the name of its column.
 
 use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
 
-/// Name of a column, and the text of one row's value in this column.
+/// Name of a column, and the text of a row in this column.
 pub type Column = (&'static str, String);
 
-/// Writes a table. The header has the column names of the first row.
+/// Writes a table. The header consists of the column names of the first row.
 ///
 /// # Errors
 /// An error if the file cannot be written.

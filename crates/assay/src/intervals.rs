@@ -21,7 +21,7 @@ const MAX_FALSE_ALARMS: f64 = 0.05;
 const CORRECT_COVERAGE: f64 = 0.92;
 /// Smallest allowed share of estimates with a warning, if the readings have a flaw.
 const MIN_DETECTED: f64 = 0.9;
-/// Name of the flaw of readings without a contact. For such readings, the estimate must fail.
+/// Flaw of readings that were recorded without a contact. For such readings, the estimate must fail.
 const NO_CONTACT: &str = "no contact";
 
 /// Options of a run.
@@ -33,7 +33,7 @@ pub struct Options<'a> {
     pub scenes: Option<u64>,
     /// Number of trials of each scene; with `None`, the number in the table.
     pub trials: Option<u64>,
-    /// Only families are measured whose names and flaws contain each of these words. The rows of other families are not
+    /// Measure only families whose names and flaws contain each of these words. The rows of other families are not
     /// changed.
     pub only: &'a str,
 }
@@ -107,7 +107,7 @@ fn score(header: &csv::StringRecord, row: &[String], options: Options<'_>) -> Re
     Ok(Score::new(&scenes.collect::<Result<Vec<_>>>()?))
 }
 
-/// Text about the limit on warnings that a family violates; `None` if it violates none.
+/// Text about the limit on warnings that a family violates; `None` if it violates no limit.
 fn miss(flaw: &str, score: &Score) -> Option<String> {
     match flaw {
         "" => (score.warned > MAX_FALSE_ALARMS && score.coverage[2] >= CORRECT_COVERAGE)
@@ -125,7 +125,7 @@ mod tests {
 
     use super::*;
 
-    /// Rows of a table. Each row is a list of column names and cells.
+    /// Rows of a CSV table. Each row is a list of pairs of a column name and a text.
     fn rows(table: &str) -> Vec<Vec<(String, String)>> {
         let mut reader = csv::Reader::from_reader(table.as_bytes());
         let header = reader.headers().unwrap().clone();

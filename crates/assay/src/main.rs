@@ -1,4 +1,4 @@
-//! Program that runs the test programs of this crate for `cargo xtask`.
+//! The program that runs the tests of this crate for `cargo xtask`.
 #![allow(clippy::print_stdout)]
 
 use std::path::PathBuf;
@@ -25,16 +25,17 @@ enum Harness {
     /// Checks the models that `auto` chooses on random scenes. Fails if a chosen model has an error above the
     /// tolerance, or costs more than twice as much as the cheapest model within the tolerance.
     AutoCheck {
-        /// The table to write.
+        /// Write the results to this table.
         #[arg(long)]
         out: PathBuf,
-        /// Count instructions instead. With this option, the program starts itself under valgrind.
+        /// Run only the computations whose instructions valgrind counts. The program sets this option when it starts
+        /// itself under valgrind.
         #[arg(long, hide = true)]
         counted: bool,
     },
     /// Compares answers on fixed scenes with references. Fails if too few answers are right.
     Answers {
-        /// The table to write.
+        /// Write the results to this table.
         #[arg(long)]
         out: Option<PathBuf>,
         /// Number of seeds for each scene.
@@ -55,41 +56,43 @@ enum Harness {
     Accuracy,
     /// Prints the number of instructions of each workload, as CSV.
     Instructions {
-        /// Run only the workload with this name. With this option, the program starts itself under valgrind.
+        /// Run only the workload with this name. The program sets this option when it starts itself under valgrind.
         #[arg(long, hide = true)]
         counted: Option<String>,
     },
     /// Measures the time of palpate on tasks that other programs (its peers) also solve, and prints a line of JSON per
     /// model. With --inputs, writes the inputs of the peers instead.
     PeerTasks {
-        /// The group of tasks.
+        /// Group of tasks to measure.
         #[arg(required_unless_present = "inputs")]
         group: Option<String>,
-        /// Largest allowed error of a model with a tolerance, `TASK=ERROR`; 1e-12 on other tasks.
+        /// Largest allowed error of a model on a task, as `TASK=ERROR`; without this option 1e-12. A model with a
+        /// tolerance uses the largest tolerance that keeps this limit.
         #[arg(long, value_parser = limit)]
         error_at_most: Vec<(String, f64)>,
         /// Write the inputs of the peers to this folder, and measure nothing.
         #[arg(long)]
         inputs: Option<PathBuf>,
     },
-    /// Measures error and cost of each list of models.
+    /// Measures the error and the cost of each model, sensor and setting in the trade-off tables.
     Tradeoff {
-        /// The folder to write to.
+        /// Write the tables to this folder.
         #[arg(long)]
         out: PathBuf,
-        /// Description of the machine, written to the tables.
+        /// Description of the machine, which is written to the tables.
         #[arg(long)]
         machine: String,
-        /// Measure the time of each model only for a short time.
+        /// Measure the time of each model only briefly.
         #[arg(long)]
         quick: bool,
-        /// Count instructions instead. With this option, the program starts itself under valgrind.
+        /// Run only the computations whose instructions valgrind counts. The program sets this option when it starts
+        /// itself under valgrind.
         #[arg(long, hide = true)]
         counted: bool,
     },
     /// Draws Pareto fronts from the tables that `tradeoff` has written.
     ParetoFronts {
-        /// The folder with the tables.
+        /// Folder with the tables.
         folder: PathBuf,
     },
 }
@@ -141,7 +144,7 @@ impl Intervals {
     }
 }
 
-/// Parser of counts that are at least 1.
+/// Parser for counts that must be at least 1.
 fn at_least_one() -> RangedU64ValueParser {
     clap::value_parser!(u64).range(1..)
 }
@@ -152,7 +155,7 @@ fn limit(text: &str) -> Result<(String, f64), String> {
     Ok((task.to_owned(), error))
 }
 
-/// Prints names and values as CSV. `figure` is the column name of the values.
+/// Prints names and values as CSV. `figure` is the header of the column with the values.
 fn print_figures(figure: &str, figures: Vec<(String, f64)>) -> Result<()> {
     let mut writer = csv::Writer::from_writer(std::io::stdout());
     writer.write_record(["name", figure])?;

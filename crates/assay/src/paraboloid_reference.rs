@@ -54,7 +54,7 @@ enum Pressure {
 }
 
 impl ParaboloidPress {
-    /// The contact of an object, given by the relative curvature and the indentation.
+    /// The contact of an object. `relative_curvature` is the sum of the curvatures of the object and the skin.
     ///
     /// # Errors
     /// An error if the relative curvature or the indentation is not positive, or if the contact with a layer cannot be
@@ -86,7 +86,7 @@ impl ParaboloidPress {
         }
     }
 
-    /// Inward and outward displacements at a depth, for each of these distances from the middle of the contact.
+    /// Displacements at a depth, inward and outward, for each of these distances from the middle of the contact.
     ///
     /// # Errors
     /// At the surface of a compressible half-space, because the integral over wavenumbers does not converge there.
@@ -141,7 +141,7 @@ fn hertz(poisson: f64, a: f64, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
     sum(NEGLIGIBLE / depth, 1.0 / depth, a, distances, waves)
 }
 
-/// The function (sin x − x cos x)/x³.
+/// The function (sin x − x cos x)/x³, computed without cancellation for small x.
 fn hump(x: f64) -> f64 {
     if x > 0.5 {
         return (libm::sin(x) - x * libm::cos(x)) / (x * x * x);

@@ -24,16 +24,16 @@ const PATCHES: u64 = 200;
 const MANY: usize = 100_000;
 /// Side lengths of the frames, px.
 const FRAMES: [usize; 2] = [640, 1024];
-/// Total time for which an evaluation is repeated to measure its time.
+/// Time for which a computation is repeated to measure its run time.
 const PATIENCE: Duration = Duration::from_millis(200);
 
 const PRESS_TASK: &str = "press, contact and pressure";
 const RADIUS: f64 = 20.0;
 const DEPTH: f64 = 1.4;
 const YOUNG: f64 = 1.0;
-/// Number of points along a side of the grid that the peer uses.
+/// Number of points along a side of the square grid that the peer program uses.
 const POINTS: usize = 256;
-/// Length of a side of the grid that the peer uses.
+/// Length of a side of the square grid that the peer program uses, mm.
 const SIDE: f64 = 16.0;
 
 /// Cost and error of one model on one task.
@@ -42,12 +42,12 @@ struct Figure {
     task: String,
     rung: String,
     time_us: f64,
-    /// Error of the model. Palpate's and the peers' errors have the same definition.
+    /// Error of the model, defined in the same way as the errors of the peers.
     error: f64,
 }
 
 impl Figure {
-    /// Measures the time of `run`, which performs the task `times` times.
+    /// Measures the time of `run`, which performs the task `times` times per call.
     fn measured<T>(
         task: impl Into<String>,
         rung: impl Into<String>,
@@ -66,7 +66,8 @@ impl Figure {
     }
 }
 
-/// Writes the input files of the peers: `few.csv`, `many.csv`, and frames with the places of their discs.
+/// Writes the input files of the peers: `few.csv` and `many.csv` with contacts, and frames with the positions of their
+/// discs.
 ///
 /// # Errors
 /// An error if a file cannot be written.
@@ -107,9 +108,9 @@ fn table(directory: &Path, name: &str, header: &str) -> Result<BufWriter<File>> 
     Ok(table)
 }
 
-/// Measures the run times of a group of tasks, and returns one line of JSON per model. The error of a model must be at
-/// most the value for the task in `error_at_most` (by default 1e-12). A model with a tolerance uses the largest
-/// tolerance with which it meets this limit.
+/// Measures the run times of a group of tasks, and returns one line of JSON per model. `error_at_most` contains the
+/// largest allowed error of each task; for tasks that it does not contain, it is 1e-12. A model with a tolerance uses
+/// the largest tolerance that keeps this limit.
 ///
 /// # Errors
 /// An error if no group of tasks has this name, or if a model fails on its task.
@@ -135,7 +136,8 @@ pub fn lines(group: &str, error_at_most: &[(String, f64)]) -> Result<Vec<String>
     Ok(figures.into_iter().map(line).collect())
 }
 
-/// Detection of the markers in frames with a dark background. If the number of markers is wrong, the error is infinite.
+/// Measures the detection of markers in frames with a dark background. If the number of detected markers is wrong, the
+/// error is infinite.
 fn frames() -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for size in FRAMES {
@@ -154,8 +156,8 @@ fn frames() -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Contact of a ball with a half-space: its force, its pressure, and the displacements of the points of the peer's grid
-/// or of a sensor's markers.
+/// Measures the contact of a ball with a half-space: its force, its pressure, and the displacements at the points of
+/// the peer's grid or at a sensor's markers.
 fn contacts() -> Result<Vec<Figure>> {
     let surface = Body::hertz(0.0)?;
     let contact = surface.press(1.0 / RADIUS, DEPTH)?;

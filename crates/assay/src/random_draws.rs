@@ -10,7 +10,7 @@ impl Draws {
         from + (to - from) * (0.5 + 0.5 * self.0.symmetric_uniform())
     }
 
-    /// A random number between `from` and `to` whose logarithm is uniform.
+    /// A random number between `from` and `to`, uniform on a logarithmic scale.
     pub(crate) fn log_between(&mut self, from: f64, to: f64) -> f64 {
         libm::pow(10_f64, self.between(libm::log10(from), libm::log10(to)))
     }

@@ -1,5 +1,5 @@
-//! Measures the cost of an evaluation: its time with quartiles and, if valgrind is installed, its number of processor
-//! instructions.
+//! Measures the cost of a computation: the median and quartiles of its time and, if valgrind is installed, its number
+//! of processor instructions.
 //!
 //! A test program creates a list of [`Evaluation`]s. [`Evaluation::time`] measures the time of one of them.
 //! [`instructions`] starts the program again under callgrind (a tool of valgrind), with the same arguments and the flag
@@ -14,13 +14,14 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
 
-/// Flag with which a test program counts the instructions of its evaluations instead of measuring their times.
+/// Flag that makes a test program run its computations once for the instruction counter, instead of measuring their
+/// times.
 pub const COUNTED: &str = "--counted";
-/// Message for users when [`instructions`] returns nothing.
+/// Message for users if valgrind is not installed, so that [`instructions`] returns `None`.
 pub const NO_VALGRIND: &str =
     "valgrind is not installed: instructions are not counted, their column stays empty";
 
-/// Smallest duration of a batch of runs. It is long enough for the time of reading the clock to be negligible.
+/// Smallest duration of a batch of runs. A batch must be so long that the time for reading the clock is negligible.
 const MIN_BATCH_TIME: Duration = Duration::from_millis(5);
 /// Number of runs of each evaluation under callgrind. Only the last run is counted.
 const RUNS: usize = 2;
@@ -34,11 +35,11 @@ pub struct Evaluation {
     /// Name of the computation, for messages.
     pub name: String,
     run: Box<dyn FnMut()>,
-    /// Number of evaluations per run.
+    /// Number of evaluations in one run. The cost of the run is divided by this number.
     evaluations: u32,
 }
 
-/// Time per evaluation in nanoseconds, as quartiles over the batches.
+/// Time per evaluation in nanoseconds: the median and the quartiles over all batches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// Lower quartile: a quarter of the batches were faster.
@@ -64,7 +65,7 @@ impl Evaluation {
         (self.run)();
     }
 
-    /// Sets the number of evaluations per run, at least 1. Costs are per evaluation.
+    /// Sets the number of evaluations in one run, at least 1. All costs are stated per evaluation.
     #[must_use]
     pub fn evaluations_per_run(mut self, evaluations: u32) -> Self {
         self.evaluations = evaluations.max(1);
@@ -76,8 +77,8 @@ impl Evaluation {
         self.evaluations
     }
 
-    /// Measures the times of batches of runs for a total of about `patience`, after one run that fills caches and
-    /// tables.
+    /// Measures the times of batches of runs for a total of about `patience`. One run before the first batch fills
+    /// caches and tables.
     pub fn time(&mut self, patience: Duration) -> Spread {
         (self.run)();
         let start = Instant::now();
@@ -92,7 +93,7 @@ impl Evaluation {
         Spread { q25, median, q75 }
     }
 
-    /// Number of runs that take at least [`MIN_BATCH_TIME`] together.
+    /// Number of runs in a batch. Together, they take at least [`MIN_BATCH_TIME`].
     fn batch_length(&mut self) -> u32 {
         let mut length = 1;
         while self.batch(length) < MIN_BATCH_TIME {
@@ -110,7 +111,7 @@ impl Evaluation {
     }
 }
 
-/// Quantile of sorted values, interpolated linearly.
+/// Quantile of sorted values, with linear interpolation. The quantile is given as a share from 0 to 1.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let place = share * (sorted.len() - 1) as f64;
     let (below, above) = (place.floor() as usize, place.ceil() as usize);
@@ -201,8 +202,8 @@ fn dumps(stem: &Path) -> Result<Vec<u64>> {
     }
 }
 
-/// Number of instructions in a dump file of callgrind. It is in the line `summary:`; if there is no such line, in the
-/// line `totals:`.
+/// Number of instructions in a dump file of callgrind. It is in the line `summary:` or, if there is no such line, in
+/// the line `totals:`.
 fn total(dump: &str) -> Option<u64> {
     let line = |name: &str| dump.lines().find_map(|line| line.strip_prefix(name));
     let numbers = line("summary:").or_else(|| line("totals:"))?;

@@ -37,13 +37,13 @@ pub struct Options<'a> {
     pub out: &'a Path,
     /// Description of the machine, for the tables.
     pub machine: &'a str,
-    /// Whether the time of each rung is measured only for a short time.
+    /// Whether the time of each rung is measured only briefly.
     pub quick: bool,
-    /// Whether the program only runs the evaluations whose instructions are counted; see [`timing::instructions`].
+    /// Whether the program only runs the computations whose instructions valgrind counts; see [`timing::instructions`].
     pub counted: bool,
 }
 
-/// All ladders, in the order in which a simulation of a scene uses them.
+/// All ladders, in the order in which the simulation of a scene needs them.
 fn ladders() -> Result<Vec<Ladder>> {
     Ok(vec![
         rolling_models::ladder()?,

@@ -21,10 +21,10 @@ use crate::timing::{self, Evaluation};
 use image_fits::{Step, half_spaces, layers};
 use unit_rolls::{Chart, Ep1, Model};
 
-/// Number of trials. They are four blocks of the sweep runner.
+/// Number of trials of a workload. The sweep runner divides them into four blocks.
 const TRIALS: u64 = 4096;
 
-/// Name of a workload, and the function that builds its evaluation from the name.
+/// Name of a workload, and the function that creates its computation from the name.
 type Workload = (&'static str, Box<dyn Fn(&str) -> Result<Evaluation>>);
 
 fn workload(name: &'static str, make: impl Fn(&str) -> Result<Evaluation> + 'static) -> Workload {
@@ -151,8 +151,8 @@ fn workloads() -> Vec<Workload> {
     ]
 }
 
-/// Name and number of instructions of each workload. Each workload runs in its own process. A common process would
-/// change the cost of allocations, because other workloads leave memory on the heap.
+/// Name and number of instructions of each workload. Each workload runs in its own process. If they shared a process,
+/// the cost of memory allocations would depend on the workloads that ran before.
 ///
 /// # Errors
 /// An error if valgrind is missing, or a workload cannot be set up or executes no instruction.

@@ -14,7 +14,8 @@ use crate::timing::Evaluation;
 pub const SCENES: u64 = 50;
 /// Largest allowed ratio of the chosen model's cost to the cost of the cheapest model within the tolerance.
 pub(super) const MAX_COST_RATIO: f64 = 2.0;
-/// One roll certainly costs more than another if it evaluates the contact equations more than this many times as often.
+/// A model of a roll is certainly dearer than another one if it evaluates the contact equations more than this many
+/// times as often.
 const MAX_EVALUATION_RATIO: usize = 3;
 
 /// A random scene with the model that `auto` chose, and the models that it could have chosen.
@@ -84,9 +85,9 @@ impl AutoChoice {
         method(&self.taken().name) != method(self.truth)
     }
 
-    /// Whether the chosen model seems cheap enough. Without counting instructions, this can only be checked
-    /// approximately. A roll must evaluate the contact equations at most twice as often as any other model within the
-    /// tolerance. For glides and presses, the errors of all cheaper models must exceed the tolerance.
+    /// Whether the chosen model is cheap enough, judged without counting instructions. A roll must evaluate the contact
+    /// equations at most twice as often as with any other model within the tolerance. For glides and presses, all
+    /// cheaper models must have errors above the tolerance.
     pub fn seems_cheap(&self) -> bool {
         let evaluations = |place: usize| self.models[place].evaluations.unwrap_or(0) as f64;
         let taken = evaluations(self.taken);
@@ -103,8 +104,8 @@ impl AutoChoice {
         matches!(self.models[place].rung.accuracy, palpate::Accuracy::Error(error) if error <= self.tolerance)
     }
 
-    /// Indices of the models whose instructions are counted. They are the chosen model, and the models within the
-    /// tolerance that may be cheaper.
+    /// Indices of the models whose instructions are counted: the chosen model, and all other models that are within the
+    /// tolerance and could be cheaper.
     pub(super) fn counted(&self) -> impl Iterator<Item = usize> {
         let taken = self.models[self.taken].evaluations;
         (0..self.models.len()).filter(move |&place| {
@@ -114,12 +115,12 @@ impl AutoChoice {
         })
     }
 
-    /// The computations of the counted models.
+    /// For each counted model, the computation whose instructions are counted.
     pub(super) fn evaluations(&self) -> Result<Vec<Evaluation>> {
         self.counted().map(|place| self.evaluation(place)).collect()
     }
 
-    /// The evaluation that computes the scene's true values with the model that has the index `place` in `models`.
+    /// The computation of the scene's true values with the model at index `place` of `models`.
     fn evaluation(&self, place: usize) -> Result<Evaluation> {
         let rung = &self.models[place].rung;
         let mut run = truth(&self.study, rung)?;
@@ -132,7 +133,8 @@ impl AutoChoice {
 /// A computation that can be repeated. It returns the number of contacts or markers that it has computed.
 type Computation = Box<dyn FnMut() -> Result<usize>>;
 
-/// The computation of the true values of the first cell's scene with the model `rung`. It contains no other work.
+/// The computation of the true values (contacts or displacements) of the study's first scene with the model `rung`. The
+/// set-up of the scene is not part of the computation.
 fn truth(study: &Study, rung: &Rung) -> Result<Computation> {
     let scene = &study.config.scene;
     match (scene.with_model(&rung.model), &rung.model) {

@@ -1,5 +1,5 @@
-//! Models that `auto` could have chosen, and their errors relative to independent references. They have more different
-//! settings than the models that `palpate check` lists.
+//! Models that `auto` could have chosen, and their errors relative to independent references. Each method appears with
+//! more settings than in the list that `palpate check` prints.
 
 use anyhow::{Result, bail};
 use nalgebra::Point3;
@@ -16,13 +16,14 @@ use palpate_study::config::{
 use crate::contact_reference::{tip_on_ellipsoid, tip_on_quadric, tip_on_waves};
 use crate::paraboloid_reference::{Body, ParaboloidPress};
 
-/// Numbers of steps for which models with RK4 are compared.
+/// Compared numbers of steps of the integrator RK4.
 const STEPS: [u32; 19] = [
     1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 32, 40, 48, 56, 64,
 ];
-/// Negative decimal exponents of the compared tolerances of DOP853 and of Newton's method; 1 means a tolerance of 0.1.
+/// Compared tolerances of DOP853 and of Newton's method, as negative decimal exponents: 1 means a tolerance of 0.1.
 const TOLERANCES: std::ops::RangeInclusive<i32> = 1..=13;
-/// Largest difference at which two distances from the contact count as equal, relative to the sensor's radius.
+/// Largest difference at which two distances of markers from the contact count as equal, relative to the sensor's
+/// radius.
 const DISTANCE_TOLERANCE: f64 = 1e-9;
 
 /// A model that `auto` could have chosen.
@@ -38,7 +39,7 @@ pub struct CompetingModel {
 pub(super) struct CompetingModels {
     pub(super) all: Vec<CompetingModel>,
     pub(super) taken: usize,
-    /// Name of the reference.
+    /// Name of the reference method.
     pub(super) truth: &'static str,
 }
 
@@ -105,7 +106,7 @@ const TRUE_ROLL: Model = Model::Dop853 {
     chart: Chart::Montana(HeldAxis::Transported),
 };
 
-/// Last contact of each roll: the point on the object, and the point on the probe.
+/// Contact at the end of each roll: the point on the object, then the point on the probe.
 fn ends(roller: &Roller, model: Model, rolls: Rolls<'_>) -> Result<Vec<Point3<f64>>> {
     let radius = roller.probe().radius();
     let roller = roller.on(model, rolls)?;
@@ -117,8 +118,8 @@ fn ends(roller: &Roller, model: Model, rolls: Rolls<'_>) -> Result<Vec<Point3<f6
     Ok(ends)
 }
 
-/// Length scale of the contact: the distance that the contact moves per radian at the start of a roll, in the direction
-/// in which this distance is smallest.
+/// Length scale of the contact: the distance that the contact moves per radian of rolling at the start, in the
+/// direction in which this distance is smallest.
 fn length_scale(roller: &Roller) -> Result<f64> {
     let first = roller.first_contact();
     let (_, curvature) = roller
@@ -129,14 +130,14 @@ fn length_scale(roller: &Roller) -> Result<f64> {
     Ok(1.0 / (1.0 / roller.probe().radius() + sharpest))
 }
 
-/// The largest distance between two points that form a pair.
+/// Largest distance between the two points of a pair, over all pairs.
 fn farthest<'a>(pairs: impl Iterator<Item = (&'a Point3<f64>, &'a Point3<f64>)>) -> f64 {
     pairs.fold(0.0, |most: f64, (one, other)| {
         most.max((one - other).norm())
     })
 }
 
-/// The config of a roll model.
+/// The config that selects this roll model.
 fn named(model: Model) -> Result<RollModelConfig> {
     let chart = config::Chart::Free;
     Ok(match model {
@@ -151,8 +152,8 @@ fn named(model: Model) -> Result<RollModelConfig> {
     })
 }
 
-/// Models of a glide. Newton's method is compared with the closed form of the offset surface or of the model. The
-/// closed form of the model is compared with Newton's method.
+/// Models of a glide, with their errors. The reference for Newton's method is a closed form: that of the offset
+/// surface, or else that of the competing model. The reference for the competing closed form is Newton's method.
 fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels> {
     let newton = |tolerance| GlideModelConfig::Newton { tolerance };
     let mut models = vec![GlideModelConfig::ClosedForm {}];
@@ -213,8 +214,8 @@ fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels
     })
 }
 
-/// Contacts of all fingers, computed from the closed form of the offset surface. `None` for objects on which a tested
-/// model has a closed form itself.
+/// Contacts of all fingers, computed from the closed form of the offset surface. `None` for objects on which a
+/// competing model has a closed form itself.
 fn true_touches(config: &GlideConfig, tip: f64) -> Option<Vec<Point3<f64>>> {
     let touch: Box<dyn Fn([f64; 2]) -> [f64; 3]> = match &config.object {
         &ObjectConfig::Ellipsoid { semi_axes } => {
@@ -239,7 +240,7 @@ fn true_touches(config: &GlideConfig, tip: f64) -> Option<Vec<Point3<f64>>> {
     Some(centres.map(|centre| Point3::from(touch(centre))).collect())
 }
 
-/// Models of a press. All of them are compared with a quadrature over wavenumbers.
+/// Models of a press, with their errors. The reference is a quadrature over wavenumbers.
 fn press_models(config: &PressConfig, ladder: &Ladder) -> Result<CompetingModels> {
     let PressProbeConfig::MarkerSphere {
         radius,
@@ -291,7 +292,7 @@ fn press_models(config: &PressConfig, ladder: &Ladder) -> Result<CompetingModels
     })
 }
 
-/// All different distances of the markers from the contact.
+/// Distances of the markers from the contact, without duplicates.
 fn distances(config: &PressConfig) -> Result<Vec<f64>> {
     let markers = markers(config)?;
     let mut distances = markers.distances([0.0; 2]);
@@ -316,7 +317,7 @@ pub(super) fn body(config: &PressConfig, model: &PressModelConfig) -> Result<pre
     })
 }
 
-/// Curvature of a round object.
+/// Curvature of the object, which must be round.
 pub(super) fn curvature(config: &PressConfig) -> Result<f64> {
     Ok(match config.object {
         PressObjectConfig::Sphere { radius } => radius.recip(),
@@ -328,7 +329,7 @@ pub(super) fn curvature(config: &PressConfig) -> Result<f64> {
     })
 }
 
-/// Markers in the layout of the published sensor, on a skin with the config's radius.
+/// Markers in the layout of the published sensor, under a skin with the config's radius.
 pub(super) fn markers(config: &PressConfig) -> Result<Markers> {
     let PressProbeConfig::MarkerSphere { radius, .. } = config.probe;
     let places = Layout::published().places(radius)?;

@@ -1,4 +1,5 @@
-//! Counts over the trials of a scene, and the score of a family, which is computed from them.
+//! Counts warnings, errors and correct intervals over the trials of a scene, and computes from them the score of a
+//! family of scenes.
 
 use std::collections::BTreeMap;
 
@@ -6,10 +7,11 @@ use palpate_statistics::HALF_WIDTHS;
 
 use super::random_scene::RandomScene;
 
-/// Kind of error of a press whose readings the assumed soft body cannot explain. It counts as a warning.
+/// Name of the error which reports that the assumed soft body cannot explain the readings of a press. This error counts
+/// as a warning.
 const REJECTED: &str = "other-body";
 
-/// For each kind of warning or error, the number of trials with it.
+/// Number of trials with each kind of warning or error.
 type NameCounts = BTreeMap<&'static str, f64>;
 
 /// Counts of warnings, errors and intervals that contain the true value, over the trials of a scene.
@@ -74,7 +76,8 @@ impl SceneCoverage {
         }
     }
 
-    /// Coverage of the intervals of a quantity. A trial without an estimate counts as a miss.
+    /// Coverage of the intervals of a quantity. A trial without an estimate counts as if its interval missed the true
+    /// value.
     fn shares(&self, quantity: usize) -> [f64; 3] {
         match self.quantities.get(quantity) {
             Some((count, sums)) if *count > 0.0 => {
@@ -85,7 +88,7 @@ impl SceneCoverage {
     }
 }
 
-/// Coverage and warnings of a family, computed from all its scenes.
+/// Coverage and warnings of a family, summarised over all its scenes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Score {
     pub(super) scenes: usize,
@@ -93,9 +96,10 @@ pub(super) struct Score {
     /// Share of trials without an estimate.
     pub(super) failed: f64,
     pub(super) failures: String,
-    /// Coverage of the 50, 80 and 95 % intervals, for the quantity with the lowest coverage.
+    /// Coverage of the 50, 80 and 95 % intervals of one quantity: the quantity whose 95 % intervals have the lowest
+    /// coverage.
     pub(super) coverage: [f64; 3],
-    /// Coverage of the 95 % intervals, for the scene with the lowest coverage.
+    /// Coverage of this quantity's 95 % intervals in the scene where it is lowest.
     pub(super) lowest: f64,
     /// Share of estimates with a warning.
     pub(super) warned: f64,
@@ -140,7 +144,7 @@ impl Score {
         }
     }
 
-    /// The score as columns of the table.
+    /// The score as columns of the table of families.
     pub(super) fn columns(&self) -> [(&'static str, String); 10] {
         let [half, most, all] = self.coverage;
         [

@@ -12,8 +12,8 @@ use serde_json::json;
 
 use crate::random_draws::Draws;
 
-/// Name of the field for the curvature of random surfaces. If its range contains negative values, the surfaces are
-/// balls and dishes. Otherwise they have waves, and the range limits their curvature.
+/// Field for the curvature of random surfaces. If its range contains negative values, the surfaces are balls and
+/// dishes. If its range starts at 0, the surfaces have waves, and the upper end limits their curvature.
 const CURVATURE: &str = "scene.object.curvature";
 /// Fields whose values are integers.
 const INTEGERS: [&str; 2] = ["scene.motion.contacts_per_finger", "scene.sensor.size_px"];
@@ -31,8 +31,8 @@ pub(super) struct RandomScene {
 }
 
 impl RandomScene {
-    /// Draws the scene of a family that has this number. `cells` are the columns and cells of the family's row in the
-    /// table.
+    /// Draws scene `number` of a family. `cells` contains the family's row of the table: pairs of a column name and a
+    /// text.
     pub(super) fn new(cells: &[(&str, &str)], seed: u64, number: u64) -> Result<Self> {
         let mut draws = Draws(Stream::new(seed, number, Channel::PadOffset));
         let mut max_curvature = None;
@@ -68,7 +68,7 @@ impl RandomScene {
         })
     }
 
-    /// Runs a trial and returns the names of the estimate's warnings.
+    /// Runs a trial and returns the names of its warnings.
     ///
     /// # Errors
     /// The name of the failure.
@@ -84,8 +84,8 @@ impl RandomScene {
     }
 }
 
-/// The flaw of a press that this text describes, for example `outlier of 8 standard deviations`. Flaws of other kinds
-/// are already part of the scene.
+/// The flaw that this text describes, for example `outlier of 8 standard deviations`, if it is a flaw of a press. Flaws
+/// of other kinds are already part of the scene.
 fn press_flaw(flaw: &str, scene: &SceneConfig) -> PressFlaw {
     let SceneConfig::Press(press) = scene else {
         return PressFlaw::default();
@@ -107,8 +107,8 @@ fn press_flaw(flaw: &str, scene: &SceneConfig) -> PressFlaw {
     }
 }
 
-/// Random value of a field. Positive numbers have a uniform logarithm. For curvatures relative to the probe's
-/// curvature, 1 plus the curvature has a uniform logarithm.
+/// Random value of a field between two limits. Positive values are uniform on a logarithmic scale. For curvatures
+/// relative to the probe's curvature, 1 plus the curvature is uniform on a logarithmic scale.
 fn value(draws: &mut Draws, field: &str, [low, high]: [f64; 2]) -> f64 {
     match field {
         _ if INTEGERS.contains(&field) => draws.between(low, high + 1.0).floor(),
@@ -118,8 +118,8 @@ fn value(draws: &mut Draws, field: &str, [low, high]: [f64; 2]) -> f64 {
     }
 }
 
-/// A quadric with two waves, as a config value. The second derivatives of the quadric and of each wave are at most half
-/// of `max`.
+/// A random quadric with two waves, in the form of the config. The second derivatives of the quadric and of each wave
+/// are at most half of `max`.
 fn waves(draws: &mut Draws, max: f64) -> serde_json::Value {
     let second = 0.5 * max;
     let [a, b, c] = [(); 3].map(|()| 0.5 * draws.between(-second, second));

@@ -16,7 +16,7 @@ use super::quadrature::{NEGLIGIBLE, PHASE, abel, around, on_panels, over, sum};
 /// Maximum number of steps of the secant method; usually about eight are needed.
 const MAX_STEPS: usize = 60;
 
-/// A contact with the layer.
+/// The contact of a paraboloid with the layer.
 #[derive(Debug)]
 pub(super) struct Layer {
     pub(super) thickness: f64,
@@ -129,9 +129,9 @@ impl Layer {
         sum / weights
     }
 
-    /// Inward (normal) and outward (radial) displacements per unit of relative curvature, for each of these distances
-    /// from the middle of the contact. Each displacement is the displacement of a half-space under the same pressure,
-    /// plus the effect of the rigid core.
+    /// Displacements per unit of relative curvature, inward (normal) and outward (radial), for each of these distances
+    /// from the middle of the contact. Each displacement is that of a half-space under the same pressure, plus the
+    /// effect of the rigid core.
     pub(super) fn field(&self, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
         let waves = |k: f64| core_effect(k, depth).map(|share| share * self.transform(k));
         let reach = NEGLIGIBLE / (2.0 - depth);
@@ -174,14 +174,14 @@ fn panel(distance: f64) -> f64 {
     (PHASE / distance).min(1.0)
 }
 
-/// The function g(k): the reduction of the surface displacement by the core, relative to the surface displacement of a
-/// half-space with the same pressure.
+/// The function g(k): the surface displacement of a half-space minus that of the layer, as a share of the former. Both
+/// displacements are caused by the same pressure.
 fn reflected(k: f64) -> f64 {
     let q = libm::exp(-2.0 * k);
     2.0 * q * (1.0 + q + 2.0 * k + 2.0 * k * k) / (1.0 + q * q + 4.0 * k * k * q + 2.0 * q)
 }
 
-/// The kernels N and R of the displacements, minus the kernels of a half-space.
+/// The kernels N and R of the displacements in a layer, minus the kernels of a half-space.
 fn core_effect(k: f64, depth: f64) -> [f64; 2] {
     if depth == 0.0 {
         return [-reflected(k), shares(k, 0.0)[1]];

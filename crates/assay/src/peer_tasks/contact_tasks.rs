@@ -1,4 +1,4 @@
-//! Tasks that use contacts of EP2: fits, maps, and estimates from recorded glides.
+//! Tasks with contact points (EP2): fits of a surface, maps of its curvature, and estimates from recorded glides.
 
 use std::borrow::Cow;
 use std::hint::black_box;
@@ -11,15 +11,15 @@ use super::{Figure, MANY, PATCHES};
 use crate::accuracy::rms;
 use crate::workloads::ep2_contacts;
 
-/// Number of places along a side of the map.
+/// Number of points along a side of a curvature map.
 const SIDE: usize = 30;
-/// Number of intervals along each side of the peer's spline. This number follows from its six inner knots.
+/// Number of knot intervals along each side of the peer's spline, which has six inner knots.
 const INTERVALS: usize = 7;
 
-/// Name of a model, its method, and a function that removes those parts of a fit that the peer does not compute.
+/// Name of a method, the method, and a function that drops the parts of a fit that the peer does not compute.
 type MethodRung = (&'static str, Box<dyn Method>, fn(Fit) -> Fit);
 
-/// Runs every method on all patches with few contacts: once without standard errors, like the peer, and once with
+/// Measures every method on all patches with few contacts: once without standard errors, like the peer, and once with
 /// standard errors. The first pass of the two-pass method fits the same smoothing spline as the peer.
 pub(super) fn few() -> Result<Vec<Figure>> {
     let one_pass = TwoPass {
@@ -89,7 +89,7 @@ impl Method for Estimate {
     }
 }
 
-/// Runs the penalised spline on many contacts.
+/// Measures the penalised spline on many contacts.
 pub(super) fn many() -> Result<Vec<Figure>> {
     let contacts = ep2_contacts::many(MANY);
     let method = Penalised {
@@ -115,8 +115,8 @@ fn positions(contacts: &[Contact]) -> Vec<[f64; 3]> {
     contacts.iter().map(position).collect()
 }
 
-/// Fits a surface to the points, and computes its curvatures over a map. The function makes the same calls as a user's
-/// Python code that computes a map.
+/// Fits a surface to the points, and computes its curvatures on a map. The function makes the same calls as a user's
+/// Python code would.
 fn estimate_recorded(points: &[[f64; 3]]) -> Result<Vec<Curvature>, RecordedError> {
     let readings = GlideRecording::new(points, None, None, None)?;
     let fitted = GlideFitResult::new(Cow::Owned(readings), &GlideOptions::default())?;
@@ -125,13 +125,13 @@ fn estimate_recorded(points: &[[f64; 3]]) -> Result<Vec<Curvature>, RecordedErro
     Ok(curvatures)
 }
 
-/// Relative errors of the mean curvatures over a map, for few contacts.
+/// Relative errors of the mean curvatures on the map of a patch with few contacts.
 fn map_errors(map: &[Curvature]) -> impl Iterator<Item = f64> {
     map.iter()
         .map(|curvature| curvature.mean * ep2_contacts::RADIUS - 1.0)
 }
 
-/// Runs estimates from recorded glides with few and with many contacts.
+/// Measures estimates from recorded glides with few and with many contacts.
 pub(super) fn recorded() -> Result<Vec<Figure>> {
     const RUNG: &str = "palpate in Rust";
     let few: Vec<_> = (0..PATCHES)

@@ -1,4 +1,4 @@
-//! Tasks of rolling and of EP1.
+//! Tasks with rolls, and with estimates from rolls (EP1).
 
 use std::hint::black_box;
 
@@ -16,13 +16,13 @@ const TOLERANCES: [f64; 16] = [
     1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 3e-9, 1e-9, 3e-10, 1e-10, 3e-11, 1e-11, 3e-12, 1e-12, 3e-13,
     1e-13, 3e-14,
 ];
-/// Largest allowed error of tasks for which no error is stated.
+/// Largest allowed error of tasks for which no other limit is given.
 const DEFAULT_ERROR: f64 = 1e-12;
 /// Number of trials whose time is measured.
 const TRIALS: u64 = 1 << 17;
 
-/// Measures rolls by 6 rad with two models: an integrator, and the cheapest model. The error of the integrator is at
-/// most the value for the task in `error_at_most`.
+/// Measures rolls by 6 rad with two models: an integrator, and the cheapest model. `error_at_most` contains the largest
+/// allowed error of the integrator for each task.
 pub(super) fn long(error_at_most: &[(String, f64)]) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (name, object) in [("sphere", sphere()?), ("paraboloid", paraboloid()?)] {
@@ -46,7 +46,8 @@ pub(super) fn short() -> Result<Vec<Figure>> {
     objects.into_iter().map(roll).collect()
 }
 
-/// A roller with the cheapest model: the closed form or the meridian model.
+/// A roller with the cheapest model for this object: the closed form, or else the model for surfaces of revolution
+/// (`meridian`).
 fn cheapest(object: &Shape, angle_rad: f64) -> Result<Roller> {
     let model = Model::Auto {
         tolerance: 1e-13,
@@ -55,7 +56,7 @@ fn cheapest(object: &Shape, angle_rad: f64) -> Result<Roller> {
     roller(object.clone(), model, angle_rad)
 }
 
-/// A roller with the integrator DOP853. It uses the largest tolerance with which the error is at most `error_at_most`.
+/// A roller with the integrator DOP853, at the largest tolerance that keeps the error at most `error_at_most`.
 fn integrator(object: &Shape, error_at_most: f64) -> Result<Roller> {
     for tolerance in TOLERANCES {
         let model = Model::Dop853 {
@@ -79,7 +80,8 @@ fn figure(task: &str, roller: Roller, angle_rad: f64) -> Result<Figure> {
     }))
 }
 
-/// Measures trials of EP1: without statistics, like the peer, and with the statistics of the sweep runner.
+/// Measures trials of estimates from rolls (EP1): without statistics, like the peer, and with the statistics of the
+/// sweep runner.
 pub(super) fn ep1() -> Result<Vec<Figure>> {
     const TASK: &str = "EP1 trial, 8 probes";
     let [alone, whole] = [Ep1::new(Ep1::UNIFORM)?, Ep1::new(Ep1::UNIFORM)?];

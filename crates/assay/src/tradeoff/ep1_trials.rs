@@ -1,9 +1,9 @@
-//! Ladders of EP1: the pads, and the number and length of the rolls.
+//! Ladders for estimates from rolls (EP1): one compares pad arrays, the other the number and the length of the rolls.
 
 use super::ladder::Ladder;
 use super::scene_trials::{Choice, Measure, relative_rms, scenes};
 
-/// Index of the quantity whose error is measured.
+/// Index of the curvature, whose error is measured, among the quantities of a roll.
 const CURVATURE: usize = 0;
 
 const PITCHES_MM: [f64; 8] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.1, 0.05, 0.02];
@@ -86,7 +86,7 @@ object_contact = [20.0, 8.0]
     ),
 ];
 
-/// The ladder of EP1. Its rungs differ in the number of probes and the length of their rolls.
+/// The ladder of estimates from rolls (EP1). Its rungs differ in the number of probes and the length of their rolls.
 pub(super) fn probes() -> Ladder {
     let choices: Vec<Choice> = ROLLS_RAD
         .iter()
@@ -114,7 +114,7 @@ pub(super) fn probes() -> Ladder {
     }
 }
 
-/// Equally spaced roll directions. Two probes roll in directions at a right angle to each other.
+/// Roll directions at equal angles, one for each probe. The directions of two probes are at a right angle.
 fn directions_deg(probes: u32) -> Vec<f64> {
     let turn = if probes == 2 { 180.0 } else { 360.0 };
     (0..probes)

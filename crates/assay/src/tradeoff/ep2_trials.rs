@@ -1,4 +1,5 @@
-//! The ladder of EP2. Its rungs differ in method, knots and number of contacts.
+//! The ladder of estimates from contact points (EP2). Its rungs differ in the method, the knots and the number of
+//! contacts.
 
 use anyhow::Result;
 use palpate_scene::Scene;
@@ -8,25 +9,25 @@ use super::scene_trials::{Choice, Measure, outcomes, root_mean, scenes};
 
 /// Number of contacts of each of the three fingers.
 const CONTACTS: [u32; 4] = [5, 10, 30, 100];
-/// Largest number of contacts per finger for the two-pass method. With more contacts, the method takes several seconds.
+/// Largest number of contacts per finger for the two-pass method, which takes several seconds with more contacts.
 const MAX_OF_TWO_PASS: u32 = 30;
-/// Number of knot intervals along each side for the penalised spline.
+/// Compared numbers of knot intervals along each side of the penalised spline.
 const INTERVALS: [u32; 4] = [2, 4, 6, 8];
-/// Numbers of contacts per finger for which the numbers of knot intervals are varied.
+/// Numbers of contacts per finger with which all numbers of knot intervals are compared.
 const CONTACTS_OF_INTERVALS: [u32; 3] = [10, 30, 100];
-/// Smoothing factors of both passes of the two-pass method. The method adds knots until the residuals are below a limit
-/// that is proportional to this factor. The default is 1000.
+/// Compared smoothing factors of the two-pass method, used in both passes. The method adds knots until the residuals
+/// are below a limit that is proportional to this factor. The default is 1000.
 const SMOOTHINGS: [f64; 2] = [300.0, 3000.0];
-/// Index of the Gaussian curvature in the quantities.
+/// Index of the Gaussian curvature among the quantities of a glide.
 const GAUSSIAN: usize = 0;
-/// Index of the mean curvature in the quantities.
+/// Index of the mean curvature among the quantities of a glide.
 const MEAN: usize = 1;
 /// Number of trials over which the error is averaged.
 const TRIALS: u64 = 40;
 /// Number of trials over which the cost is averaged.
 const TIMED: u32 = 2;
 
-/// The lines of config that all scenes share. Each rung adds the motion, the estimator and the grid.
+/// Config lines that all scenes share. Each rung adds the motion, the estimator and the grid.
 const COMMON: &str = r#"
 kind = "glide"
 probe = { kind = "point" }
@@ -65,7 +66,7 @@ evaluate = {{ grid = 15, half_width = 1.0, gaussian_threshold = 0.005, mean_thre
     )
 }
 
-/// The ladder of fits. Its rungs differ in method, knots and number of contacts.
+/// The ladder of surface fits. Its rungs differ in the method, the knots and the number of contacts.
 pub(super) fn fits() -> Ladder {
     let methods = [
         ("quadric", r#"{ kind = "quadric" }"#),
@@ -111,7 +112,7 @@ pub(super) fn fits() -> Ladder {
     }
 }
 
-/// Sums of squares over all places of the map in a trial.
+/// Sums of squared errors and of squared true values, over all places of the map in one trial.
 #[derive(Default)]
 struct Squares {
     gaussian: f64,

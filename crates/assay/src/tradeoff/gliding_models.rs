@@ -10,7 +10,7 @@ use super::ladder::{Ease, Ladder, Rung, SceneRungs};
 use super::scene_trials::at_least_rounding;
 use crate::contact_reference::{tip_on_ball, tip_on_ellipsoid, tip_on_quadric};
 
-/// Decimal exponents of the compared tolerances of Newton's method; −3 means a tolerance of 0.001.
+/// Compared tolerances of Newton's method, as decimal exponents: −3 means a tolerance of 0.001.
 const TOLERANCES: [i32; 7] = [-1, -2, -3, -5, -7, -10, -13];
 /// Number of contacts along a finger's path.
 const PLACES: u32 = 32;

@@ -1,10 +1,11 @@
-//! Ladders. The rungs of a ladder answer the same question about a scene, with different costs and errors.
+//! Ladders of models or settings. The rungs of a ladder answer the same question about a scene, at different costs and
+//! with different errors.
 
 use anyhow::Result;
 
 use crate::timing::Evaluation;
 
-/// Difficulty of a scene for the rungs of a ladder.
+/// How hard it is for the rungs of a ladder to be accurate on a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ease {
     /// A scene on which even the cheapest rungs are accurate.
@@ -79,9 +80,10 @@ pub(super) struct Rung {
     pub(super) name: String,
     /// Setting of the rung if it is a number, for example a number of steps, a tolerance or a pitch.
     pub(super) setting: Option<f64>,
-    /// Computes the error. It is called once, and not in the process that counts instructions.
+    /// Computes the error. The function is called at most once, and never in the process in which instructions are
+    /// counted.
     pub(super) error: Box<dyn FnOnce() -> Result<RungError>>,
-    /// The computation whose cost is measured. Its first run sets up everything that it needs.
+    /// The computation whose cost is measured. Its first run includes the set-up of the scene.
     pub(super) evaluation: Evaluation,
 }
 

@@ -9,7 +9,8 @@ use super::pareto_front::{CostError, answer, pareto};
 use crate::csv_table::{self, Column, or_empty};
 use crate::timing::Spread;
 
-/// Target errors as text and as numbers. The tables contain the cheapest rung that meets each target.
+/// Target errors as text and as numbers. For each target, the tables state the cheapest rung whose error is small
+/// enough.
 const TARGETS: [(&str, f64); 4] = [
     ("10 %", 0.1),
     ("1 %", 0.01),
@@ -17,8 +18,8 @@ const TARGETS: [(&str, f64); 4] = [
     ("1e-6", 1e-6),
 ];
 
-/// Measured costs and errors, on one scene, of all models or settings that answer the same question (the rungs of a
-/// ladder).
+/// Costs and errors of all rungs of a ladder, measured on one scene. Rungs are models or settings that answer the same
+/// question.
 pub(super) struct MeasuredScene {
     pub(super) ladder: &'static str,
     pub(super) title: &'static str,
@@ -124,7 +125,7 @@ fn write_answers(measured: &[MeasuredScene], folder: &Path) -> Result<()> {
     csv_table::write(&folder.join("answers.csv"), rows)
 }
 
-/// Median and quartiles of a time as columns, rounded to their significant digits.
+/// Median and quartiles of a time as columns. The numbers are rounded to their significant digits.
 pub(super) fn nanoseconds(spread: &Spread) -> [Column; 3] {
     let digits = if spread.median < 100.0 { 1 } else { 0 };
     [

@@ -3,7 +3,7 @@
 /// Cost and error of a rung. Smaller values are better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CostError {
-    /// Number of instructions, or nanoseconds if instructions are not counted.
+    /// Number of processor instructions, or time in nanoseconds if instructions are not counted.
     pub(super) cost: f64,
     /// Relative error.
     pub(super) error: f64,
@@ -14,9 +14,9 @@ const EQUAL_COST_RATIO: f64 = 1.02;
 /// Errors below this value are due to rounding, so all of them count as equal.
 const ROUNDING: f64 = 1e-14;
 
-/// Whether each rung is on the Pareto front. A rung is on the front if every other rung that is better in cost is worse
-/// in error, and every other rung that is better in error is worse in cost. If several rungs have equal cost and error,
-/// only the first of them is on the front.
+/// Whether each rung is on the Pareto front. A rung is on the front if no other rung is better in cost without being
+/// worse in error, or better in error without being worse in cost. Of several rungs with equal cost and error, only the
+/// first can be on the front.
 pub(super) fn pareto(rungs: &[CostError]) -> Vec<bool> {
     let beats = |a: usize, b: usize| {
         let ([a_cost, b_cost], [a_error, b_error]) = (

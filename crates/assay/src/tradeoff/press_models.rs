@@ -1,4 +1,4 @@
-//! The ladder of press models. It compares models of the soft body.
+//! The ladder of press models, which compares models of the soft body.
 
 use std::cell::OnceCell;
 
@@ -19,7 +19,7 @@ const PLACES: usize = 77;
 /// Largest distance from the contact at which displacements are computed, mm.
 const REACH: f64 = 20.0;
 
-/// Factors by which the number of quadrature nodes is multiplied, with their names. They apply to contacts that are
+/// Factors for the number of quadrature nodes, with the names that they add to a rung. They apply to contacts that are
 /// solved directly instead of interpolated.
 const RESOLUTIONS: [(&str, f64); 5] = [
     (" × 1/4", 0.25),
@@ -77,8 +77,8 @@ pub(super) fn ladder() -> Ladder {
     }
 }
 
-/// Inward displacement (along the normal) and outward displacement (along the skin, away from the contact), for each
-/// distance from the contact.
+/// Displacements for each distance from the contact: inward (along the normal), and outward (along the skin, away from
+/// the contact).
 type Profile = Vec<[f64; 2]>;
 
 impl Press {
@@ -154,7 +154,7 @@ impl Press {
             .collect())
     }
 
-    /// Reference displacements, computed by quadrature.
+    /// The true displacements, computed by quadrature.
     fn truth(&self) -> Result<Profile> {
         let layer = paraboloid_reference::Body::Layer {
             thickness: self.thickness,

@@ -3,9 +3,9 @@
 use super::ladder::{Ease, Ladder};
 use super::scene_trials::{Choice, Measure, Template, relative_rms, scenes};
 
-/// Index of the quantity whose error is measured, the effective radius.
+/// Index of the effective radius, whose error is measured, among the quantities of a press.
 const EFFECTIVE_RADIUS: usize = 1;
-/// Sides of the rendered frames, px.
+/// Widths and heights of the rendered frames, px.
 const SIZES_PX: [u32; 3] = [265, 640, 1024];
 
 const SENSOR_COMMON: &str = r#"
@@ -40,7 +40,7 @@ motion = { indentation = 0.3 }
     ),
 ];
 
-/// Names and noise of the sensors that are simulated without rendered frames.
+/// Sensors that are simulated without rendered frames: the name and the noise of each.
 const WITHOUT_PIXELS: [(&str, &str); 2] = [
     (
         "direct",
@@ -51,17 +51,17 @@ const WITHOUT_PIXELS: [(&str, &str); 2] = [
         r#"hue = { kind = "gaussian", std = 1e-4 }, centroid = { kind = "gaussian", std = 0.01 }, size = { kind = "gaussian", std = 4e-4 }"#,
     ),
 ];
-/// Noise of the sensors with frames.
+/// Noise of the sensors whose frames are rendered.
 const PIXEL_NOISE: &str = r#"pixel = { kind = "gaussian", std = 2.0 }"#;
-/// Calibration of the camera sensors.
+/// Calibration of the sensors with a camera.
 const CALIBRATION: &str = "calibration = { indentation = 1.4 }";
-/// Calibration with few presses, which is used to measure the time. With it, the set-up is faster, and a simulated
-/// press costs the same.
+/// Calibration that replaces the usual calibration when the time is measured. It has few presses, so the set-up is
+/// faster. A simulated press costs the same with both calibrations.
 const SHORT_CALIBRATION: &str = "calibration = { indentation = 1.4, presses = 2, rest_frames = 1 }";
 
-/// The ladder of press sensors: direct displacements, projected markers, and rendered frames. Each rung has its own
-/// noise, which the description of the ladder's error states. Therefore the errors of two rungs do not show which real
-/// camera is more accurate.
+/// The ladder of press sensors: sensors that measure displacements directly, sensors with projected markers, and
+/// sensors with rendered frames. Each rung has its own noise, which the description of the ladder's error states.
+/// Therefore the errors of two rungs do not show which real camera is more accurate.
 pub(super) fn sensors() -> Ladder {
     let mut choices: Vec<Choice> = WITHOUT_PIXELS
         .iter()
@@ -131,7 +131,7 @@ model = { kind = "bonded-layer", thickness = 5.0 }
     ),
 ];
 
-/// Name, kind and further settings of each estimator.
+/// Compared estimators: the name, the kind in the config, and further settings of each.
 const ESTIMATORS: [(&str, &str, &str); 3] = [
     ("Gaussian", "gaussian", ""),
     ("half-space", "half-space", ""),

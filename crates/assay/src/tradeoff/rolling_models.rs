@@ -1,4 +1,4 @@
-//! The ladder of rolling. It compares models of a roll.
+//! The ladder of roll models.
 
 use std::cell::OnceCell;
 use std::f64::consts::FRAC_PI_6;
@@ -136,7 +136,7 @@ impl Roll {
     }
 }
 
-/// Name, setting and model of every rung.
+/// Name, numeric setting and model of every rung.
 fn models() -> Vec<(String, Option<f64>, Model)> {
     let charts = [
         ("", Chart::Free),
@@ -160,9 +160,9 @@ fn models() -> Vec<(String, Option<f64>, Model)> {
     models
 }
 
-/// Reference for objects without a closed form: RK4 on Montana's equations in the charts of both surfaces, extrapolated
-/// from two numbers of steps (Richardson). It is independent of the chart-free models, which use other equations.
-/// DOP853 on the same equations must agree with it.
+/// Reference for objects without a closed form: RK4 on Montana's equations in the charts of both surfaces, with
+/// Richardson extrapolation from two numbers of steps. The reference is independent, because the compared models use no
+/// charts and other equations. As a check, DOP853 on Montana's equations must agree with it.
 fn in_charts(roll: &Roll) -> Result<RollEnd> {
     const STEPS: usize = 3000;
     let chart = Chart::Montana(HeldAxis::Transported);

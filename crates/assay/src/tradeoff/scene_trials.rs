@@ -1,4 +1,4 @@
-//! Rungs that are scenes of a config. The cost and the error of their trials are measured.
+//! Rungs that differ in the config of a scene. The cost and the error of the scene's trials are measured.
 
 use std::cell::OnceCell;
 
@@ -9,10 +9,10 @@ use palpate_sweep::Observation;
 
 use super::ladder::{Ease, Rung, RungError, SceneRungs};
 
-/// Placeholder in a scene's text that is replaced by the lines of a rung.
+/// Placeholder in the config text of a scene. The config lines of a rung replace it.
 const RUNG: &str = "$rung";
 
-/// Text of a scene with a placeholder for the lines of a rung.
+/// Config text of a scene, with a placeholder for the config lines of a rung.
 pub(super) struct Template {
     pub(super) ease: Ease,
     /// Short description of the scene.
@@ -22,8 +22,8 @@ pub(super) struct Template {
 }
 
 impl Template {
-    /// An easy, a typical and a hard scene. Each of them consists of the `common` lines and of its own lines. `own`
-    /// contains the description and the own lines of each scene.
+    /// Three scenes: an easy, a typical and a hard one. The text of each consists of the `common` lines and of its own
+    /// lines. `own` contains the description and the own lines of each scene.
     pub(super) fn all(common: &str, own: [(&'static str, &str); 3]) -> Vec<Self> {
         let eases = [Ease::Easy, Ease::Typical, Ease::Hard];
         let scenes = eases.into_iter().zip(own);
@@ -37,7 +37,7 @@ impl Template {
     }
 }
 
-/// An easy, a typical and a hard scene with the same rungs. `common` and `own` are as in [`Template::all`].
+/// Three scenes (easy, typical and hard) with the same rungs. `common` and `own` are as in [`Template::all`].
 pub(super) fn scenes(
     common: &str,
     own: [(&'static str, &str); 3],
@@ -54,8 +54,8 @@ pub(super) struct Choice {
     pub(super) name: String,
     pub(super) setting: Option<f64>,
     pub(super) text: String,
-    /// Text of another scene, whose cost is measured instead of this scene's cost. Its trials cost the same, but its
-    /// set-up is faster.
+    /// Text that replaces `$rung` when the cost is measured, if it differs from `text`. The trials of both scenes cost
+    /// the same, but the scene with this text is set up faster.
     pub(super) evaluated: Option<String>,
 }
 
@@ -77,10 +77,10 @@ impl Choice {
     }
 }
 
-/// Description of how a rung is measured.
+/// How the error and the cost of a rung are measured.
 #[derive(Clone, Copy)]
 pub(super) struct Measure {
-    /// Computes the error from this number of trials.
+    /// Computes the error of a scene from this number of trials.
     pub(super) error: fn(&Scene, trials: u64) -> Result<RungError>,
     /// Number of trials from which the error is computed.
     pub(super) trials: u64,
@@ -112,15 +112,15 @@ impl Template {
     }
 }
 
-/// The scene of a config text that has only one cell.
+/// The scene with this config text, which must not sweep any field.
 pub(super) fn scene_of(text: &str) -> Result<Scene> {
     let study = format!("name = \"rung\"\nseed = 1996\ntrials = 1\n[scene]\n{text}");
     let study = config::parse("rung", &study).with_context(|| text.to_owned())?;
     study.estimable_scene(0).with_context(|| text.to_owned())
 }
 
-/// A function that runs trials of the scene of a config text. The first call sets the scene up. If the scene is
-/// invalid, the function does nothing, so the caller must check it with [`scene_of`] first.
+/// A function that runs trials of the scene with this config text. The first call sets the scene up. If the text is
+/// invalid, the function does nothing, so check the text with [`scene_of`] first.
 pub(super) fn evaluated(text: String, trials: u32) -> impl FnMut() -> Option<f64> + 'static {
     let scene = OnceCell::new();
     move || {
@@ -129,8 +129,8 @@ pub(super) fn evaluated(text: String, trials: u32) -> impl FnMut() -> Option<f64
     }
 }
 
-/// Runs trials in the same way as a study, and returns the sum of their estimates. The cost of failed trials is
-/// included.
+/// Runs trials in the same way as a study, and returns the sum of their estimates, so that the compiler cannot skip the
+/// trials.
 pub(super) fn run(scene: &Scene, trials: u32) -> f64 {
     let trials = u64::from(trials);
     let mut sum = 0.0;
@@ -180,8 +180,8 @@ pub(super) fn root_mean(squares: &[f64]) -> Result<RungError> {
     Ok(RungError { error, std })
 }
 
-/// Observations of each trial, each with the index of its quantity. In a failed trial, all estimates are 0, so the
-/// relative error is 1.
+/// Observations of each trial, each with the index of its quantity. In a failed trial, all estimates are set to 0, so
+/// the relative error is 1.
 pub(super) fn outcomes(scene: &Scene, trials: u64) -> Result<Vec<Vec<(usize, Observation)>>> {
     let attempts = (0..scene.trials(trials)).map(|trial| {
         let mut outcomes = Vec::new();
@@ -200,7 +200,7 @@ pub(super) fn outcomes(scene: &Scene, trials: u64) -> Result<Vec<Vec<(usize, Obs
         .collect())
 }
 
-/// The error, or the rounding error of a double if this is larger, because smaller errors are not significant.
+/// The error, but at least the rounding error of a double, because smaller errors are not significant.
 pub(super) fn at_least_rounding(error: f64) -> Result<f64> {
     if error.is_finite() {
         Ok(error.max(f64::EPSILON))

@@ -1,4 +1,5 @@
-//! Measures the cost of each stage of a scene. The costs show that a scene without a stage does not pay for this stage.
+//! Measures how the cost of a trial grows when stages (such as noise or a sensor) are added to a scene. The costs show
+//! that a scene without a stage does not pay for it.
 
 use std::path::Path;
 use std::time::Duration;
@@ -18,7 +19,7 @@ struct StagedScene {
     kind: &'static str,
     /// TOML lines of `[scene]` that all stages share, one key per line.
     base: &'static str,
-    /// Names of the stages, with the keys that each stage adds or replaces.
+    /// Names of the stages. Each name comes with the config lines that the stage adds or replaces.
     stages: &'static [(&'static str, &'static str)],
 }
 
@@ -125,14 +126,14 @@ noise = {}
     },
 ];
 
-/// A scene with all stages up to and including one stage.
+/// The scene that consists of the base scene and all stages up to this one.
 pub(super) struct Stage {
     kind: &'static str,
     name: &'static str,
     text: String,
 }
 
-/// All stages, in order.
+/// All stages of all scenes, in order.
 pub(super) fn stages() -> Vec<Stage> {
     let key = |line: &str| line.split(" = ").next().map(str::to_owned);
     let mut all = Vec::new();
@@ -151,7 +152,7 @@ pub(super) fn stages() -> Vec<Stage> {
 }
 
 impl Stage {
-    /// The evaluation that runs trials of the scene up to this stage.
+    /// The computation that runs trials of the scene with all stages up to this one.
     pub(super) fn evaluation(&self) -> Evaluation {
         Evaluation::new(self.name, evaluated(self.text.clone(), TRIALS)).evaluations_per_run(TRIALS)
     }

@@ -41,7 +41,7 @@ pub fn optics(size_px: u32) -> Result<Optics> {
     )?)
 }
 
-/// Motions of the 77 markers. The first marker moves most, the last marker least.
+/// Different motions for the 77 markers. The first marker moves most, the last marker least.
 pub fn motions() -> Vec<Option<MarkerMotion>> {
     let disc = |normal, along| DiscMotion {
         normal,
@@ -83,8 +83,8 @@ pub fn finder(size_px: usize) -> Finder {
     Finder::new(Some(mask), None)
 }
 
-/// Root-mean-square errors of the centroid (px) and of the hue (turns). Each disc is compared with the nearest marker
-/// that was found. If no marker was found, the errors are infinite.
+/// Root-mean-square errors of the centroids (px) and of the hues (turns). Each disc is compared with the nearest marker
+/// in `found`. If `found` is empty, the errors are infinite.
 pub fn errors(found: &[Marker], discs: &[Disc]) -> [f64; 2] {
     let off = |disc: &Disc| {
         let off_px = |marker: &Marker| {

@@ -1,4 +1,4 @@
-//! Workloads with contacts for EP2.
+//! Workloads that fit surfaces to contact points (EP2).
 
 use std::hint::black_box;
 
@@ -10,16 +10,16 @@ use palpate_sensing::{Channel, Stream};
 use crate::accuracy::rms;
 use crate::timing::Evaluation;
 
-/// Radius of the sphere on which the few contacts lie.
+/// Radius of the sphere on which the contacts of [`few`] lie.
 pub const RADIUS: f64 = 5.0;
 const SEED: u64 = 1;
-/// Largest error of a coordinate of the few contacts: 5 % of the distance between fingers.
+/// Largest error of a coordinate in [`few`]: 5 % of the distance between fingers.
 const MAX_ERROR_OF_FEW: f64 = 0.05;
-/// Largest error of a height of the many contacts.
+/// Largest error of a height in [`many`].
 const MAX_ERROR_OF_MANY: f64 = 0.02;
 
-/// Ten contacts of each of three fingers. The fingers move along y = −1, 0 and 1 on a sphere that is centred at the
-/// origin. Each coordinate has a uniform error.
+/// Few contacts: ten for each of three fingers. The fingers move along y = −1, 0 and 1 on a sphere that is centred at
+/// the origin. Each coordinate has a uniformly distributed error.
 pub fn few(trial: u64) -> Vec<Contact> {
     let mut noise = Stream::new(SEED, trial, Channel::Position);
     let mut contacts = Vec::new();
@@ -34,7 +34,7 @@ pub fn few(trial: u64) -> Vec<Contact> {
     contacts
 }
 
-/// Contacts at random places of the surface z = 0.2 sin 2x cos 2y. Each height has a uniform error.
+/// Many contacts at random places of the surface z = 0.2 sin 2x cos 2y. Each height has a uniformly distributed error.
 pub fn many(count: usize) -> Vec<Contact> {
     let mut noise = Stream::new(SEED, 0, Channel::Position);
     let mut uniform = |most: f64| most * noise.symmetric_uniform();
@@ -47,7 +47,7 @@ pub fn many(count: usize) -> Vec<Contact> {
         .collect()
 }
 
-/// A patch that consists of these contacts, with the normal along z.
+/// A patch that consists of these contacts, with its normal along the z axis.
 ///
 /// # Errors
 /// [`Ep2Error`] if the contacts do not form a patch.
@@ -55,7 +55,8 @@ pub fn patch(contacts: &[Contact]) -> Result<Patch, Ep2Error> {
     Patch::new(contacts, &Vector3::z())
 }
 
-/// A grid of 30 × 30 places on the sphere, within the rectangle that the few contacts without errors cover.
+/// A grid of 30 × 30 places on the sphere, within the rectangle that the contacts of [`few`] would cover without
+/// errors.
 pub fn places_on_sphere() -> Vec<Point3<f64>> {
     let along = |index: usize, end: f64| end * (2.0 * (index as f64) / 29.0 - 1.0);
     let place = |index: usize| {
@@ -65,8 +66,8 @@ pub fn places_on_sphere() -> Vec<Point3<f64>> {
     (0..900).map(place).collect()
 }
 
-/// A grid of 30 × 30 places on the surface of the many contacts, each with its true mean curvature. The sign convention
-/// is that the mean curvature of a peak is positive.
+/// A grid of 30 × 30 places on the surface of [`many`], each with its true mean curvature. The mean curvature of a peak
+/// is positive.
 fn places_on_waves() -> impl Iterator<Item = (Point3<f64>, f64)> {
     let along = |index: usize, end: f64| end * (2.0 * (index as f64) / 29.0 - 1.0);
     let place = move |index: usize| {
@@ -88,7 +89,7 @@ fn places_on_waves() -> impl Iterator<Item = (Point3<f64>, f64)> {
     (0..900).map(place)
 }
 
-/// Root-mean-square error of the mean curvature of a fit to the many contacts, 1/length.
+/// Root-mean-square error of the mean curvature of a fit to the contacts of [`many`], 1/length.
 ///
 /// # Errors
 /// An error if the fit has no curvature at one of the points.
@@ -107,7 +108,7 @@ pub fn fit(name: &str, method: impl Method + 'static, contacts: &[Contact]) -> R
     Ok(Evaluation::new(name, move || method.fit(black_box(&patch))))
 }
 
-/// The workload of an estimate from contacts with the penalised spline, without standard errors.
+/// The workload that estimates a surface from contacts with the penalised spline, without standard errors.
 ///
 /// # Errors
 /// An error if the contacts do not form a patch.
@@ -118,7 +119,7 @@ pub fn estimate(name: &str, method: Penalised, contacts: &[Contact]) -> Result<E
     }))
 }
 
-/// The workload that computes the map of a fit with this number of places along each side.
+/// The workload that computes a curvature map of a fit, with this number of places along each side.
 ///
 /// # Errors
 /// An error if the method cannot fit the contacts.

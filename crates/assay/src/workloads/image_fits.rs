@@ -1,4 +1,5 @@
-//! Workloads of image fits: a press is estimated from the images of 77 markers and uncertain parameters of the sensor.
+//! Workloads of image fits. An image fit estimates a press from the images of 77 markers, while some parameters of the
+//! sensor are uncertain.
 
 use std::hint::black_box;
 
@@ -15,26 +16,26 @@ use crate::timing::Evaluation;
 
 /// Depths of the magenta and the yellow discs under the skin, mm.
 const DEPTHS: [f64; 2] = [3.0, 1.0];
-/// Step of the discs' depths for derivatives by finite differences, mm.
+/// Change of a disc's depth with which derivatives are computed by finite differences, mm.
 const DEPTH_STEP: f64 = 1e-3 * SKIN;
-/// Standard deviations of the parameters of a [`Departure`], that is, of the sensor's deviations from its config:
-/// depths, diameters, image centre, focal length, position and rotation of the camera, colours. They are 0 for the odd
-/// terms of the lens.
+/// Standard deviations of the parameters of a [`Departure`], that is, of the differences between a real sensor and its
+/// config: depths, diameters, image centre, focal length, position and rotation of the camera, colours. They are 0 for
+/// the odd terms of the lens.
 const DEPARTURE_STDS: [f64; Departure::NUMBERS] = [
     0.03, 0.03, 0.01, 0.01, 0.3, 0.3, 0.002, 0.05, 0.05, 0.05, 0.005, 0.005, 0.005, 0.01, 0.01,
     0.01, 0.01, 0.01, 0.01, 0.0, 0.0,
 ];
-/// Standard deviation of a component of a misalignment, rad. The discs have a diameter of 2 mm and are misaligned by up
-/// to 0.3 of their diameter.
+/// Standard deviation of each of the two angles by which a disc is misaligned, rad. The discs have a diameter of 2 mm
+/// and are misaligned by up to 0.3 of their diameter.
 const MISALIGNMENT_STD: f64 = 0.5 * 0.3 * 2.0 / 19.0;
 /// Standard deviations of the tracker's readings: the two coordinates of the centroid (px), the hue (turns), and the
 /// logarithm of the size.
 const READING_STDS: [f64; 4] = [0.008, 0.008, 3e-4, 1.5e-3];
 
-/// Function that creates a body for each depth.
+/// Function that returns one soft body for each depth of markers.
 pub type Bodies = fn(&[f64]) -> Result<Vec<Body>>;
 
-/// Bodies for an incompressible half-space, one for each depth.
+/// Incompressible half-spaces, one for each depth of markers.
 ///
 /// # Errors
 /// An error if a depth is out of range.
@@ -45,7 +46,7 @@ pub fn half_spaces(depths: &[f64]) -> Result<Vec<Body>> {
     bodies.collect()
 }
 
-/// Bodies for a layer with a thickness of 5 mm, one for each depth.
+/// Bonded layers with a thickness of 5 mm, one for each depth of markers.
 ///
 /// # Errors
 /// An error if a depth is out of range.
@@ -63,16 +64,16 @@ pub struct CameraPress {
 /// A step of an image fit.
 #[derive(Clone, Copy, Debug)]
 pub enum Step {
-    /// Update of the sensor's parameters from a frame at rest.
+    /// Correction of the sensor's parameters with a frame that was recorded without a press.
     Rest,
     /// Fit of the press to the images of the markers.
     Fit,
-    /// Tests of the fit for misfits.
+    /// Tests whether the readings contradict the fit.
     Misfits,
 }
 
 impl CameraPress {
-    /// A press onto an object, with these soft bodies.
+    /// A press of an object onto the soft bodies that `bodies` returns.
     ///
     /// # Errors
     /// An error if the press is impossible.
@@ -132,7 +133,7 @@ impl CameraPress {
     }
 }
 
-/// The bodies at the depths of the discs, and the bodies at slightly larger depths.
+/// The bodies at the depths of the discs, and the bodies at slightly larger depths for derivatives by the depth.
 fn pairs(bodies: Bodies) -> Result<([Body; 2], [Body; 2])> {
     let [magenta, yellow] = DEPTHS;
     let bodies = bodies(&[magenta, yellow, magenta + DEPTH_STEP, yellow + DEPTH_STEP])?;

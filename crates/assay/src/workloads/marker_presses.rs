@@ -30,7 +30,7 @@ pub fn markers() -> Result<Markers> {
     Ok(Markers::new(Skin::new(SKIN)?, &places)?)
 }
 
-/// Readings of the markers in one trial of a press, with Gaussian errors.
+/// Simulated readings of the markers in one trial of a press, with Gaussian errors.
 pub struct MarkerReadings {
     /// Inward displacement of each marker, mm.
     pub normal: Vec<f64>,
@@ -39,7 +39,7 @@ pub struct MarkerReadings {
 }
 
 impl MarkerReadings {
-    /// Readings of the displacements `moved` in one trial, with random errors.
+    /// Adds random errors to the displacements `moved`, which differ from trial to trial.
     pub fn new(moved: &[MarkerDisplacement], trial: u64) -> Self {
         let mut noise = Stream::new(1, trial, Channel::Position);
         let mut off = |value: f64, std: f64| value + std * noise.standard_normal();
@@ -55,7 +55,7 @@ impl MarkerReadings {
         }
     }
 
-    /// The reading in the form that an estimator needs. Its indentation has a standard deviation of 0.02 mm.
+    /// The readings in the form that an estimator needs, with an indentation whose standard deviation is 0.02 mm.
     pub fn reading<'a>(&'a self, markers: &'a Markers) -> Reading<'a> {
         Reading {
             markers,
@@ -69,7 +69,7 @@ impl MarkerReadings {
     }
 }
 
-/// The estimator of a press on this body, with the standard deviations of the markers' readings.
+/// The estimator for presses on this body. It uses the standard deviations of the simulated readings.
 pub fn fit(body: Body) -> ForwardFit {
     ForwardFit {
         normal_std: Some(NORMAL_STD),

@@ -1,4 +1,4 @@
-//! Workloads with rolls of a sphere of radius 1, and trials of EP1.
+//! Workloads with rolls of a sphere of radius 1, and with estimates from such rolls (EP1).
 
 use std::hint::black_box;
 use std::num::NonZeroUsize;
@@ -57,8 +57,8 @@ pub fn roller(object: Shape, model: Model, angle_rad: f64) -> Result<Roller> {
     Ok(Roller::new(probe, object, (0.0, 0.0), model, rolls)?)
 }
 
-/// Error of a roll that starts at the top of the sphere or the paraboloid. The coordinates of the last contact on the
-/// object and on the probe are compared with closed forms, and the largest difference is returned.
+/// Error of a roll that starts at the top of the sphere or the paraboloid. The last contact points on the object and on
+/// the probe are compared with closed forms. The error is the largest difference of a coordinate.
 ///
 /// # Errors
 /// An error if the object has no closed form, or the roll fails.
@@ -73,14 +73,14 @@ pub fn error(roller: &Roller, angle_rad: f64) -> Result<f64> {
     Ok(off_object.max((contact.on_probe(1.0) - end.on_probe).amax()))
 }
 
-/// A trial of EP1: eight probes of radius 1 roll by 0.1 rad on a sphere of radius 5.
+/// A trial of an estimate from rolls (EP1): eight probes of radius 1 roll by 0.1 rad on a sphere of radius 5.
 pub struct Ep1(SceneTrial);
 
 impl Ep1 {
     /// Config of the noise: each component of a rotation has a uniform error of at most 1 % of the rate.
     pub const UNIFORM: &str =
         "noise = { angular_velocity = { kind = \"uniform\", fraction = 0.01 } }";
-    /// Config of the sensor: pads that measure the contact.
+    /// Config of the sensor: an array of pads that measures the contact's position.
     pub const PADS: &str = "sensor = { kind = \"pads\", pitch = 0.01, offset = \"random\" }";
 
     /// The trial. `setting` is TOML text with the noise or the sensor of the scene.
@@ -98,8 +98,8 @@ impl Ep1 {
         )))
     }
 
-    /// Root mean square of the relative error of the normal curvature. The trials are computed several at a time, as in
-    /// the sweep runner. `None` if some trials cannot be computed in this way.
+    /// Root mean square of the relative error of the normal curvature. Several trials are computed together, as in the
+    /// sweep runner. `None` if some trials cannot be computed together.
     pub fn relative_rms_error(&self, trials: u64) -> Option<f64> {
         let mut sum = 0.0;
         let computed =
@@ -118,7 +118,7 @@ impl Ep1 {
         Some((sum / trials as f64).sqrt())
     }
 
-    /// Runs trials without statistics, several together if possible, otherwise one by one.
+    /// Runs trials without statistics: several together where this is possible, the other trials one by one.
     fn run(&self, trials: u64) -> Option<()> {
         let roll = self.roll()?;
         let together = roll.side_by_side(palpate_scene::Arch::new(), 0..trials, |observed| {
@@ -157,8 +157,8 @@ fn statistics(trial: &dyn Trial, trials: u64) -> Result<CellStatistics> {
     statistics.into_iter().next().context("no cell")
 }
 
-/// A trial that computes nothing, to measure the cost of the statistics alone. It observes five quantities, all with
-/// the same nearly uniform errors.
+/// A trial that simulates nothing, so that the cost of the statistics alone can be measured. It returns five
+/// quantities, all with the same almost uniformly distributed errors.
 pub struct Statistics;
 
 impl Statistics {
@@ -209,7 +209,7 @@ pub fn roll(name: &str, object: Shape, model: Model, angle_rad: f64) -> Result<E
     }))
 }
 
-/// The workload of trials of EP1 without statistics.
+/// The workload of estimates from rolls (EP1), without statistics.
 ///
 /// # Errors
 /// An error if `setting` is invalid.
@@ -218,8 +218,8 @@ pub fn trials(name: &str, setting: &str, trials: u64) -> Result<Evaluation> {
     Ok(Evaluation::new(name, move || trial.run(black_box(trials))))
 }
 
-/// The workload of an estimate with its p-value from eight recorded rolls. The settings are given by their keys, as in
-/// a call from Python.
+/// The workload of an estimate with its p-value from eight recorded rolls. The settings are passed by name, as in a
+/// call from Python.
 ///
 /// # Errors
 /// An error if the estimate fails.
@@ -244,12 +244,12 @@ pub fn recorded(name: &str) -> Result<Evaluation> {
     Ok(Evaluation::new(name, estimate))
 }
 
-/// The workload of the statistics alone, with trials that compute nothing.
+/// The workload of the statistics alone, with trials that simulate nothing.
 pub fn statistics_alone(name: &str, trials: u64) -> Evaluation {
     Evaluation::new(name, move || Statistics::of(black_box(trials)))
 }
 
-/// The workload of readings of a pad array whose pitch is 1/100 of its radius.
+/// The workload that reads contacts with a pad array. The pitch of the pads is 1/100 of the array's radius.
 ///
 /// # Errors
 /// An error if the array is invalid.
@@ -264,7 +264,7 @@ pub fn pads(name: &str, layout: PadLayout, readings: u32) -> Result<Evaluation> 
     }))
 }
 
-/// The workload of contacts of a round tip at successive places of a saddle.
+/// The workload that finds the contacts of a round fingertip at successive places of a saddle.
 ///
 /// # Errors
 /// An error if the tip or the saddle is invalid.

@@ -1,6 +1,6 @@
-//! The error of the model that `auto` chooses is at most its tolerance. A test cannot count the instructions that the
-//! chosen model takes; therefore, these tests compare the number of derivatives that rolls need. For other scenes, they
-//! use that the models are sorted by cost.
+//! The error of the model that `auto` chooses must be at most its tolerance, and the model must be cheap. A test cannot
+//! count processor instructions. Therefore, these tests compare how often rolls evaluate the contact equations. For
+//! glides and presses, they use the fact that the models are sorted by cost.
 
 use palpate_assay::auto_check::{AutoChoice, Kind, SCENES};
 use palpate_scene::Scenes;
@@ -59,8 +59,8 @@ fn presses_err_within_their_tolerance() {
     check(Kind::Press);
 }
 
-/// With a coarser tolerance, DOP853 needs fewer derivatives. The same is true for noisy rolls, whose models `auto` does
-/// not compare.
+/// With a coarser tolerance, DOP853 must evaluate fewer derivatives for noisy rolls too. For these rolls, `auto`
+/// compares no models.
 #[test]
 fn a_coarser_integration_of_noisy_rolls_is_no_dearer() {
     for object in [

@@ -1,4 +1,4 @@
-//! Tests of `auto` and of the work that scenes cause.
+//! Tests of the choices of `auto`, and of the computational work that scenes cause.
 #![allow(clippy::unwrap_used)]
 
 mod auto_check;
