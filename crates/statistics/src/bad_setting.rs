@@ -1,4 +1,4 @@
-//! The error of a setting that is out of its range.
+//! The error which reports that a setting is out of its range.
 
 use thiserror::Error;
 

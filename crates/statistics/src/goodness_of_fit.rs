@@ -2,10 +2,11 @@
 
 use crate::chi_squared_tail;
 
-/// Significance level of each test of an estimate: the probability of a false alarm if the model is correct.
+/// Significance level of each test that checks an estimate. It is the probability of a false alarm if the model is
+/// correct.
 pub const SIGNIFICANCE_LEVEL: f64 = 0.005;
 
-/// Chi-squared of a fit, and the test whether the stated noise explains it.
+/// Chi-squared of a fit, and the p-value of the test whether the stated noise explains the residuals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GoodnessOfFit {
     /// Sum of the squared residuals of readings and priors, each divided by its standard deviation.
@@ -13,8 +14,8 @@ pub struct GoodnessOfFit {
     /// Degrees of freedom: the number of readings and priors that the fit uses, minus the number of fitted parameters.
     pub freedom: usize,
     /// Probability of a chi-squared that is at least as large as this one, if the model is correct and the noise is
-    /// normal with the stated size. In this case, the p-value is distributed uniformly from 0 to 1. A small p-value
-    /// means that the readings contradict the model or the stated noise. Without degrees of freedom, the p-value is 1.
+    /// normal with the stated size. A small p-value means that the readings contradict the model or the stated noise.
+    /// If they do not, the p-value is distributed uniformly from 0 to 1. Without degrees of freedom, the p-value is 1.
     pub p_value: f64,
 }
 
@@ -28,9 +29,9 @@ impl GoodnessOfFit {
         }
     }
 
-    /// Whether the p-value is below [`SIGNIFICANCE_LEVEL`]. If it is, patterns in the residuals must be compared with
-    /// the scatter of the residuals instead of the stated noise. In comparison with a stated noise that is too small,
-    /// every pattern would be significant.
+    /// Whether the p-value is below [`SIGNIFICANCE_LEVEL`]. In this case, the stated noise may be too small, and every
+    /// pattern in the residuals would seem significant. Therefore, patterns must then be compared with the scatter of
+    /// the residuals instead of the stated noise.
     pub fn is_poor(&self) -> bool {
         self.p_value < SIGNIFICANCE_LEVEL
     }

@@ -2,8 +2,8 @@
 
 use crate::{GoodnessOfFit, SIGNIFICANCE_LEVEL};
 
-/// A way in which readings contradict the fitted model. Each p-value is the probability of a contradiction at least as
-/// large as the observed one, if the model is correct.
+/// A way in which readings contradict the fitted model. Each kind has a p-value: the probability of a contradiction at
+/// least as large as the observed one, if the model is correct.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Misfit {
     /// The residuals are larger than the noise can explain.
@@ -18,7 +18,7 @@ pub enum Misfit {
         /// P-value of the largest contradiction among all readings.
         p_value: f64,
     },
-    /// A stated quantity contradicts its estimate from the readings.
+    /// A quantity that the user states contradicts its estimate from the readings.
     Stated {
         /// The stated quantity.
         quantity: StatedQuantity,
@@ -26,7 +26,7 @@ pub enum Misfit {
         stated: f64,
         /// The estimate from the readings, in the same unit.
         estimated: f64,
-        /// P-value of the difference.
+        /// P-value of the difference between the stated value and the estimate.
         p_value: f64,
     },
     /// The displacements of a press vary with the distance from the contact differently than the fitted model predicts.
@@ -50,12 +50,12 @@ pub enum StatedQuantity {
     Indentation,
     /// Distance between neighbouring pads.
     Pitch,
-    /// A length with which all lengths in the readings scale, for example the distance between fingers.
+    /// A length that scales all lengths in the readings, for example the distance between fingers.
     Scale,
 }
 
 impl StatedQuantity {
-    /// Code of the warning about this quantity.
+    /// Code of the warning which reports that this quantity contradicts its estimate.
     pub const fn code(self) -> &'static str {
         match self {
             Self::Noise => "stated-noise",
@@ -73,8 +73,8 @@ impl Misfit {
         (p_value < level).then_some(Self::PoorFit { p_value })
     }
 
-    /// Returns [`Misfit::Outlier`] for the reading with the smallest of these p-values. `None` if this p-value is not
-    /// significant after a correction for the number of p-values (Bonferroni).
+    /// Returns [`Misfit::Outlier`] for the reading with the smallest of these p-values, or `None` if this p-value is
+    /// not significant. Before the test, the p-value is multiplied by the number of p-values (Bonferroni).
     ///
     /// ```
     /// use palpate_statistics::Misfit;

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-/// A number as messages display it. It has the fewest digits that parse back to the same number. The text has an
-/// exponent if the number's magnitude is at least 1e16 or below 1e-4. Zero has no sign. With a precision, as in
+/// A number, formatted for messages. It has the smallest number of digits that identify the number exactly. The text
+/// has an exponent if the number's magnitude is at least 1e16 or below 1e-4. Zero has no sign. With a precision, as in
 /// `{:.4}`, only large numbers have an exponent.
 ///
 /// ```
@@ -22,8 +22,8 @@ impl Number {
         Self(format!("{number:.2e}").parse().unwrap_or(number))
     }
 
-    /// The number, rounded to the last decimal place of its standard deviation. For this purpose, `std` is rounded to
-    /// two significant digits. At least three significant digits of the number are kept.
+    /// The number, rounded to the precision of its standard deviation: both end at the same decimal place, where `std`
+    /// has two significant digits. The number keeps at least three significant digits.
     ///
     /// ```
     /// use palpate_statistics::Number;

@@ -1,29 +1,31 @@
-//! Rao's score test. The test computes how much chi-squared would decrease if patterns in the residuals were fitted in
-//! addition to the parameters of the model.
+//! Rao's score test. A pattern is a possible systematic part of the residuals. The test computes how much chi-squared
+//! would decrease if patterns were fitted in addition to the parameters of the model.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::{chi_squared_tail, ratio_tail};
 
-/// Smallest share of a pattern that the fitted parameters must leave unexplained. Patterns with a smaller share are
-/// skipped, because their unexplained part may be due to the model's nonlinearity. Noisy patterns need a larger share.
+/// Smallest share of a pattern that must remain after the parameters of the model are fitted to it. Patterns with a
+/// smaller share are skipped, because the remainder may be due to the model's nonlinearity. Patterns that are noisy
+/// need a larger share.
 pub const LEFT: f64 = 0.02;
 
-/// Decrease of chi-squared, to first order, if patterns were fitted in addition to the parameters of the model.
+/// Decrease of chi-squared, to first order, that results from fitting patterns in addition to the parameters of the
+/// model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Explained {
     /// Decrease of chi-squared.
     pub fall: f64,
-    /// Number of independent patterns that the fitted parameters do not explain.
+    /// Number of independent patterns that remain after the parameters of the model are fitted to them.
     pub freedom: usize,
 }
 
 impl Explained {
-    /// The decrease of chi-squared by some patterns. All patterns are in standard deviations of the readings. `squares`
-    /// are the squared norms of the patterns. `left` are the inner products between the parts of the patterns that the
-    /// fitted parameters do not explain, and `by_residuals` are the inner products of these parts with the residuals.
-    /// Combinations of patterns whose unexplained share is smaller than `least` (usually [`LEFT`]) are skipped. If a
-    /// number is not finite, all patterns are skipped.
+    /// The decrease of chi-squared by some patterns. Patterns and residuals are divided by the standard deviations of
+    /// the readings. The remainder of a pattern is the part that the fitted parameters do not explain. `squares` are
+    /// the squared norms of the patterns, `left` the inner products of all pairs of remainders, and `by_residuals` the
+    /// inner products of the remainders with the residuals. Combinations of patterns are skipped if their remaining
+    /// share is smaller than `least` (usually [`LEFT`]). If a number is not finite, all patterns are skipped.
     pub fn by(
         squares: &[f64],
         left: &DMatrix<f64>,
@@ -74,9 +76,9 @@ impl Explained {
     }
 }
 
-/// The number of the alternative with the smallest p-value, and this p-value after a correction for the number of
-/// alternatives (Bonferroni). The alternatives may be, for example, the probes that could be outliers. Without
-/// alternatives, the result is (0, 1).
+/// The number of the alternative with the smallest p-value, and this p-value multiplied by the number of alternatives
+/// (Bonferroni). An alternative may be, for example, that a certain probe is an outlier. Without alternatives, the
+/// result is (0, 1).
 ///
 /// ```
 /// let found = palpate_statistics::least_likely([(3, 0.5), (7, 0.01)].into_iter());

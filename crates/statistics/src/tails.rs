@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 /// Probability that a chi-squared variable with `freedom` degrees of freedom is larger than `chi_squared` (Abramowitz
 /// and Stegun 26.4.4 and 26.4.5). The result is 1 without degrees of freedom, and 0 if `chi_squared` is NaN. The
-/// relative error is at most 1e-12 up to 100 degrees of freedom, and at most 1e-9 for more.
+/// relative error of the probability is at most 1e-12 for up to 100 degrees of freedom, and at most 1e-9 for more.
 ///
 /// ```
 /// assert!((palpate_statistics::chi_squared_tail(3.841459, 1) - 0.05).abs() < 1e-7);
@@ -33,11 +33,11 @@ pub fn chi_squared_tail(chi_squared: f64, freedom: usize) -> f64 {
     (first + rest).min(1.0)
 }
 
-/// Largest number of degrees of freedom for which the probability is computed by summing the exact series.
+/// Largest number of degrees of freedom for which the exact series is summed. For more, an expansion is used.
 const MOST_TERMS: usize = 1_000_000;
 
-/// The regularised upper incomplete gamma function Q(a, half) for large `a`, computed by Temme's uniform expansion
-/// (DLMF 8.12.4).
+/// Tail probability of chi-squared for many degrees of freedom: the regularised upper incomplete gamma function Q(a,
+/// half) for large `a`, computed by Temme's uniform expansion (DLMF 8.12.4).
 fn many_squares_tail(half: f64, a: f64) -> f64 {
     let beyond = (half - a) / a;
     let square = 2.0 * (beyond - libm::log1p(beyond)).max(0.0);
@@ -53,8 +53,8 @@ fn many_squares_tail(half: f64, a: f64) -> f64 {
 
 /// Tail probability of the F distribution. It is the probability that the ratio of two chi-squared variables, each
 /// divided by its degrees of freedom, is larger than the ratio `above / below`. The result is 1 if a number of degrees
-/// of freedom is 0. The error is at most 1e-10 up to 10,000 degrees of freedom, and beyond that 1e-14 times their
-/// number. More than 1e9 degrees of freedom are treated as 1e9.
+/// of freedom is 0. The error is at most 1e-10 for up to 10,000 degrees of freedom. For more, it is at most 1e-14 times
+/// their number. More than 1e9 degrees of freedom are treated as 1e9.
 ///
 /// ```
 /// // 5 % of ratios with 2 and 12 degrees of freedom are above 3.8853.
@@ -86,14 +86,14 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
     .clamp(0.0, 1.0)
 }
 
-/// Largest number of degrees of freedom that is used. Larger numbers are replaced by this one, because the powers of
-/// the ratio would lose too many digits.
+/// Larger numbers of degrees of freedom are replaced by this number, because the powers of the ratio would lose too
+/// many digits.
 const MOST_FREEDOM: usize = 1_000_000_000;
 
 /// Half-width of the interval that contains the true value with this probability, in standard errors (Student's t
-/// distribution). The standard error is estimated from residuals with `freedom` degrees of freedom. The relative error
-/// is at most 1e-9, or 1e-8 for more than 1e6 degrees of freedom. The result is infinite without degrees of freedom or
-/// for a probability of 1 or more or NaN, and 0 for a probability of 0 or less.
+/// distribution). The standard error must be estimated from residuals with `freedom` degrees of freedom. The relative
+/// error of the half-width is at most 1e-9, or 1e-8 for more than 1e6 degrees of freedom. The half-width is 0 for a
+/// probability of 0 or less. It is infinite for a probability of 1 or more or NaN, and without degrees of freedom.
 ///
 /// ```
 /// let half_width = palpate_statistics::student_half_width(0.95, 5);
@@ -132,8 +132,8 @@ pub fn student_half_width(probability: f64, freedom: usize) -> f64 {
     high
 }
 
-/// For probabilities up to this value, the density of Student's t is treated as constant over the interval. The
-/// relative error is then at most 1e-11.
+/// Up to this probability, the density of Student's t is treated as constant over the interval. The relative error of
+/// the half-width is then at most 1e-11.
 const STRAIGHT: f64 = 1e-6;
 
 /// The continued fraction has converged if the next factor differs from 1 by less than this value.
@@ -141,8 +141,8 @@ const CONVERGED: f64 = 1e-13;
 /// Maximum number of factors of the continued fraction.
 const MOST_FACTORS: usize = 20_000;
 
-/// Regularised incomplete beta function I_x(a, b), by Lentz's algorithm (DLMF 8.17.22). The first argument contains x
-/// and 1 − x.
+/// Regularised incomplete beta function I_x(a, b), computed by Lentz's algorithm (DLMF 8.17.22). The first argument
+/// contains x and 1 − x, because the difference would lose digits if x is close to 1.
 fn incomplete_beta([x, rest]: [f64; 2], a: f64, b: f64) -> f64 {
     let log = a * libm::log(x) + b * libm::log(rest) - log_beta(a, b);
     let front = libm::exp(log) / a;

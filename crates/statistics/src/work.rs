@@ -7,7 +7,7 @@
 /// Counts of the work on one thread, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
-    /// Number of random words drawn.
+    /// Number of random words that were drawn from the generators.
     pub draws: u64,
     /// Number of motions of a probe for which the contact was computed, by any model.
     pub rolls: u64,
@@ -43,7 +43,7 @@ mod counting {
         });
     }
 
-    /// Runs `work`. Returns the counts of its work on this thread, and its result.
+    /// Runs `work`. Returns the counts of the work that it does on this thread, and its result.
     pub fn counted<T>(work: impl FnOnce() -> T) -> (Tally, T) {
         let before = TALLY.replace(Tally::default());
         let given = work();
