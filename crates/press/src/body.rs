@@ -1,4 +1,4 @@
-//! Models of the soft body, and a contact of an object with a soft body.
+//! Models of the soft body, and the contact of an object with the soft body.
 
 use std::f64::consts::FRAC_2_PI;
 use std::sync::Arc;
@@ -9,24 +9,11 @@ use crate::{PressError, half_space};
 /// Distance from a contact beyond which displacements are set to 0, length.
 const MAX_DISTANCE: f64 = 1e50;
 
-/// A model of the soft body. It computes the displacement of the skin at the markers' depth under a press.
+/// A model of the soft body. It computes the displacement of the skin, at the depth of the markers, in a press.
 ///
-/// Let a be the contact's radius, r the distance from its middle, and C_r the relative curvature. For all bodies, the
-/// displacement is then C_r F(a, r) and the indentation is C_r D(a).
-///
-/// ```
-/// use palpate_press::Body;
-///
-/// // Hertz: a² = δ/C_r, and the surface moves by δ − C_r r²/2 within the contact.
-/// let body = Body::hertz(0.5)?;
-/// let contact = body.press(0.25, 1.0)?;
-/// assert_eq!(contact.radius, 2.0);
-/// assert!((contact.displacement(0.0).normal - 1.0).abs() < 1e-11);
-/// assert!((contact.displacement(1.0).normal - 0.875).abs() < 1e-11);
-/// // The force is 4/3 E/(1 − ν²) C_r a³.
-/// assert!(contact.force(9.0).is_some_and(|force| (force - 32.0).abs() < 1e-12));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
+/// Let a be the contact's radius, r the distance from the middle of the contact, and C_r the relative curvature. In
+/// every model, the displacement is C_r F(a, r) and the indentation is C_r D(a). The models differ in the functions F
+/// and D.
 #[derive(Clone, Debug)]
 pub struct Body(Rung);
 
@@ -45,12 +32,12 @@ enum Rung {
     },
 }
 
-/// Method for computing the contacts with a bonded layer.
+/// Method by which the contacts with a bonded layer are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Layers {
     /// Interpolation in tables, which is faster for many contacts.
     Tables,
-    /// Solution of the equations for each contact, which is faster for few contacts.
+    /// Solution of the equations for each contact, which is faster for few contacts and more accurate.
     Solved,
 }
 
@@ -62,7 +49,7 @@ pub struct Contact<'b> {
     layer: Option<LayerContact>,
     /// Relative curvature 1/R_s + 1/R_o, 1/length, with the radius R_s of the sensor and R_o of the object.
     pub relative_curvature: f64,
-    /// Approach of the bodies since their first contact, length.
+    /// Distance by which the bodies have approached each other since they first touched, length.
     pub indentation: f64,
     /// Radius of the contact area, length.
     pub radius: f64,
@@ -77,8 +64,9 @@ pub struct Displacement {
     pub radial: f64,
 }
 
-/// Displacement at a distance r from the middle of a contact of radius a, divided by the relative curvature, with its
-/// derivatives with respect to r and a. Units: length² for displacements, length for derivatives.
+/// Displacement at a distance r from the middle of a contact of radius a, divided by the relative curvature. The
+/// derivatives are with respect to r and a. After the division, displacements have the unit length², and derivatives
+/// the unit length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Field {
     /// Inward displacement, divided by the relative curvature.
@@ -96,7 +84,7 @@ pub(crate) struct Field {
 }
 
 impl Body {
-    /// An elastic half-space whose displacements are computed at its surface.
+    /// An elastic half-space whose displacements are computed at its surface. `poisson` is Poisson's ratio.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5].
@@ -104,7 +92,7 @@ impl Body {
         Self::half_space(poisson, 0.0)
     }
 
-    /// An elastic half-space whose displacements are computed at this depth.
+    /// An elastic half-space whose displacements are computed at the depth `depth`. `poisson` is Poisson's ratio.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5] and a `depth` that is negative or beyond 1e50.
@@ -116,10 +104,10 @@ impl Body {
         Ok(Self(Rung::HalfSpace { poisson, depth }))
     }
 
-    /// An incompressible layer bonded to a rigid core, whose displacements are computed at this depth. Contacts are
-    /// interpolated in tables, with an error of at most 1e-7 of the largest displacement for depths up to 0.8 of the
-    /// thickness. The computation of a contact takes a few microseconds. There are nine ranges of contact radii; the
-    /// first contact in each range takes about ten milliseconds, because the table of this range is computed.
+    /// An incompressible layer bonded to a rigid core. Its displacements are computed at the depth `depth`. Contacts
+    /// are interpolated in tables, with an error of at most 1e-7 of the largest displacement for depths up to 0.8 of
+    /// the thickness. The computation of a contact takes a few microseconds. There are nine ranges of contact radii;
+    /// the first contact in each range takes about ten milliseconds, because the table of this range is computed.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for a `thickness` that is not from 1e-50 to 1e50, or a `depth` outside the layer.
@@ -127,8 +115,9 @@ impl Body {
         BondedLayer::new(thickness, depth).map(|layer| Self::layer(layer, Layers::Tables))
     }
 
-    /// Models of one incompressible layer bonded to a rigid core, one for each depth, in the order of the depths. Their
-    /// tables are computed together, in little more time than the tables for one depth.
+    /// Models of one incompressible layer bonded to a rigid core. Each model computes displacements at one of the
+    /// depths; the models are in the order of `depths`. Their tables are computed together, in little more time than
+    /// the tables for one depth.
     ///
     /// # Errors
     /// Errors of [`Body::bonded_layer`].
@@ -139,8 +128,8 @@ impl Body {
             .collect())
     }
 
-    /// The same layer as [`Body::bonded_layer`], for use with few contacts: each contact is solved without tables. The
-    /// error is at most 1e-9 of the largest displacement at the surface.
+    /// A layer as in [`Body::bonded_layer`], but each contact is solved without tables. This is faster for few
+    /// contacts. The error is at most 1e-9 of the largest displacement at the surface.
     ///
     /// # Errors
     /// Errors of [`Body::bonded_layer`].
@@ -148,8 +137,9 @@ impl Body {
         Self::solved_layer_at(thickness, depth, 1.0)
     }
 
-    /// The same as [`Body::solved_layer`], with the number of quadrature nodes multiplied by `resolution`. With a value
-    /// below 1, the solution is faster and less accurate; values above 1 are for checks of convergence.
+    /// A layer as in [`Body::solved_layer`], with the number of quadrature nodes multiplied by `resolution`. If
+    /// `resolution` is below 1, the solution is faster and less accurate. Values above 1 serve to check the
+    /// convergence.
     ///
     /// # Errors
     /// Errors of [`Body::bonded_layer`], and [`PressError::BadSetting`] for a `resolution` that is not from 1/16 to 16.
@@ -169,9 +159,9 @@ impl Body {
         })
     }
 
-    /// The approximation of the 2020 paper, u = δ exp(−r²/2σ²) with σ² = δ R/c. Here u is the inward displacement, r
-    /// the distance from the contact, δ the indentation, R the effective radius and c a constant. There are no
-    /// displacements along the skin. The paper uses c = 1.
+    /// The Gaussian approximation of the 2020 paper, u = δ exp(−r²/2σ²) with σ² = δ R/c. Here u is the inward
+    /// displacement, r the distance from the contact, δ the indentation, R the effective radius and c a constant. There
+    /// are no displacements along the skin. The paper uses c = 1.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for a `c` that is not finite and positive.
@@ -199,8 +189,8 @@ impl Body {
         matches!(self.0, Rung::Gaussian { .. })
     }
 
-    /// Indentation divided by the relative curvature for the widest contact that is interpolated in tables. Wider contacts
-    /// are slow, because each is solved.
+    /// Limit of the tables: the indentation divided by the relative curvature for the widest contact in the tables.
+    /// Fits avoid wider contacts, because each of them must be solved, which is slow.
     pub(crate) fn end_of_tables(&self) -> f64 {
         let end = match &self.0 {
             Rung::BondedLayer {
@@ -212,7 +202,8 @@ impl Body {
         end.map_or(f64::INFINITY, |[indentation, _]| indentation)
     }
 
-    /// Poisson's ratio and depth, if the body has a model of sideways shifts. Only half-spaces have such a model.
+    /// Poisson's ratio, and the depth at which displacements are computed. `None` for bodies without a model of
+    /// sideways shifts; only half-spaces have such a model.
     pub(crate) fn sideways(&self) -> Option<(f64, f64)> {
         match self.0 {
             Rung::HalfSpace { poisson, depth } => Some((poisson, depth)),
@@ -220,7 +211,7 @@ impl Body {
         }
     }
 
-    /// The contact with an object at this relative curvature and indentation.
+    /// The contact with an object, for a given relative curvature and indentation.
     ///
     /// # Errors
     /// [`PressError::EdgeContact`] or [`PressError::Conforming`] if the relative curvature is not positive,
@@ -260,7 +251,7 @@ impl Body {
         self.contact(relative_curvature, indentation, radius)
     }
 
-    /// The contact with this radius and a relative curvature of 1.
+    /// The contact with the radius `radius`, for a relative curvature of 1.
     pub(crate) fn unit_contact(&self, radius: f64) -> Result<Contact<'_>, PressError> {
         let [indentation, _] = self.indentation_of(radius)?;
         self.contact(1.0, indentation, radius)
@@ -313,10 +304,10 @@ impl Body {
 }
 
 impl Contact<'_> {
-    /// Displacement of the skin at the distance `r` along the skin from the contact (length, positive or negative); 0
-    /// if `r` is NaN or beyond 1e50.
+    /// Displacement of a point of the skin. `r` is the distance of the point from the contact along the skin (length,
+    /// positive or negative). The displacement is 0 if `r` is NaN or beyond 1e50.
     ///
-    /// The relative error is at most 1e-11 for a half-space; for a layer see [`Body::bonded_layer`].
+    /// The relative error is at most 1e-11 for a half-space. [`Body::bonded_layer`] states the error for a layer.
     pub fn displacement(&self, r: f64) -> Displacement {
         let field = self.field(r);
         Displacement {
@@ -325,8 +316,9 @@ impl Contact<'_> {
         }
     }
 
-    /// Force between the bodies, if the soft body has the Young's modulus `young`. Its unit is the unit of `young`
-    /// times length². `None` for the Gaussian approximation, which has no stress, and if the force is not finite.
+    /// Force between the object and the soft body. `young` is the Young's modulus of the soft body. The unit of the
+    /// force is the unit of `young` times length². `None` for the Gaussian approximation, which has no stress, and if
+    /// the force is not finite.
     pub fn force(&self, young: f64) -> Option<f64> {
         let unit = self.relative_curvature * young;
         let force = match &self.body.0 {
@@ -339,8 +331,8 @@ impl Contact<'_> {
         force.filter(|force| force.is_finite())
     }
 
-    /// Pressure in the middle of the contact, if the soft body has the Young's modulus `young`, in the unit of `young`.
-    /// `None` for the Gaussian approximation, and if the pressure is not finite.
+    /// Pressure in the middle of the contact, in the unit of `young`, the Young's modulus of the soft body. `None` for
+    /// the Gaussian approximation, and if the pressure is not finite.
     pub fn peak_pressure(&self, young: f64) -> Option<f64> {
         let unit = self.relative_curvature * young;
         let pressure = match &self.body.0 {

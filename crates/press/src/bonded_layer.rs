@@ -1,12 +1,13 @@
 //! Contact with an incompressible elastic layer bonded to a rigid core.
 //!
-//! The object is a frictionless rigid paraboloid with the relative curvature. The layer is flat, and depths are
-//! measured from its surface. The displacement is the sum of two parts. The first is the displacement of a half-space
-//! under the contact's pressure, in closed form ([`pressure_field`]). The second is the correction for the rigid base,
-//! which is a sum over wavenumbers ([`reflection`]) or is interpolated in a table ([`contact_table`]).
+//! The object is a frictionless rigid paraboloid. Its curvature is the relative curvature of the two bodies. The layer
+//! is flat, and depths are measured from its surface. The displacement is the sum of two parts. The first is the
+//! displacement of a half-space under the contact's pressure, in closed form ([`pressure_field`]). The second is the
+//! correction for the rigid base, which is a sum over wavenumbers ([`reflection`]) or is interpolated in a table
+//! ([`contact_table`]).
 //!
-//! All lengths can be expressed in units of the thickness. Therefore only the ratios to the thickness matter: those of
-//! the contact's radius, the depth and the distance.
+//! The solution depends only on three ratios: the contact's radius, the depth and the distance, each divided by the
+//! thickness.
 
 mod contact_table;
 mod pressure;
@@ -35,10 +36,9 @@ const STEPS: usize = 30;
 pub(crate) struct BondedLayer {
     thickness: f64,
     depth: f64,
-    /// Number of quadrature nodes for contacts that are solved without a table, relative to the number at the standard
-    /// resolution.
+    /// Factor on the standard number of quadrature nodes, for contacts that are solved without a table.
     resolution: f64,
-    /// The layers at several depths that share tables, and the index of this layer among them.
+    /// The layer at several depths, with common tables, and the index of this depth.
     family: Arc<Family>,
     number: usize,
 }
@@ -78,7 +78,8 @@ pub(crate) struct LayerContact {
     base: Base,
 }
 
-/// The correction of the displacement for the rigid base, either as a sum over wavenumbers or interpolated in a table.
+/// The correction of the displacement for the rigid base. It is either a sum over wavenumbers or is interpolated in a
+/// table.
 #[derive(Clone, Debug)]
 enum Base {
     Waves(Waves),
@@ -86,7 +87,7 @@ enum Base {
 }
 
 impl BondedLayer {
-    /// A layer with this thickness, whose displacements are computed at this depth below its surface.
+    /// A layer with the thickness `thickness`. Its displacements are computed at the depth `depth` below its surface.
     pub(crate) fn new(thickness: f64, depth: f64) -> Result<Self, PressError> {
         let mut layers = Self::at_depths(thickness, &[depth])?;
         layers.pop().ok_or(PressError::OutOfRange)
@@ -115,9 +116,9 @@ impl BondedLayer {
         Ok(depths.iter().enumerate().map(layer).collect())
     }
 
-    /// This layer, with the number of quadrature nodes multiplied by `resolution` for contacts that are solved without
-    /// a table. With a value below 1, the solution is faster and less accurate; values above 1 are for checks of
-    /// convergence. Tables do not change.
+    /// This layer with another number of quadrature nodes for contacts that are solved without a table. The standard
+    /// number is multiplied by `resolution`. If `resolution` is below 1, the solution is faster and less accurate.
+    /// Values above 1 serve to check the convergence. Tables do not change.
     pub(crate) fn at_resolution(self, resolution: f64) -> Result<Self, PressError> {
         let good = (0.0625..=16.0).contains(&resolution);
         PressError::unless_good("resolution", resolution, good, "from 1/16 to 16")?;
@@ -130,8 +131,8 @@ impl BondedLayer {
     }
 
     /// Indentation divided by the relative curvature, for a contact of radius `a > 0`, and its derivative with respect
-    /// to `a`. With the layer's thickness t, this indentation divided by a² decreases from 1 (half-space, if a ≪ t) to
-    /// 1/4 (thin layer, if a ≫ t).
+    /// to `a`. Let t be the layer's thickness. The first result divided by a² decreases from 1 (half-space, if a ≪ t)
+    /// to 1/4 (thin layer, if a ≫ t).
     pub(crate) fn indentation_of(&self, a: f64) -> Result<[f64; 2], PressError> {
         let [indentation, slope] = self.scaled_indentation(self.scaled(a)?)?;
         Ok([
@@ -140,7 +141,8 @@ impl BondedLayer {
         ])
     }
 
-    /// The contact's radius for an indentation divided by the relative curvature. The relative error is at most 1e-12.
+    /// The contact's radius, computed from the indentation divided by the relative curvature. The relative error is at
+    /// most 1e-12.
     pub(crate) fn contact_radius(
         &self,
         indentation_over_curvature: f64,
@@ -150,8 +152,8 @@ impl BondedLayer {
         })
     }
 
-    /// The same as [`Self::contact_radius`], but without a table: each of the few steps of Newton's method solves a
-    /// contact.
+    /// Returns the same as [`Self::contact_radius`], but without using a table. Newton's method needs a few steps, and
+    /// each step solves a contact.
     pub(crate) fn solved_contact_radius(
         &self,
         indentation_over_curvature: f64,
@@ -195,7 +197,7 @@ impl BondedLayer {
     /// A contact of radius `a` from a table, for use in fits. The error is at most 1e-7 of the largest displacement for
     /// depths up to 0.8 of the thickness. The computation takes a few microseconds. There are nine ranges of contact
     /// radii; the first contact in each range takes about ten milliseconds, because the table of this range is
-    /// computed. For radii beyond 12 thicknesses, it is the same as [`Self::solved`].
+    /// computed. There are no tables for radii above 12 thicknesses; such contacts are solved by [`Self::solved`].
     pub(crate) fn contact(&self, a: f64) -> Result<LayerContact, PressError> {
         let contact = self.scaled(a)?;
         let Some(place) = Table::place(contact) else {
@@ -233,7 +235,8 @@ impl BondedLayer {
         })
     }
 
-    /// The radius relative to the thickness, if it is in the range that can be solved; otherwise an error.
+    /// The contact's radius `a` divided by the thickness. Returns an error if the equations cannot be solved for this
+    /// radius.
     fn scaled(&self, a: f64) -> Result<f64, PressError> {
         let contact = a / self.thickness;
         if contact.is_nan() || contact <= 0.0 {
@@ -266,19 +269,20 @@ impl LayerContact {
         [indentation * thickness * thickness, slope * thickness]
     }
 
-    /// The force divided by the relative curvature and by E* = E/(1 − ν²) = 4E/3.
+    /// The force, divided by the relative curvature and by the effective modulus E* = E/(1 − ν²) = 4E/3.
     pub(crate) fn force(&self) -> f64 {
         PI * self.numbers[2] * self.thickness.powi(3)
     }
 
-    /// The pressure in the middle of the contact, which is the highest pressure, divided by the relative curvature and
-    /// by E*.
+    /// The pressure in the middle of the contact, divided by the relative curvature and by the effective modulus E*. It
+    /// is the highest pressure of the contact.
     pub(crate) fn peak_pressure(&self) -> f64 {
         0.5 * self.numbers[3] * self.thickness
     }
 
-    /// Displacements at the distance `r` (positive or negative) from the contact, and their derivatives. They are 0 at
-    /// the base. At more than 30 thicknesses beyond the contact's edge, they are set to 0.
+    /// Displacements at the distance `r` (positive or negative) from the contact, and their derivatives. The
+    /// displacements are 0 at the rigid base. Beyond 30 thicknesses from the contact's edge, they are set to 0, because
+    /// they are negligible there.
     pub(crate) fn field(&self, r: f64) -> Field {
         let r = r.abs() / self.thickness;
         if r.is_nan() || r > self.contact + reflection::BEYOND || self.depth == 1.0 {

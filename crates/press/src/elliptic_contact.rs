@@ -28,18 +28,18 @@ use gauss_quad::GaussLegendre;
 
 use crate::PressError;
 
-/// Largest ratio of the relative principal curvatures. Beyond it, the contact is practically a line, and its
-/// indentation depends on the length of the line.
+/// Largest ratio of the relative principal curvatures. If the ratio is larger, the contact is practically a line, and
+/// the indentation depends on the unknown length of the line.
 const MAX_CURVATURE_RATIO: f64 = 1e6;
 
 /// Distance from the contact, relative to its longer semi-axis, beyond which displacements are set to 0.
 const MAX_DISTANCE: f64 = 1e50;
 
-/// Number of panels in the quadrature of χ_x. Each panel is half as long as the one before, because the integrand may
+/// Number of panels in the quadrature of χ_x. Each panel is half as long as the previous one, because the integrand may
 /// have a peak at the end.
 const PANELS: i32 = 12;
 
-/// Number of nodes of one panel.
+/// Number of quadrature nodes in each panel.
 const NODES: NonZeroUsize = NonZeroUsize::new(12).expect("not 0");
 
 /// Gauss nodes and weights of one quadrature panel, on [−1, 1].
@@ -83,8 +83,9 @@ pub struct EllipticDisplacement {
 }
 
 impl EllipticContact {
-    /// The contact for these relative principal curvatures (1/R_s + κ, 1/length, the smaller one first) and this
-    /// indentation.
+    /// The elliptic contact for given relative principal curvatures and a given indentation. A relative principal
+    /// curvature is 1/R_s + κ (1/length), where R_s is the sensor's radius and κ a principal curvature of the object.
+    /// The smaller one comes first.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for a Poisson's ratio `poisson` outside [0, 0.5], and for curvatures that are not in
@@ -126,20 +127,20 @@ impl EllipticContact {
         long.sqrt() * short.sqrt()
     }
 
-    /// Force between the bodies, 2π ab p₀/3, for this Young's modulus of the soft body, in the unit of the modulus
-    /// times length².
+    /// Force between the bodies, 2π ab p₀/3. `young` is the Young's modulus of the soft body. The unit of the force is
+    /// the unit of `young` times length².
     pub fn force(&self, young: f64) -> f64 {
         let [long, short] = self.semi_axes;
         2.0 / 3.0 * std::f64::consts::PI * long * short * self.pressure(young)
     }
 
-    /// Pressure in the middle of the contact, for this Young's modulus of the soft body, in the unit of the modulus.
+    /// Pressure in the middle of the contact, in the unit of `young`, the Young's modulus of the soft body.
     pub fn pressure(&self, young: f64) -> f64 {
         young * self.peak_pressure / (1.0 - self.poisson * self.poisson)
     }
 
-    /// The displacement at the point (x, y) in the axes of the ellipse and at the depth `z` ≥ 0. The lengths must be
-    /// below 1e50.
+    /// The displacement of the point (x, y) at the depth `z` ≥ 0. The x axis is the longer axis of the ellipse. All
+    /// lengths must be below 1e50.
     pub fn displacement(&self, x: f64, y: f64, z: f64) -> EllipticDisplacement {
         let [a, b] = self.semi_axes;
         // From here on, lengths are in units of the longer semi-axis.
@@ -182,7 +183,7 @@ impl EllipticContact {
 }
 
 /// The ratio b/a of the contact's semi-axes, computed from the ratio (≥ 1) of the relative principal curvatures. The
-/// equation for b/a is solved by bisection and then by secant steps; both search the logarithm of b/a.
+/// equation is solved for the logarithm of b/a, first by bisection and then by secant steps.
 fn axis_ratio(curvatures: f64) -> f64 {
     if curvatures <= 1.0 {
         return 1.0;
@@ -208,8 +209,8 @@ fn axis_ratio(curvatures: f64) -> f64 {
     libm::exp(0.5 * (low + high))
 }
 
-/// The largest root λ of x²/(1 + λ) + y²/(b² + λ) + z²/λ = 1, where b is the shorter semi-axis; 0 in the contact.
-/// Lengths are in units of the longer semi-axis.
+/// The largest root λ of x²/(1 + λ) + y²/(b² + λ) + z²/λ = 1, where b is the shorter semi-axis. In the contact area, λ
+/// is 0. Lengths are in units of the longer semi-axis.
 fn confocal(square_b: f64, x: f64, y: f64, z: f64) -> f64 {
     if z == 0.0 && x + y / square_b <= 1.0 {
         return 0.0;
@@ -267,8 +268,8 @@ fn rational_integrals(square_b: f64, x: f64, y: f64, lambda: f64, edge: f64) -> 
     sums
 }
 
-/// Series for Carlson's integrals are exact to rounding errors if the relative deviations of the three arguments from
-/// their mean are below this value.
+/// Threshold for the series of Carlson's integrals. The series are exact to rounding errors if the relative deviations
+/// of the three arguments from their mean are below this value.
 const DUPLICATED: f64 = 2e-3;
 
 /// Carlson's R_F(x, y, z) by duplication (Carlson 1979). The arguments must be ≥ 0, and at most one of them may be 0.

@@ -28,15 +28,15 @@ const MAX_STEPS: usize = 60;
 /// The minimisation stops if the next step is predicted to decrease chi-squared by less than this value.
 const ENOUGH: f64 = 1e-6;
 
-/// Step for numerical derivatives, relative to the unit of each fitted parameter.
+/// Step for numerical derivatives, as a multiple of the scale of each fitted parameter.
 const DIFFERENCE: f64 = 1e-4;
 
-/// Limit of the logarithm of a relative curvature divided by the sensor's curvature. The logarithm is limited to ± this
-/// value.
+/// Limit of the fitted logarithm ln(C/C_s), where C is a relative curvature and C_s the sensor's curvature. The
+/// logarithm is limited to ± this value.
 const LOG_RANGE: f64 = 11.0;
 
-/// Largest value of the logarithm of a relative curvature divided by the sensor's curvature that is reported as the end
-/// of an interval. A larger end is reported as unbounded.
+/// Largest value of ln(C/C_s) that is reported as the end of an interval. C is a relative curvature, and C_s the
+/// sensor's curvature. A larger end is reported as unbounded.
 const MAX_LOG: f64 = 8.0;
 
 /// Number of directions in which bounds of the normal curvature are computed.
@@ -98,8 +98,8 @@ impl ForwardFit {
         problem.outcome(&best)
     }
 
-    /// [`ForwardFit::bounds`] for a fit of both principal curvatures. The true contact is at the chart coordinates
-    /// `at`, and its longer axis forms the angle `axis` with the x axis there.
+    /// Cramér–Rao bounds, as in [`ForwardFit::bounds`], for a fit of both principal curvatures. The true contact is at
+    /// the chart coordinates `at`. `axis` is the angle between its longer axis and the x axis at the contact.
     pub fn elliptic_bounds(
         &self,
         markers: &Markers,
@@ -170,13 +170,13 @@ impl Stds {
         (is_finite && is_positive).then_some(Self(inverse))
     }
 
-    /// Standard error of the weighted sum of the tensor's components xx, xy and yy.
+    /// Standard error of a weighted sum of the tensor's components xx, xy and yy.
     fn tensor(&self, weights: &Vector3<f64>) -> f64 {
         let tensor: Matrix3<f64> = self.0.fixed_view::<3, 3>(0, 0).into();
         weights.dot(&(tensor * weights)).max(0.0).sqrt()
     }
 
-    /// Standard error of the logarithm of the curvature in a direction.
+    /// Standard error of the logarithm of the curvature in the direction `angle`.
     fn along(&self, angle: f64) -> f64 {
         self.tensor(&along(angle))
     }
@@ -187,8 +187,8 @@ impl Stds {
         self.tensor(&(0.5 * Vector3::new(-sine, 2.0 * cosine, sine)))
     }
 
-    /// Relative standard error of the mean of the two relative curvatures, whose directions form these angles with the
-    /// x axis.
+    /// Relative standard error of the mean of the two relative curvatures `larger` and `smaller`. `angles` contains the
+    /// angles between their directions and the x axis.
     fn mean(&self, [larger, smaller]: [f64; 2], angles: [f64; 2]) -> f64 {
         let [first, second] = angles.map(along);
         self.tensor(&((first * larger + second * smaller) / (larger + smaller)))
@@ -209,8 +209,9 @@ impl Stds {
     }
 }
 
-/// Start values: the place of the marker that moved most, and an object with the sensor's own curvature (relative
-/// curvature 2/R_s); on nearly flat skins, with a curvature that is comparable with the extent of the markers.
+/// Start values of the fit. The contact is at the marker that moved most, and the object has the sensor's own curvature
+/// (relative curvature 2/R_s). On a nearly flat skin, the start value of the curvature is computed from the extent of
+/// the markers instead.
 fn guess(reading: &Reading<'_>) -> Result<(f64, Place, f64), PressError> {
     let markers = reading.markers;
     let (marker, largest) = reading
@@ -356,7 +357,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Residuals of the fit at a state, and the equations of the next step.
+    /// Residuals and derivatives for the fitted parameters `state`, and the next step of the search.
     fn fit_at(&self, state: State) -> Result<(Fit, Step), PressError> {
         let residuals = self.residuals(&state)?;
         let size = self.contact(&state)?.0.semi_axes[1];
@@ -418,7 +419,8 @@ impl<'a> Problem<'a> {
         Ok(best)
     }
 
-    /// Estimates the noise that is not stated from the residuals of a fit; returns `false` if all noise is stated.
+    /// Estimates the noise from the residuals of a fit, where the noise is not stated. Returns `false` if all noise is
+    /// stated.
     fn estimate_noise(&mut self, fit: &Fit) -> bool {
         let count = self.reading.normal.len();
         let share = 1.0 - UNKNOWNS as f64 / self.readings().max(UNKNOWNS + 1) as f64;
@@ -564,7 +566,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// An axis's angle, reduced to the range from −π/2 to π/2.
+/// The angle of an axis, reduced to the range from −π/2 to π/2. An axis has no sign, so half turns do not change it.
 fn half_turn(angle: f64) -> f64 {
     angle - std::f64::consts::PI * (angle / std::f64::consts::PI).round()
 }

@@ -1,4 +1,4 @@
-//! Errors for impossible presses, and for readings that do not determine a curvature.
+//! Errors of presses.
 
 use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
@@ -50,8 +50,8 @@ pub enum PressError {
         /// Sum of the curvatures of the sensor and the object, 1/length.
         relative_curvature: f64,
     },
-    /// The object is concave with a larger curvature than the sensor, so the sensor touches the object's edge instead
-    /// of its bottom.
+    /// The object is concave, and its curvature is larger than the sensor's. The sensor therefore touches the object's
+    /// edge instead of its bottom.
     #[error(
         "the relative curvature is {relative_curvature}, below 0: the sensor touches the edge of \
          the object",
@@ -61,7 +61,7 @@ pub enum PressError {
         /// Sum of the curvatures of the sensor and the object, 1/length.
         relative_curvature: f64,
     },
-    /// The indentation is deeper than the elastic body.
+    /// The indentation is too large: it reaches the layer's base or the sensor's centre.
     #[error(
         "the indentation is {indentation}; it must be less than {limit}, {what}",
         indentation = Number(*indentation), limit = Number(*limit)
@@ -69,12 +69,12 @@ pub enum PressError {
     TooDeep {
         /// The indentation that is too deep, length.
         indentation: f64,
-        /// Limit below which the indentation must be, length.
+        /// The indentation must be less than this length.
         limit: f64,
         /// Name of the quantity that limits the indentation, such as "the layer's thickness".
         what: &'static str,
     },
-    /// The contact would be too wide: its radius would reach the limit for the sensor or for the convex object.
+    /// The contact would be too wide for the sensor or for the convex object.
     #[error(
         "the contact radius would be {radius:.4}; it must be less than {limit:.4}, {what}",
         radius = Number(*radius), limit = Number(*limit)
@@ -82,7 +82,7 @@ pub enum PressError {
     TooWide {
         /// Radius that the contact would have, length.
         radius: f64,
-        /// Limit below which the radius must be, length.
+        /// The contact radius must be less than this length.
         limit: f64,
         /// Name of the quantity that limits the contact radius, such as "the sensor's radius".
         what: &'static str,
@@ -110,28 +110,28 @@ pub enum PressError {
         /// Number of equations that the fit needs.
         needed: usize,
     },
-    /// All markers moved equally, or they did not move more than their noise. If there is no contact, fewer than 5 % of
-    /// the readings are mistaken for a contact (`cargo xtask intervals press`).
+    /// All markers moved equally, or they did not move more than their noise. This test has a false alarm rate of less
+    /// than 5 %: without a contact, it detects one in less than 5 % of the presses (`cargo xtask intervals press`).
     #[error(
         "no contact was found: the best fit of a press reduces chi-squared by {improvement:.1}; \
          at least {needed:.1} is needed",
         improvement = Number(*improvement)
     )]
     NoContact {
-        /// Chi-squared of the best fit without a contact, minus chi-squared of the best fit with a contact.
+        /// Decrease of chi-squared from the best fit without a contact to the best fit with a contact.
         improvement: f64,
         /// Smallest improvement of chi-squared that counts as a contact.
         needed: f64,
     },
-    /// The markers moved, but not as in a press on this body: either no press explains the readings better than no
-    /// contact, or very sharp objects of any curvature explain them equally well.
+    /// The markers moved, but not as in a press on this body. Either no press fits the readings better than no contact
+    /// does, or objects of very different sharpness fit them equally well.
     #[error(
         "the markers moved, but not as in a press on this body: chi-squared of the residuals is {chi_squared:.1}, and noise \
          alone would give about {freedom}; the stated body, its thickness, the depth of the markers or the noise is wrong",
         chi_squared = Number(*chi_squared)
     )]
     OtherBody {
-        /// Chi-squared of the readings compared with a sensor at rest, or compared with the fit.
+        /// Chi-squared of the readings, compared either with unmoved markers or with the fit.
         chi_squared: f64,
         /// Degrees of freedom, which is the expected value of chi-squared.
         freedom: usize,
@@ -146,19 +146,19 @@ pub enum PressError {
         /// Distance between the contact and the nearest marker along the skin, length.
         distance: f64,
     },
-    /// A marker was visible in the frame at rest, but in the fitted sensor model it is hidden from the camera.
+    /// A marker was visible in the frame at rest, but the fitted sensor model predicts that the camera cannot see it.
     #[error(
         "marker {marker} (counting from 0) was found at rest where no camera that fits the other \
          markers can see it; the layout or the camera is wrong"
     )]
     HiddenMarker {
-        /// Number of the first such marker, counted from 0.
+        /// Number of the first marker with this contradiction, counted from 0.
         marker: usize,
     },
     /// The readings do not determine the fit parameters.
     #[error("the readings do not determine the press: {what}")]
     Undetermined {
-        /// What the readings lack, as text for the message.
+        /// Text for the message that states what the readings do not determine.
         what: &'static str,
     },
     /// A number in the input or in the computation is beyond the range of doubles.

@@ -1,4 +1,4 @@
-//! The estimate from one press: values with their intervals, and the sign of the object's curvature.
+//! The estimate from one press: values with standard errors and intervals, and the sign of the object's curvature.
 
 use strum::IntoStaticStr;
 
@@ -9,7 +9,7 @@ use crate::{EllipticContact, GoodnessOfFit, PressError, within_object};
 pub struct Estimated {
     /// The estimated value.
     pub value: f64,
-    /// Standard error, to first order.
+    /// Standard error, correct to first order in the noise.
     pub std: f64,
     /// 95 % interval.
     pub interval: Interval,
@@ -29,14 +29,14 @@ impl Estimated {
         }
     }
 
-    /// This estimate for a length that cannot be negative: negative ends of the interval become 0.
+    /// This estimate for a quantity that cannot be negative: negative ends of the interval become 0.
     pub(crate) fn positive(mut self) -> Self {
         self.interval.low = self.interval.low.map(|low| low.max(0.0));
         self
     }
 }
 
-/// A 95 % interval. An end is `None` if the readings do not determine a bound.
+/// A 95 % interval. An end is `None` if the readings do not bound the value on that side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Lower end of the interval; `None` if there is no lower bound.
@@ -52,7 +52,7 @@ impl Interval {
         high: None,
     };
 
-    /// The smallest interval that contains this one and another.
+    /// The smallest interval that contains both this interval and `other`.
     pub(crate) fn hull(&self, other: Self) -> Self {
         let both = |one: Option<f64>, other: Option<f64>, end: fn(f64, f64) -> f64| {
             one.zip(other).map(|(one, other)| end(one, other))
@@ -63,7 +63,7 @@ impl Interval {
         }
     }
 
-    /// This interval, with an increasing function applied to both ends.
+    /// The interval whose ends are the ends of this interval, transformed by the increasing function `end`.
     pub(crate) fn map(self, end: impl Fn(f64) -> f64) -> Self {
         Self {
             low: self.low.map(&end),
@@ -77,23 +77,24 @@ impl Interval {
     }
 }
 
-/// The sign of the object's curvature, if the readings determine it.
+/// Conclusion about the sign of the object's curvature.
 #[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Verdict {
-    /// The interval of the object's curvature is above 0.
+    /// Convex: the interval of the object's curvature is above 0.
     Convex,
-    /// The interval of the object's curvature is below 0.
+    /// Concave: the interval of the object's curvature is below 0.
     Concave,
-    /// The interval contains 0 and is narrower than the sensor's own curvature.
+    /// Flat within the noise: the interval of the object's curvature contains 0 and is narrower than the sensor's own
+    /// curvature.
     FlatWithinNoise,
-    /// The interval contains 0 and is at least as wide as the sensor's own curvature.
+    /// Not resolved: the interval of the object's curvature contains 0 and is at least as wide as the sensor's own
+    /// curvature.
     NotResolved,
 }
 
 impl Verdict {
-    /// The verdict on the object. `interval` is the interval of the relative curvature, and `sensor` the curvature of
-    /// the sensor.
+    /// The verdict from the interval of the relative curvature. `sensor` is the curvature of the sensor.
     pub(crate) fn of(interval: Interval, sensor: f64) -> Self {
         let Interval { low, high } = interval;
         match (low, high) {
@@ -118,7 +119,8 @@ pub struct PrincipalCurvatures {
     /// Angle between the direction of the smaller curvature (the axis of a cylinder) and the x axis at the contact,
     /// from −π/2 to π/2.
     pub axis: f64,
-    /// Standard error of this angle. It is at most π/√12, which is the value for a completely unknown direction.
+    /// Standard error of the angle `axis`, rad. It is at most π/√12, the standard deviation of a completely unknown
+    /// direction.
     pub axis_std: f64,
     /// The contact of the estimated press.
     pub contact: EllipticContact,
@@ -130,55 +132,55 @@ pub struct PressEstimate {
     /// Curvature of the sensor, 1/length.
     pub sensor_curvature: f64,
     /// Relative curvature 1/R_s + 1/R_o, 1/length, corrected for the bias of least squares. The interval is computed by
-    /// profile likelihood. If one marker contradicts all other markers, but not enough to be an outlier, the interval
-    /// is extended by the interval of a fit without this marker.
+    /// profile likelihood. One marker may contradict all other markers, but not enough to be rejected as an outlier. In
+    /// this case, the interval also contains the interval of a fit without this marker.
     pub relative_curvature: Estimated,
-    /// Relative curvature of the best fit, without correction of its bias, 1/length.
+    /// Relative curvature of the best fit, without bias correction, 1/length.
     pub most_likely_curvature: f64,
-    /// The principal curvatures of the object, if an elliptic contact was fitted. All other curvatures in this estimate
-    /// are then mean curvatures.
+    /// The principal curvatures of the object; `None` unless an elliptic contact was fitted. With an elliptic contact,
+    /// all other curvatures in this estimate are mean curvatures.
     pub principal: Option<PrincipalCurvatures>,
-    /// Indentation: approach of the bodies since their first contact, length.
+    /// Indentation: distance by which the bodies have approached each other since they first touched, length.
     pub indentation: Estimated,
     /// Radius of the contact area, length.
     pub contact_radius: Estimated,
     /// Position of the contact in the coordinates of the skin, length.
     pub contact: [f64; 2],
     /// Standard errors of the contact's position along the axes at the contact, length. If the markers are in a row,
-    /// the contact is only searched on this row, and the standard error across it is 0.
+    /// the contact is only searched on this row. The standard error across the row is then 0.
     pub contact_std: [f64; 2],
-    /// Offset that is common to all normal displacements, length; `None` if it was not fitted.
+    /// Offset that is added to all normal displacements, length; `None` if it was not fitted.
     pub baseline: Option<Estimated>,
-    /// Common factor of all normal displacements; `None` if it was not fitted.
+    /// Factor on all normal displacements; `None` if it was not fitted.
     pub gain: Option<Estimated>,
     /// Numbers of the markers that were rejected as outliers, counted from 0.
     pub wrong_markers: Vec<usize>,
-    /// Standard deviation of the normal displacements' noise, stated or estimated, length.
+    /// Standard deviation of the noise of normal displacements, stated or estimated, length.
     pub normal_std: f64,
-    /// Standard deviation of the tangential displacements' noise, stated or estimated, length; `None` if these
+    /// Standard deviation of the noise of tangential displacements, stated or estimated, length; `None` if tangential
     /// displacements were not used.
     pub tangential_std: Option<f64>,
     /// Share of the normal displacements' variance that the fit explains.
     pub r_squared: f64,
     /// Chi-squared of the residuals divided by the degrees of freedom. It is about 1 if the stated noise is correct.
     pub reduced_chi_squared: f64,
-    /// Goodness of fit if the noise is stated; `None` if some noise was estimated from the residuals, and for the
-    /// Gaussian approximation. In a fit of images, the unknown deviations of the sensor's parameters are averaged out.
-    /// Each of them has a prior, so they do not reduce the degrees of freedom.
+    /// Goodness of fit. `None` for the Gaussian approximation, and if some noise was estimated from the residuals. In a
+    /// fit of images, the likelihood is averaged over the unknown deviations of the sensor's parameters. Each deviation
+    /// has a prior, so the deviations do not reduce the degrees of freedom.
     pub goodness: Option<GoodnessOfFit>,
     /// Whether the readings alone show a contact. If they do not, an estimate exists only if an indentation is stated.
-    /// Its interval then contains the curvatures of all contacts on the markers that are compatible with the readings.
-    /// In most cases it has no upper end, and the position of the contact is unknown.
+    /// The interval then contains the curvatures of all contacts that lie on the markers and are compatible with the
+    /// readings. In most cases this interval has no upper end, and the position of the contact is unknown.
     pub is_detected: bool,
-    /// Number (from 0) of a marker that moved significantly and without which the readings show no contact. Either this
-    /// marker is an outlier, or the object presses at a place where no other marker moves.
+    /// Number (from 0) of the only marker that moved significantly. Without this marker, the readings show no contact.
+    /// Either the marker is an outlier, or the object presses at a place where no other marker moves.
     pub only_marker: Option<usize>,
     /// Conclusion about the sign of the object's curvature, from its 95 % interval.
     pub verdict: Verdict,
 }
 
 impl PressEstimate {
-    /// This estimate with another interval of the relative curvature, and the verdict that follows from it.
+    /// This estimate with another interval of the relative curvature. The verdict is updated.
     pub(crate) fn holding(mut self, interval: Interval) -> Self {
         self.relative_curvature.interval = interval;
         self.verdict = Verdict::of(interval, self.sensor_curvature);
@@ -205,7 +207,8 @@ impl PressEstimate {
         }
     }
 
-    /// Checks that the contact is narrow enough for at least one curvature in the interval of the object's curvature.
+    /// Checks that the contact is narrow enough for the object. It is enough that this is true for one curvature in the
+    /// interval of the object's curvature.
     ///
     /// # Errors
     /// [`PressError::TooWide`] if the contact radius exceeds 0.9 of the object's radius for every curvature in the
@@ -219,13 +222,13 @@ impl PressEstimate {
         within_object(curvature.interval.low.unwrap_or_default(), radius)
     }
 
-    /// The object's curvature 1/R_o of the best fit, 1/length. Its inverse is the object's radius.
+    /// The object's curvature 1/R_o in the best fit, 1/length. It is the inverse of the object's radius R_o.
     pub fn most_likely_object_curvature(&self) -> f64 {
         self.most_likely_curvature - self.sensor_curvature
     }
 
-    /// The object's curvature 1/R_o, 1/length, positive for a convex object. It is corrected for bias, like the
-    /// relative curvature.
+    /// The object's curvature 1/R_o, 1/length, positive for a convex object. Like the relative curvature, it is
+    /// corrected for bias.
     pub fn object_curvature(&self) -> Estimated {
         let shift = |end: f64| end - self.sensor_curvature;
         let Estimated {

@@ -19,7 +19,7 @@ use search::Search;
 /// The readings of one press: displacements of the markers.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading<'a> {
-    /// The markers, with their places under the skin.
+    /// The markers, that is, their places on the skin.
     pub markers: &'a Markers,
     /// Inward displacement of each marker, length.
     pub normal: &'a [f64],
@@ -40,7 +40,7 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Returns an error if the value or its standard deviation is out of range.
+    /// Returns an error if the value or its standard deviation is out of its range.
     pub(crate) fn check(self) -> Result<(), PressError> {
         let Self { value, std } = self;
         let good = (0.0..=1e100).contains(&std);
@@ -55,7 +55,7 @@ impl Measured {
     }
 }
 
-/// Prior of an additional parameter of the readings: the baseline or the gain.
+/// Prior of a parameter that describes an error common to all normal displacements: the baseline or the gain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Prior {
     /// The parameter is not fitted. It has the value of an ideal sensor: 0 for a baseline, 1 for a gain.
@@ -76,14 +76,14 @@ pub struct Bounds {
     pub indentation: f64,
     /// Smallest possible standard error of the contact's radius, length.
     pub contact_radius: f64,
-    /// Smallest possible standard errors of the larger and the smaller principal curvature, 1/length, and of the
-    /// direction of the axis, radians; `None` if only one curvature is fitted, or if both principal curvatures are
-    /// equal.
+    /// Smallest possible standard errors of the larger principal curvature (1/length), the smaller principal curvature
+    /// (1/length) and the direction of the axis (rad). `None` if only one curvature is fitted, or if both principal
+    /// curvatures are equal.
     pub principal: Option<[f64; 3]>,
 }
 
 /// A least-squares fit of one press. The fitted parameters are the relative curvature, the place of the contact, the
-/// indentation and, unless they are exact, the baseline and the gain.
+/// indentation and, unless their priors are [`Prior::Exact`], the baseline and the gain.
 ///
 /// ```
 /// use palpate_press::{Body, ForwardFit, Markers, Reading, Skin};
@@ -104,25 +104,25 @@ pub struct Bounds {
 pub struct ForwardFit {
     /// Model of the soft body that the fit uses.
     pub body: Body,
-    /// Prior of the baseline, an offset of all normal displacements, length; ideally 0.
+    /// Prior of the baseline, an offset that is added to all normal displacements, length. Its ideal value is 0.
     pub baseline: Prior,
-    /// Prior of the gain, a factor on all normal displacements; ideally 1.
+    /// Prior of the gain, a factor on all normal displacements. Its ideal value is 1.
     pub gain: Prior,
-    /// Standard deviation of normal displacements, length. If it is `None` or 0, it is estimated from the residuals.
-    /// The smallest value is 1e-10 of the largest normal displacement.
+    /// Standard deviation of the noise of normal displacements, length. If it is `None` or 0, it is estimated from the
+    /// residuals. An estimate is at least 1e-10 of the largest normal displacement.
     pub normal_std: Option<f64>,
-    /// Standard deviation of each tangential component, length. If it is `None` or 0, it is estimated from the
-    /// residuals. The smallest value is 1e-10 of the largest normal displacement.
+    /// Standard deviation of the noise of each tangential component, length. If it is `None` or 0, it is estimated from
+    /// the residuals. An estimate is at least 1e-10 of the largest normal displacement.
     pub tangential_std: Option<f64>,
     /// Only markers within this distance from the contact are used, length; `None` for all markers.
     pub window: Option<f64>,
-    /// Whether both principal curvatures are fitted. This requires a half-space and exact baseline and gain; all
-    /// markers are used.
+    /// Whether both principal curvatures are fitted. This requires a half-space, and a baseline and a gain that are
+    /// exact. The fit then uses all markers.
     pub is_elliptic: bool,
 }
 
 impl ForwardFit {
-    /// A fit for this body, with exact baseline and gain, and with noise that is estimated from the residuals.
+    /// A fit with the model `body`, with exact baseline and gain, and with noise that is estimated from the residuals.
     pub const fn new(body: Body) -> Self {
         Self {
             body,
@@ -135,12 +135,12 @@ impl ForwardFit {
         }
     }
 
-    /// Estimates the press from a reading. Without noise, the error of the most likely curvature is below 1e-9 if the
-    /// markers determine it.
+    /// Estimates the press from a reading. If the readings have no noise and determine the curvature, the relative
+    /// error of the most likely curvature is below 1e-9.
     ///
     /// # Errors
     /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for invalid settings and
-    /// readings; [`PressError::NoContact`] if no marker moved more than its noise, or all moved equally;
+    /// readings; [`PressError::NoContact`] if no marker moved more than its noise, or all markers moved equally;
     /// [`PressError::OtherBody`] if the markers did not move as in a press on this body; [`PressError::OffMarkers`],
     /// [`PressError::Undetermined`] and errors of [`Body::press`] if no press fits the readings.
     pub fn estimate(&self, reading: &Reading<'_>) -> Result<PressEstimate, PressError> {
@@ -151,11 +151,11 @@ impl ForwardFit {
         }
     }
 
-    /// The smallest possible standard errors of an unbiased estimate (Cramér–Rao bounds), for a true contact at the
-    /// skin coordinates `at`. `tangential` is whether the sensor measures tangential displacements, and
+    /// The smallest possible standard errors of an unbiased estimate (Cramér–Rao bounds). The true contact is at the
+    /// skin coordinates `at`. `tangential` states whether the sensor measures tangential displacements.
     /// `indentation_std` is the standard deviation of a measured indentation, length.
     ///
-    /// `None` without a stated noise, or if the readings do not determine the press.
+    /// `None` if the noise is not stated, or if the readings do not determine the press.
     pub fn bounds(
         &self,
         markers: &Markers,
@@ -243,8 +243,9 @@ impl ForwardFit {
     }
 }
 
-/// The constant c of the Gaussian approximation R = c σ²/δ. It is calibrated by a press of a plane against the apex
-/// with the indentation `indentation`: the estimated radius must equal the sensor's own radius.
+/// The constant c of the Gaussian approximation R = c σ²/δ. The calibration uses a press of a plane against the apex
+/// with the indentation `indentation`. The constant is chosen such that the estimated radius of this press is the
+/// sensor's own radius.
 ///
 /// # Errors
 /// [`PressError`] if the press or the fit of the Gaussian fails.

@@ -19,8 +19,8 @@ pub(crate) const ENDS: [f64; 10] = [0.0, 0.75, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.
 /// Number of contact radii in a table. It is also the number of distances in a panel (an interval of distances from the
 /// contact).
 const NODES: usize = 16;
-/// Width of a panel (an interval of distances with its own polynomial) within the contact and near it, relative to the
-/// thickness.
+/// Width of a panel within the contact and near it, relative to the thickness. A panel is an interval of distances with
+/// its own polynomial.
 const PANEL: f64 = 1.0;
 /// Ratio of the widths of neighbouring panels (intervals of distances) far from the contact.
 const GROWTH: f64 = 1.5;
@@ -34,7 +34,7 @@ pub(super) struct Table {
     /// Ends of the panels, which are intervals of the distance from the contact.
     panels: Vec<f64>,
     terms: usize,
-    /// One row for each radius; see [`row`].
+    /// One row for each contact radius in the table; see [`row`].
     rows: Vec<Vec<f64>>,
 }
 
@@ -55,12 +55,12 @@ pub(super) struct Panels {
 }
 
 impl Table {
-    /// Index of the table that contains contacts of this radius; `None` if the radius is beyond all tables.
+    /// Index of the table that contains contacts with the radius `contact`; `None` if the radius is beyond all tables.
     pub(super) fn place(contact: f64) -> Option<usize> {
         ENDS[1..].iter().position(|end| contact <= *end)
     }
 
-    /// The tables for one range of contact radii, one for each of these depths. Each contact is solved once for all
+    /// The tables for one range of contact radii: one table for each depth. A contact is solved only once for all
     /// depths.
     pub(super) fn all(place: usize, depths: &[f64]) -> Result<Vec<Self>, PressError> {
         let range = [ENDS[place], ENDS[place + 1]];
@@ -107,7 +107,7 @@ impl Table {
         Ok(tables)
     }
 
-    /// The contact of this radius, which must be in the range.
+    /// The contact with the radius `contact`, which must be in the range of this table.
     pub(super) fn entry(&self, contact: f64) -> Entry {
         let mut row = vec![0.0; self.rows[0].len()];
         self.interpolate(contact, &mut row);
@@ -135,7 +135,7 @@ impl Table {
         }
     }
 
-    /// The numbers [`Entry::numbers`] of the contact of this radius, without the rest of the entry.
+    /// Only the values [`Entry::numbers`] of the contact with the radius `contact`.
     pub(super) fn numbers(&self, contact: f64) -> [f64; 4] {
         let mut row = [0.0; 4];
         self.interpolate(contact, &mut row);
@@ -156,7 +156,7 @@ fn numbers_of(row: &[f64], a: f64) -> [f64; 4] {
 }
 
 impl Panels {
-    /// Correction for the rigid base at this distance; 0 beyond the last panel.
+    /// Correction of the displacement for the rigid base at the distance `r`; 0 beyond the last panel.
     pub(super) fn field(&self, r: f64) -> Field {
         let place = self.ends[1..].partition_point(|end| *end < r);
         if place + 1 >= self.ends.len() {
@@ -181,9 +181,10 @@ impl Panels {
     }
 }
 
-/// A row of a table. It contains the numbers, then the terms of φ and of ∂φ/∂a. For each panel of distances follow the
-/// Chebyshev coefficients of the normal and the radial displacement, and of their derivatives with respect to the
-/// contact's radius. Each value is divided by the power of the radius to which it is proportional for small contacts.
+/// A row of a table. It contains, in this order: the values [`Entry::numbers`], the terms of φ and of ∂φ/∂a, and
+/// Chebyshev coefficients for each panel of distances. The coefficients describe the normal and the radial
+/// displacement, and their derivatives with respect to the contact's radius. Each value is divided by the power of the
+/// radius to which it is proportional for small contacts.
 fn row(
     pressure: &Pressure,
     terms: usize,

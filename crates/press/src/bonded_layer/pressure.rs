@@ -24,9 +24,10 @@ use super::pressure_field::Term;
 use super::reflection;
 use crate::PressError;
 
-/// Smallest number of wavenumbers. It is enough for an integrand that decays smoothly without oscillating.
+/// Smallest number of wavenumbers. It is enough for an integrand that decays smoothly and does not oscillate.
 const SMOOTH: f64 = 48.0;
-/// Coefficients that are smaller than this value, relative to the largest coefficient, are rounding errors.
+/// Threshold for rounding errors. Coefficients that are smaller than this value, relative to the largest coefficient,
+/// are discarded.
 const ROUNDING: f64 = 3e-14;
 
 /// Pressure of a contact on a bonded layer: the solution of the integral equation for one contact radius.
@@ -50,8 +51,8 @@ pub(super) struct Pressure {
 }
 
 impl Pressure {
-    /// Solves the equations for a contact of this radius. At resolution 1, the relative error is about 1e-11, and the
-    /// nodes are less than half the thickness apart.
+    /// Solves the equations for a contact with the radius `contact`. If `resolution` is 1, the relative error is about
+    /// 1e-11, and neighbouring quadrature nodes are less than half the thickness apart.
     pub(super) fn solve(contact: f64, resolution: f64) -> Result<Self, PressError> {
         palpate_statistics::work::solved_layer(1);
         let count = (resolution * (16.0 + 5.0 * contact)).ceil() as usize;
@@ -134,9 +135,9 @@ impl Pressure {
     }
 }
 
-/// Pressure in the middle of a contact of radius 1: −∫ φ'/t dt over [0, 1], where φ is a series of Legendre polynomials
-/// P_n with these coefficients. For n = 2j, the integral of P_n is (−1)ʲ n (2/3)(4/5) ⋯ ((n−2)/(n−1)). The term of P₀,
-/// which stands for a flat punch, is 1.
+/// Pressure in the middle of a contact of radius 1: −∫ φ'/t dt over [0, 1]. φ is the series of Legendre polynomials P_n
+/// with the given coefficients. For n = 2j, the integral of P_n is (−1)ʲ n (2/3)(4/5) ⋯ ((n−2)/(n−1)). The term of P₀
+/// belongs to a flat punch and is 1.
 fn middle(coefficients: &[f64]) -> f64 {
     let (mut product, mut sign) = (1.0, -1.0);
     let mut sum = coefficients[0];
@@ -149,8 +150,8 @@ fn middle(coefficients: &[f64]) -> f64 {
     sum
 }
 
-/// The `count` positive Gauss–Legendre nodes on [−1, 1], with their weights. Together with the negative nodes, they
-/// form the rule with 2 `count` nodes; for even functions, the positive half is enough.
+/// The positive nodes of the Gauss–Legendre rule with 2 `count` nodes on [−1, 1], with their weights. For even
+/// functions, the positive half of the nodes is enough.
 fn positive_gauss(count: usize) -> Vec<[f64; 2]> {
     let degree = NonZeroUsize::new(2 * count).expect("there is at least one node");
     let rule = GaussLegendre::new(degree);
@@ -160,8 +161,8 @@ fn positive_gauss(count: usize) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Wavenumbers and weights on [0, reach] for integrals of a smooth decaying function multiplied by waves. The integrals
-/// are accurate for waves at distances up to `distance`.
+/// Wavenumbers and weights on [0, reach], for integrals over wavenumbers. The integrand is a smooth decaying function
+/// multiplied by a wave. The integrals are accurate for waves at distances up to `distance`.
 pub(super) fn wavenumbers(reach: f64, distance: f64, resolution: f64) -> Vec<[f64; 2]> {
     let count = (resolution * (0.27 * reach * distance + SMOOTH)).ceil() as usize;
     let degree = NonZeroUsize::new(count).expect("there is at least one node");
@@ -172,7 +173,8 @@ pub(super) fn wavenumbers(reach: f64, distance: f64, resolution: f64) -> Vec<[f6
         .collect()
 }
 
-/// Coefficients of the Legendre polynomials P₀, P₂, … for an even function, from its values at [`positive_gauss`].
+/// Coefficients of the Legendre polynomials P₀, P₂, … for an even function, computed from its values at the nodes of
+/// [`positive_gauss`].
 fn legendre(shares: &[[f64; 2]], values: &[f64]) -> Vec<f64> {
     let mut coefficients = vec![0.0; shares.len()];
     for ([share, weight], value) in shares.iter().zip(values) {

@@ -14,17 +14,19 @@
 use crate::body::Field;
 use crate::half_space::{self, Spheroidal};
 
-/// A contact is treated as a point force if the ratio of its radius to the distance of the point is below this value.
+/// If the ratio of the contact's radius to the distance of the point is below this value, the contact is treated as a
+/// point force.
 const POINT: f64 = 1e-10;
 /// The upward recurrence is used as long as it amplifies rounding errors at most by the factor e^9.
 const UPWARD: f64 = 9.0;
 /// Terms of the series below e^−32 are omitted.
 const NEGLIGIBLE: f64 = 32.0;
-/// The downward recurrence starts at an order so high that the error of its start is e^−30 (twice this exponent).
+/// The downward recurrence starts at a high order, where its start value has an error of e^−30. The exponent is twice
+/// this constant.
 const START_DECAY: f64 = 15.0;
-/// Number of orders of the recurrence for which no memory is allocated on the heap.
+/// Largest number of orders of the recurrence for which the values are stored without allocating memory on the heap.
 const FEW: usize = 64;
-/// Lower limit of ξ² + η² in divisions. It limits the cancellation near the contact's edge.
+/// Lower limit of ξ² + η² when it is a divisor. It limits the loss of digits near the contact's edge.
 const EDGE: f64 = 1e-7;
 
 /// Coefficients of one Legendre term of a pressure: (−1)ʲ cₙ for φ and for its derivative ∂φ/∂a.
@@ -104,8 +106,8 @@ struct Sums {
     weighted: f64,
 }
 
-/// The harmonic potentials Φ of the pressure (`terms`) at a place, and their derivatives: for φ and for ∂φ/∂a. For
-/// ∂φ/∂a, second derivatives are not computed.
+/// The harmonic potential Φ of the pressure with the coefficients `terms`, and its derivatives, at a point. The first
+/// result is for φ, the second for ∂φ/∂a. For ∂φ/∂a, second derivatives are not computed.
 fn sums(terms: &[Term], place: Spheroidal, q: &[f64]) -> [Sums; 2] {
     let Spheroidal { xi, eta, .. } = place;
     let [mut curved, mut flat] = [Sums::default(), Sums::default()];

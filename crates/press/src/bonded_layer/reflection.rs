@@ -1,5 +1,5 @@
-//! The effect of the rigid base, which is the difference between the displacements of the layer and of a half-space, as
-//! a sum over wavenumbers.
+//! Computes the effect of the rigid base as a sum over wavenumbers. This effect is the difference between the
+//! displacements of the layer and the displacements of a half-space.
 //!
 //! Lengths are in units of the thickness; H is the wavenumber, ζ the depth, and x = H(1 − ζ). A pressure with the
 //! Hankel transform Q displaces the layer by ∫ Q N J₀ dk inward and ∫ Q R J₁ dk outward,
@@ -27,7 +27,7 @@ pub(super) fn at_surface(wavenumber: f64) -> f64 {
     2.0 * q * (1.0 + 2.0 * h + 2.0 * h * h + q) / ((1.0 + q) * (1.0 + q) + 4.0 * h * h * q)
 }
 
-/// The wavenumber beyond which [`at_surface`] is negligible.
+/// The wavenumber beyond which the result of [`at_surface`] is negligible.
 pub(super) const SURFACE_REACH: f64 = NEGLIGIBLE / 2.0;
 
 /// The difference between layer and half-space at a depth, as two factors: the factor of J₀ (inward displacement) and
@@ -47,7 +47,7 @@ fn at_depth(wavenumber: f64, depth: f64) -> [f64; 2] {
     [decay * normal / denominator, decay * radial / denominator]
 }
 
-/// The wavenumber beyond which [`at_depth`] is negligible.
+/// The wavenumber beyond which the result of [`at_depth`] is negligible.
 fn reach_at(depth: f64) -> f64 {
     NEGLIGIBLE / (2.0 - depth)
 }
@@ -70,7 +70,7 @@ pub(super) struct Waves {
     bands: Vec<OnceLock<Vec<Wave>>>,
 }
 
-/// Term of such a sum, for a single wavenumber.
+/// One term of a sum over wavenumbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wave {
     pub(super) wavenumber: f64,
@@ -88,8 +88,8 @@ pub(super) struct Spectrum {
 }
 
 impl Spectrum {
-    /// All wavenumbers that matter for this pressure at a depth. At resolution 1, they are dense enough for distances
-    /// up to `reach`.
+    /// All wavenumbers that contribute noticeably to the displacements at the depth `depth` under the pressure
+    /// `pressure`. If `resolution` is 1, they are dense enough for distances up to `reach`.
     pub(super) fn new(pressure: &Pressure, depth: f64, reach: f64, resolution: f64) -> Self {
         let distance = pressure.contact + reach;
         let nodes = wavenumbers(reach_at(depth), distance, resolution);
@@ -102,7 +102,7 @@ impl Spectrum {
         }
     }
 
-    /// The terms of the sum over wavenumbers for a depth.
+    /// The terms of the sum over wavenumbers at the depth `depth`.
     pub(super) fn waves(&self, depth: f64) -> Vec<Wave> {
         let pairs = self.nodes.iter().zip(&self.transforms);
         let waves = pairs.map(|(&[wavenumber, weight], [curved, flat])| {
@@ -128,7 +128,7 @@ impl Waves {
         }
     }
 
-    /// Correction of the displacement for the rigid base, at this distance from the middle of the contact.
+    /// Correction of the displacement for the rigid base, at the distance `r` from the middle of the contact.
     pub(super) fn field(&self, r: f64) -> Field {
         let reaches = std::iter::successors(Some(FIRST_REACH), |reach| Some(2.0 * reach));
         let band = self

@@ -1,4 +1,4 @@
-//! The estimate that is reported for displacements, with a correction of its bias.
+//! Computes the reported estimate of a fit to displacements, including the correction of its bias.
 
 use super::problem::{BASELINE, GAIN, Problem};
 use crate::least_squares::LeastSquares;
@@ -8,7 +8,8 @@ use crate::unknowns::{CURVATURE, OTHERS, Square, Sums, UNKNOWNS, Unknowns};
 use crate::{Estimated, GoodnessOfFit, Interval, PressError, PressEstimate};
 
 impl Problem<'_> {
-    /// The estimate at the minimum of chi-squared. `limit` is half the width of a 95 % interval in standard errors.
+    /// The reported estimate, computed from the minimum of chi-squared. `limit` is half the width of a 95 % interval in
+    /// standard errors.
     pub(super) fn outcome(
         &self,
         (state, sums): (&State, &Sums),
@@ -68,8 +69,9 @@ impl Problem<'_> {
     }
 }
 
-/// The curvature, corrected for its relative bias and limited to its interval. The estimated radius is nearly normally
-/// distributed. If a radius of 0 is possible, the curvature is the inverse of a radius of two standard errors.
+/// The curvature, corrected for its relative bias and limited to its interval. If a radius of 0 is possible, the
+/// correction cannot be computed. The curvature is then the inverse of a radius of two standard errors, because the
+/// estimated radius is nearly normally distributed.
 fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
     let corrected = if bias > 1.0 {
         curvature / (2.0 * bias.sqrt())
@@ -85,12 +87,12 @@ fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
 /// Step of the second differences of the model, in standard errors of the parameters.
 const STEP: f64 = 0.3;
 
-/// Relative bias of the estimated relative curvature, to first order: the bias of the logarithm (Box 1971) plus half of
-/// the logarithm's variance. It is positive if the curvature is overestimated on average.
+/// Relative bias of the estimated relative curvature, to first order. It is the bias of the logarithm of the curvature
+/// (Box 1971) plus half of the logarithm's variance. It is positive if the curvature is overestimated on average.
 ///
 /// The readings are nearly linear in the radius, not in the curvature. The distribution of the estimated curvature
-/// therefore has a long tail towards sharp objects. In two cases, the bias of 1/x for a normally distributed x is used
-/// instead: if the variance is large, and if the second differences need impossible presses.
+/// therefore has a long tail towards sharp objects. Another formula is used in two cases: if the variance is large, and
+/// if the second differences would need impossible presses. It is the bias of 1/x for a normally distributed x.
 fn relative_bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> f64 {
     let variance = covariance[(CURVATURE, CURVATURE)];
     match bias(problem, state, covariance) {
@@ -101,8 +103,8 @@ fn relative_bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> f
     }
 }
 
-/// Bias of the fit parameters: −½ Σ Jᵀ d, where d are the second derivatives of the model along the axes of the
-/// covariance Σ.
+/// Bias of the fit parameters: −½ Σ Jᵀ d. J contains the first derivatives of the model, Σ is the covariance of the fit
+/// parameters, and d is the sum of the second derivatives of the model along the columns of the Cholesky factor of Σ.
 fn bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> Result<Unknowns, PressError> {
     let factor = covariance.cholesky().ok_or(PressError::OutOfRange)?;
     let middle = problem.residuals_of_all(state)?;

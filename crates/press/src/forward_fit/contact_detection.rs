@@ -11,21 +11,22 @@ use crate::markers::see;
 use crate::no_contact::no_contact;
 use crate::state::State;
 
-/// Rate of false detections without a contact, if contacts are only searched at the markers. On a thin layer, a fit
-/// also finds contacts between the markers, which increases the rate by about 0.005.
+/// False alarm rate: probability that a contact is detected although there is none. It is for contacts that are
+/// searched only at the markers. On a thin layer, a fit also finds contacts between the markers, which increases the
+/// rate by about 0.005.
 const FALSE_ALARM_RATE: f64 = 0.04;
-/// If one marker moved significantly, it may be an outlier. Then the other markers must improve chi-squared by at least
-/// this value.
+/// Smallest improvement of chi-squared by the other markers if one marker moved significantly. If the improvement is
+/// smaller, only this one marker shows a contact, and it may be an outlier.
 const MIN_IMPROVEMENT_OF_OTHERS: f64 = 9.0;
 
 impl Problem<'_> {
     /// Smallest improvement of chi-squared by a contact, compared with no contact, for which the contact counts as
     /// detected.
     ///
-    /// If there is only noise, a contact with the best depth and width can be fitted at each marker. It has two degrees
-    /// of freedom, and half of these contacts are outward and therefore impossible. The number of independent places is
-    /// at most the number of markers (Bonferroni). If the noise is estimated from the residuals, the test uses the F
-    /// distribution.
+    /// If there is only noise, a contact with the best depth and width can be fitted at each marker. Such a contact has
+    /// two degrees of freedom. Half of these contacts are outward and therefore impossible. The number of independent
+    /// places is at most the number of markers (Bonferroni). If the noise is estimated from the residuals, the test
+    /// uses the F distribution.
     pub(super) fn needed(&self) -> f64 {
         let odds = libm::log(self.counting().count() as f64 / (2.0 * FALSE_ALARM_RATE));
         if self.knows_noise() {
@@ -35,7 +36,8 @@ impl Problem<'_> {
         freedom * libm::expm1(2.0 * odds / freedom)
     }
 
-    /// The error for readings in which a contact improves chi-squared only by `improvement`.
+    /// The error for readings without a detected contact. `improvement` is the decrease of chi-squared by the best
+    /// contact.
     pub(super) fn without_contact(&self, improvement: f64) -> PressError {
         let (squares, each) = at_rest(self);
         let improvement = improvement.max(0.0);
@@ -43,8 +45,8 @@ impl Problem<'_> {
     }
 }
 
-/// Returns an error if the contact of a state does not improve chi-squared enough. If only one marker moved
-/// significantly, returns the number of this marker.
+/// Returns an error if the contact with the fit parameters `state` does not improve chi-squared enough. If only one
+/// marker moved significantly, returns the number of this marker.
 ///
 /// # Errors
 /// [`PressError::NoContact`], or [`PressError::OtherBody`] if the markers moved significantly.
@@ -67,9 +69,9 @@ pub(super) fn detect(problem: &Problem<'_>, state: &State) -> Result<Option<usiz
     Ok(is_alone.then_some(marker))
 }
 
-/// Chi-squared of the hypothesis that a marker did not move, for each marker, and the number of readings per marker. If
-/// the noise is stated, all readings are used. Otherwise only normal displacements are used, with noise estimated from
-/// the median of all markers.
+/// For each marker, chi-squared of the hypothesis that the marker did not move. The second result is the number of
+/// readings per marker in these sums. If the noise is stated, all readings are used. Otherwise only normal
+/// displacements are used, and their noise is estimated from the median over all markers.
 fn at_rest(problem: &Problem<'_>) -> (Vec<f64>, usize) {
     let baseline = resting(problem);
     let markers = 0..problem.kept.len();
@@ -110,7 +112,7 @@ fn resting(problem: &Problem<'_>) -> f64 {
     sum / count
 }
 
-/// Returns an error if the contact of a state has no marker near it and is not surrounded by markers.
+/// Returns an error if the contact with the fit parameters `state` is neither near a marker nor surrounded by markers.
 ///
 /// # Errors
 /// [`PressError::OffMarkers`].

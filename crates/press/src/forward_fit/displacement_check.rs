@@ -13,18 +13,18 @@ use crate::state::State;
 use crate::unknowns::{INDENTATION, Square, Sums};
 use crate::{PressError, PressEstimate};
 
-/// The stated noise is reported as wrong if its ratio to the residuals is at least this value, or at most the inverse
-/// of this value.
+/// Limit of the ratio between the stated noise and the noise of the residuals. The stated noise is reported as wrong if
+/// it is larger or smaller by at least this factor.
 const MIN_NOISE_RATIO: f64 = 1.5;
 
 impl ForwardFit {
-    /// Tests the stated indentation of a reading by a likelihood ratio. The test statistic is the increase of
-    /// chi-squared from a fit of the displacements alone to a fit that also includes the stated value. There is no test
-    /// for elliptic contacts. Outliers of `estimate` that are far from the contact are excluded. Other outliers are
-    /// included, because they may be correct if the stated indentation is wrong.
+    /// Tests the stated indentation of a reading by a likelihood-ratio test. It fits the displacements twice: without
+    /// and with the stated indentation. The test statistic is the increase of chi-squared. Elliptic contacts are not
+    /// tested. Markers that `estimate` rejected as outliers are excluded if they are far from the contact. Outliers
+    /// near the contact are included, because they may be correct if the stated indentation is wrong.
     ///
     /// # Errors
-    /// The reason for which the displacements alone do not determine the indentation.
+    /// Returns an error if the displacements alone do not determine the indentation.
     pub fn check_indentation(
         &self,
         reading: &Reading<'_>,
@@ -78,8 +78,8 @@ impl ForwardFit {
         stated_indentation(stated, &alone.indentation, p_value)
     }
 
-    /// The least-squares problem that led to an estimate, and its state at this estimate. It uses the same markers and
-    /// the same noise as the estimate.
+    /// The least-squares problem of an estimate, with the same markers and the same noise, and the fit parameters of
+    /// the estimate.
     fn problem_of<'a>(
         &'a self,
         reading: &'a Reading<'a>,
@@ -109,9 +109,9 @@ impl ForwardFit {
 
     /// Tests an estimate of this fit and returns the ways in which the readings contradict the model. A stated
     /// indentation is tested separately by [`Self::check_indentation`]. Only the size of the residuals is tested in
-    /// these cases: elliptic contacts, the Gaussian approximation, an undetected contact, and few more equations than
-    /// fit parameters. If the residuals are too large for the stated noise, the tests for outliers and patterns compare
-    /// with the residuals instead of the stated noise.
+    /// these cases: an elliptic contact, the Gaussian approximation, an undetected contact, or hardly more equations
+    /// than fit parameters. If the residuals are too large for the stated noise, the tests for outliers and patterns
+    /// use the noise of the residuals instead.
     ///
     /// # Errors
     /// Errors of [`ForwardFit::estimate`], and [`PressError::OutOfRange`] if the estimate is not from this fit.
@@ -155,7 +155,7 @@ impl ForwardFit {
 }
 
 impl Problem<'_> {
-    /// Reports a stated noise that does not agree with the residuals.
+    /// Returns a misfit if the stated noise does not agree with the residuals.
     fn stated_noise(&self, state: &State) -> Result<Option<Misfit>, PressError> {
         let contact = self.contact(state)?;
         let (mut normal, mut tangential) = (0.0, 0.0);

@@ -10,19 +10,19 @@ use crate::misfit::Noise;
 use crate::state::State;
 use crate::unknowns::{CURVATURE, Square, Sums, Unknowns};
 
-/// If the ratio of the estimated noise to the largest displacement is below this value, the noise may only be the
-/// rounding of the readings.
+/// Smallest ratio of the estimated noise to the largest displacement for which outliers are tested. Smaller estimated
+/// noise may only be the rounding of the readings.
 const ROUNDING: f64 = 1e-3;
 /// Smallest number of degrees of freedom for tests with estimated noise.
 const MIN_FREEDOM: usize = 8;
 
-/// If the fit reduces the residual of a reading to less than this share of its noise, the fit follows the marker. The
-/// test must then use a fit without the marker.
+/// Limit of the share of a reading's noise that remains in its residual. Below it, the fit follows the marker, and the
+/// test must use a fit without the marker.
 const MIN_RESIDUAL_SHARE: f64 = 0.1;
 
 impl Problem<'_> {
-    /// The noise for the tests of a fit. `None` for the Gaussian approximation, if there are few more equations than
-    /// fit parameters, or if the estimated noise may be due to rounding.
+    /// The noise that the tests for outliers and patterns use. `None` (no tests) for the Gaussian approximation, if
+    /// there are hardly more equations than fit parameters, or if the estimated noise may be due to rounding.
     pub(super) fn noise(&self, sums: &Sums) -> Option<Noise> {
         let freedom = self.freedom();
         let largest = self.reading.normal.iter();
@@ -38,8 +38,9 @@ impl Problem<'_> {
         Some(self.goodness(sums).map_or(found, Noise::stated_or_found))
     }
 
-    /// The marker whose readings contradict those of the other markers most, and the p-value of this contradiction.
-    /// Only markers that can change the curvature are tested; the p-value is corrected for their number.
+    /// The marker whose readings contradict the readings of the other markers most, and the p-value of this
+    /// contradiction. Only markers that can change the curvature are tested. The p-value is corrected for the number of
+    /// tested markers.
     pub(super) fn slipped(
         &self,
         state: &State,
@@ -81,8 +82,8 @@ impl Problem<'_> {
         Ok(least_likely(counting.filter_map(chance)))
     }
 
-    /// The fit without one marker, started from the result of the fit with all markers; `None` if the other markers do
-    /// not determine the press.
+    /// The fit without one marker, started from the fit parameters `state` of the fit with all markers. `None` if the
+    /// other markers do not determine the press.
     pub(super) fn without(&self, marker: usize, state: &State) -> Option<(Self, State, Sums)> {
         let mut others = self.clone();
         others.kept[marker] = false;

@@ -9,13 +9,15 @@ use crate::state::State;
 use crate::unknowns::{Fitted, OTHERS, Sums, Unknowns};
 use crate::{Body, Contact, MarkerDisplacement, Place, PressError, Skin};
 
-/// Index of the offset of all normal displacements, a fit parameter that only this fit has.
+/// Index of the baseline in the fit parameters. The baseline is an offset of all normal displacements. Fits of images
+/// do not have it.
 pub(super) const BASELINE: usize = OTHERS;
-/// Index of the factor on all normal displacements, a fit parameter that only this fit has.
+/// Index of the gain in the fit parameters. The gain is a factor on all normal displacements. Fits of images do not
+/// have it.
 pub(super) const GAIN: usize = OTHERS + 1;
 
-/// A residual beyond this number of standard deviations is an outlier. Noise alone exceeds it once in two million
-/// readings.
+/// Outlier threshold: a reading is an outlier if its residual exceeds this number of standard deviations. Noise alone
+/// causes this once in two million readings.
 pub(super) const WRONG: f64 = 5.0;
 
 /// A least-squares problem: the readings, their weights, and the fitted parameters.
@@ -28,7 +30,7 @@ pub(super) struct Problem<'a> {
     pub(super) normal_std: f64,
     /// Standard deviation of each component of a tangential displacement.
     pub(super) tangential_std: f64,
-    /// Whether each marker is used.
+    /// For each marker, whether the fit uses it.
     pub(super) kept: Vec<bool>,
     /// Pole of the great circle on which the contact must lie. `None` unless all markers are on a great circle and only
     /// their normal displacements are used.
@@ -36,12 +38,12 @@ pub(super) struct Problem<'a> {
     /// Residuals beyond this number of standard deviations have a reduced weight. If it is infinite, all weights are
     /// equal.
     pub(super) tolerance: f64,
-    /// Largest indentation divided by the relative curvature. It is limited for layers under nearly flat skins, because
-    /// fits to their readings would try contacts that are much wider than the thickness.
+    /// Largest ratio of indentation to relative curvature that the fit may try. It is finite for layers under nearly
+    /// flat skins, because fits would otherwise try contacts that are much wider than the thickness.
     pub(super) widest: f64,
 }
 
-/// Normal and tangential displacement of one marker by the model, with derivatives with respect to the fit parameters.
+/// Normal and tangential displacement of one marker in the model, with derivatives with respect to the fit parameters.
 struct Predicted {
     moved: (f64, Vector2<f64>),
     normal_slopes: Unknowns,
@@ -79,7 +81,7 @@ impl<'a> Problem<'a> {
         places.map(|marker| markers.sight(place, marker)).collect()
     }
 
-    /// Chi-squared without its derivatives. `moved` are the normal and tangential displacements of the markers by the
+    /// Chi-squared without its derivatives. For a marker, `moved` returns its normal and tangential displacement in the
     /// model.
     pub(super) fn cost(
         &self,
@@ -128,8 +130,8 @@ impl<'a> Problem<'a> {
         Ok(sums)
     }
 
-    /// Residuals of a marker at a state, in standard deviations: one normal and two tangential residuals. Unused
-    /// residuals are 0.
+    /// Residuals of a marker for the fit parameters `state`, in standard deviations: one normal and two tangential
+    /// residuals. Residuals of unused components are 0.
     pub(super) fn residuals_at(
         &self,
         contact: &Contact<'_>,
@@ -139,13 +141,13 @@ impl<'a> Problem<'a> {
         self.residuals(marker, moved(contact, state, &self.sight(state, marker)))
     }
 
-    /// Residuals of a marker, in standard deviations, if there is no contact and `baseline` is the offset of the normal
-    /// displacements.
+    /// Residuals of a marker in a model without a contact, in standard deviations. `baseline` is the offset of the
+    /// normal displacements.
     pub(super) fn readings_of(&self, marker: usize, baseline: f64) -> [f64; 3] {
         self.residuals(marker, (baseline, Vector2::zeros()))
     }
 
-    /// Displacements of all markers by the model.
+    /// Displacements of all markers in the model.
     pub(super) fn displacements(
         &self,
         contact: &Contact<'_>,
@@ -162,7 +164,8 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
-    /// The sum Σ slopes × values over the used markers. Values and slopes are in standard deviations.
+    /// The sum Σ slopes × values over the used markers. Slopes are the derivatives of the readings with respect to the
+    /// fit parameters. Slopes and values are in standard deviations.
     pub(super) fn projected(
         &self,
         state: &State,
@@ -184,8 +187,8 @@ impl<'a> Problem<'a> {
         Ok(self.counting().map(residuals).collect())
     }
 
-    /// Derivatives of the readings of each used marker (normal, tangential) with respect to all fit parameters, in
-    /// standard deviations.
+    /// Derivatives of the readings with respect to all fit parameters, in standard deviations. There is one entry per
+    /// used marker: the normal component and two tangential components.
     pub(super) fn slopes(
         &self,
         state: &State,
@@ -266,7 +269,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The place in a direction. If the contact must lie on a circle, the x axis of the place is along the circle.
+    /// The place on the skin in the direction `direction`. If the contact must lie on a circle, the x axis of the place
+    /// points along the circle.
     pub(super) fn place_at(&self, direction: &Vector3<f64>) -> Place {
         let Some(pole) = self.circle else {
             return self.reading.markers.skin().place_at(direction);
@@ -352,7 +356,7 @@ impl LeastSquares for Problem<'_> {
     }
 }
 
-/// Displacement of a marker by a contact: the normal displacement, including gain and baseline, and the tangential
+/// Displacement of a marker in the model: the normal displacement, including gain and baseline, and the tangential
 /// displacement.
 fn moved(contact: &Contact<'_>, state: &State, sight: &Sight) -> (f64, Vector2<f64>) {
     let moved = contact.displacement(sight.distance);
@@ -369,7 +373,8 @@ pub(super) fn finite(value: f64) -> Result<f64, PressError> {
     }
 }
 
-/// Limit of a product of factors, at which its logarithm is computed.
+/// If the product of factors exceeds this limit, its logarithm is added to the sum, so that the product cannot
+/// overflow.
 const MAX_PRODUCT: f64 = 1e100;
 
 /// Robust chi-squared: the sum of Cauchy's loss c² ln(1 + s/c²) over the markers. Here s is the sum of squared
@@ -378,13 +383,13 @@ pub(super) struct RobustSum {
     /// Square of the tolerance, in variances.
     limit: f64,
     sum: f64,
-    /// Product of 1 + s/c² over the last markers. Multiplying these factors first needs fewer logarithms than adding
-    /// their logarithms.
+    /// Product of the terms 1 + s/c² of the last markers. One logarithm of a product is faster than one logarithm per
+    /// marker.
     product: f64,
 }
 
 impl RobustSum {
-    /// An empty sum for a tolerance in standard deviations. With an infinite tolerance, all residuals have equal
+    /// An empty sum. `tolerance` is the tolerance in standard deviations. If it is infinite, all residuals have equal
     /// weights.
     pub(super) const fn new(tolerance: f64) -> Self {
         Self {
@@ -394,8 +399,7 @@ impl RobustSum {
         }
     }
 
-    /// Adds a marker with these residuals (in standard deviations). Returns the weight with which the marker counts in
-    /// the equations.
+    /// Adds the residuals of one marker, in standard deviations. Returns the weight of the marker in the equations.
     pub(super) fn add(&mut self, residuals: [f64; 3]) -> f64 {
         let squared: f64 = residuals.iter().map(|residual| residual * residual).sum();
         if self.limit == f64::INFINITY {

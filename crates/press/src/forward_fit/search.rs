@@ -1,4 +1,5 @@
-//! Searches the best fit of a press: start values, robust fit, outliers, noise and intervals.
+//! Searches the best fit of a press, from the start values to the intervals: robust fit, rejection of outliers,
+//! estimation of noise.
 
 use nalgebra::Vector3;
 use palpate_statistics::{HALF_WIDTHS, NORMAL_95, student_half_width};
@@ -15,14 +16,16 @@ use crate::state::State;
 use crate::unknowns::{ACROSS, EXACT, Fitted, Square, Sums};
 use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 
-/// Largest share of outliers among the markers. If the share is larger, the model is treated as wrong.
+/// Largest share of outliers among the markers. If there are more, the model is probably wrong, and no marker is
+/// rejected.
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
-/// If there are at least this number of outliers, the cause may be an error of a marker that was not rejected.
+/// Number of outliers from which an additional fit is tried. The cause of several outliers may be the error of another
+/// marker that was not rejected.
 const SEVERAL: usize = 2;
-/// Markers count as a row if the ratio of their variance across the row to their variance along it is below this value.
+/// Markers are in a row if the ratio of their variance across the row to their variance along it is below this value.
 const ROW: f64 = 1e-5;
-/// P-value of the marker that contradicts the others most. Below this value, the interval is extended by the interval
-/// without this marker.
+/// Significance level for the marker that contradicts the other markers most. If the p-value of this marker is lower,
+/// the interval is extended by the interval of a fit without the marker.
 const SUSPECT: f64 = 0.05;
 /// Residuals beyond this number of standard deviations have a reduced weight in the robust fit, which precedes the
 /// rejection of outliers.
@@ -34,26 +37,27 @@ const ROUGHLY: f64 = 1e-2;
 #[derive(Clone)]
 pub(super) struct Search<'a> {
     problem: Problem<'a>,
-    /// Whether the noise of normal displacements must be estimated, because it is not stated. The next field is the
-    /// same for tangential displacements.
+    /// Whether the noise of normal displacements is estimated from the residuals, because it is not stated. The next
+    /// field states the same for tangential displacements.
     find_normal: bool,
     find_tangential: bool,
     /// The largest displacement in the reading, length.
     largest: f64,
-    /// Results of fits that started from other start values.
+    /// Fit parameters at all minima of chi-squared that were found from different start values.
     rivals: Vec<State>,
 }
 
-/// Result of a further search if the first fit shows no contact.
+/// Result of the second search, which follows if the first fit shows no contact.
 enum Found<'a> {
-    /// A contact at another place, which the readings show.
+    /// The readings show a contact at another place.
     Contact(Box<(Search<'a>, State, Sums)>),
-    /// Estimate for a contact that the readings do not show, but that must exist because an indentation is stated.
+    /// The readings show no contact, but an indentation is stated, so there must be one. This is the estimate from the
+    /// stated indentation.
     Left(Box<PressEstimate>),
 }
 
 impl<'a> Problem<'a> {
-    /// A search in which all unknown parameters are fitted, all markers are used, and standard deviations are 1.
+    /// The least-squares problem for a first fit: all markers are used, and all standard deviations are 1.
     pub(super) fn new(fit: &'a ForwardFit, reading: &'a Reading<'a>) -> Self {
         let largest = reading
             .normal
@@ -107,8 +111,8 @@ impl<'a> Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// The minimum of chi-squared near a state. If `held` is the index of a fit parameter, this parameter is held
-    /// constant.
+    /// The minimum of chi-squared near the fit parameters `state`. If `held` is the index of a fit parameter, this
+    /// parameter is held constant.
     pub(super) fn minimum(
         &self,
         state: State,
@@ -118,8 +122,8 @@ impl Problem<'_> {
         minimise(self, self.fit_at(state)?, enough, held)
     }
 
-    /// Sum of the squared residuals of all markers, where each marker contributes at most the threshold of an outlier.
-    /// Infinite if the contact is impossible.
+    /// Sum of the squared residuals of all markers. Each marker contributes at most the square of the outlier
+    /// threshold. The sum is infinite if the contact is impossible.
     fn unexplained(&self, state: &State) -> f64 {
         let Ok(contact) = self.contact(state) else {
             return f64::INFINITY;
@@ -132,7 +136,7 @@ impl Problem<'_> {
         (0..self.kept.len()).map(square).sum()
     }
 
-    /// Chi-squared of the unused markers, compared with markers that do not move.
+    /// Chi-squared of the unused markers, computed as if there were no contact.
     fn left_out(&self) -> f64 {
         let mut sum = RobustSum::new(self.tolerance);
         for marker in (0..self.kept.len()).filter(|&marker| !self.kept[marker]) {
@@ -142,7 +146,7 @@ impl Problem<'_> {
     }
 }
 
-/// The pole of the great circle on which all markers lie, if there is one.
+/// The pole of the great circle on which all markers lie; `None` if there is no such circle.
 fn common_circle(reading: &Reading<'_>) -> Option<Vector3<f64>> {
     let places = reading.markers.places();
     let first = places.first()?;
@@ -237,9 +241,10 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Searches a contact for readings that show no contact at the fitted place, or show it only by one marker. The
-    /// result is a contact that the readings show at another place. If there is none and an indentation is stated, the
-    /// result is the range of curvatures that the readings allow. Otherwise it is `None`.
+    /// Searches a contact at another place, if the readings show no contact at the fitted place or only one marker
+    /// shows it. If the readings show a contact at another place, returns this contact. Otherwise, if an indentation is
+    /// stated, returns the estimate with the range of curvatures that the readings allow. Returns `None` if there is no
+    /// result.
     fn undetected(&self, only_marker: Option<usize>) -> Option<Found<'a>> {
         let mut problem = self.problem.clone();
         if let Some(marker) = only_marker {
@@ -279,8 +284,9 @@ impl<'a> Search<'a> {
         })))
     }
 
-    /// The interval, extended by the intervals of other fits that explain the readings about equally well. If one of
-    /// them has a smaller chi-squared, its state is returned as the error.
+    /// Extends the interval by the intervals around other minima of chi-squared that explain the readings about equally
+    /// well. If chi-squared is smaller at another minimum, the function returns the fit parameters at this minimum as
+    /// the error.
     fn with_rivals(
         &self,
         best: &State,
@@ -312,8 +318,8 @@ impl<'a> Search<'a> {
         Ok(hull)
     }
 
-    /// The interval of all markers. If one marker contradicts the others, the interval is extended by the interval
-    /// without this marker.
+    /// Returns the interval from all markers. If one marker contradicts the other markers, the interval is extended by
+    /// the interval of a fit without this marker.
     fn or_without_slipped(
         &self,
         state: &State,
@@ -346,7 +352,7 @@ impl<'a> Search<'a> {
         Ok(Interval::UNBOUNDED)
     }
 
-    /// Whether two states belong to the same minimum.
+    /// Whether two results of fits are the same minimum of chi-squared.
     fn is_same(&self, one: &State, other: &State) -> bool {
         let near = |contact: Contact<'_>| {
             let markers = self.problem.reading.markers;
@@ -356,7 +362,8 @@ impl<'a> Search<'a> {
             && self.problem.contact(one).is_ok_and(near)
     }
 
-    /// The best of the fits from all start values. If the noise is estimated, it is the fit with the smallest noise.
+    /// The best of the fits from all start values. If the noise is estimated, the best fit is the fit with the smallest
+    /// noise.
     fn begin(&mut self) -> Result<(State, Sums), PressError> {
         let mut fits = self.robust_fits()?;
         if self.problem.fit.window.is_some() {
@@ -388,8 +395,9 @@ impl<'a> Search<'a> {
         Ok(self.without_nearest(&state).unwrap_or((state, sums)))
     }
 
-    /// If there are several outliers, tries a fit without the marker nearest to the contact. An error of this marker
-    /// would look like a sharp object under it. Returns this fit if it explains all markers better.
+    /// If there are several outliers, tries a fit without the marker that is nearest to the contact. The reason is that
+    /// an error of this marker would look like a sharp object under it. Returns the fit without this marker if it
+    /// explains all markers better.
     fn without_nearest(&mut self, state: &State) -> Option<(State, Sums)> {
         let wrong = self.problem.kept.iter().filter(|kept| !**kept).count();
         // No such fit is tried in two cases. Markers outside of a window are not outliers. And if the noise is
@@ -464,7 +472,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Least squares over the markers that are not outliers. The noise is estimated if it is not stated.
+    /// Repeats a least-squares fit, each time without the outliers of the previous fit, until nothing changes. The
+    /// noise is estimated if it is not stated.
     fn settle(&mut self, state: &mut State) -> Result<Sums, PressError> {
         const ROUNDS: usize = 8;
         let (mut last, mut sums) = (None, None);
@@ -484,7 +493,7 @@ impl<'a> Search<'a> {
         self.problem.sums(state)
     }
 
-    /// Whether the noise has changed noticeably since the last call.
+    /// Whether the estimated noise has changed noticeably since the last call.
     fn is_noise_new(&self, last: &mut Option<[f64; 2]>) -> bool {
         let now = [self.problem.normal_std, self.problem.tangential_std];
         let same = |last: [f64; 2]| {
@@ -498,8 +507,8 @@ impl<'a> Search<'a> {
         is_new
     }
 
-    /// Estimates standard deviations from the residuals of the used markers: from their median if `robustly`, otherwise
-    /// from their squares.
+    /// Estimates standard deviations of the noise from the residuals of the used markers. If `robustly`, they are
+    /// computed from the median of the residuals, otherwise from the squares.
     fn find_noise(&mut self, state: &State, robustly: bool) -> Result<(), PressError> {
         if !(self.find_normal || self.find_tangential) {
             return Ok(());
@@ -533,7 +542,7 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Selects the used markers, which are the markers within the window that are not outliers.
+    /// Selects the markers that the fit uses: the markers within the window, without outliers.
     fn choose(&mut self, state: &State) -> Result<(), PressError> {
         let problem = &mut self.problem;
         problem.kept.fill(true);

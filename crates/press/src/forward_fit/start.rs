@@ -1,4 +1,4 @@
-//! Start values for a fit.
+//! Start values for a fit of displacements.
 
 use std::f64::consts::PI;
 
@@ -11,20 +11,21 @@ use crate::markers::Sight;
 use crate::state::State;
 use crate::{Displacement, Place};
 
-/// Number of markers at which a contact is tried. These are the markers that moved most. Contacts are also tried
-/// between the first two, three, … of them.
+/// Number of markers at which contacts are tried. They are the markers that moved most. Contacts are also tried at the
+/// mean positions of the first two, three and four of these markers.
 const MARKERS: usize = 4;
-/// Distances beyond the markers at which a contact is also tried, in scales of the markers.
+/// Distances from the markers at which contacts outside the markers are tried, in units of the markers' scale.
 const BEYOND: [f64; 3] = [0.2, 0.7, 1.5];
-/// A start value beyond the markers is omitted if its chi-squared exceeds the smallest one by more than this value.
+/// A contact outside the markers is a start value only if its chi-squared exceeds the smallest chi-squared by less than
+/// this value.
 const MAX_EXCESS: f64 = 50.0;
-/// Tried radii of the contact, in scales of the markers, a medium one first.
+/// Contact radii that are tried, in units of the markers' scale. The first is a medium radius.
 pub(super) const RADII: [f64; 5] = [0.14, 0.03, 0.07, 0.24, 0.4];
 /// Number of contact directions for which all radii are tried.
 const VIEWS: usize = 3;
 
-/// Start values: the `few` most likely ones, and the most likely one with a contact beyond the markers. The latter is
-/// omitted if it is much less likely.
+/// Start values: the `few` most likely contacts among the markers, and the most likely contact outside the markers. The
+/// contact outside is omitted if it is much less likely than the others.
 pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
     let shapes = Shapes::new(problem, &RADII);
     let mut near = tried(problem, &shapes, &with_between(most_moved(problem)));
@@ -41,8 +42,8 @@ pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
         .collect()
 }
 
-/// Displacements by contacts of some radii, at nodes whose distances go up to the far pole of a sensor of the markers'
-/// scale.
+/// Tables of displacements for contacts with several radii. The displacements are stored at nodes, which are distances
+/// from the contact. The nodes extend to half the circumference of a sphere whose radius is the markers' scale.
 pub(super) struct Shapes {
     /// Distance of the last node, length.
     furthest: f64,
@@ -55,7 +56,7 @@ impl Shapes {
     /// Number of intervals between the nodes at which displacements are tabulated.
     const INTERVALS: f64 = 64.0;
 
-    /// The displacements by contacts of these radii, in scales of the markers.
+    /// Tables for contacts with the radii `radii`, in units of the markers' scale.
     pub(super) fn new(problem: &Problem<'_>, radii: &[f64]) -> Self {
         let scale = problem.reading.markers.scale();
         let furthest = PI * scale;
@@ -74,14 +75,14 @@ impl Shapes {
         }
     }
 
-    /// For each radius, the best state with a contact at this place, and its chi-squared.
+    /// For each radius, chi-squared and the fit parameters of the best contact at the place `place`.
     pub(super) fn states(&self, problem: &Problem<'_>, place: Place) -> Vec<Option<(f64, State)>> {
         let sights = problem.sights(&place);
         let state = |shape: &Option<_>| of_shape(problem, self, shape.as_ref(), place, &sights);
         self.contacts.iter().map(state).collect()
     }
 
-    /// Displacement at this distance from the contact, interpolated linearly between the nodes.
+    /// Displacement at the distance `distance` from the contact, interpolated linearly between the nodes.
     fn at(&self, nodes: &[Displacement], distance: f64) -> Displacement {
         let place = Self::INTERVALS * (distance / self.furthest).sqrt().min(1.0);
         let before = (place as usize).min(nodes.len() - 2);
@@ -95,8 +96,8 @@ impl Shapes {
     }
 }
 
-/// States with contacts in these directions, each with its chi-squared, sorted from the most to the least likely. A
-/// medium radius is tried in each direction; all radii are tried in the best few directions.
+/// Chi-squared and fit parameters of contacts in the directions `directions`, sorted from the most to the least likely.
+/// A medium radius is tried in each direction. The other radii are tried only in the best directions.
 fn tried(problem: &Problem<'_>, shapes: &Shapes, directions: &[Vector3<f64>]) -> Vec<(f64, State)> {
     let [middling, others @ ..] = &shapes.contacts[..] else {
         return Vec::new();
@@ -121,8 +122,8 @@ fn tried(problem: &Problem<'_>, shapes: &Shapes, directions: &[Vector3<f64>]) ->
     states
 }
 
-/// The state with a contact of this radius, and its chi-squared. If the indentation or the gain is fitted, it has its
-/// best value.
+/// Chi-squared and fit parameters of a contact with the radius of `shape`. If the indentation or the gain is fitted, it
+/// has its best value.
 fn of_shape(
     problem: &Problem<'_>,
     shapes: &Shapes,
@@ -189,7 +190,7 @@ fn most_moved(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
         .collect()
 }
 
-/// The directions, and the mean directions of the first two, three, … of them.
+/// The given directions, followed by the mean directions of the first two, three, … of them.
 fn with_between(mut directions: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     let between = |count: usize| directions[..count].iter().sum::<Vector3<f64>>();
     let between: Vec<Vector3<f64>> = (2..=directions.len())
@@ -199,7 +200,7 @@ fn with_between(mut directions: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     directions
 }
 
-/// Directions beyond the markers, on the side on which displacements are larger.
+/// Directions of places outside the markers, on the side where displacements are larger.
 fn beyond(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
     let directions = || {
         let places = problem.reading.markers.places().iter();

@@ -1,4 +1,4 @@
-//! Computes which curvatures are compatible with the readings if the readings do not show a contact.
+//! Computes which curvatures are compatible with readings that do not show a contact.
 
 use std::cmp::Ordering;
 
@@ -27,7 +27,7 @@ const ENOUGH: f64 = 1e-2;
 const PRIOR_STD: f64 = 3.0;
 
 /// Contacts with the stated indentation that are possible although the readings show no contact. For each of several
-/// contact radii, the list contains the contact at the position with the smallest chi-squared.
+/// contact radii, the list contains one contact, at the position with the smallest chi-squared.
 pub(super) struct UndetectedContacts<'p, 'a> {
     problem: &'p Problem<'a>,
     /// Possible contacts, sorted by their curvatures.
@@ -50,7 +50,7 @@ impl Candidate {
 }
 
 impl<'p, 'a> UndetectedContacts<'p, 'a> {
-    /// The possible contacts; `None` without a stated indentation.
+    /// The possible contacts; `None` if no indentation is stated.
     pub(super) fn new(problem: &'p Problem<'a>) -> Option<Self> {
         problem.reading.indentation?;
         let narrower = |radius: &f64| Some(RADIUS_RATIO * radius);
@@ -107,9 +107,9 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
         Some(self.found.iter().min_by(Candidate::likelier)?.state)
     }
 
-    /// The most likely contact, and the interval of the curvatures whose chi-squared exceeds that of the most likely
-    /// contact by less than `limit`. `None` if all contacts are in this interval, if only contacts between the markers
-    /// are, or if every contact would be hidden by noise.
+    /// The most likely contact and the interval of the curvature. A curvature is in the interval if its chi-squared
+    /// exceeds the smallest chi-squared by less than `limit`. `None` in three cases: all tried contacts are in the
+    /// interval, the widest contact in the interval fits between the markers, or noise would hide every contact.
     pub(super) fn left(&self, limit: f64) -> Option<(State, Sums, Interval)> {
         let best = self.found.iter().min_by(Candidate::likelier)?;
         let least = best.sums.chi_squared;
@@ -147,7 +147,8 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
 }
 
 impl UndetectedContacts<'_, '_> {
-    /// Chi-squared of the displacements by a contact, compared with no displacement.
+    /// How clearly a contact would show in the readings: chi-squared of its displacements, compared with no
+    /// displacement.
     fn clarity(&self, state: &State) -> f64 {
         let problem = self.problem;
         let Ok(contact) = problem.contact(state) else {
@@ -171,7 +172,7 @@ impl UndetectedContacts<'_, '_> {
     }
 }
 
-/// Distance from a place to the nearest other marker.
+/// Distance from the marker at `place` to the nearest other marker.
 fn neighbour(problem: &Problem<'_>, place: &crate::Place) -> f64 {
     let distances = problem
         .sights(place)
