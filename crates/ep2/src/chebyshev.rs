@@ -62,7 +62,7 @@ pub(crate) fn derivative(degree: usize, axis: usize) -> SparseMap {
     let mut entries = Vec::new();
     for (at, product) in products(degree).enumerate() {
         let order = product[axis];
-        // T_n' = 2n (T_(n−1) + T_(n−3) + …), where T_0 is multiplied by ½.
+        // The derivative of a Chebyshev polynomial is T_n' = 2n (T_(n−1) + T_(n−3) + …), where T_0 is multiplied by ½.
         for lower in (0..order).rev().step_by(2) {
             let share = if lower == 0 { 1.0 } else { 2.0 };
             let mut part = product;
@@ -113,7 +113,7 @@ mod tests {
             [at(a, b - step), at(a, b + step)],
         ];
         for (axis, [low, high]) in neighbours.iter().enumerate() {
-            // The matrix has one row per product of Chebyshev polynomials.
+            // The rows of `slopes` are the derivatives of all products of Chebyshev polynomials.
             let slopes = derivative(degree, axis)
                 .apply_to_rows(&DMatrix::identity(count(degree), count(degree)));
             for (product, parts) in slopes.row_iter().enumerate() {

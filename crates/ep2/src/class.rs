@@ -51,8 +51,8 @@ impl Curvature {
     /// H².
     pub fn class_probabilities(&self, thresholds: &ShapeThresholds) -> Option<[f64; 8]> {
         let uncertainty = self.uncertainty?;
-        // The probabilities are integrated over the mean curvature H. If H is given, the Gaussian curvature K is
-        // normally distributed too.
+        // Integrate over the mean curvature H. For each value of H, the Gaussian curvature K is normally distributed,
+        // so the probability of each class has a closed form.
         let given_mean = GivenMean::of(self, &uncertainty, thresholds);
         let mut result = [0.0; 8];
         let mut add = |mean: f64, weight: f64| {
@@ -70,7 +70,7 @@ impl Curvature {
         if !is_sound {
             return None;
         }
-        // A standard deviation that is so small that the range of integration vanishes by rounding is treated as 0.
+        // If the standard deviation is so small that `low` and `high` are equal after rounding, treat it as 0.
         if low < high && std >= f64::MIN_POSITIVE {
             let edges = [-thresholds.mean(), thresholds.mean()].map(|edge| edge.clamp(low, high));
             for (start, end) in [(low, edges[0]), (edges[0], edges[1]), (edges[1], high)] {
@@ -220,8 +220,8 @@ mod tests {
 
     #[test]
     fn an_edge_halves_and_errors_apart_multiply() {
-        // K is far below zero, and H is exactly at the threshold of 0.05. So the probability of a saddle ridge is one
-        // half, and the probability of a minimal surface is one half.
+        // K is far below zero, and H is exactly at its threshold of 0.05. So the classes saddle-ridge and minimal each
+        // have the probability ½.
         let on_edge = curvature(-1.0, 0.05, [0.01, 0.002], 0.0);
         assert_relative_eq!(
             probability(&on_edge, ShapeClass::SaddleRidge),
@@ -233,14 +233,16 @@ mod tests {
             0.5,
             epsilon = 1e-6
         );
-        // K and H are one standard deviation inside both thresholds, so the probability is 0.8413².
+        // K and H are each one standard deviation inside their thresholds, and their errors are independent. So the
+        // probability is 0.8413².
         let corner = curvature(-0.02, 0.06, [0.01, 0.01], 0.0);
         assert_relative_eq!(
             probability(&corner, ShapeClass::SaddleRidge),
             0.841_344_746_068_542_9_f64.powi(2),
             epsilon = 1e-6
         );
-        // The errors are completely correlated, so the probability is the smaller of the two probabilities of K and H.
+        // The errors of K and H are completely correlated, so the probability is not the product but the smaller of
+        // both probabilities.
         let tied = curvature(-0.02, 0.06, [0.01, 0.01], -1.0);
         assert_relative_eq!(
             probability(&tied, ShapeClass::SaddleRidge),

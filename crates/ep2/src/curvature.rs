@@ -199,7 +199,8 @@ pub(crate) fn form_and_basis(jet: &Jet) -> (CurvatureForm, [nalgebra::Vector3<f6
     } = *jet;
     let d = 1.0 + p * p + q * q;
     let e = 1.0 + p * p;
-    // By Gram–Schmidt, along = ∂u/√E and across = (∂v − (F/E) ∂u) √E/√D, with F = pq and q − (F/E) p = q/E.
+    // Orthonormal tangents by Gram–Schmidt: along = ∂u/√E and across = (∂v − (F/E) ∂u) √E/√D. Here E = 1 + p², F = pq
+    // and D = 1 + p² + q², so q − (F/E) p = q/E.
     let share = p * q / e;
     let along = nalgebra::Vector3::new(1.0, 0.0, p) / e.sqrt();
     let across = nalgebra::Vector3::new(-share, 1.0, q / e) * (e / d).sqrt();
@@ -289,7 +290,8 @@ mod tests {
         let mut covariance = JetCovariance::default();
         (0..DERIVATIVES).for_each(|index| covariance[index][index] = Lanes::splat(0.01));
         let plane = curvature(Jet::default(), Some(&covariance), 2.0);
-        // For second derivatives r, s, t with independent errors on a plane, Var(rt − s²) = σ⁴ + 2σ⁴.
+        // On a plane, K has the variance Var(rt − s²) = σ⁴ + 2σ⁴. Here r, s and t are the second derivatives, with
+        // independent errors of variance σ².
         let told = plane.uncertainty.unwrap();
         assert_relative_eq!(
             told.gaussian_std,

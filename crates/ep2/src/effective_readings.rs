@@ -127,7 +127,8 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
     };
     let capacity = if with_copies { contacts.len() } else { 0 };
     let mut copies = HashMap::with_capacity(capacity);
-    // The first contact of each run. Most runs have no other contacts.
+    // `runs` contains the first contact of each run. Most runs have only this contact, so `rests` is a map with few
+    // entries.
     let mut runs: Vec<Contact> = Vec::with_capacity(contacts.len());
     let mut rests: HashMap<usize, Rest> = HashMap::new();
     let mut open: FingerMap<Option<usize>> = FingerMap::default();
@@ -146,7 +147,7 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
             .entry(contact.finger)
             .filter(|&run| (position - runs[run].position).norm() <= limit);
         let run = match (copied, rested) {
-            // A copy does not change the mean of the run.
+            // A copy belongs to the run of the original contact, but does not change the mean of the run.
             (Some(run), _) => run,
             (None, Some(run)) => {
                 let rest = rests.entry(run).or_insert_with(|| Rest {
@@ -275,8 +276,8 @@ pub(crate) fn correlation_time(strokes: &[Vec<f64>], absorbed: usize) -> f64 {
     }
     let mut covariances = Vec::new();
     let mut time: f64 = 1.0;
-    // The first pass finds whether there is a correlation. Later passes correct all lags for the variance that the fit
-    // absorbed. This correction uses the correlation from the previous pass.
+    // The first pass finds whether the residuals are correlated. Each later pass uses the correlation of the previous
+    // pass to correct all covariances for the variance that the fit has absorbed.
     for pass in 0..4 {
         let share = match pass {
             0 => 0.0,

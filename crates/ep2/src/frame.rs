@@ -133,8 +133,8 @@ impl Cloud {
         order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
         let spreads = order.map(|index| eigen.eigenvalues[index].max(0.0).sqrt());
         let axes = order.map(|index| eigen.eigenvectors.column(index).into_owned());
-        // The moments contain squares of lengths, so the rounding error of a spread is the square root of the rounding
-        // error of a moment.
+        // The rounding error of a spread is the square root of the rounding error of a moment, because moments contain
+        // squares of lengths. If the ratio of spreads is so small, compute the width of the patch directly.
         let spread = spreads[1] / spreads[2];
         if spread <= ROUNDING.sqrt() {
             let across = distance_across(contacts, &centre, &axes[2]) / (extent * spreads[2]);
@@ -202,7 +202,7 @@ impl Cloud {
         for contact in contacts {
             let place = (contact.position - self.centre) / self.extent;
             let (x, y) = (principal.dot(&place), across.dot(&place));
-            // These terms are the real and the imaginary part of (x + iy)⁴.
+            // Sum the real part (`cosine`) and the imaginary part (`sine`) of (x + iy)⁴ over all contacts.
             let (square, product) = (x * x - y * y, 2.0 * x * y);
             cosine += square * square - product * product;
             sine += 2.0 * square * product;
@@ -250,7 +250,8 @@ fn travel(contacts: &[Contact], cloud: &Cloud, normal: &Vector3<f64>) -> Option<
     let eigen = SymmetricEigen::new(scatter);
     let strongest = eigen.eigenvalues.imax();
     let axis = eigen.eigenvectors.column(strongest).into_owned();
-    // One of the three eigenvalues belongs to the normal and is 0.
+    // The sum of the eigenvalues minus the largest one is the smaller eigenvalue in the tangent plane, because the
+    // eigenvalue of the normal is 0.
     let across = eigen.eigenvalues.sum() - eigen.eigenvalues[strongest];
     if eigen.eigenvalues[strongest] <= LEAST_TRAVEL * across.max(0.0) {
         return None;

@@ -215,7 +215,7 @@ impl<M: Method> Log<'_, M> {
             true => self.of_means(longest.div_ceil(FIRST_MEANS), [1.0; 2]).ok(),
             false => None,
         };
-        // A fit without a posterior has no intervals.
+        // Correlations are computed from the posterior of a fit, so ignore a fit without a posterior.
         let first = first.filter(|first| first.fit.posterior.is_some());
         let mut found = first.map_or([1.0; 2], |first| first.correlations(self).1);
         let plain = self.of_means(self.block, [1.0; 2])?;
@@ -273,8 +273,8 @@ impl<M: Method> Log<'_, M> {
     /// positions and normals that count as one because their noise is correlated.
     fn of_means(&self, block: usize, times: [f64; 2]) -> Result<IndependentFit, Ep2Error> {
         let means = self.means(block);
-        // If a mean is over fewer contacts than the noise is correlated over, its noise is as large as the noise of a
-        // single contact.
+        // If noise is correlated over more contacts than are averaged, averaging does not reduce the noise. Then the
+        // noise of a mean is as large as that of a single contact.
         let ratios = times.map(|time| (time / block as f64).min(1.0).sqrt());
         let at_row = |error: Ep2Error| match error {
             Ep2Error::Folded { contact, angle_deg } => Ep2Error::Folded {

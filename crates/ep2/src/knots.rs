@@ -88,7 +88,7 @@ impl Knots {
     #[inline]
     pub(crate) fn derivatives<const ORDERS: usize>(&self, first: usize, x: f64) -> [Basis; ORDERS] {
         match self.degree {
-            // For the usual degrees, the lengths of the loops are compile-time constants.
+            // The degree is passed as a constant for the usual degrees, so that the compiler can unroll the loops.
             2 => self.derivatives_of(2, first, x),
             3 => self.derivatives_of(3, first, x),
             degree => self.derivatives_of(degree, first, x),
@@ -108,7 +108,8 @@ impl Knots {
         let mut values: Basis = [0.0; MAX_DEGREE + 1];
         values[0] = 1.0;
         for lower in 0..degree {
-            // `values` are now the values for the degree `lower`, from which the derivative of this order is computed.
+            // At this point, `values` are the values of the B-splines of degree `lower`. The derivative of order
+            // `order` is computed from them.
             let order = degree - lower;
             if order < ORDERS {
                 result[order] = differences(knots, degree, left, lower, values);

@@ -91,7 +91,8 @@ fn add_columns(sum: &mut [f64], columns: &[f64], height: usize, factor: impl Fn(
         let last = count - 1;
         let [a, b, c, d] =
             [first, first + 1, first + 2, first + 3].map(|one| column(one.min(last)));
-        // Columns beyond the last one have the factor 0, so they add nothing.
+        // `count` need not be a multiple of four. The columns that are missing in the last pass get the factor 0, so
+        // they add nothing.
         let factor = |index: usize| if index < count { factor(index) } else { 0.0 };
         let (by_a, by_b) = (factor(first), factor(first + 1));
         let (by_c, by_d) = (factor(first + 2), factor(first + 3));

@@ -121,7 +121,7 @@ impl Model<'_> {
         }
         let position = square(position);
         let found = noise.normal_std_rad.map_or(0.0, square);
-        // The fit's estimate of the normals' noise includes the effect of position errors, which is subtracted here.
+        // `found` includes the effect of position errors on the normals. Subtract this effect here.
         let samples = self.patch.samples.iter();
         let jets = samples.map(|sample| self.jet(sample));
         let bend = |jet: Jet| 0.5 * (jet.uu * jet.uu + 2.0 * jet.uv * jet.uv + jet.vv * jet.vv);
@@ -235,7 +235,7 @@ impl Refit {
         let square = (square - own.dot(&start)).max(0.0);
         let freedom = equations.saturating_sub(UNKNOWNS);
         let (mut noisy, mut chi_squared, mut outweighing) = (square, square, 0);
-        // Without a process there are no modes.
+        // If the model has no rough part, there are no modes to test.
         let eigen = (rough > 0).then(|| rest.symmetric_eigen());
         let modes = eigen.iter().flat_map(|eigen| {
             let vectors = eigen.eigenvectors.column_iter();
@@ -245,8 +245,8 @@ impl Refit {
             let along = mode.dot(&rest_right);
             let explained = along * along / (1.0 + weight.max(0.0));
             chi_squared -= explained;
-            // If the variance of the process exceeds the variance of the noise in a mode, the mode describes the
-            // surface and not only noise. Such a mode is left out of the test.
+            // A mode in which the variance of the surface's roughness exceeds the variance of the noise mainly
+            // describes the surface. Such a mode is left out of the test.
             if weight >= 1.0 {
                 noisy -= along * along / weight;
                 outweighing += 1;
@@ -295,7 +295,8 @@ fn series(square: Square, degree: usize, sample: &Sample) -> DMatrix<f64> {
         let all: Vec<f64> = values(x, degree).collect();
         let mut slopes = vec![0.0; degree + 1];
         for order in 1..=degree {
-            // T_n' = 2 T_(n−1) + 2x T_(n−1)' − T_(n−2)', where T_1' = 1.
+            // The derivatives of Chebyshev polynomials follow from T_1' = 1 and T_n' = 2 T_(n−1) + 2x T_(n−1)' −
+            // T_(n−2)'.
             slopes[order] = match order {
                 1 => 1.0,
                 _ => 2.0 * all[order - 1] + 2.0 * x * slopes[order - 1] - slopes[order - 2],

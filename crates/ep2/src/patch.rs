@@ -147,7 +147,7 @@ impl Patch {
             .enumerate()
             .map(|(index, contact)| sample(&frame, index, contact))
             .collect::<Result<Vec<_>, _>>()?;
-        // The unit of length is half the larger side.
+        // The patch is scaled so that half of its larger side is the unit of length.
         let sides = domain(&samples).map(|[low, high]| high - low);
         let half = 0.5 * sides[0].max(sides[1]);
         let spread = sides[0].min(sides[1]) / sides[0].max(sides[1]);
@@ -181,7 +181,8 @@ impl Patch {
     /// The patch with an evenly spaced selection of at most `count` contacts, and the distance between the selected
     /// contacts.
     pub(crate) fn thinned(&self, count: usize) -> (Cow<'_, Self>, usize) {
-        // If the contacts of the fingers alternate, the selection must contain contacts of all fingers.
+        // The step must have no common divisor with the number of fingers. Otherwise, if the contacts of the fingers
+        // alternate, the selection would omit some fingers.
         let is_prime_to_fingers = |step: &usize| {
             !(2..=self.fingers).any(|f| self.fingers.is_multiple_of(f) && step.is_multiple_of(f))
         };
@@ -206,7 +207,8 @@ impl Patch {
 
 /// The direction, scaled such that the largest absolute value of its components is 1.
 pub(crate) fn direction(outward: &Vector3<f64>) -> Result<Vector3<f64>, Ep2Error> {
-    // The sum is used as a check because it is NaN if a component is NaN. The largest component would not show this.
+    // Use the sum of the components as the length, because it is NaN if any component is NaN. `amax` would ignore a
+    // NaN.
     let length = outward.abs().sum();
     let is_good = length > 0.0 && length <= LARGEST;
     let expected = "a vector of finite length > 0";

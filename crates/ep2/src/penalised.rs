@@ -156,8 +156,8 @@ impl Penalised {
         let mut spectrum = Spectrum::of(&equations, &roughness, &variances)?;
         let mut has_noise = quadric.noise.is_some();
         if patch.has_normals() && !is_known {
-            // A preliminary fit that follows the surface is used to estimate the ratio of the variances of heights and
-            // slopes.
+            // The ratio of the variances of heights and slopes is estimated from a preliminary fit that follows the
+            // surface.
             let rough = Search::new(&spectrum, self.criterion, is_known, expected).best();
             let filters = spectrum.filters(rough.log_weight);
             let residuals = equations.residuals(&spectrum.coefficients(&filters));

@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn corners_do_not_connect_and_areas_add_up() {
-        // A ridge crosses two separate pieces of a plane.
+        // The map is a plane that a ridge divides into two separate regions.
         let points = map(
             5,
             0.5,

@@ -122,7 +122,8 @@ impl Stroke {
         if spread > MAX_SPREAD {
             return None;
         }
-        // If the surface has a slope across the stroke, a bend of the path also bends the heights.
+        // If the surface slopes across the stroke, a bend of the path also changes the heights along the stroke. `tilt`
+        // describes this slope.
         let tilt = match self.slopes.is_empty() {
             true => Vector4::zeros(),
             false => self.cubic(self.slopes.iter().map(|slope| slope[1]))?,
@@ -134,7 +135,8 @@ impl Stroke {
                 .get(index)
                 .map(|slope| slope[0] + slope[1] * turn)
         };
-        // If the path is bent, the slope of the surface across it adds derivatives of higher order.
+        // If the path is bent, a slope across it adds higher derivatives to the heights. `of_path` is an upper bound of
+        // this effect.
         let slopes = self.slopes.iter().map(|slope| 10.0 * slope[1].abs());
         let steepest = slopes.fold(if self.slopes.is_empty() { 1.0 } else { 0.0 }, f64::max);
         let of_path = (steepest * bend.abs()).max(1e-3);
@@ -175,7 +177,7 @@ impl Stroke {
         let height_std = variances[0].sqrt();
         let is_one = height_std <= MAX_SPREAD
             && spread <= (MAX_SPREAD_RATIO * height_std).max(2.0 * MIN_STD);
-        // Square of the length along the surface per unit of length along u.
+        // `stretch` is the square of the length along the surface per unit of length along u.
         let stretch = 1.0 + turn * turn + solved[1] * solved[1];
         let scale = (stretch * self.half_length).recip();
         let of_tilt = match self.slopes.is_empty() {

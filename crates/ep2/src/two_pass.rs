@@ -176,7 +176,7 @@ impl TwoPass {
     }
 
     fn check(&self, patch: &Patch) -> Result<(), Ep2Error> {
-        // The last spline needs at least degree 2, because a surface of degree 1 has no curvature.
+        // A surface of degree 1 has no curvature. Therefore the spline that is fitted last needs at least degree 2.
         let (first_is_last, bent) = (self.passes == Passes::One, 2..=MAX_DEGREE);
         let first_degrees = if first_is_last {
             bent.clone()

@@ -40,8 +40,8 @@ impl PressFitSetup<'_> {
     pub fn fit(&self) -> Result<ForwardFit, PressFitError> {
         let priors = self.estimator.priors();
         Ok(ForwardFit {
-            // For a Gaussian, the amplitude is fitted if the indentation is given. Otherwise, the amplitude is the
-            // indentation.
+            // The amplitude of a Gaussian is a free gain if the indentation is given. Otherwise, the amplitude itself
+            // is the indentation.
             gain: priors.gain_std.map_or(
                 match self.knows_indentation {
                     true => Prior::Free,

@@ -107,7 +107,7 @@ impl CurvatureForm {
         let (half_difference, mixed) = (0.5 * self.k_uu - 0.5 * self.k_vv, self.k_uv);
         let spread = libm::hypot(half_difference, mixed);
         let angle = 0.5 * libm::atan2(mixed, half_difference);
-        // −π/2 and π/2 are the same direction, and only π/2 is in the range (−π/2, π/2].
+        // −π/2 and π/2 are the same direction, so replace −π/2 by π/2 to stay in the range (−π/2, π/2].
         let angle = if angle <= -FRAC_PI_2 {
             FRAC_PI_2
         } else {
@@ -401,7 +401,7 @@ mod tests {
         assert_eq!(class(1.0, -1.0), "pit");
         assert_eq!(class(0.0, -1.0), "valley");
         assert_eq!(class(-1.0, -1.0), "saddle-valley");
-        // K is larger than H² because of noise, so `classify` uses K = H².
+        // K > H² is impossible except by noise. `classify` then uses K = H², which is 0 here.
         assert_eq!(class(1.0, 0.0), "flat");
     }
 

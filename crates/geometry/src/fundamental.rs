@@ -116,8 +116,8 @@ impl ChartJet {
         let normal = across / m22;
         let y = normal.cross(&x);
 
-        // The chart is singular in two cases: the distance to a pole is below the resolution of u, or the angle between
-        // the tangents is below the rounding error.
+        // The chart is singular if the distance to a pole is below the resolution of u, or if the angle between the
+        // tangents is below the rounding error.
         let at_pole = m22 <= 4.0 * f64::EPSILON * at.u.abs() * self.duv.norm();
         let parallel = m22 <= 4.0 * f64::EPSILON * m12.abs();
         if at_pole || parallel || !SQUARABLE.contains(&m11) || !SQUARABLE.contains(&m22) {
@@ -136,8 +136,8 @@ impl ChartJet {
         let k_uv = -(m - l * shear) / (m11 * m22);
         let k_vv = -(n - 2.0 * m * shear + l * shear * shear) / (m22 * m22);
 
-        // For steps in u and v, the components of the torsion form T are yᵀ x_u = y·f_uu/|f_u| and y·f_uv/|f_u|. They
-        // are then multiplied by the inverse of the metric M.
+        // The components of the torsion form T are yᵀ x_u = y·f_uu/|f_u| for steps in u, and y·f_uv/|f_u| for steps in
+        // v. The inverse of the metric M then converts them to steps along the tangents.
         let (t_u, t_v) = (y.dot(&self.duu) / m11, y.dot(&self.duv) / m11);
         let torsion = RowVector2::new(t_u / m11, (t_v - t_u * shear) / m22);
 

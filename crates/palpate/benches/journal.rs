@@ -4,8 +4,8 @@
 //! pair follow each other directly, and the printed ratio is the median over the pairs.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
-// The source files of the journal are included here, because they belong to the program, and no crate can import a
-// program.
+// The journal belongs to the program `palpate`, which a bench cannot import. Therefore its source files are included
+// here.
 #[allow(dead_code, unused_imports)]
 #[path = "../src/bin/palpate/failure.rs"]
 mod failure;
@@ -88,7 +88,7 @@ fn journalled(simulation: &Simulation<'_>, dir: &Path) {
 fn ratio(simulation: &Simulation<'_>, dir: &Path) -> f64 {
     const PAIRS: usize = 15;
     let time = |run: &dyn Fn()| {
-        // The time to delete the old journal is not a part of the run.
+        // Delete the old journal before the clock starts.
         let _ = std::fs::remove_file(dir.join(output::names::JOURNAL));
         let start = Instant::now();
         run();

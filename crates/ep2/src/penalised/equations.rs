@@ -230,8 +230,8 @@ mod tests {
     #[test]
     fn third_derivatives_are_penalised_and_quadrics_are_not() {
         let knots = [3, 5].map(|intervals| Knots::uniform(3, -1.0, 1.0, intervals));
-        // The coefficients of 1, x, x² and x³ (blossoms) are mean products of none, one, two and three different inner
-        // knots.
+        // The spline coefficients of 1, x, x² and x³ are means of products of none, one, two and three different inner
+        // knots (blossoms).
         let powers = |knots: &Knots, function: usize| {
             let t = &knots.as_slice()[function + 1..function + 4];
             [
@@ -252,8 +252,9 @@ mod tests {
         for (power_a, power_b) in [(0, 0), (1, 0), (0, 2), (1, 1), (2, 0)] {
             assert_relative_eq!(penalty(power_a, power_b), 0.0, epsilon = 1e-10);
         }
-        // The third derivative of a³ is 6, so the penalty is 6² times the area 4. The three mixed third derivatives of
-        // a²b are 2, so the penalty is 3 · 2² · 4.
+        // The penalty is the integral of the squared third derivatives over the area 4. For a³, the only third
+        // derivative is 6, so the penalty is 4 · 6². For a²b, the derivative 2 occurs in three orders, so the penalty
+        // is 4 · 3 · 2².
         assert_relative_eq!(penalty(3, 0), 144.0, max_relative = 1e-12);
         assert_relative_eq!(penalty(2, 1), 48.0, max_relative = 1e-12);
         assert_relative_eq!(penalty(1, 2), 48.0, max_relative = 1e-12);

@@ -25,14 +25,14 @@ pub(super) fn factors(length: f64, degree: usize) -> SparseMap {
     let unit = square * square / 3.0;
     let mut entries = Vec::new();
     let mut count = 0;
-    // The coefficients of even and odd polynomials are not correlated, so each combination of parities is treated
-    // separately.
+    // Coefficients of even and odd polynomials are not correlated. Therefore the covariance is factorised separately
+    // for each combination of even and odd.
     for parity in [[0, 0], [1, 0], [0, 1], [1, 1]] {
         let class: Vec<[usize; 2]> = products(degree)
             .skip(UNKNOWNS)
             .filter(|product| product.map(|order| order % 2) == parity)
             .collect();
-        // This is the Cholesky factor of the covariance. Columns with a small variance are omitted.
+        // `done` holds the columns of the Cholesky factor of the covariance. Columns with a small variance are omitted.
         let mut done: Vec<f64> = Vec::with_capacity(class.len() * class.len());
         for (pivot, product) in class.iter().enumerate() {
             let start = done.len();
@@ -153,8 +153,8 @@ mod tests {
             let [all, rough] = bends(0.7, 18, place);
             assert_relative_eq!(all, 1.0, epsilon = 1e-3);
             assert!((0.5..1.5).contains(&rough), "{rough}");
-            // A process with a long correlation length is nearly a quadric, so the second derivatives have almost the
-            // same variance everywhere.
+            // If the correlation length is long, the process is nearly a quadric. Then the second derivatives have
+            // almost the same variance everywhere, and the rough part is small.
             let [all, rough] = bends(4.0, 12, place);
             assert_relative_eq!(all, 1.0, epsilon = 1e-3);
             assert!(rough < 0.2, "{rough}");

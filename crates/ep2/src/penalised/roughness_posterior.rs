@@ -152,7 +152,8 @@ pub(super) fn posterior(problem: &SeriesProblem) -> Result<Posterior, Ep2Error> 
             quadric.chain(mixture.mean.iter().copied()).collect()
         }
         Some(term) => {
-            // The derivative with respect to m is a sum of rough products.
+            // A change of m, the coefficient of the squared height, changes the coefficients of all rough products by
+            // `term.derivative`.
             let mut merged = DMatrix::zeros(UNKNOWNS + rough, fixed + rough);
             let mut quadrics = merged.view_mut((0, 0), (UNKNOWNS, UNKNOWNS));
             quadrics.fill_with_identity();
@@ -421,7 +422,8 @@ impl Process {
         let (misfit, scale) = if rest.is_known {
             (square, 1.0)
         } else {
-            // Two values: the likelihood for the best variance factor, and the mean of the variance factor.
+            // If the noise is not stated, all variances have an unknown common factor. `misfit` is the likelihood at
+            // the best factor, and `scale` is the mean of the factor.
             (
                 rest.degrees * libm::log(square),
                 square / (rest.degrees - 2.0).max(1.0),

@@ -45,7 +45,8 @@ impl Spectrum {
         }
         let shift = PENALTY_SHARE * sum.trace() / penalty.trace();
         sum += penalty * shift;
-        // With C Cᵀ the sum of both matrices, the modes are C⁻ᵀ times the eigenvectors of C⁻¹ P C⁻ᵀ.
+        // Let C Cᵀ be the Cholesky factors of `sum`, and P the penalty. The modes are C⁻ᵀ times the eigenvectors of C⁻¹
+        // P C⁻ᵀ.
         let factor = sum.cholesky().ok_or(Ep2Error::OutOfRange)?.unpack();
         let half = solved_lower(&factor, penalty)?;
         let whole = solved_lower(&factor, &half.transpose())?;

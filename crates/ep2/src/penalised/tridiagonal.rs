@@ -48,7 +48,8 @@ impl Tridiagonal {
 impl Factors {
     /// Logarithm of the determinant of 1 + s T.
     pub(super) fn log_determinant(&self) -> f64 {
-        // Eight pivots are multiplied before the logarithm is computed, because their product does not overflow.
+        // Logarithms are slow, so compute one logarithm for the product of eight pivots. This product does not
+        // overflow.
         let products = self.pivots.chunks(8).map(|few| few.iter().product());
         products.map(|product: f64| libm::log(product)).sum()
     }
@@ -69,8 +70,8 @@ impl Factors {
     /// Adds the inverse of 1 + s T, multiplied by `factor`, to the lower triangle of `sum`.
     pub(super) fn add_inverse(&self, sum: &mut DMatrix<f64>, factor: f64) {
         let size = self.pivots.len();
-        // In each row of the inverse matrix, the entries to the right of the diagonal are a multiple of the entries in
-        // the next row (Takahashi et al., 1973).
+        // In each row of the inverse, the entries to the right of the diagonal are proportional to the entries of the
+        // next row (Takahashi et al., 1973).
         let mut row = vec![0.0; size];
         for index in (0..size).rev() {
             let mut own = factor / self.pivots[index];

@@ -59,7 +59,7 @@ impl Basis {
                 .clone()
                 .all(|normal| normal.dot(&mean) > MIN_GRAPH_COSINE)
         });
-        // The coordinates are along the axes of a pose whose normal is the mean normal.
+        // Express the places along the axes of `pose`, whose normal is the mean normal, and relative to their middle.
         let centre = pose.axes * (super::start::middle(cloud) - pose.point);
         let places = cloud
             .places
@@ -177,7 +177,8 @@ fn tested(
 ) -> LackOfFit {
     let pose = &solution.pose;
     let counts = solution.equations.counts;
-    // Across a line of contacts, normals differ from those of the shape because of errors of the positions.
+    // If the contacts lie on one line, errors of their positions across the line change the normals of the fitted
+    // shape. Therefore only distances are tested in this case.
     let is_line = super::shape_choice::is_line(pose, cloud, solution.variances[0]);
     let kinds = if is_line || cloud.normals.is_empty() {
         1
@@ -226,8 +227,8 @@ fn tested(
             }
         }
     }
-    // Noise moves the footpoints, so columns that would be linearly dependent without noise are not exactly dependent.
-    // The tolerance of the rank therefore grows with the noise.
+    // Some columns would be linearly dependent without noise. Noise moves the footpoints and makes these columns
+    // slightly independent, so the tolerance of the rank grows with the noise.
     let tolerance = MIN_NOISE_RATIO * solution.variances[0];
     let tolerance = tolerance.clamp(RANK_TOLERANCE, MAX_RANK_TOLERANCE);
     let solved = Sequential::new(&gram, &right, tolerance);
@@ -248,7 +249,7 @@ fn tested(
         true => ratio_tail(explained, extra, left, freedom as usize),
         false => 1.0,
     };
-    // Residuals after the smooth deviation was subtracted.
+    // From here on, residuals are those that remain after the smooth deviation is subtracted.
     let coefficients = solved.coefficients();
     let mut strokes: HashMap<usize, usize> = HashMap::new();
     let mut distances: Vec<Vec<f64>> = Vec::new();
@@ -274,7 +275,8 @@ fn tested(
         }
     }
     let of_normals: Vec<Vec<f64>> = normals.into_iter().flat_map(|[a, b, _]| [a, b]).collect();
-    // Positions and normals determine the fitted parameters together, so half of the parameters are attributed to each.
+    // Positions and normals together determine the parameters. Half of the parameters are counted for the positions,
+    // and half for the normals.
     let absorbed = if kinds > 1 { rank / 2 } else { rank };
     let found = [
         correlation_time(&distances, absorbed),

@@ -228,7 +228,7 @@ pub(super) fn solve(
         } else {
             left[0].max(0.0) + left[1].max(0.0)
         };
-        // The equations are computed again, because the variances have changed after the last solution.
+        // The variances have changed since the pose was solved, so compute the equations again.
         let gram = Weights::new(&pose, variances).gram(&pose, &equations);
         let is_steady = (0..2).all(|kind| (variances[kind] / before[kind] - 1.0).abs() < 0.01);
         last = Some(Solution {
@@ -238,7 +238,8 @@ pub(super) fn solve(
             inverse: self::inverse(&gram),
             freedom: is_complete.then_some(freedom),
         });
-        // Without normals, the ratio of the variances does not matter, so the minimum does not change.
+        // Without normals, there is only one variance. It does not change the minimum, so no further iteration is
+        // needed.
         if is_steady || cloud.normals.is_empty() {
             break;
         }
@@ -363,7 +364,7 @@ fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise)
     let Some(pose) = through_most(&plain.solution.pose, thinned) else {
         return plain;
     };
-    // The fit that starts at the subset may also have found a lower minimum for all contacts.
+    // A fit to all contacts that starts from the pose of the subset may have a smaller deviance than the first fit.
     let other = solve(pose, cloud, stated, [1.0; 2], ITERATIONS);
     if other.deviance(stated, [1.0; 2]) < plain_all.deviance(stated, [1.0; 2]) - MIN_DECREASE {
         plain = grown(other, cloud, stated);
@@ -434,7 +435,8 @@ impl Limits {
     fn first(pose: &Pose, cloud: &Cloud, deviations: f64) -> Self {
         let freedom = cloud.places.len().saturating_sub(pose.unknowns()).max(1);
         let correction = 1.0 + 5.0 / freedom as f64;
-        // Medians of the magnitude of one standard normal number, and of a vector of two such numbers.
+        // Median magnitudes, in standard deviations, of normal noise: of a distance (one component) and of a normal's
+        // deviation (two components).
         let medians = [0.6745, 1.1774];
         let mut kind = 0;
         let of = residuals(pose, cloud).map(|mut all| {

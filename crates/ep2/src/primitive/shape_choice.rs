@@ -43,8 +43,9 @@ pub(super) fn choose(
         one.solution.deviance(stated, correlations) + unknowns * libm::log(equations)
     };
     let mut criteria: Vec<f64> = candidates.iter().map(criterion).collect();
-    // If the contacts lie on one line, the fits of a sphere and a cylinder differ only because of position errors. A shape
-    // that does not fit has a variance far above that of the noise.
+    // If all contacts lie on one line, a sphere and a cylinder fit equally well except for position errors. To decide
+    // whether they lie on a line, use the smallest variance, because a shape that does not fit has a far larger
+    // variance than the noise.
     let variances = candidates.iter().map(|one| one.solution.variances[0]);
     let variance = variances.fold(f64::INFINITY, f64::min);
     let cylinder = &candidates[Shape::Cylinder as usize].solution.pose;

@@ -37,8 +37,8 @@ impl ShapeSettings {
         let is_plane = shape == Shape::Plane;
         let sign = if is_reversed { -1.0 } else { 1.0 };
         let is_resolved = !is_plane && interval.is_some_and(|interval| interval.is_resolved);
-        // Two curvatures in the unit of the contacts: of the surface on which the centres of the fingertip lie, and of
-        // the object.
+        // The fit has the curvature of the surface on which the centres of the fingertip lie. `of_object` converts it
+        // to the curvature of the object.
         let of_object = |curvature: f64| curvature / (1.0 - curvature * self.tip_radius);
         let centres = pose.curvature / scale;
         let ends = interval.map(|interval| {
@@ -131,7 +131,7 @@ impl ShapeSettings {
 fn radius(curvature: &SizeEstimate, is_resolved: bool, ends: [Option<f64>; 2]) -> SizeEstimate {
     let value = curvature.value.filter(|_| is_resolved);
     let size = |curvature: f64| curvature.abs().recip();
-    // The end of the interval with the larger magnitude of curvature determines the lower bound of the radius.
+    // The lower bound of the radius comes from the end of the interval with the larger magnitude of curvature.
     let largest = match ends {
         [Some(low), Some(high)] => Some(low.abs().max(high.abs())),
         _ => None,
@@ -183,13 +183,14 @@ fn place_derivative(pose: &Pose) -> SMatrix<f64, 3, UNKNOWNS> {
     all.set_column(3, &pose.axis(2));
     if pose.shape != Shape::Plane {
         let radius = pose.curvature.recip();
-        // A rotation about the axis a moves the normal by −b, and a rotation about the axis b moves it by a.
+        // If the pose rotates about its axis a, the normal moves by −b. If it rotates about its axis b, the normal
+        // moves by a.
         all.set_column(0, &(pose.axis(1) * radius));
         all.set_column(1, &(-pose.axis(0) * radius));
         all.set_column(CURVATURE, &(pose.axis(2) * radius * radius));
     }
     if pose.shape == Shape::Cylinder {
-        // The component along the cylinder's axis does not change.
+        // The reported place of a cylinder does not move along the axis, so remove this component.
         let along = pose.axis(0);
         all -= along * (along.transpose() * all);
     }

@@ -249,7 +249,7 @@ mod tests {
             let place = function.wrapping_sub(first);
             if place < 4 { derivatives[place] } else { 0.0 }
         };
-        // The factor is 3!, because the mean interval is 1. Its sign is the sign of the divided difference.
+        // A third derivative is 3! times the divided difference, because the mean interval is 1.
         for (interior, jumps) in derivative_jumps(&knots).iter().enumerate() {
             let knot = knots.interior()[interior];
             for (offset, jump) in jumps[..5].iter().enumerate() {
@@ -279,7 +279,8 @@ mod tests {
         assert_eq!(next_knot(&mesh, &all, unlimited), Some((0, 1.25)));
         assert_eq!(next_knot(&mesh, &all, [1, 9]), Some((1, 0.25)));
         assert_eq!(next_knot(&mesh, &all, [1, 0]), None);
-        // The interval with the largest sum is skipped, because the centroid of its residuals is at its edge.
+        // The interval with the largest sum (9.0) cannot be split, because the centroid of its residuals is at its
+        // edge. So the next largest sum is chosen.
         let all = [sums(&[(2.0, 0.5), (9.0, 1.01)]), along_v];
         assert_eq!(next_knot(&mesh, &all, unlimited), Some((1, 0.25)));
     }

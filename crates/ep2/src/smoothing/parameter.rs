@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn a_rational_function_is_solved_at_once() {
-        // The function (5 − 2 p)/(p + 3) has the root 2.5 and the limit −2.
+        // The function (5 − 2p)/(p + 3) has its root at p = 2.5 and tends to −2 for large p.
         let trial = |parameter: f64| Trial {
             parameter,
             excess: (5.0 - 2.0 * parameter) / (parameter + 3.0),

@@ -142,7 +142,7 @@ impl Triangle {
                 continue;
             }
             let row = &mut self.rows[(start + offset) * (band + 1)..][..=band];
-            // The reflection maps (row[0], pivot) to (norm, 0, …), for row[0] ≥ 0.
+            // This Householder reflection maps (row[0], pivot) to (norm, 0, …). `row[0]` is not negative.
             let norm = (row[0] * row[0] + square).sqrt();
             let head = -square / (row[0] + norm);
             let per_norm = 1.0 / norm;

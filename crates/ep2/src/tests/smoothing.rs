@@ -34,7 +34,7 @@ fn polynomials_are_interpolated() {
     let smoothed = fit(2, 0.0, &points).unwrap();
     assert_eq!(smoothed.status, Status::Interpolating);
     assert!((smoothed.spline.value(0.1, 0.2) - 3.038).abs() < 1e-13);
-    // The result does not depend on the size of the square or on the weight of one point.
+    // The spline interpolates, so the size of the square and the weight of one point must not change the result.
     for (size, weight) in [(1e-100, 1.0), (1e100, 1.0), (1.0, 1e-300), (1.0, 1e6)] {
         let mut points: Vec<_> = points
             .iter()
@@ -50,8 +50,8 @@ fn polynomials_are_interpolated() {
             );
         }
     }
-    // Next to this large weight, the other weights are lost by rounding. Therefore the test only checks that the result
-    // is finite.
+    // Next to such a large weight, the other weights are lost by rounding. Therefore only check that the result is
+    // finite.
     let mut points = points;
     points[7].weight = 1e150;
     let spline = fit(2, 1e-3, &points).unwrap().spline;

@@ -252,7 +252,7 @@ fn invalid_settings_and_too_few_contacts_are_refused() {
             ..
         }
     ));
-    // The contacts of two fingers do not determine a biquadratic across the fingers' paths.
+    // A biquadratic surface needs contacts on at least three paths, but two fingers have only two paths.
     let two = patch(&self::contacts(cylinder, false)[..20]);
     assert!(matches!(
         name(default, &two),

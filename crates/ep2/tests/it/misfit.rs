@@ -121,7 +121,7 @@ fn few_sound_contacts_seldom_have_a_misfit() {
 
 #[test]
 fn an_outlier_of_eight_standard_deviations_is_named() {
-    // A single contact that is far off must not be reported as roughness either.
+    // A single contact that is far off must be reported as an outlier, and not as roughness.
     let cases = [
         (stated(&SWEEP), 8.0),
         (Noise::default(), 10.0),
@@ -184,7 +184,8 @@ fn of_many_contacts_some_are_tested() {
         &many.contacts(SADDLE, 3),
     );
     let goodness = found.goodness.unwrap();
-    // Every third of the 4,500 contacts is tested, with three equations each, and the quadric has six parameters.
+    // Only every third of the 4,500 contacts is tested. Each tested contact has three equations, and the quadric has
+    // six parameters.
     assert_eq!(goodness.freedom, 3 * 1500 - 6);
     assert!(
         goodness.p_value > 1e-3 && found.misfits.is_empty(),

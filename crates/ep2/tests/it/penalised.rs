@@ -67,7 +67,7 @@ fn noiseless_surfaces_are_estimated_within_the_error_of_the_spline() {
         position_std: 0.0,
         normal_std_rad: 0.0,
     };
-    // Balls and cylinders are implicit quadrics, a torus is none.
+    // Balls and cylinders are quadrics in implicit form, but a torus is not. So the torus has a larger tolerance.
     let exact_shapes = QUADRIC_LIKE.iter().map(|surface| (surface, 1e-5));
     for (surface, largest) in exact_shapes.chain([(&DETAILED[0], 2e-3)]) {
         let [gaussian, mean] = errors(&Penalised::default(), surface, &exact, 1);
@@ -105,7 +105,8 @@ fn heights_that_fit_a_quadric_by_chance_do_not_override_the_normals() {
 
 #[test]
 fn many_contacts_of_few_fingers_do_not_cause_steps() {
-    // The contacts of each finger scatter about one line. The slope across the line is constant along it.
+    // The contacts of each finger scatter about one line along the finger's path. Along this line, the slope across it
+    // is constant.
     let steep = Surface {
         name: "steep saddle",
         at: |x, y| {
@@ -197,7 +198,8 @@ fn intervals_contain_the_truth_of_random_surfaces() {
 
 #[test]
 fn intervals_contain_the_truth_for_nearly_quadric_surfaces() {
-    // The model allows for surfaces that are rougher than this quadric, so its standard errors are too large here.
+    // The surfaces are nearly quadrics, but the model allows for much rougher surfaces. So its standard errors are too
+    // large here.
     for (noise, contacts_per_finger) in [(0.05, 100), (0.05, 10), (0.1, 10), (0.2, 10)] {
         let sweep = Sweep {
             contacts_per_finger,
@@ -223,8 +225,8 @@ fn errors_on_detailed_surfaces_are_smaller_than_with_two_passes() {
         contacts_per_finger: 20,
         ..Sweep::paper(0.1)
     };
-    // The sum of squared residuals is chosen to match the noise: (w σ)² for each point, with the weight w and the noise
-    // σ.
+    // The targets for the sum of squared residuals match the noise: each point contributes (w σ)², with the weight w
+    // and the noise σ.
     let matched = TwoPass {
         smoothing: 140.0 * 100.0,
         second_smoothing: 420.0 * 100.0,

@@ -84,7 +84,8 @@ fn points_lines_and_curves_are_refused_or_uncertain() {
     for outcome in outcomes(&plain(curve)) {
         assert_ne!(outcome, "result");
     }
-    // Normals determine the slope across the curve. The change of this slope is very uncertain.
+    // With normals, the slope across the curve is determined, but not how this slope changes. So the result is very
+    // uncertain.
     let mut one_finger = sphere();
     one_finger.truncate(10);
     for contact in &mut one_finger {
@@ -153,8 +154,8 @@ fn closed_shapes_are_refused_and_walls_need_an_outward_direction() {
         })
         .collect();
     assert_eq!(outcomes(&wall), ["result"; 3]);
-    // Without normals, an upward outward direction does not determine which side of a vertical wall is outside. It does
-    // so if the wall is inclined.
+    // If a wall is vertical, the outward direction "up" does not determine which side of the wall is outside. If the
+    // wall is inclined, it does.
     let bare_wall = |lean: f64| {
         plain((0..36).map(|index| {
             let (y, z) = (f64::from(index % 6), f64::from(index / 6));

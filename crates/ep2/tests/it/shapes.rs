@@ -259,7 +259,7 @@ fn surfaces_are_not_fitted_to_correlated_noise() {
     let correlated = (0..40).map(|case| correlated(&mut random(case), 500, 25.0, true));
     let [held, found] = of_surface(correlated, 0.04);
     assert!(held > 0.85 && found > 0.9, "{held} {found}");
-    // The estimate must not mistake a wave for correlated noise.
+    // A wave on the surface must not be mistaken for correlated noise.
     let wave = Surface::Wave(1.0, 20.0, 0.5 * PI);
     let waves = (0..40).map(|case| {
         noisy(
@@ -363,7 +363,7 @@ fn objects_are_fitted_on_all_sides_and_below_a_tip() {
         }
     }
     let exact = Surface::Sphere(30.0).disc(&mut random, 15.0, 500);
-    // The map of the fitted sphere consists of points on the ball, and covers the area of the contacts.
+    // All points of the map must lie on the ball, and the map must reach the edge of the area of the contacts.
     let contacts = noisy(&mut random, &exact, 0, 0.01, None);
     let map = sphere(&contacts).map(&contacts, 11);
     let places = || map.iter().map(|point| point.position);

@@ -18,7 +18,7 @@ fn normals() -> impl Iterator<Item = (usize, Vector3<f64>)> {
 fn readings(tip: &RoundTip, concave: bool, with_normals: bool) -> Vec<Contact> {
     let (radius, side) = if concave { (5.0, -1.0) } else { (5.0, 1.0) };
     let readings = normals().map(|(finger, out)| {
-        // The normal of a dish points from the surface to the centre of the sphere.
+        // The outward normal of a dish points from the surface to the centre of the dish's sphere.
         let normal = Vector3::new(side * out.x, side * out.y, out.z);
         let contact = Vector3::new(radius * out.x, radius * out.y, side * radius * out.z);
         let centre = contact + normal * tip.radius;
@@ -69,8 +69,8 @@ fn tips_without_normals_determine_the_object() {
             let centre = method.fit(&patch).unwrap().centre().unwrap();
             let found = centre.curvature;
             assert!((found.mean - mean).abs() < 0.004, "{found:?}");
-            // If the radius of the tip is ignored, the reported centres lie on a ball of radius 6 or in a dish of
-            // radius 4.
+            // Check that the tip's radius matters: if it is ignored, the reported centres lie on a ball of radius 6 or
+            // in a dish of radius 4.
             let taken = Patch::new(&readings, &Vector3::z()).unwrap();
             let taken = method.fit(&taken).unwrap().centre().unwrap().curvature;
             assert!((taken.mean - mean).abs() > 0.02, "{taken:?}");
@@ -140,8 +140,8 @@ fn a_tip_larger_than_the_curvature_radius_of_its_centres_is_rejected() {
 
 #[test]
 fn a_tip_of_any_size_can_turn_on_an_edge() {
-    // If the tip turns about an edge, its centre moves on a cylinder whose radius is the tip's radius r. Because the
-    // normals are noisy, half of the estimated curvatures exceed 1/r.
+    // If a tip of radius r turns about an edge, its centre moves on a cylinder of radius r. Because of noise of the
+    // normals, half of the estimated curvatures exceed 1/r.
     let mut state = 1_u64;
     let mut noise = || {
         state = state

@@ -134,8 +134,8 @@ impl Height for Paraboloid {
         (x == 0.0 && y == 0.0).then_some(Meridian::Paraboloid { c: self.c })
     }
 
-    // In a bowl, a ball touches the opposite side only if its centre reaches the axis. If it does, the bowl's curvature
-    // across the meridian equals the ball's curvature at the contact point. The ball then does not fit at the contact.
+    // A ball in a bowl could touch the opposite side only if its centre reached the axis. Then the bowl's curvature
+    // across the meridian would equal the ball's curvature, and the ball would not fit into the bowl at the contact.
     fn may_touch_twice(&self, _radius: f64) -> bool {
         false
     }
@@ -169,13 +169,13 @@ impl Height for Saddle {
 }
 
 impl Height for HeightField {
-    // Limit the slope, because doubles do not resolve x near a vertical wall, such as the wall of sqrt(1 − x) at x = 1.
+    // Near a vertical wall, such as that of sqrt(1 − x) at x = 1, doubles do not resolve x. Therefore limit the slope.
     const STEEPEST: f64 = 1e6;
 
     fn jet(&self, x: f64, y: f64) -> HeightJet {
         let jet = self.formula.jet(x, y);
-        // At x < 0, the value of ln(x) is NaN, but its derivatives are finite. Adding 0 · value, which is NaN too,
-        // makes the derivatives NaN.
+        // For x < 0, ln(x) is NaN, but the formulas of its derivatives are finite. Adding 0 · NaN makes the derivatives
+        // NaN too.
         let nothing = 0.0 * jet.value;
         HeightJet {
             value: jet.value,

@@ -169,8 +169,8 @@ proptest! {
                 continue;
             }
             let foot = shape.closest_point(&place);
-            // Inside an ellipsoid, and beyond the centres of curvature of a graph, two points of the surface may be
-            // equally close, so these surfaces may have no closest point.
+            // Inside of an ellipsoid, and beyond the centres of curvature of a graph, two points of the surface may be
+            // equally close. Then no single point is closest, and the call returns an error.
             let may_have_none = ["ellipsoid", "paraboloid", "saddle"].contains(&shape.name());
             prop_assert!(foot.is_ok() || may_have_none, "{shape:?} at {place}: {foot:?}");
             if let Ok(foot) = foot {
@@ -234,7 +234,7 @@ proptest! {
 
 #[test]
 fn a_point_on_a_needle_is_its_own_foot() {
-    // A graph like a needle, which is so thin that the rounding error of the height exceeds its width.
+    // This paraboloid is so thin that the rounding error of its height exceeds its width.
     let needle = Graph::paraboloid(1.1e8).unwrap();
     let place = needle.contact_at(1.24, -0.5).unwrap();
     assert_eq!(needle.closest_point(&place).unwrap(), place);

@@ -67,7 +67,7 @@ fn heights_near_a_rim_keep_their_digits() {
     let (sphere, cylinder) = (Sphere::new(3.0).unwrap(), Cylinder::new(3.0, 0.0).unwrap());
     for short in [1e-3, 1e-8, 1e-15] {
         let off: f64 = 3.0 * (1.0 - short);
-        // The difference `3.0 - off` has no rounding error.
+        // `off` is close to 3, so the difference `3.0 - off` has no rounding error.
         let height = ((3.0 - off) * (3.0 + off)).sqrt();
         for found in [sphere.contact_at(0.0, off), cylinder.contact_at(9.0, off)] {
             assert_relative_eq!(found.unwrap().z, height, max_relative = 1e-15);
@@ -129,7 +129,7 @@ fn formulas_keep_their_digits_where_values_are_tiny_or_huge() {
 /// Compares meridians with numbers that mpmath computed with 60 digits.
 #[test]
 fn meridians_keep_their_digits_from_flat_to_sharp() {
-    // A nearly flat spheroid at t = 0.2 turns, and a needle-like one at t = 1000.2 turns.
+    // A nearly flat spheroid (c = 1e-12) at 0.2 turns, and a needle-like spheroid at 1000.2 turns.
     for (c, t, [outward, along], slope) in [
         (
             1e-12,
@@ -275,7 +275,7 @@ proptest! {
         assert_relative_eq!(form.k_uu * size, across, max_relative = 1e-14);
         assert_abs_diff_eq!(form.k_vv * size, across / w / w, epsilon = 1e-14 * across);
         assert_relative_eq!(normal.z, 0.5 * across, max_relative = 1e-14);
-        // The point lies half a radius of curvature below the surface.
+        // `inside` is half a radius of curvature below the surface, so `foot` is its closest point.
         let inside = foot - normal * (0.25 * size * w);
         if r < 1.0 {
             let found = hill.closest_point(&inside).unwrap();

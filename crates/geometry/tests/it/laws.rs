@@ -118,8 +118,8 @@ impl<'a, S: Surface> Place<'a, S> {
         assert_eq!(metric.m21, 0.0);
         assert!(metric.m11 > 0.0 && metric.m22 > 0.0);
 
-        // The curvature form K stores only one mixed term. Therefore this comparison also checks the symmetry of the
-        // exact form.
+        // The stored curvature form has only one mixed term. So the comparison also checks that the exact form is
+        // symmetric.
         let (form, turn) = (
             in_frame * normals * inverse,
             frame.y.transpose() * tangents * inverse,
@@ -176,8 +176,7 @@ impl<'a, S: Surface> Place<'a, S> {
     fn the_contact_at_a_place_seen_from_above_is_the_place(&self) {
         let (place, up) = (self.geometry.point, self.geometry.frame.normal.z);
         let touched = self.surface.contact_at(place.x, place.y).unwrap();
-        // At a point where the surface faces down, `contact_at` returns another point: the point above, where the
-        // surface faces up.
+        // If the surface faces down at this point, `contact_at` returns the point above it, where the surface faces up.
         let same = (touched - self.geometry.point).norm() < self.tiny / up.abs().min(1.0);
         assert_eq!(same, up > 0.0, "{touched} is not {}", self.geometry.point);
     }

@@ -51,7 +51,7 @@ fn paraboloids_and_spheroids_follow_their_charts() {
         }
     }
     for [a, c] in SPHEROIDS {
-        // The poles of the chart are left out. They are on the equator of the meridian, at t = π/2 and 3π/2.
+        // The poles of the chart, at t = π/2 and 3π/2, are left out.
         for t in [0.0, 1e-6, 0.1, 1.0, 1.5, 2.0, 3.0, PI, 4.0, 6.0] {
             follows_the_chart(&Ellipsoid::new([a, a, c]).unwrap(), t);
         }
@@ -101,7 +101,7 @@ fn integral(f: impl Fn(f64) -> f64, to: f64) -> f64 {
 fn the_slope_of_a_spheroid_turns_on_through_the_equator() {
     for [a, c] in SPHEROIDS.into_iter().chain([[1.0, 1e-9], [1e-9, 1.0]]) {
         let meridian = Meridian::Spheroid { a, c };
-        // The slope angle differs from the meridian's parameter by less than a quarter turn, and equals it at every
+        // The slope angle equals the parameter t at every quarter turn. Between these, they differ by less than a
         // quarter turn.
         for step in 0..4000 {
             let t = f64::from(step) * 0.01;

@@ -481,8 +481,8 @@ pub(crate) fn read(dir: &Path) -> Result<Option<JournalState>, Failure> {
                 }
                 found.time += Duration::from_millis(ms);
             }
-            // Do not count these rows here: their cell may be unfinished, and rows are counted when their cell is
-            // finished.
+            // Do not count the rows of trials here, because their cell may be unfinished. They are counted when their
+            // cell is finished.
             Record::Trials(_) => continue,
             Record::End => found.is_ended = true,
         }

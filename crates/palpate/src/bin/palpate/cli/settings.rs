@@ -33,7 +33,8 @@ pub(crate) trait Flagged:
 
 impl Flagged for RollEstimatorConfig {
     const GROUP: &'static str = "roll estimator";
-    // The key `start` has no flag here, because the flag `--start` states the place itself.
+    // No flag is generated for the key `start`, because `RollSettings` already has a flag `--start`. It states the
+    // place where rolls start.
     const NO_FLAGS: &'static [&'static str] = &["start"];
 }
 
@@ -43,7 +44,7 @@ impl Flagged for GlideEstimatorConfig {
 
 impl Flagged for PressEstimatorConfig {
     const GROUP: &'static str = "press estimator";
-    // The key `indentation` has no flag here, because the flag `--indentation` states the value of the indentation.
+    // No flag is generated for the key `indentation`, because `PressOptions` already has a flag of this name.
     const NO_FLAGS: &'static [&'static str] = &["indentation"];
 }
 

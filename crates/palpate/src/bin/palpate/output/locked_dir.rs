@@ -228,8 +228,8 @@ impl LockedDir {
         }
         let manifest = self.output.manifest.clone();
         let mut manifest = manifest.unwrap_or_else(|| Manifest::new([].into()));
-        // If the process is killed while it renames the files, some old and some new files remain, so this manifest
-        // lists both.
+        // Before files are renamed, write a manifest that lists the old and the new files. If the process is killed in
+        // between, a mixture of both remains.
         let mut between = manifest.clone();
         for (name, digest) in digests {
             let study = study.cloned();
