@@ -1,4 +1,4 @@
-//! Forecast of a study: its models, number of trials and run time, without running it.
+//! Forecast of a study without running it: the models that it needs, its number of trials and its run time.
 
 use std::collections::HashMap;
 use std::num::NonZeroUsize;
@@ -16,36 +16,36 @@ use crate::output_check::check_outputs;
 use crate::plan::with_ideal_sensor;
 use crate::planner::{Pace, spread};
 
-/// Time limit for setting up cells. Cells that are read by a camera are set up with their camera.
+/// Time limit for setting up cells completely. Cells that are read by a camera are set up with their camera.
 const SET_UP_LIMIT: Duration = Duration::from_millis(800);
-/// Time limit for setting up further cells, now without cameras. It applies only if the sample contains every cell of
-/// the study.
+/// Time limit for setting up the remaining cells, now without cameras. It is used only if the sample contains every
+/// cell of the study.
 const SET_UP_WITHOUT_CAMERA_LIMIT: Duration = Duration::from_secs(10);
-/// Time limit for running trials to measure their time.
+/// Time limit for running a few trials to measure the time per trial.
 const TRIALS_LIMIT: Duration = Duration::from_millis(300);
-/// Time limit for measuring the models of all groups of cells.
+/// Time limit for measuring the errors and the computing times of models, for all groups of cells together.
 const LADDERS_LIMIT: Duration = Duration::from_millis(600);
-/// The models of a roll are measured only if a trial takes at most this time.
+/// Longest time per trial of a roll for which the models of the roll are measured.
 const MAX_TRIAL_TIME: Duration = Duration::from_millis(50);
 
-/// Forecast of a valid study.
+/// Forecast of a study, made by [`check()`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
-    /// Number of cells.
+    /// Number of cells of the study.
     pub cells: usize,
-    /// Number of cells whose combination of settings was checked. In the other cells, each swept value was checked
-    /// separately.
+    /// Number of cells that were checked. In the other cells, each swept value was checked only in another
+    /// combination.
     pub checked: usize,
     /// Number of cells that were set up completely. Further cells were set up without a camera, until the time limit.
     pub set_up: usize,
-    /// Number of the set-up cells that have only one trial, because they use no random numbers.
+    /// Number of set-up cells that run only one trial, because they use no random numbers.
     pub single: usize,
-    /// Number of trials of the study. If not all cells were set up, this is an upper limit.
+    /// Number of trials of all cells. If not all cells were set up, this is an upper limit.
     pub trials: u64,
-    /// The cells that were set up, grouped by the models that they need.
+    /// Groups of cells that need the same models. Only cells that were set up completely are in a group.
     pub groups: Vec<CellGroup>,
-    /// Measured coverage of the intervals in the cells that were set up. Each entry has the number of cells to which it
-    /// applies.
+    /// Measured coverage of the 95 % intervals, each with the number of cells to which it applies. Only cells that
+    /// were set up completely are counted.
     pub intervals: Vec<(usize, Coverage)>,
     /// Estimated time of planning and run together, s.
     pub seconds: f64,
@@ -53,44 +53,46 @@ pub struct Check {
     pub threads: NonZeroUsize,
 }
 
-/// Cells that need the same models.
+/// Group of cells that need the same models and have the same warnings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellGroup {
     /// Number of cells in the group.
     pub cells: usize,
-    /// Lines that apply to each cell of the group: one line per model that the cells need, with the reason, and one
-    /// line per warning.
+    /// One line of text per needed model, with the reason, and one line per warning. The lines apply to every cell of
+    /// the group.
     pub needs: Vec<String>,
-    /// Parts of the simulation that other scenes of this kind need but the cells of this group do not, such as
-    /// "integrator".
+    /// Parts of the simulation that the cells of this group do not need, although other scenes of this kind do; for
+    /// example "integrator".
     pub needless: Vec<&'static str>,
-    /// Models that can compute the true values.
+    /// Models that can compute the true values of the group's first cell.
     pub rungs: Rungs,
 }
 
-/// Models that can compute the true values of a group's first cell.
+/// Models that can compute the true values of a cell, from the cheapest to the most exact.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rungs {
     /// At most one model can compute the true values, so there is nothing to choose.
     None,
-    /// The models were not measured, to save time.
+    /// The errors and computing times of the models were not measured, to save time.
     NotMeasured,
-    /// The models were measured in an earlier group, whose first cell has this number.
+    /// The models are the same as in an earlier group. The number is that of the earlier group's first cell.
     AsIn(usize),
-    /// The models were measured in this cell.
+    /// The errors and computing times of the models were measured in this cell.
     Measured {
-        /// Number of the cell.
+        /// Number of the cell in the study.
         cell: usize,
         /// The models with their errors, cheapest first.
         ladder: Ladder,
-        /// Indices of the chosen model and its neighbours, with the computing time if it was measured.
+        /// Index and computing time of the chosen model, of the next cheaper model, and of the next more exact model.
+        /// A time is `None` if it was not measured.
         times: Vec<(usize, Option<EvaluationTime>)>,
     },
 }
 
-/// Checks a study: sets up as many cells as a time limit allows, measures their models, and measures the time of a few
-/// trials. For a study with many cells, it uses the [sample](Study::sample) of cells. `progress` receives the number of
-/// checked cells and the number of all cells.
+/// Forecasts the models, the number of trials and the run time of a study. Sets up as many cells as a time limit allows,
+/// measures the errors and times of their models, and measures the time of a few trials. For a study with many cells,
+/// only the [sample](Study::sample) of cells is used. `progress` receives the number of checked cells and the number of
+/// cells to check.
 ///
 /// ```
 /// use std::time::Instant;
@@ -155,12 +157,12 @@ pub fn check(
     })
 }
 
-/// Sum of counts; the largest `u64` if the sum is larger.
+/// Sum of counts, limited to the largest `u64`.
 fn sum(counts: impl Iterator<Item = u64>) -> u64 {
     counts.fold(0, u64::saturating_add)
 }
 
-/// A cell, and the scene that was set up for it.
+/// A cell whose scene is set up.
 struct CellScene {
     number: usize,
     config: StudyConfig,
@@ -172,8 +174,8 @@ impl CellScene {
         self.trial.scene.trials(self.config.trials)
     }
 
-    /// Config of the scene whose computing time is measured. For a press, this is the press without its camera, so that
-    /// the set-up is fast.
+    /// Config of the scene whose computing time is measured. A press is measured without its camera, because setting
+    /// up a camera is slow.
     fn measured(&self) -> SceneConfig {
         match &self.config.scene {
             scene @ SceneConfig::Press(_) => with_ideal_sensor(scene),
@@ -181,16 +183,16 @@ impl CellScene {
         }
     }
 
-    /// Whether a camera reads the press. Models of a press with a camera are measured separately, because the markers
-    /// of a camera sensor lie at other depths than the markers of a direct reading.
+    /// Whether a camera reads a press. With a camera, the markers lie at other depths than for a direct reading, so
+    /// the errors of the models differ.
     fn has_camera(&self) -> bool {
         let scene = &self.config.scene;
         matches!(scene, SceneConfig::Press(press) if press.sensor.camera().is_some())
     }
 }
 
-/// Sets up the scenes of the study's sample in order, until the time limit. After the time limit, further presses are
-/// set up without their camera, but only if the sample is the whole study.
+/// Sets up the scenes of the study's sample, until the time limit. If the sample is the whole study, the remaining
+/// presses are then set up without their camera; this finds invalid fields, but returns no scene.
 fn scenes(
     study: &Study,
     clock: &Clock<'_>,
@@ -229,7 +231,7 @@ fn scenes(
     Ok(scenes)
 }
 
-/// Groups of cells that need the same models, with the measured models.
+/// Groups the cells by the models that they need, and measures the models of each group.
 fn groups(
     study: &Study,
     scenes: &[CellScene],
@@ -301,7 +303,7 @@ fn groups(
     Ok(groups)
 }
 
-/// Measured coverage of the scenes' intervals, each with the number of scenes to which it applies.
+/// Measured coverage of the 95 % intervals of the scenes, each with the number of scenes to which it applies.
 fn intervals(scenes: &[CellScene]) -> Vec<(usize, Coverage)> {
     let mut all: Vec<(usize, Coverage)> = Vec::new();
     for one in scenes {
@@ -314,7 +316,7 @@ fn intervals(scenes: &[CellScene]) -> Vec<(usize, Coverage)> {
     all
 }
 
-/// Parts of the simulation that other scenes of this kind need but this scene does not.
+/// Parts of the simulation that this scene does not need, although other scenes of this kind do.
 fn needless(
     trial: &SceneTrial,
     scene: &SceneConfig,

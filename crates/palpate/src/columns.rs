@@ -1,9 +1,9 @@
-//! Reads the columns of tables: their units, and their values as numbers or texts.
+//! Reads the columns of tables: the unit of each column, and its values as numbers or texts.
 
 use palpate_study::config::{self, LengthUnit, Study};
 use palpate_study::{Column, ColumnType, Label, Rows};
 
-/// Endings of column names that state a unit, each with the usual notation of this unit.
+/// Endings of column names, each with the unit that it states.
 const UNITS: [(&str, &str); 7] = [
     ("_rad", "rad"),
     ("_rad_per_s", "rad/s"),
@@ -17,9 +17,9 @@ const UNITS: [(&str, &str); 7] = [
 /// Values of a column, one value per row.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
-    /// Numbers; NaN if the field is empty.
+    /// Numbers. An empty field is NaN.
     Numbers(Vec<f64>),
-    /// Texts. The values are texts if the column is a known column of texts, or if one of its fields is not a number.
+    /// Texts. A column has texts if it is known to have texts, or if at least one of its fields is not a number.
     Texts(Vec<String>),
 }
 
@@ -35,8 +35,7 @@ pub(crate) fn swept_column(study: &Study, place: usize) -> Column {
     }
 }
 
-/// Name of a column without the study's length unit: `x` for `x_mm`. Other units stay in the name, as in
-/// `rotation_x_rad`.
+/// Name of a column without its length unit: `x` for `x_mm`. Other units stay in the name, as in `rotation_x_rad`.
 pub fn stem(name: &str, length_unit: LengthUnit) -> &str {
     let length = length_unit.as_str();
     let endings = [
@@ -47,7 +46,7 @@ pub fn stem(name: &str, length_unit: LengthUnit) -> &str {
     (endings.iter().find_map(|end| name.strip_suffix(end))).unwrap_or(name)
 }
 
-/// Unit of a swept field, from the header of its column.
+/// Unit of a swept field, as the header of its column states it.
 fn unit_of_field(header: &str, length_unit: LengthUnit) -> String {
     let (_, tail) = config::field(header);
     let of_tail = unit_of(&format!("_{tail}"), length_unit);
@@ -113,7 +112,7 @@ pub fn columns(text: &str, known: &[Column]) -> Result<Vec<(Column, Values)>, cs
     Ok(columns.into_iter().zip(all).collect())
 }
 
-/// Unit that the ending of a column's name states; used if nothing else states the unit.
+/// Unit that the ending of a column's name states. It is the last choice, if nothing else states a unit.
 pub fn unit_of(name: &str, length_unit: LengthUnit) -> Option<String> {
     let length = length_unit.as_str();
     let of_length = [
@@ -131,7 +130,7 @@ pub fn unit_of(name: &str, length_unit: LengthUnit) -> Option<String> {
     longest.map(|(_, unit)| unit)
 }
 
-/// Number in a field. It is NaN if the field is empty, and `None` if the field is a text.
+/// The number in a field: NaN if the field is empty, `None` if the field contains a text.
 fn number(field: &str) -> Option<f64> {
     match field {
         "" => Some(f64::NAN),

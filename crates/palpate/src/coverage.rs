@@ -1,5 +1,5 @@
-//! Measured coverage: the share of 95 % intervals that contained the true value in random scenes. Finds the family of
-//! random scenes that a scene belongs to.
+//! Measured coverage: the share of 95 % intervals that contained the true value in random scenes. The random scenes
+//! are grouped into families; this module finds the family that matches a given scene.
 //!
 //! `cargo xtask intervals` measures the families. Each row of its tables is one family: the fields of its scenes, many
 //! of them as ranges, and the measured coverage.
@@ -28,10 +28,10 @@ pub const FAMILY_TABLES: [(&str, &str); 4] = [
     ("image", include_str!("coverage/image.csv")),
 ];
 
-/// A family of random scenes, with the measured coverage of its intervals.
+/// A family of random scenes with similar fields, and the measured coverage of their 95 % intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
-    /// Kind of scene: `roll`, `glide`, `press`.
+    /// Kind of the scenes: `roll`, `glide` or `press`.
     pub scene: &'static str,
     /// Name of the family, as in the table.
     pub name: String,
@@ -39,27 +39,27 @@ pub struct Family {
     pub scenes: usize,
     /// Share of all trials whose 95 % interval contained the true value. A trial without an interval counts as a miss.
     pub coverage95: f64,
-    /// Lowest coverage in one scene of the family.
+    /// Lowest coverage of any single scene in the family.
     pub lowest: f64,
-    /// Field values of one scene of the family.
+    /// Fields that have the same value in every scene of the family. A field with a range has its lowest value here.
     fields: Fields,
-    /// Smallest and largest value of each numeric field in the scenes of the family.
+    /// Smallest and largest value of each field that varies within the family.
     ranges: BTreeMap<String, [f64; 2]>,
 }
 
-/// Measured coverage of scenes like a given scene.
+/// What is known about the coverage of a scene's 95 % intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Coverage {
-    /// The coverage was measured in random scenes like this scene. These scenes are the family.
+    /// The scene belongs to this family, whose coverage was measured.
     Measured(&'static Family),
-    /// No family contains the scene. The family in this variant is the most similar one. The text names the numbers of
-    /// the scene that are outside the family's ranges.
+    /// The scene belongs to no family, because some of its numbers are outside the ranges. The variant contains the
+    /// most similar family, and a text that lists these numbers.
     Outside(&'static Family, String),
-    /// No similar scenes were measured; the text is the reason.
+    /// No similar scenes were measured. The text states the reason.
     NotMeasured(String),
 }
 
-/// Measured coverage of scenes like `scene`, whose lengths are in `unit`.
+/// Finds the measured coverage of scenes that are similar to `scene`. The lengths of `scene` are in `unit`.
 ///
 /// ```
 /// use palpate::{Coverage, coverage};
@@ -107,9 +107,11 @@ pub fn coverage(scene: &SceneConfig, unit: LengthUnit) -> Coverage {
     }
 }
 
-/// Config of a scene of a family. `cells` are the columns and cells of the family's row; columns that are not fields of
-/// a scene are ignored. A cell is a value; or a range `low..high`, from which `draw` chooses a number; or `factor *
-/// field`, a multiple of the number in an earlier column.
+/// Config of one scene of a family. `cells` contains the header and the cell of each column in the family's row. Columns
+/// that are not fields of a scene are ignored.
+///
+/// A cell contains a value, a range `low..high`, or `factor * field`. `draw` chooses a number from a range. `factor *
+/// field` is a multiple of the number in the earlier column `field`.
 ///
 /// # Errors
 /// [`ConfigError`] of [`with_fields`].
@@ -148,20 +150,20 @@ pub fn family_scene<'a>(
     with_fields("family", "", &fields)
 }
 
-/// Parses a range in a cell of the table: `low..high`.
+/// Parses a range `low..high` in a cell of the table.
 fn range(cell: &str) -> Option<[f64; 2]> {
     let (low, high) = cell.split_once("..")?;
     Some([low.parse().ok()?, high.parse().ok()?])
 }
 
-/// Parses a multiple of another field's number in a cell of the table: `factor * field`.
+/// Parses `factor * field` in a cell of the table: a multiple of another field's number.
 fn multiple(cell: &str) -> Option<(f64, &str)> {
     let (factor, field) = cell.split_once(" * ")?;
     Some((factor.parse().ok()?, field))
 }
 
 impl Family {
-    /// Range of measured coverage for which intervals count as valid 95 % intervals.
+    /// Smallest and largest measured coverage at which the intervals count as valid 95 % intervals.
     pub const HOLDS: [f64; 2] = [0.92, 0.98];
 
     /// Whether the measured coverage is close to 95 %.
@@ -169,8 +171,8 @@ impl Family {
         (Self::HOLDS[0]..=Self::HOLDS[1]).contains(&self.coverage95)
     }
 
-    /// The family in a row of a table; `None` if the row has no measured coverage, or if the readings of its scenes
-    /// have a flaw.
+    /// The family in a row of a table. `None` if the row has no measured coverage, or if the readings of the family
+    /// contain a deliberate flaw.
     fn of_row(cells: &[(&str, &str)]) -> Option<Self> {
         let cell = |name| {
             cells
@@ -199,8 +201,8 @@ impl Family {
         })
     }
 
-    /// Fields in which a scene differs from the family. The first list contains fields without a range in the family.
-    /// The second list contains fields whose number is outside the range of the family.
+    /// Fields in which a scene differs from the family. The first list has fields with another value than the family's
+    /// only value. The second list has fields whose number is outside the family's range.
     fn differences<'a>(&'a self, scene: &'a Fields) -> [Vec<&'a String>; 2] {
         let keys = self.fields.keys().chain(self.ranges.keys());
         let all: BTreeSet<&String> = keys.chain(scene.keys()).collect();
@@ -214,8 +216,8 @@ impl Family {
         [others, outside]
     }
 
-    /// Text with the value of a field in this scene, and the values of this field in the random scenes. Lengths are in
-    /// the scene's unit.
+    /// Text with the value of a field in this scene and its values in the random scenes. Lengths are in the scene's
+    /// unit.
     fn in_words(&self, scene: &SceneConfig, unit: LengthUnit, field: &str) -> String {
         let [fields, doubled] = [1.0, 2.0].map(|factor| comparable_fields(scene, factor));
         let (length, name) = (unit_length(scene), unit.as_str());
@@ -245,12 +247,12 @@ impl Family {
     }
 }
 
-/// A number of a scene; 0 if the scene does not have the field.
+/// The number of a field; 0 if the scene does not have the field.
 fn number(scene: &Fields, field: &str) -> f64 {
     scene.get(field).and_then(Json::as_f64).unwrap_or(0.0)
 }
 
-/// All families of random scenes whose readings have no flaw.
+/// All families whose coverage was measured with readings without a deliberate flaw.
 fn families() -> &'static [Family] {
     static FAMILIES: OnceLock<Vec<Family>> = OnceLock::new();
     FAMILIES.get_or_init(|| {

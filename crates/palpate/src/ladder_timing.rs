@@ -1,4 +1,4 @@
-//! Measures the computing time of the models that a scene may use.
+//! Measures the computing time of the models that can compute a scene.
 
 use std::ops::RangeInclusive;
 use std::time::Duration;
@@ -7,35 +7,35 @@ use palpate_scene::{Arch, Ladder, RollScene, Rung, Scene};
 use palpate_study::config::{LengthUnit, SceneConfig};
 use palpate_sweep::Clock;
 
-/// Time during which the measurement of one model is repeated.
+/// Time for repeated measurements of one model.
 const TIMING: Duration = Duration::from_millis(12);
 /// Largest number of measurements of one model.
 const MAX_MEASUREMENTS: usize = 100_000;
-/// Largest number of trials of a roll between two readings of the clock. With several trials per reading, the time for
-/// reading the clock is negligible.
+/// Largest number of trials that are timed together. With many trials, the time for reading the clock is negligible.
 const MAX_TRIALS_PER_READING: u64 = 64;
 
-/// Computing time of a model, s. It is the smallest of several measurements, because other programs on the machine can
+/// Computing time of a model. It is the shortest of several measurements, because other programs on the machine can
 /// only make a measurement longer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EvaluationTime {
-    /// Seconds per trial, without the statistics. Each trial of a roll computes the path of its contact again.
+    /// Seconds per trial of a roll, without the statistics. Every trial uses the model to compute the path of the
+    /// contact.
     EachTrial(f64),
-    /// Seconds to set up the scene. The contacts of a glide and the displacements of markers are computed once for all
-    /// trials.
+    /// Seconds to set up a glide or a press. The model is used only during the set-up, because all trials have the
+    /// same true values.
     SettingUp(f64),
 }
 
 impl EvaluationTime {
-    /// The time in seconds, per trial or for the set-up.
+    /// The computing time, s: per trial for a roll, for the whole set-up otherwise.
     pub fn seconds(&self) -> f64 {
         let (Self::EachTrial(seconds) | Self::SettingUp(seconds)) = self;
         *seconds
     }
 }
 
-/// Three models: the next cheaper usable model, the chosen model, and the next more exact usable model. Each has its
-/// computing time if it could be measured before `deadline`.
+/// Index and computing time of three models: the next cheaper usable model, the chosen model, and the next more exact
+/// usable model. A time is `None` if there was no time to measure it before `deadline`.
 pub(crate) fn neighbour_times(
     scene: (&SceneConfig, LengthUnit, u64),
     ladder: &Ladder,
@@ -93,7 +93,7 @@ fn evaluation_time(
     least(timed, clock).map(EvaluationTime::EachTrial)
 }
 
-/// Runs trials 0 to `trials` in the same way as the runner does: several trials at once if the roll allows it.
+/// Runs `trials` trials in the same way as the runner: several trials at once, if the roll allows it.
 fn run(roll: &RollScene, trials: u64) {
     let mut trial = 0;
     while trial < trials {
@@ -108,7 +108,7 @@ fn run(roll: &RollScene, trials: u64) {
     }
 }
 
-/// Smallest of the values that `measured` returns within about [`TIMING`]; it is called at least once.
+/// Calls `measured` again and again for about [`TIMING`], but at least once. Returns the smallest value.
 fn least(mut measured: impl FnMut() -> Option<f64>, clock: &Clock<'_>) -> Option<f64> {
     let start = clock();
     let mut least = measured()?;

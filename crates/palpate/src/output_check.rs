@@ -11,8 +11,8 @@ use crate::simulation::CellTruth;
 /// Rejects a study that requests an impossible output. Examples are a plot that cannot be drawn from the study's table,
 /// a claim that does not exist, or a stop rule for a quantity that the study does not have.
 ///
-/// In a long sweep, only some values are checked. Faults that depend on the results of trials appear only when the plot
-/// is drawn.
+/// In a long sweep, only some values are checked. Faults that depend on the results of trials are found only when the
+/// plot is drawn.
 ///
 /// ```
 /// let text = r#"
@@ -78,7 +78,7 @@ fn check_stop_rule(study: &Study) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// Draws a plot from a table with invented numbers, to find faults in the plot's settings.
+/// Draws a plot from a table with invented numbers. This finds faults in the plot's settings before the run.
 fn check_plot(study: &Study, place: usize, plot: &PlotConfig) -> Result<(), ConfigError> {
     let is_swept = |path: &str| {
         study

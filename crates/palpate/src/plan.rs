@@ -10,8 +10,8 @@ use palpate_sweep::{Clock, Runner};
 
 use crate::planner::{self, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable};
 
-/// Chooses the number of trials for cells of a study. Also chooses the model, if all cells use the same model. The
-/// returned study states these choices, so running it again needs no plan.
+/// Chooses the number of trials for cells of a study. Also chooses the tolerance of the model `auto`, if all cells use
+/// it. The returned study states these choices, so it can be run again without planning.
 ///
 /// ```
 /// use std::time::{Duration, Instant};
@@ -29,7 +29,7 @@ use crate::planner::{self, Goal, Pass, PassQuantity, PassValue, Plan, PlanError,
 /// let study = palpate::parse("a-ball.toml", text)?;
 /// let runner = Runner::new(&RunOptions::default())?;
 /// let goal = Goal { target_error: Some(0.05), budget: None };
-/// // Without a budget the clock decides nothing.
+/// // Without a budget, the clock has no effect.
 /// let start = Instant::now();
 /// let (study, plan) = palpate::plan(&study, &[0], &goal, &runner, &|| start.elapsed())?;
 /// // Gaussian errors need 1/(2 · 0.05²) = 200 trials, and the margin adds to that.
@@ -39,8 +39,8 @@ use crate::planner::{self, Goal, Pass, PassQuantity, PassValue, Plan, PlanError,
 /// ```
 ///
 /// # Errors
-/// [`PlanError`], whose cells are indices of `numbers`. [`PlanError::SetUp`] also occurs if the number of trials is
-/// swept.
+/// [`PlanError`]. A cell in this error is an index into `numbers`. If the study sweeps the number of trials, the error
+/// is [`PlanError::SetUp`].
 pub fn plan(
     study: &Study,
     numbers: &[usize],
@@ -62,12 +62,12 @@ pub fn plan(
     Ok((study, plan))
 }
 
-/// Cells of a study that are planned together.
+/// The cells of a study for which a number of trials and a model are chosen.
 struct Chosen {
     study: Study,
-    /// Numbers of the cells.
+    /// Numbers of these cells in the study.
     numbers: Vec<usize>,
-    /// Whether every cell of the study has the model `auto`, and no sweep sets its tolerance.
+    /// Whether all cells have the model `auto` with the same tolerance.
     is_auto: bool,
 }
 
@@ -114,8 +114,8 @@ impl Plannable for Chosen {
         pass(&cell.config, trial.scene.quantities(), tolerance)
     }
 
-    /// The same cells, with this `tolerance` for the model `auto`. If `auto` chooses the same model in every cell, and
-    /// the cells are all cells of the study, this model replaces `auto`.
+    /// Copy of these cells in which the model `auto` has this `tolerance`. If these are all cells of the study, and
+    /// `auto` chooses the same model in each of them, the chosen model replaces `auto`.
     fn with_tolerance(&self, tolerance: Option<f64>) -> Result<Self, ConfigError> {
         let parsed = |config: &StudyConfig| config::parse("run.toml", &config::to_toml(config));
         let mut config = self.study.config.clone();
@@ -140,7 +140,7 @@ impl Plannable for Chosen {
     }
 }
 
-/// The model that `auto` chooses in every cell of a study; `None` if it differs between cells.
+/// The model that `auto` chooses in all cells of a study; `None` if it chooses different models.
 fn common_rung(study: &Study) -> Result<Option<ModelConfig>, ConfigError> {
     let mut common = None;
     for cell in 0..study.cell_count() {
@@ -155,8 +155,8 @@ fn common_rung(study: &Study) -> Result<Option<ModelConfig>, ConfigError> {
     Ok(common)
 }
 
-/// Estimates and true values of a trial without noise, with this tolerance for the model `auto`. `in_cell` contains the
-/// quantities of the cell. Returns `None` if the scene cannot be set up or the trial fails.
+/// Estimates and true values of a trial without noise, computed with this tolerance of the model `auto`. `in_cell`
+/// lists the quantities of the cell. Returns `None` if the scene cannot be set up or the trial fails.
 fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pass> {
     let set_up = |scene: &SceneConfig| Scene::new(scene, config.length_unit, config.seed).ok();
     let mut scene = with_tolerance(&config.scene, tolerance)?;
@@ -203,7 +203,7 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
     })
 }
 
-/// The scene without noise and with an ideal sensor, so that its set-up is fast.
+/// Copy of a scene without noise and with an ideal sensor. Its set-up is fast.
 pub(crate) fn with_ideal_sensor(scene: &SceneConfig) -> SceneConfig {
     let mut scene = scene.clone();
     match &mut scene {

@@ -15,29 +15,29 @@ use pilot::{CellPilot, Pilot};
 use tolerance::{Allowance, tolerance_for};
 pub(crate) use tolerance::{Pass, PassQuantity, PassValue};
 
-/// Largest allowed shift of an estimate by the model's error. It is relative to the product of the target error and the
-/// rms error.
+/// Largest allowed shift of an estimate by the model's error, as a share of (target error × rms error).
 pub const MODEL_ERROR_SHARE: f64 = 0.1;
-/// Largest number of trials per cell that a target error may require.
+/// Largest number of trials per cell that a target error may choose.
 const MAX_FOR_TARGET: f64 = 1e8;
-/// Largest number of trials per cell that a budget may give.
+/// Largest number of trials per cell that a budget may choose.
 const MAX_FOR_BUDGET: NonZeroU64 = NonZeroU64::MIN.saturating_add(999_999_999_999);
-/// Share of the budget that is used to measure the time of a few trials.
+/// Share of the budget that is used to measure the time per trial.
 const TIMING_SHARE: f64 = 0.1;
-/// Share of the budget that is used for a pilot, that is, a small run before the actual run.
+/// Share of the budget that is used for the pilot. A pilot is a small run before the actual run.
 const PILOT_SHARE: f64 = 0.15;
-/// Predicted time of the run, as a share of the budget that remains after planning.
+/// Share of the remaining budget that the run may use. The rest is a reserve, because the predicted run time is not
+/// exact.
 const RUN_SHARE: f64 = 0.9;
-/// Smallest number of trials per cell of a pilot, if there is a budget. Fewer trials cannot estimate errors.
+/// Smallest number of trials per cell of a pilot with a time budget. Fewer trials cannot estimate errors.
 const MIN_PILOT: u64 = 32;
-/// Largest number of trials per cell of a pilot, if there is a budget.
+/// Largest number of trials per cell of a pilot with a time budget.
 const MAX_PILOT: u64 = 1024;
 
 /// Cells for which the number of trials and the model's tolerance can be chosen.
 pub(crate) trait Plannable: Sized {
-    /// Experiment of a cell.
+    /// Type of the experiment that a cell runs.
     type Trial: Trial;
-    /// Error if an experiment cannot be set up.
+    /// Type of the error if an experiment cannot be set up.
     type Error;
 
     /// Number of cells.
@@ -49,14 +49,15 @@ pub(crate) trait Plannable: Sized {
     /// Reason why the cell cannot be run.
     fn set_up(&self, cell: usize) -> Result<Self::Trial, Self::Error>;
 
-    /// Name of a quantity that an experiment observes.
+    /// Name of the quantity with this index in an experiment.
     fn quantity(trial: &Self::Trial, quantity: usize) -> &'static str;
 
-    /// Possible tolerances of the common model of all cells, largest first; empty if the config states the model.
+    /// Tolerances of the model from which a plan may choose, largest first. The list is empty if the config states the
+    /// model.
     fn tolerances(&self) -> &[f64];
 
-    /// Results of a cell without noise, computed by a model with this tolerance. `trial` is the experiment of the cell.
-    /// Returns `None` if the cell cannot be computed without noise.
+    /// Estimates and true values of a cell without noise, computed by a model with this tolerance. `trial` is the
+    /// experiment of the cell. Returns `None` if the cell cannot be computed without noise.
     fn pass(&self, cell: usize, trial: &Self::Trial, tolerance: f64) -> Option<Pass>;
 
     /// Returns the same cells with a model of this tolerance. If `tolerance` is `None`, the cells use the model of the
@@ -67,37 +68,38 @@ pub(crate) trait Plannable: Sized {
     fn with_tolerance(&self, tolerance: Option<f64>) -> Result<Self, Self::Error>;
 }
 
-/// Goal of a run: a time budget, a precision of the estimated errors, or both.
+/// Goal of a plan: a time budget, a target error, or both.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Goal {
-    /// Time for the planning and the run together.
+    /// Time limit for the planning and the run together.
     pub budget: Option<Duration>,
     /// Largest allowed relative standard error of every rms error, in (0, 1).
     pub target_error: Option<f64>,
 }
 
-/// The chosen number of trials, and the numbers on which the choice is based.
+/// The number of trials that was chosen for a run, with the reasons for this choice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Whether the plan also chose the model's tolerance; false if the config states the model.
     pub chooses_model: bool,
-    /// Whether at least one cell is random. If no cell is random, one trial of each cell is enough.
+    /// Whether at least one cell is random. A cell that is not random needs only one trial.
     pub is_random: bool,
     /// Number of trials of each random cell that the target error requires; `None` without a target error, or if there
     /// was no time for a pilot.
     pub by_target: Option<NonZeroU64>,
     /// Number of trials of each random cell that the budget allows; `None` without a budget.
     pub by_budget: Option<NonZeroU64>,
-    /// Largest relative standard error that is expected for an rms error; `None` if it could not be estimated.
+    /// Largest relative standard error that the run is expected to have for any rms error; `None` if it could not be
+    /// estimated.
     pub expected_error: Option<f64>,
-    /// Set if the quantity that requires the most trials, and so determines `by_target`, has errors with heavy tails:
-    /// the index of the cell, and the name of the quantity.
+    /// Index of the cell and name of the quantity that require the most trials, if a few trials with very large errors
+    /// (heavy tails) determine the rms error of this quantity.
     pub heavy_tails: Option<(usize, &'static str)>,
     /// Cells in which every trial of the pilot failed, so that their errors are unknown.
     pub failing: Vec<FailingCell>,
 }
 
-/// Cell in which every trial of a pilot failed.
+/// A cell in which every trial of the pilot failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FailingCell {
     /// Index of the cell.
@@ -108,7 +110,7 @@ pub struct FailingCell {
     pub kind: &'static str,
 }
 
-/// Reason why planning failed. `E` is the type of error of setting up a cell.
+/// Reason why planning failed. `E` is the type of error that setting up a cell can return.
 #[derive(Debug, Error)]
 pub enum PlanError<E> {
     /// A cell cannot be set up.
@@ -121,7 +123,7 @@ pub enum PlanError<E> {
     DoesNotFit {
         /// The stated time budget.
         budget: Duration,
-        /// Approximate smallest budget for which a plan is possible, s.
+        /// Approximate smallest budget in which one trial of each cell fits, s.
         least_s: f64,
         /// Number of threads that `least_s` assumes.
         threads: NonZeroUsize,
@@ -129,7 +131,7 @@ pub enum PlanError<E> {
     /// All trials of all random cells failed in a pilot.
     #[error("all {} trials of a pilot fail ({}), so no error can be estimated", .0.trials, .0.kind)]
     AllFail(FailingCell),
-    /// The target error requires more trials than the maximum.
+    /// The target error requires more trials than the allowed maximum.
     #[error(
         "the rms error of {quantity} needs about {needed:.1e} trials; the maximum of {MAX_FOR_TARGET:.0e} \
          reaches {reached:.1e}{}", if *has_heavy_tails { "; its errors have heavy tails" } else { "" }
@@ -141,16 +143,16 @@ pub enum PlanError<E> {
         quantity: &'static str,
         /// Required number of trials.
         needed: f64,
-        /// Relative standard error that the maximum number of trials would reach.
+        /// Relative standard error that is reached with the largest allowed number of trials.
         reached: f64,
-        /// Whether the quantity's errors have heavy tails, so that a few trials determine the rms error.
+        /// Whether a few trials with very large errors (heavy tails) determine the rms error of the quantity.
         has_heavy_tails: bool,
     },
 }
 
 impl Plan {
-    /// Number of trials of each random cell: the smaller of the numbers for the target error and for the budget. `None`
-    /// if no cell is random.
+    /// Number of trials of each random cell. If both a target error and a budget state a number, this is the smaller
+    /// number. `None` if no cell is random.
     pub fn trials(&self) -> Option<NonZeroU64> {
         let fewer = match (self.by_target, self.by_budget) {
             (Some(error), Some(time)) => Some(error.min(time)),
@@ -160,13 +162,13 @@ impl Plan {
     }
 }
 
-/// Chooses the model's tolerance and the number of trials for a goal. Returns the cells with that model, and the plan.
+/// Chooses the model's tolerance and the number of trials for a goal. Returns a copy of the cells with this tolerance,
+/// and the plan.
 ///
-/// `clock` returns the time since the start of the budget. Without a budget, the result depends only on the trials and
-/// not on the clock.
+/// `clock` returns the time since planning began. Without a budget, the plan depends only on the trials and not on the
+/// clock.
 ///
-/// # Errors
-/// [`PlanError`] if no plan reaches the goal, or if a cell cannot be set up.
+/// # Errors [`PlanError`] if no plan reaches the goal, or if a cell cannot be set up.
 pub(crate) fn plan<C: Plannable>(
     cells: &C,
     goal: &Goal,
@@ -216,7 +218,7 @@ pub(crate) fn plan<C: Plannable>(
     Ok((planned, plan))
 }
 
-/// Goal, threads and clock of a plan.
+/// The goal that a plan must reach, and the runner and clock that it uses.
 struct Planner<'a> {
     goal: &'a Goal,
     runner: &'a Runner,
@@ -224,7 +226,7 @@ struct Planner<'a> {
 }
 
 impl Planner<'_> {
-    /// Sets up the experiments of all cells. Fails if this takes the whole budget.
+    /// Sets up the experiments of all cells. Returns an error if this takes the whole budget.
     fn set_up<C: Plannable>(&self, cells: &C) -> Result<Vec<C::Trial>, PlanError<C::Error>> {
         let mut trials = Vec::with_capacity(cells.cells());
         for cell in 0..cells.cells() {
@@ -241,8 +243,9 @@ impl Planner<'_> {
         Ok(trials)
     }
 
-    /// Runs a pilot with the random cells, either to reach the target error or to predict the errors within a budget.
-    /// Returns `None` if no cell is random, or if there is not enough time.
+    /// Runs a pilot with the random cells. With a target error, the pilot estimates how many trials are needed;
+    /// otherwise it predicts the errors of the run. Returns `None` if no cell is random, or if the budget is too
+    /// small.
     fn pilot<T: Trial>(&self, trials: &[T], random: &[usize]) -> Option<Pilot> {
         if random.is_empty() {
             return None;
@@ -268,8 +271,8 @@ impl Planner<'_> {
         Some(pilot)
     }
 
-    /// Cells in which every trial of the pilot failed. Returns an error if all random cells fail although there is a
-    /// target error.
+    /// Cells in which every trial of the pilot failed. Returns an error if the goal has a target error and all random
+    /// cells fail.
     fn failing<E>(
         &self,
         random: &[usize],
@@ -336,7 +339,7 @@ impl Planner<'_> {
         Ok(())
     }
 
-    /// Largest number of trials that can be run in the remaining budget; `None` without a budget.
+    /// Largest number of trials per cell that fits into the remaining budget; `None` without a budget.
     fn by_budget<C: Plannable>(
         &self,
         planned: &C,
@@ -372,8 +375,8 @@ impl Planner<'_> {
     }
 }
 
-/// Largest shifts that the model's error may cause in each cell. In the cells of the pilot, these shifts are relative
-/// to the rms errors that the pilot estimated.
+/// Largest shift of the estimates that the model's error may cause in each cell. The shift is relative to the rms
+/// error, if the pilot estimated it.
 fn allowances(cells: usize, random: &[usize], pilot: Option<&Pilot>, share: f64) -> Vec<Allowance> {
     let rms_errors = |cell: usize| {
         let found = random.iter().position(|&one| one == cell);
@@ -393,7 +396,7 @@ fn allowances(cells: usize, random: &[usize], pilot: Option<&Pilot>, share: f64)
         .collect()
 }
 
-/// Number of trials, rounded to three digits; at least 1.
+/// Rounds a number of trials to three significant digits. The result is at least 1.
 fn rounded(trials: f64, round: fn(f64) -> f64) -> NonZeroU64 {
     let unit = libm::pow(10.0, (libm::log10(trials).floor() - 2.0).max(0.0));
     let whole = round(trials / unit) * unit;

@@ -4,8 +4,8 @@ use image::RgbImage;
 use palpate_recorded::{Frame, RecordedFile};
 use palpate_study::{Column, Table};
 
-/// Readings from columns of numbers, in the form in which [`recorded`](crate::recorded) reads them from a file.
-/// Messages use `file` as the file's name.
+/// Makes a table of readings from columns of numbers, in the form that the functions of [`recorded`](crate::recorded)
+/// accept. Error messages use `file` as the file's name.
 ///
 /// ```
 /// use palpate::recorded::parse_press;
@@ -25,8 +25,8 @@ pub fn readings<const N: usize>(file: &str, header: [&str; N], rows: &[[f64; N]]
     RecordedFile::new(file, table.to_csv().into_bytes())
 }
 
-/// Frame of a camera from its pixels: three bytes (red, green, blue) for each pixel, row by row from the top left.
-/// Messages use `file` as the frame's name. `None` if the number of pixels is not `width` times `height`.
+/// Makes a camera frame from pixels. `rgb` has three bytes (red, green, blue) for each pixel, row by row from the top
+/// left. Error messages use `file` as the frame's name. `None` if the number of pixels is not `width` times `height`.
 ///
 /// ```
 /// use palpate::{frame, recorded};

@@ -1,4 +1,4 @@
-//! Makes the contents of the files that a run writes: `cells.csv`, `failures.csv`, `map.csv`, the table of trials, and
+//! Makes the contents of the files that a run writes: `cells.csv`, `failures.csv`, the table of trials, and
 //! `run.toml`.
 
 use std::fmt::{Display, Write};
@@ -20,8 +20,8 @@ pub(crate) fn failure_columns() -> Vec<Column> {
     first.into_iter().chain(counts).collect()
 }
 
-/// All columns that the tables of a run may have. They are the columns of the tables of cells, failures and trials, and
-/// of the map if the scene has one.
+/// Columns of all tables that a run may write: the tables of cells, failures and trials, and the map if the scene has
+/// one.
 pub fn result_columns(study: &Study) -> Vec<Column> {
     let map = map_table_of(&study.config.scene, study.config.length_unit);
     let map = map.map_or_else(Vec::new, |map| map.table.columns);
@@ -41,8 +41,8 @@ pub(crate) struct Row<'a> {
     pub(crate) statistics: &'a CellStatistics,
 }
 
-/// Whether `cells.csv` has a column for the bound on the standard deviation. This is the case if at least one cell is a
-/// press.
+/// Whether `cells.csv` has a column for the lower bound on the standard deviation. It has this column if at least one
+/// cell is a press.
 pub(crate) fn states_bounds(study: &Study) -> bool {
     let is_press = |scene: &SceneConfig| matches!(scene, SceneConfig::Press(_));
     // Only these two fields can change the kind of the scene.
@@ -56,8 +56,8 @@ pub(crate) fn states_bounds(study: &Study) -> bool {
             })
 }
 
-/// Indices of the swept fields that have their own column in the tables. A swept number of trials has no column of its
-/// own, because the column `trials` already contains it.
+/// Indices of the swept fields that have their own column in the tables. A swept number of trials has none, because
+/// the column `trials` already contains it.
 fn swept(study: &Study) -> impl Iterator<Item = usize> + '_ {
     (0..study.paths.len()).filter(|&place| Statistic::named(&study.paths[place]).is_none())
 }
@@ -78,12 +78,13 @@ pub(crate) fn columns(study: &Study, states_bounds: bool) -> Vec<Column> {
         .collect()
 }
 
-/// Column of numbers. The column `unit` of the same row states their unit.
+/// Column of numbers with different units. The unit of each number is in the column `unit` of the same row.
 fn in_unit_of_row(name: &str) -> Column {
     Column::number(name, Column::UNIT_OF_ROW)
 }
 
-/// Table with one row per cell and quantity. With presses, the bound on the standard deviation follows the statistics.
+/// Table with one row per cell and quantity. If `states_bounds` is true, the last column is the lower bound on the
+/// standard deviation.
 pub(crate) fn cells(study: &Study, ran: &[Row<'_>], states_bounds: bool) -> Table {
     let mut table = Table::new(columns(study, states_bounds));
     let mut add = |fields: &[String]| table.rows.push(fields.to_vec());
@@ -102,7 +103,7 @@ pub(crate) fn cells_csv(study: &Study, ran: &Row<'_>, states_bounds: bool) -> St
     text
 }
 
-/// Fields of one row of a table. Their memory is reused for the next row.
+/// Fields of the current row of a table. The memory of the fields is used again for the next row.
 #[derive(Default)]
 struct Fields {
     fields: Vec<String>,
@@ -121,7 +122,7 @@ impl Fields {
         self.used += 1;
     }
 
-    /// Adds a number as text, or an empty field if there is no number.
+    /// Adds a number as text; `None` becomes an empty field.
     fn number(&mut self, value: Option<f64>) {
         match value {
             Some(value) => self.text(Shortest(value)),
@@ -130,7 +131,7 @@ impl Fields {
     }
 }
 
-/// Passes the rows of a cell to `take`, one for each quantity.
+/// Makes the rows of a cell, one for each quantity, and passes each row to `take`.
 fn cell_rows(study: &Study, ran: &Row<'_>, states_bounds: bool, take: &mut dyn FnMut(&[String])) {
     let Row {
         cell,
@@ -155,7 +156,7 @@ fn cell_rows(study: &Study, ran: &Row<'_>, states_bounds: bool, take: &mut dyn F
     }
 }
 
-/// Adds the statistics of a quantity, in the order of [`Statistic::ALL`].
+/// Adds the statistics of a quantity to a row, in the order of [`Statistic::ALL`].
 fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
     row.number(summary.truth);
     row.text(cell.trials);
@@ -186,8 +187,8 @@ fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
     }
 }
 
-/// A quantile, rounded to its resolution, which is 1/256 of its distance from the true value. The last digit that is
-/// kept is at the decimal place of the first digit of this resolution.
+/// Rounds a quantile to the digits that are significant. Quantiles come from a histogram whose resolution is 1/256 of
+/// the distance from the true value. The last kept digit has the decimal place of the first digit of this resolution.
 fn with_digits(quantile: Option<f64>, truth: Option<f64>) -> Option<f64> {
     let (value, error) = (quantile?, (quantile? - truth?).abs());
     if value == 0.0 || error == 0.0 {
@@ -239,7 +240,7 @@ pub(crate) fn push_trial(
     }
 }
 
-/// Power of ten of the first digit of a number in its shortest decimal text; `None` for 0.
+/// Power of ten of the first digit of a number: −2 for 0.0345. `None` for 0.
 fn decimal_place(number: f64) -> Option<i32> {
     // Powers of ten, exact or nearly exact. If a number is very close to one of these powers, the number's decimal text
     // determines the place.
@@ -277,8 +278,8 @@ pub(crate) fn failures(ran: &[Row<'_>]) -> Table {
     table
 }
 
-/// Contents of `run.toml`: the config of a study with all defaults, and the version of palpate. A run of this file
-/// writes the same tables, byte for byte.
+/// Contents of `run.toml`: the config of a study with all defaults, and the version of palpate. If `run.toml` is used as
+/// the config of a new run, this run writes the same tables, byte for byte.
 ///
 /// ```
 /// let text = r#"

@@ -1,10 +1,10 @@
-//! Shards: parts of a study, each with its own cells, that run separately.
+//! A study can be divided into shards. Each shard has its own cells and runs separately.
 
 use palpate_study::config::Study;
 use palpate_sweep::Task;
 
-/// One part of a study that is divided into several runs. Each shard runs every `of`-th cell, so that all shards have
-/// about the same work.
+/// One part of a study, which runs separately. Each shard runs every `of`-th cell, so that all shards take about the
+/// same time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     /// Number of the shard, counted from 1.
@@ -20,7 +20,7 @@ impl Default for Shard {
     }
 }
 
-/// Tasks of one shard: one per cell.
+/// Tasks of one shard. Each task is one cell.
 #[derive(Debug)]
 pub(crate) struct ShardTasks {
     /// Numbers of the cells of all shards together.
@@ -40,7 +40,7 @@ impl ShardTasks {
         all.saturating_sub(before).div_ceil(self.shard.of)
     }
 
-    /// Cell of the task with this number in this shard.
+    /// Number of the cell that this task of the shard runs.
     pub(crate) fn cell(&self, number: u64) -> usize {
         let place = number * self.shard.of + self.shard.number - 1;
         self.cells[place as usize]
@@ -55,7 +55,7 @@ impl ShardTasks {
         }
     }
 
-    /// Number of trials of the first `tasks` tasks of this shard; the largest `u64` if the number is larger.
+    /// Number of trials of the first `tasks` tasks of this shard, limited to the largest `u64`.
     pub(crate) fn trials_before(&self, study: &Study, tasks: u64) -> u64 {
         if !study.paths.iter().any(|path| path == "trials") {
             let of_each = self.cells.first().map_or(0, |&cell| trials(study, cell));

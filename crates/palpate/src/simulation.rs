@@ -1,4 +1,4 @@
-//! Simulation of a study: runs the trials of its cells and makes their tables.
+//! Simulates a study: runs the trials of its cells, and makes the tables of results.
 
 mod cell_results;
 mod cell_setup;
@@ -26,14 +26,14 @@ pub(crate) use cell_setup::CellTruth;
 
 use cell_setup::CellSetup;
 
-/// Largest number of cells for which every cell is set up before the first trial. For a larger study, only a sample of
-/// cells is set up first.
+/// Largest number of cells for which every cell is set up, and so checked, before the first trial. In a larger study,
+/// only a sample of cells is checked.
 const MAX_CHECKED: u64 = 10_000;
-/// Number of scenes that are kept in memory between their check and their trials. All other scenes are set up twice, so
-/// that studies with many cells do not need much memory. Setting up a scene with a camera takes about a second.
+/// Number of scenes that stay in memory from the check until their trials. All other scenes are set up twice, so that
+/// a study with many cells does not need much memory.
 const MAX_CACHED: usize = 64;
 
-/// Cells of a study that are checked and ready for their trials.
+/// Simulation of some or all cells of a study.
 ///
 /// ```
 /// use std::sync::atomic::AtomicBool;
@@ -68,23 +68,23 @@ pub struct Simulation<'a> {
     arch: Arch,
     tasks: ShardTasks,
     states_bounds: bool,
-    /// Template of the table of maps: its columns, without rows. `None` if the config requests no maps.
+    /// Columns of the table of maps, without rows; `None` if the config requests no maps.
     maps: Option<MapTable>,
     warnings: Warnings,
-    /// Whether each trial is also output as rows of a table.
+    /// Whether the rows of all single trials are output too.
     has_trials: bool,
-    /// Scenes that were set up for the check and will be used for the trials, by the numbers of their cells.
+    /// Scenes that were set up for the check, by cell number. They are used again for the trials.
     cached: Mutex<BTreeMap<usize, (Cell, Scene)>>,
-    /// Models that several scenes share, so that each model is computed only once.
+    /// Models that several scenes share, so that each model is set up only once.
     parts: SharedModels,
 }
 
 impl<'a> Simulation<'a> {
-    /// Simulation of the cells with these numbers. To check the cells, they are set up on the runner's threads.
+    /// Simulation of the cells with these numbers. The runner's threads set up the cells to check them.
     ///
-    /// # Errors
-    /// [`ConfigError`] of the first cell with an invalid field, with readings that allow no estimate, or with a map that its
-    /// scene does not have; also for a number that is not a cell of the study.
+    /// # Errors [`ConfigError`] of the first cell that is invalid: it has an invalid field, its readings allow no
+    /// estimate, or the config requests a map that its scene does not have. Also an error if a number is not that of a
+    /// cell.
     pub fn new(
         study: &'a Study,
         numbers: impl IntoIterator<Item = usize>,
@@ -94,11 +94,10 @@ impl<'a> Simulation<'a> {
         Self::of_shard(study, cells, Shard::default(), runner)?.checked()
     }
 
-    /// Simulation of one shard of the cells with these numbers. The cells are not checked.
+    /// Simulation of one shard. `numbers` are the cells of all shards together. The cells are not checked.
     ///
-    /// # Errors
-    /// [`ConfigError`] of the first cell. It is set up if the config requests maps, because its scene determines the
-    /// columns of the map.
+    /// # Errors [`ConfigError`] of the first cell. This cell is set up only if the config requests maps, because its
+    /// scene determines the columns of the map.
     pub fn of_shard(
         study: &'a Study,
         numbers: Vec<usize>,
@@ -129,11 +128,10 @@ impl<'a> Simulation<'a> {
         })
     }
 
-    /// Sets up the cells to check them. If there are more than 10,000 cells, only the cells of the study's
+    /// Checks the cells by setting them up. If there are more than 10,000 cells, only the cells of the study's
     /// [sample](Study::sample) are set up.
     ///
-    /// # Errors
-    /// [`ConfigError`], as [`Simulation::new`] has.
+    /// # Errors The same [`ConfigError`] as [`Simulation::new`].
     pub fn checked(self) -> Result<Self, ConfigError> {
         let warnings = Mutex::new(Warnings::default());
         let count = self.tasks.tasks() as usize;
@@ -163,15 +161,15 @@ impl<'a> Simulation<'a> {
         })
     }
 
-    /// Selects the vector instructions, for example narrower ones than the widest vector instructions of the processor.
-    /// The results do not depend on the width.
+    /// Sets which vector instructions the simulation uses, for example narrower ones than the processor supports. The
+    /// results do not depend on this choice.
     #[must_use]
     pub fn with_arch(self, arch: Arch) -> Self {
         Self { arch, ..self }
     }
 
-    /// Switches per-trial output on. [`Simulation::stream`] then passes the rows of the trials on before the results of
-    /// their cell, and [`Simulation::run`] returns a table of them.
+    /// Also outputs the rows of all single trials. [`Simulation::stream`] passes the rows of a cell's trials on before
+    /// the result of the cell, and [`Simulation::run`] returns a table of all trials.
     #[must_use]
     pub fn with_trials(self) -> Self {
         Self {
@@ -180,24 +178,24 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// Number of trials of all cells together; the largest `u64` if the number is larger. A cell without noise runs
-    /// fewer trials than this number assumes.
+    /// Number of trials of all cells, limited to the largest `u64`. It is an upper limit, because a cell without noise
+    /// runs only one trial.
     pub fn trials(&self) -> u64 {
         self.tasks.trials_before(self.study, self.tasks.tasks())
     }
 
-    /// Number of trials of the first `tasks` tasks, counted as in [`Simulation::trials`].
+    /// Number of trials of the first `tasks` tasks. It is an upper limit, as in [`Simulation::trials`].
     pub fn trials_before(&self, tasks: u64) -> u64 {
         self.tasks.trials_before(self.study, tasks)
     }
 
-    /// Number of tasks. Each cell of this shard is one task.
+    /// Number of tasks. Each cell of the simulated shard is one task.
     pub fn tasks(&self) -> u64 {
         self.tasks.tasks()
     }
 
-    /// Whether the study has so many cells that only a sample is set up before the first trial. Each cell then reports
-    /// its warnings when it runs.
+    /// Whether the study has so many cells that only a sample was checked. If so, each cell reports its warnings when
+    /// it runs.
     pub fn is_sampled(&self) -> bool {
         self.tasks.tasks() > MAX_CHECKED
     }
@@ -207,19 +205,18 @@ impl<'a> Simulation<'a> {
         self.tasks.cells.len() as u64
     }
 
-    /// Cell of the task with this number.
+    /// Number of the cell that this task runs.
     pub fn cell_of(&self, task: u64) -> usize {
         self.tasks.cell(task)
     }
 
-    /// Warnings of the checked cells, for example a warning that the contact model or the estimator is not valid in a
-    /// cell.
+    /// Warnings from the check, for example that the contact model or the estimator is not valid in a cell.
     pub fn check_warnings(&self) -> &Warnings {
         &self.warnings
     }
 
-    /// Columns of `cells.csv`, of `failures.csv`, of `map.csv` (if the config requests maps), and of the table of
-    /// trials (if per-trial output is on).
+    /// Columns of `cells.csv`, `failures.csv`, `map.csv` and the table of trials. The columns of `map.csv` are `None`
+    /// if the config requests no maps; those of the table of trials are `None` if the rows of trials are not output.
     pub fn columns(&self) -> [Option<Vec<Column>>; 4] {
         let maps = self.maps.as_ref();
         [
@@ -230,16 +227,17 @@ impl<'a> Simulation<'a> {
         ]
     }
 
-    /// Runs the tasks from `first` on, until another thread sets `cancelled` or `take` returns `Break`. `make` may be
-    /// called on any thread. `take` receives the results in task order; with per-trial output, it receives the rows of
-    /// the trials before the result of their cell. `progress` may be called on any thread, with the number of trials
-    /// that were done since the previous call.
+    /// Runs all tasks from number `first` on. Stops if another thread sets `cancelled`, or if `take` returns `Break`.
     ///
-    /// # Errors
-    /// [`SweepError::Cancelled`], also if `take` returns `Break`; [`SweepError::SetUp`] if a cell cannot be set up.
+    /// `make` converts the results of a cell; it may be called on any thread. `take` receives the converted results in
+    /// the order of the tasks. If the rows of trials are output, `take` receives them before the result of their cell.
+    /// `progress` receives the number of trials that were done since its previous call; it may be called on any
+    /// thread.
     ///
-    /// # Panics
-    /// Panics if `progress`, `make` or `take` panics.
+    /// # Errors [`SweepError::Cancelled`], also if `take` returns `Break`; [`SweepError::SetUp`] if a cell cannot be
+    /// set up.
+    ///
+    /// # Panics Panics if `progress`, `make` or `take` panics.
     pub fn stream<R: Send>(
         &self,
         first: u64,
@@ -257,15 +255,12 @@ impl<'a> Simulation<'a> {
         self.runner.stream(&tasks, cancelled, progress, take)
     }
 
-    /// Runs all trials, until another thread sets `cancelled`. `progress` may be called on any thread, with the number
-    /// of trials that were done since the previous call.
+    /// Runs all trials. Stops if another thread sets `cancelled`. `progress` receives the number of trials that were
+    /// done since its previous call; it may be called on any thread.
     ///
-    /// # Errors
-    /// [`SweepError`] of a cell that cannot be set up, before any trial is run; [`SweepError::Cancelled`] if
-    /// `cancelled` is set.
+    /// # Errors [`SweepError`] if a cell cannot be set up; [`SweepError::Cancelled`] if `cancelled` is set.
     ///
-    /// # Panics
-    /// Panics if `progress` panics.
+    /// # Panics Panics if `progress` panics.
     pub fn run(
         &self,
         cancelled: &AtomicBool,
@@ -310,7 +305,7 @@ impl<'a> Simulation<'a> {
         self.study.estimable_scene_of(number, cell, &self.parts)
     }
 
-    /// Sets up a cell, or returns the stored scene of a checked cell.
+    /// Returns a cell that is ready for its trials. Uses the scene from the check if it is still in memory.
     fn set_up(&self, number: usize) -> Result<CellSetup, ConfigError> {
         let cached = lock(&self.cached).remove(&number);
         let (cell, scene) = match cached {
@@ -349,7 +344,7 @@ impl<'a> Simulation<'a> {
 const UNLIKE_MAPS: &str =
     "maps of glides and presses cannot be in one table; only \"cells\" and \"trace\" are possible";
 
-/// Empty table for the maps of a scene.
+/// Table for the maps of a scene, with columns but without rows.
 fn map_table(study: &Study, scene: &Scene) -> Result<MapTable, ConfigError> {
     let table = scene.map_table(study.config.length_unit);
     table.map_err(|message| study.error_at(0, "outputs", message))
@@ -359,7 +354,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The tasks of a simulation that have not been run yet.
+/// The tasks of a simulation from number `first` on.
 struct Tasks<'s, 'a, F> {
     simulation: &'s Simulation<'a>,
     first: u64,
@@ -437,7 +432,7 @@ impl Simulation<'_> {
     }
 }
 
-/// Warnings of a scene.
+/// Warnings that a scene has before its trials.
 fn warnings_of(scene: &Scene) -> Vec<Warning> {
     let needs = scene.needs().into_iter();
     let warning = |need| match need {
@@ -447,10 +442,10 @@ fn warnings_of(scene: &Scene) -> Vec<Warning> {
     needs.filter_map(warning).collect()
 }
 
-/// Results of the trials of a [`Simulation`].
+/// Results of [`Simulation::run`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ran {
-    /// Statistics of each cell, in the order of their numbers.
+    /// Statistics of each cell, in the order of the cell numbers.
     pub statistics: Vec<CellStatistics>,
     /// Table `cells.csv`: one row per cell and quantity.
     pub cells: Table,
@@ -458,10 +453,10 @@ pub struct Ran {
     pub failures: Table,
     /// Table `map.csv` of the first trial of every cell; `None` if the config does not request it.
     pub map: Option<Table>,
-    /// Warnings of the cells, at most one warning for each code.
+    /// Warnings of the cells, one for each warning code.
     pub warnings: Vec<Warning>,
-    /// Table of all trials as CSV text, with one row per observation or failure; `None` without [per-trial
-    /// output](Simulation::with_trials).
+    /// Table of all trials as CSV text, with one row per estimate or failure; `None` without
+    /// [`with_trials`](Simulation::with_trials).
     pub trials: Option<String>,
 }
 

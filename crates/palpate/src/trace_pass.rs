@@ -7,16 +7,16 @@ use thiserror::Error;
 /// Reason why a trial cannot be traced.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TraceError {
-    /// Invalid field, a scene without contact, or a cell number that the study does not have.
+    /// The config has an invalid field, the scene has no contact, or the study has no cell with this number.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// The traced trial ends early, or the sensor cannot read it.
+    /// The traced trial ends early, or the sensor cannot read the contact.
     #[error(transparent)]
     Pass(PassError),
 }
 
-/// Traces one trial of a cell. This is trial number `trial` with its noise; if `trial` is `None`, it is a trial without
-/// noise.
+/// Traces one trial of a cell. If `trial` is a number, traces the trial with this number and its noise. If `trial` is
+/// `None`, traces a trial without noise.
 ///
 /// ```
 /// let text = r#"

@@ -5,20 +5,20 @@ use std::collections::BTreeMap;
 use palpate_study::Warning;
 use serde::{Deserialize, Serialize};
 
-/// Warnings of cells. For each code, the first warning and the number of cells are stored.
+/// Warnings of many cells. For each warning code, only the first warning and the number of cells are stored.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Warnings {
     by_code: BTreeMap<String, Group>,
 }
 
-/// Warnings that have the same code.
+/// All warnings with the same code.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Group {
     /// Warning of the first cell that has a warning with this code.
     warning: Warning,
-    /// Number of the first cell with this code, and index of the warning among the warnings of this cell.
+    /// Number of the cell with this warning, and index of the warning among the warnings of the cell.
     first: (usize, usize),
-    /// Number of cells that have a warning with this code.
+    /// Number of cells with a warning of this code.
     cells: usize,
 }
 
@@ -39,7 +39,7 @@ impl Warnings {
         }
     }
 
-    /// Adds the warnings of other cells.
+    /// Adds warnings that were collected from other cells.
     pub fn merge(&mut self, other: Self) {
         other
             .by_code
@@ -63,8 +63,8 @@ impl Warnings {
         known.cells = cells;
     }
 
-    /// One warning for each code, in the order of the first cells. If the study has several `cells`, the text states
-    /// the number of cells with the warning, and the first of these cells.
+    /// One warning for each code, sorted by the first cell with this code. If `cells` is larger than 1, the text of
+    /// each warning also states how many cells have the warning, and the number of the first of them.
     pub fn grouped(&self, cells: usize) -> Vec<Warning> {
         let mut groups: Vec<&Group> = self.by_code.values().collect();
         groups.sort_by_key(|group| group.first);
@@ -84,8 +84,8 @@ impl Warnings {
     }
 }
 
-/// Files with the warnings of a run, as names and contents: one file with lines of text and one with JSON. If there are
-/// no warnings, there are no files.
+/// File names and contents of the warnings of a run: a file with lines of text, and a JSON file. Empty if there are no
+/// warnings.
 pub fn warning_files(warnings: &[Warning]) -> Vec<(&'static str, String)> {
     if warnings.is_empty() {
         return Vec::new();

@@ -1,5 +1,5 @@
-//! Converts the fields of a scene to a form in which scenes can be compared. Lengths are in units of the probe's radius
-//! (for glides, of the distance between the outermost fingers), and each quantity has only one name.
+//! Converts the fields of a scene to a comparable form. All lengths are divided by one length of the scene: the radius
+//! of the probe, or for glides the distance between the outermost fingers. Each quantity has only one name.
 
 use std::collections::BTreeMap;
 
@@ -10,8 +10,8 @@ use serde_json::{Value as Json, json};
 /// digits.
 pub(super) type Fields = BTreeMap<String, Json>;
 
-/// Beginnings of the paths of fields that are not compared. Such a field states how true values are computed, where
-/// estimates are compared with true values, or a property that the random scenes vary without a range.
+/// Beginnings of the paths of fields that are not compared. These fields do not affect readings and estimates, or the
+/// random scenes contain all their values.
 const IGNORED: [&str; 7] = [
     "scene.model.tolerance",
     "scene.evaluate",
@@ -22,7 +22,7 @@ const IGNORED: [&str; 7] = [
     "scene.noise.angular_velocity.side",
 ];
 
-/// The length that becomes the unit of length when scenes are compared.
+/// The length by which all lengths of a scene are divided for a comparison.
 pub(super) fn unit_length(scene: &SceneConfig) -> f64 {
     let json = json!(scene);
     let fingers = json["motion"]["finger_positions"].as_array();
@@ -34,7 +34,7 @@ pub(super) fn unit_length(scene: &SceneConfig) -> f64 {
     }
 }
 
-/// Fields of a scene, with its lengths multiplied by a factor.
+/// Fields of a scene in comparable form. All lengths are also multiplied by `factor`.
 pub(super) fn comparable_fields(scene: &SceneConfig, factor: f64) -> Fields {
     let mut json = json!(in_unit(scene, factor / unit_length(scene)));
     match scene {
@@ -51,7 +51,7 @@ pub(super) fn comparable_fields(scene: &SceneConfig, factor: f64) -> Fields {
     fields
 }
 
-/// Inserts every value of a JSON tree together with its path.
+/// Inserts every value of a JSON tree into `fields`, with its path as key.
 fn insert(fields: &mut Fields, path: String, value: Json) {
     match value {
         Json::Object(table) => {
@@ -80,7 +80,8 @@ fn number(table: &Json, key: &str) -> f64 {
     table[key].as_f64().unwrap_or(0.0)
 }
 
-/// Curvature of a ball, a plane, a dish or another object that is a quadric; negative for a dish.
+/// Curvature of an object at its apex; negative for a dish. `None` for an object that is not described by one
+/// curvature.
 fn curvature(object: &Json) -> Option<f64> {
     match object["kind"].as_str()? {
         "plane" => Some(0.0),
@@ -92,8 +93,8 @@ fn curvature(object: &Json) -> Option<f64> {
     }
 }
 
-/// Replaces the directions of a roll by their number, and its arc length or duration by its angle, so that rolls can be
-/// compared.
+/// Makes the fields of a roll comparable: the number of directions replaces the directions, and the angle of the roll
+/// replaces its arc length or duration.
 fn name_roll(roll: &mut Json) {
     let object = curvature(&roll["object"]);
     let motion = &mut roll["motion"];
@@ -117,8 +118,8 @@ fn name_roll(roll: &mut Json) {
     roll["model"] = Json::Null;
 }
 
-/// Replaces the fields of a glide by comparable fields: the number of fingers, the standard deviations of the noise,
-/// and an estimator with or without stated noise.
+/// Makes the fields of a glide comparable. The number of fingers replaces their positions, standard deviations replace
+/// the other descriptions of noise, and the estimator only states whether its stated noise is right.
 fn name_glide(glide: &mut Json) {
     let motion = &mut glide["motion"];
     let fingers = motion["finger_positions"].as_array().map_or(0, Vec::len);
@@ -156,8 +157,8 @@ fn name_glide(glide: &mut Json) {
     }
 }
 
-/// Replaces the fields of a press by comparable fields: the object's curvature, one kind of reading, the soft body, and
-/// an estimator that lists only the settings that differ from the soft body.
+/// Makes the fields of a press comparable. The curvature replaces the object, averaged noise replaces the number of
+/// frames, and the estimator lists only settings that differ from the simulated soft body.
 fn name_press(press: &mut Json, poisson: f64) {
     // Only round objects are compared by their curvature, because the random scenes have only round objects.
     if !["cylinder", "ellipsoid"]
@@ -201,7 +202,7 @@ fn name_press(press: &mut Json, poisson: f64) {
     }
 }
 
-/// Whether a stated number equals the true number.
+/// Whether a number stated to the estimator equals the true number, except for rounding.
 fn agrees(stated: f64, truth: f64) -> bool {
     (stated - truth).abs() <= 1e-9 * truth
 }

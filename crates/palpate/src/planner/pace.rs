@@ -5,27 +5,28 @@ use std::time::Duration;
 
 use palpate_sweep::{Cell, Clock, JOB, Runner, Trial};
 
-/// The time per trial of a cell is measured for at most this time. A single trial always runs to its end, even if it takes
+/// The time per trial of a cell is measured with trials that take at most this time together. A single trial may take
 /// longer.
 const LONGEST: Duration = Duration::from_millis(10);
-/// The time per trial of a cell is measured for at least this time.
+/// The time per trial of a cell is measured with trials that take at least this time together.
 const SHORTEST: Duration = Duration::from_millis(1);
-/// A measured time above this value is not measured again, because the delay of waking the threads is negligible.
+/// A measurement longer than this time is not repeated. The delay of waking the threads is negligible in such a long
+/// time.
 const SLOW: Duration = Duration::from_millis(100);
-/// Number of repetitions of a measurement.
+/// Number of repetitions of a short measurement.
 const REPEATS: usize = 3;
-/// Largest number of trials of a cell that are timed in one measurement.
+/// Largest number of trials that are timed together in one measurement.
 const MAX_TIMED: u64 = 1 << 20;
 
-/// Time per trial of each cell, s, on one thread while the other threads are busy too.
+/// Time per trial of each cell, s. It is the time on one thread, while all other threads are busy too.
 #[derive(Clone, Debug)]
 pub(crate) struct Pace {
     seconds: Vec<f64>,
 }
 
 impl Pace {
-    /// Measures the time of a few trials of at least one cell; all measurements together take about `limit`. The timed
-    /// cells are spread evenly over all cells. For the other cells, the largest measured time is used.
+    /// Measures the time per trial of several cells; all measurements together take about `limit`. The measured cells
+    /// are spread evenly over all cells. The largest measured time is assumed for the cells that are not measured.
     pub(crate) fn of<T: Trial>(
         runner: &Runner,
         cells: &[T],
@@ -53,8 +54,8 @@ impl Pace {
         self.seconds[cell]
     }
 
-    /// Upper bound on the time (s) of a run on `threads` threads, with these numbers of trials of each cell. It is
-    /// Graham's bound (1966) for list scheduling, in which no thread is idle until the last job has started.
+    /// Upper bound on the time of a run with these numbers of trials in each cell, s. It is Graham's bound (1966) for
+    /// jobs that are started one after another as soon as a thread is idle.
     pub(crate) fn run_seconds(&self, trials: &[u64], threads: NonZeroUsize) -> f64 {
         let (mut sum, mut longest) = (0.0, 0.0_f64);
         for (&trials, &seconds) in trials.iter().zip(&self.seconds) {
@@ -65,8 +66,8 @@ impl Pace {
         sum / threads + longest * (1.0 - 1.0 / threads)
     }
 
-    /// Largest number of trials of each random cell, up to `most`, for which a run takes at most `seconds`. Cells that
-    /// are not random run one trial. `None` if even one trial of each cell takes longer.
+    /// Largest number of trials per random cell, up to `most`, for which a run takes at most `seconds`. A cell that is
+    /// not random runs one trial. `None` if even a run with one trial per cell takes longer.
     pub(super) fn most_trials(
         &self,
         is_random: &[bool],
@@ -100,7 +101,7 @@ impl Pace {
     }
 }
 
-/// The whole numbers from 0 to `count` − 1, sorted by their reversed bits. With this order, the first few numbers are
+/// The whole numbers below `count`, in the order of their reversed bits. The first few numbers of this order are
 /// spread over the whole range.
 pub(crate) fn spread(count: usize) -> impl Iterator<Item = usize> {
     let bits = count.next_power_of_two().trailing_zeros();
@@ -112,12 +113,11 @@ pub(crate) fn spread(count: usize) -> impl Iterator<Item = usize> {
         .filter(move |&number| number < count)
 }
 
-/// Seconds per trial of a cell, measured while the runner runs trials of this cell on all threads at once.
+/// Seconds per trial of a cell, measured while all threads run trials of this cell.
 ///
-/// The number of trials is doubled until the trials take at least `long_enough` or their number is [`MAX_TIMED`], even
-/// if the cell has fewer trials. With few trials, the time of waking the threads would dominate. A measurement that is
-/// long enough is repeated and the shortest time is used, because other programs may have disturbed it; a time longer
-/// than [`SLOW`] is not repeated.
+/// The number of trials is doubled until they take at least `long_enough` together, because waking the threads takes
+/// longer than a few short trials. The last measurement is repeated and the shortest time is used, because other
+/// programs may have disturbed it. A measurement longer than [`SLOW`] is not repeated.
 fn seconds_per_trial(
     runner: &Runner,
     trial: &dyn Trial,

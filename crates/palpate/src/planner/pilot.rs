@@ -1,25 +1,25 @@
-//! Predicts the number of trials that estimates errors with a required precision. The prediction uses a pilot, which is
-//! a small run before the actual run.
+//! Predicts how many trials are needed to estimate rms errors with a required precision. The prediction uses a pilot,
+//! which is a small run before the actual run.
 //!
-//! The root mean square of N errors has the relative standard error √(v / N) / 2, where v is the relative variance of a
-//! trial's squared error. If a trial has one error, v = m₄/m₂² − 1 from the second and fourth moments m₂ and m₄, which
-//! is 2 for Gaussian errors. The errors within one trial (at all places of a patch) are dependent, so they count as one
-//! error.
+//! The root mean square of N errors has the relative standard error √(v / N) / 2, where v is the relative variance of
+//! a trial's squared error. If a trial has one error, v = m₄/m₂² − 1, where m₂ and m₄ are the second and fourth
+//! moments of the error; v is 2 for Gaussian errors. The errors within one trial (for example at all points of a
+//! patch) are dependent, so they count as one error.
 //!
 //! The result of a pilot depends only on its trials.
 
 use palpate_sweep::{Batches, CellStatistics, Growth, Runner, Trial};
 
-/// Safety margin that is added to the relative variance of a squared error, in standard errors of this variance.
+/// Safety margin for the relative variance v of a squared error: this number of standard errors of v is added to v.
 const MARGIN: f64 = 2.0;
-/// If the relative standard error of the variance v of a squared error is above this value, a few trials determine v,
-/// so its estimate is rough.
+/// If the relative standard error of v exceeds this value, the estimate of v is called rough: a few trials with very
+/// large errors determine it. Here v is the relative variance of a squared error.
 const MAX_RELATIVE_ERROR: f64 = 0.5;
-/// Number of trials of the last pilot, as a share of the number of trials that the run needs.
+/// Number of pilot trials of a cell, as a share of the number of trials that the run needs.
 const PILOT_SHARE: f64 = 1.0 / 16.0;
-/// Smallest number of trials per cell in a first pilot.
+/// Smallest number of trials per cell in the first step of a pilot.
 const MIN_FIRST: u64 = 64;
-/// Largest number of trials per cell in a first pilot.
+/// Largest number of trials per cell in the first step of a pilot.
 const MAX_FIRST: u64 = 1024;
 
 /// Results of a pilot for each cell.
@@ -41,15 +41,16 @@ pub(super) struct CellPilot {
     pub(super) figures: Vec<Option<Figure>>,
 }
 
-/// Estimated rms error of a quantity, and the variance of the squared error, which determines the precision of this
-/// estimate.
+/// Estimated rms error of a quantity, and the relative variance of its squared error. This variance determines how
+/// many trials are needed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Figure {
     /// Root mean square of the errors, in the quantity's unit.
     pub(super) rms_error: f64,
-    /// The relative variance v of a trial's squared error, plus [`MARGIN`] standard errors of v.
+    /// Relative variance v of a trial's squared error, plus [`MARGIN`] standard errors of v as a safety margin.
     variance: f64,
-    /// Whether a few trials determine the relative variance of the squared error, as for errors with heavy tails.
+    /// Whether the estimate of `variance` is rough, because a few trials with very large errors (heavy tails)
+    /// determine it.
     pub(super) is_rough: bool,
 }
 
@@ -59,16 +60,16 @@ pub(super) struct Need {
     /// Index of the cell among the cells of the pilot.
     pub(super) cell: usize,
     pub(super) quantity: usize,
-    /// Number of trials that are needed, including trials that will fail.
+    /// Number of trials that are needed. Trials that will probably fail are included.
     pub(super) trials: f64,
     pub(super) is_rough: bool,
 }
 
 impl Pilot {
-    /// Runs a pilot to estimate rms errors with a relative standard error of `target`. Each cell starts with twice the
-    /// number of trials that Gaussian errors would need, limited to between 64 and 1,024. A cell that needs many trials
-    /// then runs more, up to a sixteenth of the number that it needs and at most `most`. A cell that needs more than
-    /// `hopeless` trials runs no more trials.
+    /// Runs a pilot to predict how many trials are needed for a relative standard error of `target`. Each cell starts
+    /// with twice the number of trials that Gaussian errors would need, but with 64 to 1,024 trials. A cell that needs
+    /// many trials then runs more: up to a sixteenth of the needed number, and at most `most`. A cell that needs more
+    /// than `hopeless` trials runs no more.
     pub(super) fn for_error(
         runner: &Runner,
         cells: &[&dyn Trial],
@@ -106,8 +107,8 @@ impl Pilot {
         }
     }
 
-    /// The rms error that needs the most trials, if every rms error must have a relative standard error of at most
-    /// `target`. `None` if all estimates are exact.
+    /// The rms error that needs the most trials to reach a relative standard error of at most `target`. `None` if all
+    /// estimates are exact.
     pub(super) fn need(&self, target: f64) -> Option<Need> {
         let needs = self.cells.iter().enumerate().filter_map(|(cell, pilot)| {
             let (quantity, trials) = pilot.need(target)?;
@@ -122,8 +123,8 @@ impl Pilot {
         needs.reduce(|most, one| if one.trials > most.trials { one } else { most })
     }
 
-    /// Largest expected relative standard error of an rms error after `trials` trials; `None` if all estimates are
-    /// exact.
+    /// Largest relative standard error of any rms error that is expected after `trials` trials. `None` if all
+    /// estimates are exact.
     pub(super) fn expected_error(&self, trials: u64) -> Option<f64> {
         // The number of trials needed is proportional to 1/target², so it is computed for the target 1.
         self.need(1.0)
@@ -164,7 +165,7 @@ impl CellPilot {
     }
 }
 
-/// Estimated error of a quantity; `None` if the quantity was not observed.
+/// Rms error of a quantity and its variance; `None` if the quantity was not observed.
 fn figure(batches: &Batches, all: &CellStatistics, quantity: usize) -> Option<Figure> {
     let rms_error = all.quantities[quantity].rms_error?;
     let estimate = batches.estimate(|all| Some(relative_variance(all, quantity)))?;
@@ -176,7 +177,8 @@ fn figure(batches: &Batches, all: &CellStatistics, quantity: usize) -> Option<Fi
     })
 }
 
-/// The relative variance v of a trial's squared error; 0 if all errors are 0.
+/// Relative variance v of a trial's squared error: the variance of the squared error, divided by the square of its
+/// mean. It is 0 if all errors are 0.
 fn relative_variance(all: &CellStatistics, quantity: usize) -> f64 {
     let summary = &all.quantities[quantity];
     let successes = (all.trials - all.failed()) as f64;

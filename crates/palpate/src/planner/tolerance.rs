@@ -1,28 +1,29 @@
-//! Chooses the tolerance of a model. The model's error must shift the estimates by no more than an allowed amount.
+//! Chooses the tolerance of a model: the largest tolerance at which the model's error shifts the estimates by no more
+//! than an allowed amount.
 
-/// Relative differences below this value count as rounding errors.
+/// Relative size below which an rms error counts as a rounding error, that is, as 0.
 const ROUNDING: f64 = 1e-12;
 
-/// Results of a cell without noise and with an ideal sensor.
+/// Estimates and true values of a cell, computed without noise and with an ideal sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pass {
-    /// Quantities that are observed.
+    /// Quantities that the computation estimates.
     pub(crate) quantities: Vec<PassQuantity>,
-    /// Observations, in a fixed order.
+    /// Estimates with their true values, in a fixed order.
     pub(crate) values: Vec<PassValue>,
 }
 
-/// A quantity that a computation without noise observes.
+/// A quantity that a computation without noise estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PassQuantity {
-    /// Magnitude with which a shift is compared if no rms error was estimated, in the quantity's unit.
+    /// Typical magnitude of the quantity, in the quantity's unit. Shifts are divided by this magnitude if no rms error
+    /// was estimated.
     pub(crate) scale: f64,
-    /// Index of the same quantity among the quantities of the cell's experiment; `None` if the experiment does not
-    /// observe it.
+    /// Index of this quantity in the cell's experiment; `None` if the experiment does not estimate it.
     pub(crate) in_cell: Option<usize>,
 }
 
-/// An observation in a computation without noise.
+/// An estimate from a computation without noise, with its true value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PassValue {
     /// Index of the quantity in [`Pass::quantities`].
@@ -35,17 +36,16 @@ pub(crate) struct PassValue {
 
 /// Largest shift of a cell's estimates that the model's error may cause.
 pub(super) struct Allowance {
-    /// Allowed shift, relative to the rms error of a quantity; if no rms error was estimated, relative to the
-    /// quantity's scale.
+    /// Largest allowed shift, relative to the rms error of a quantity. If no rms error was estimated, it is relative
+    /// to [`PassQuantity::scale`].
     pub(super) share: f64,
-    /// Rms error of each quantity of the cell's experiment, if it was estimated. The list may be shorter than the list
-    /// of quantities.
+    /// Rms error of each quantity of the cell's experiment; `None` if it was not estimated. The list may be too short.
     pub(super) rms_errors: Vec<Option<f64>>,
 }
 
-/// The largest of the `tolerances` (sorted, largest first) at which the model shifts no estimate by more than allowed.
-/// Shifts are relative to the result at the smallest tolerance. Cells that cannot be computed without noise are
-/// ignored. Returns `None` if no cell can be computed without noise.
+/// The largest of the `tolerances` at which the model shifts no estimate by more than the allowed shift. `tolerances`
+/// must be sorted, largest first. Shifts are measured from the result at the smallest tolerance. Cells that cannot be
+/// computed without noise are ignored. Returns `None` if all cells are ignored.
 pub(super) fn tolerance_for(
     allowances: &[Allowance],
     tolerances: &[f64],
@@ -90,7 +90,8 @@ impl Allowance {
 mod tests {
     use super::*;
 
-    /// Results of a test model whose error equals its tolerance. For tolerances below 1e-5, the computation fails.
+    /// Results of a test model. The error of the model equals its tolerance; below a tolerance of 1e-5, the
+    /// computation fails.
     fn pass(_: usize, tolerance: f64) -> Option<Pass> {
         let estimate = 2.0 + tolerance;
         let scale = 2.0;

@@ -16,8 +16,8 @@ pub struct CellResults {
     pub(super) truth: Arc<CellTruth>,
     pub(super) warnings: Vec<Warning>,
     pub(super) map: Option<Table>,
-    /// Statistics of the cell. The mean of an inverse, such as a radius, is omitted if the sign of the curvature is
-    /// uncertain.
+    /// Statistics of the cell. If the sign of the curvature is uncertain, there is no mean of a radius, because the
+    /// radius may be infinite.
     pub(super) statistics: CellStatistics,
 }
 
@@ -34,7 +34,7 @@ pub struct CellRows {
     pub trials: u64,
     /// Each kind of failure with its number of trials.
     pub kinds: Vec<Failure>,
-    /// Warnings of the cell, except warnings that the check before the run reported.
+    /// Warnings of the cell that the check before the run did not report.
     pub warnings: Vec<Warning>,
 }
 

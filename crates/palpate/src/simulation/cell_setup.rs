@@ -1,4 +1,4 @@
-//! Sets up cells: scene, true values, map and stop rule.
+//! Sets up cells: their scene, true values, map and stopping rule.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use palpate_study::config::{Cell, StopStatistic, Study};
 use palpate_study::{Quantity, Table, Warning};
 use palpate_sweep::{Record, StoppingRule, StoppingStatistic, Trial};
 
-/// A cell whose scene is set up for its trials.
+/// A cell that is ready for its trials.
 #[derive(Debug)]
 pub(super) struct CellSetup {
     pub(super) cell: usize,
@@ -19,8 +19,8 @@ pub(super) struct CellSetup {
 }
 
 impl CellSetup {
-    /// Stopping rule of the study for this cell; `None` if the study has no rule, or if the cell does not have the
-    /// rule's quantity.
+    /// The study's stopping rule, if it applies to this cell. `None` if the study has no rule, or if the cell does not
+    /// have the quantity of the rule.
     pub(super) fn stop(&self, study: &Study) -> Option<StoppingRule> {
         let rule = study.config.stop.as_ref()?;
         let quantity = match &rule.quantity {
@@ -71,12 +71,12 @@ pub(crate) struct CellTruth {
     pub(crate) quantities: &'static [Quantity],
     /// True value of each quantity; `None` if the true value differs from point to point of a patch.
     pub(crate) truths: Vec<Option<f64>>,
-    /// Lower bound on the standard deviation of an unbiased estimate of each quantity, if such a bound is available.
+    /// Lower bound on the standard deviation of an unbiased estimate of each quantity; `None` if no bound is known.
     pub(crate) std_bounds: Vec<Option<f64>>,
 }
 
 impl CellTruth {
-    /// Placeholder for a cell that is not set up: it has the swept values, but no true values and no bounds.
+    /// True values of a cell that is not set up: only the swept values are known.
     pub(crate) fn unknown(cell: &Cell, quantities: &'static [Quantity]) -> Self {
         let none = vec![None; quantities.len()];
         Self {

@@ -1,4 +1,4 @@
-//! Tests plans for a target error or a time budget, with a clock that counts trials.
+//! Tests plans for a target error or a time budget. The clock of the tests counts trials instead of time.
 
 use std::convert::Infallible;
 use std::num::NonZeroUsize;
@@ -15,8 +15,8 @@ use crate::planner::{
 /// Number of trials that ran in all cells. The test's clock counts one microsecond per trial.
 type Run = AtomicU64;
 
-/// Cells that estimate the value 1. Their errors are normal with the standard deviation 0.1, plus the error of the
-/// model. `successes` states for each cell how many of ten trials succeed.
+/// Cells that estimate the value 1. Their errors are normal with the standard deviation 0.1, and a model error is
+/// added. `successes` states, for each cell, how many of ten trials succeed.
 #[derive(Clone, Debug)]
 struct Cells<'a> {
     run: &'a Run,
@@ -84,7 +84,8 @@ impl<'a> Plannable for Cells<'a> {
     }
 }
 
-/// Model error and plan of cells. `successes` states for each cell how many of ten trials succeed.
+/// Plans cells, and returns the model error of the planned cells and the plan. `successes` states, for each cell, how
+/// many of ten trials succeed.
 fn planned(successes: &[u64], goal: Goal) -> Result<(f64, Plan), PlanError<Infallible>> {
     let run = Run::default();
     let cells = Cells {
