@@ -25,9 +25,9 @@ use pose::Cloud;
 use robust_fit::{RobustFit, Solution, StatedNoise, robust_fit, solve};
 use shape_choice::choose;
 
-/// Largest number of contacts from which the shape is chosen.
+/// Largest number of contacts from which the most probable shape is chosen.
 const MAX_COMPARED: usize = 20_000;
-/// Maximum number of iterations of a fit that starts near the best solution.
+/// Maximum number of iterations of a fit that starts at a previous fit of the same shape.
 const ITERATIONS: usize = 40;
 
 /// Reasons for which no shape can be fitted to contacts.
@@ -52,7 +52,7 @@ pub enum ShapeError {
 }
 
 impl ShapeError {
-    /// Name of this kind of error, which stays the same in all versions.
+    /// The stable name of this kind of error.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Contacts(error) => error.name(),
@@ -99,8 +99,8 @@ pub struct ShapeSettings {
     /// Radius of a round fingertip whose centres are the positions of the contacts; 0 if the positions are on the
     /// object.
     pub tip_radius: f64,
-    /// Direction out of the object, for contacts without normals. Objects that were touched all around are assumed to
-    /// be convex, and also objects whose mean normal is perpendicular to this direction.
+    /// Direction out of the object, for contacts without normals. It is not used if the object was touched all around,
+    /// or if it is nearly perpendicular to the mean normal of the fitted shape. Such objects are assumed to be convex.
     pub outward: Vector3<f64>,
     /// Stated noise of the contacts.
     pub noise: Noise,
@@ -142,9 +142,10 @@ pub struct ShapeFit {
     pub direction_std_rad: Option<f64>,
     /// Root mean square distance of the contacts (without outliers) from the shape, length.
     pub rms_misfit: f64,
-    /// P-value of the shape: the probability of a worse fit if the contacts lie on the shape.
+    /// P-value of the shape: the probability that contacts on such a shape would fit worse.
     pub p_value: f64,
-    /// Noise of the contacts, which is correct only if the shape is right; `None` if there are too few contacts.
+    /// Noise of the contacts. It is correct only if the object has the fitted shape. `None` if there are too few
+    /// contacts.
     pub noise: Option<NoiseEstimate>,
     /// Number of independent readings.
     pub readings: EffectiveReadings,
@@ -167,13 +168,14 @@ impl ShapeFit {
         }
     }
 
-    /// Whether the probability that the surface has none of the three shapes exceeds 0.5.
+    /// Whether the object is probably neither a plane nor a sphere nor a cylinder: the probability of "none of these"
+    /// exceeds 0.5.
     pub fn is_none_of_these(&self) -> bool {
         self.probabilities.is_some_and(|[.., none]| none > 0.5)
     }
 }
 
-/// Contacts in units of their spread, with the values for the conversion of results back to the original unit.
+/// Contacts in units of their spread. The other fields are used to convert results back to the original unit.
 struct Scaled {
     cloud: Cloud,
     fingers: Vec<usize>,
@@ -220,7 +222,7 @@ impl Scaled {
     }
 }
 
-/// The fit of a shape to the contacts without outliers, and its test for lack of fit.
+/// A fit of one shape to the contacts without outliers, and the test of this fit.
 struct Candidate {
     solution: Solution,
     lack: LackOfFit,
@@ -332,7 +334,8 @@ impl ShapeSettings {
         Ok(fit)
     }
 
-    /// Chooses the shape for an evenly spaced selection of many contacts, and fits it to all contacts.
+    /// Chooses the shape from `selection`, which is a part of a large number of contacts, and fits this shape to all
+    /// `contacts`.
     fn fit_chosen(
         &self,
         contacts: &[Contact],
@@ -349,7 +352,7 @@ impl ShapeSettings {
         })
     }
 
-    /// Returns an error if there are too few contacts to determine the fitted parameters.
+    /// Returns an error if there are fewer contacts than the fit of the shape needs.
     fn enough(&self, contacts: &[Contact]) -> Result<(), Ep2Error> {
         let per_contact = if contacts.first().is_some_and(|one| one.normal.is_some()) {
             3

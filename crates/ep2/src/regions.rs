@@ -5,7 +5,7 @@ use palpate_geometry::{ShapeClass, ShapeThresholds};
 
 use crate::{Ep2Error, MapPoint};
 
-/// If the coherence of the directions in a region is below this value, the region has no common direction.
+/// If the coherence of a region's directions is below this value, the region has no mean direction.
 const LEAST_COHERENCE: f64 = 0.1;
 
 /// A map that is divided into regions of one shape class.

@@ -62,7 +62,7 @@ impl SmoothingSpline {
     }
 }
 
-/// Result of a fit: whether the sum of squared residuals reaches the required sum, and if not, the reason.
+/// Result of a fit: whether the sum of squared residuals equals the required sum, and if not, the reason.
 #[derive(Clone, Copy, Debug, Eq, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Status {
@@ -76,7 +76,7 @@ pub enum Status {
     /// coefficients than points, the largest number of knots is reached, or no interval may be split. The result is the
     /// least-squares spline for the last knots.
     KnotsExhausted,
-    /// No parameter `p` of the smoothing was found for which the required sum is reached.
+    /// The search for the smoothing parameter `p` did not reach the required sum.
     Unsettled,
 }
 
@@ -101,14 +101,14 @@ pub(crate) struct Smoothed {
     pub(crate) residual_sum: f64,
     /// Whether the residual sum is the required sum and, if not, the reason.
     pub(crate) status: Status,
-    /// Number of coefficients that the points determine. The other coefficients are chosen such that the norm of all
-    /// coefficients is smallest.
+    /// Number of independent combinations of the coefficients that the points determine. The undetermined combinations
+    /// are chosen such that the norm of the coefficients is smallest.
     pub(crate) rank: usize,
     /// Effective degrees of freedom of the spline: the trace of the linear map from the heights to the fitted values.
     pub(crate) effective_unknowns: f64,
 }
 
-/// Coefficients for the knots of a mesh, in the order of the mesh.
+/// A solution of the equations. The coefficients are in the order of the mesh.
 struct Solution {
     coefficients: Vec<f64>,
     residual_sum: f64,
@@ -195,9 +195,9 @@ impl SmoothingSpline {
         }
     }
 
-    /// The spline whose sum of squares is `smoothing`. It is between the polynomial and the least-squares spline, and
-    /// `bounds` are the amounts by which their sums of squares exceed `smoothing`. `None` if no parameter could be
-    /// tried.
+    /// The spline with the residual sum `smoothing`, which lies between the polynomial and the least-squares spline.
+    /// `bounds` contains the residual sums of the polynomial and of the least-squares spline, minus `smoothing`. `None`
+    /// if no smoothing parameter could be tried.
     fn balance(
         &self,
         triangle: &Triangle,
@@ -257,8 +257,8 @@ impl SmoothingSpline {
         }
     }
 
-    /// The coefficients and the rank of the equations. If several solutions exist, the coefficients are those with the
-    /// smallest norm.
+    /// The coefficients that solve the equations, and the rank of the equations. If several solutions exist, the
+    /// solution with the smallest norm is returned.
     fn solve(&self, triangle: &Triangle) -> (Vec<f64>, usize) {
         let largest = triangle.diagonal().fold(0.0, f64::max);
         let floor = RANK_TOLERANCE.sqrt() * largest;

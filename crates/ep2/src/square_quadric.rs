@@ -12,9 +12,10 @@ pub(crate) const UNKNOWNS: usize = 6;
 /// Eigenvalues of the normal equations count as rounding errors if their ratio to the largest eigenvalue is below this
 /// value.
 const RANK_TOLERANCE: f64 = 1e-13;
-/// Smallest value of √(1 − 2mQ) on an implicit quadric. Where it is 0, the graph is vertical.
+/// Smallest allowed value of √(1 − 2mQ) on an implicit quadric z = Q + m z²/2. Where this root is 0, the graph is
+/// vertical.
 const MIN_ROOT: f64 = 0.2;
-/// Number of iterations in which the weights are updated from the noise and the slopes.
+/// Number of iterations. In each iteration, the weights are computed again from the noise and the slopes.
 const ITERATIONS: usize = 4;
 
 type Row = SVector<f64, UNKNOWNS>;
@@ -46,7 +47,7 @@ impl Square {
         self.half
     }
 
-    /// The knots over the rectangle that correspond to these knots over the square.
+    /// Converts knots over the square to the corresponding knots over the rectangle.
     pub(crate) fn knots(&self, axis: usize, square: &Knots) -> Knots {
         let place = |knot: f64| self.centre[axis] + self.half[axis] * knot;
         let (start, end) = square.domain();
@@ -54,7 +55,7 @@ impl Square {
         Knots::new(square.degree(), place(start), place(end), &interior)
     }
 
-    /// The place in the square that corresponds to a place in the rectangle.
+    /// Converts a place in the rectangle to the corresponding place in the square.
     #[inline]
     pub(crate) fn place(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let ([u0, v0], [half_u, half_v]) = (self.centre, self.half);
@@ -73,8 +74,8 @@ pub(crate) const SERIES: Gram = Gram::new(
     0.0, 0.0, 0.0, 0.0, 0.0, 0.5,
 );
 
-/// Root mean square over all directions of the second derivative of a quadric in the square. `series` contains the
-/// quadric's coefficients of Chebyshev polynomials.
+/// Root mean square of a quadric's second derivative over all directions in the square. `series` contains the
+/// coefficients of the quadric as a series of Chebyshev polynomials.
 pub(crate) fn rms_second_derivative(series: &[f64; UNKNOWNS]) -> f64 {
     let [aa, ab, bb] = [4.0 * series[3], series[4], 4.0 * series[5]];
     (0.5 * (aa * aa + 2.0 * ab * ab + bb * bb)).sqrt()
@@ -93,8 +94,8 @@ pub(crate) struct SquareQuadric {
     pub(crate) noise: Option<NoiseEstimate>,
 }
 
-/// The equations of a contact for the surface over the square: one for its height and, if it has a normal, one for each
-/// slope along a and b. The weight of an equation is relative to the inverse variance of heights or of slopes.
+/// The equations of a contact in the coordinates of the square: one for its height and, if it has a normal, one for
+/// each slope along a and b. The weights are relative to the inverse variances of heights and slopes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Observation {
     pub(crate) a: f64,
@@ -105,7 +106,8 @@ pub(crate) struct Observation {
     pub(crate) slope_weights: [f64; 2],
 }
 
-/// The normal equations for the quadric's coefficients, separately for heights and for slopes of unit variance.
+/// Normal equations for the coefficients of the quadric. The equations of heights and of slopes are stored separately,
+/// and are for observations with variance 1.
 #[derive(Default)]
 struct NormalEquations {
     grams: Kinds<Gram>,
@@ -114,8 +116,7 @@ struct NormalEquations {
     of_square_term: SquareTerm,
 }
 
-/// The equations of the coefficient m: their products with the equations of the quadric Q and with themselves, and
-/// their right sides.
+/// Normal equations of the coefficient m: the products with the other unknowns, the sum of squares, and the right side.
 #[derive(Default)]
 struct SquareTerm {
     products: Kinds<Row>,
@@ -148,8 +149,8 @@ impl SquareQuadric {
         Ok(quadric)
     }
 
-    /// The implicit quadric that fits the patch best, starting from this quadric. `prior` is the standard deviation of
-    /// the coefficient m before the contacts are used. `None` if the graph does not extend over the whole square.
+    /// The implicit quadric that fits the patch best. The search starts from this quadric. `prior` is the prior
+    /// standard deviation of the coefficient m. `None` if the graph does not extend over the whole square.
     pub(crate) fn with_square_term(
         mut self,
         prior: f64,
@@ -170,8 +171,8 @@ impl SquareQuadric {
         Some(self)
     }
 
-    /// Improves the quadric: solves the equations for the remaining deviation, and estimates the noise. The coefficient
-    /// m changes if its standard deviation `prior` is not 0.
+    /// Adds the solution of the equations to the quadric, and estimates the noise again. The coefficient m changes only
+    /// if its prior standard deviation `prior` is not 0.
     fn improve(
         &mut self,
         equations: &NormalEquations,
@@ -234,7 +235,7 @@ impl SquareQuadric {
         }
     }
 
-    /// Q with its slopes along a and b, and √(1 − 2mQ).
+    /// The values of Q, its slopes along a and b, and √(1 − 2mQ), for the surface z = Q + m z²/2.
     #[inline]
     fn shape(&self, a: f64, b: f64) -> ([f64; 3], f64) {
         let c = &self.unknowns;
@@ -261,7 +262,8 @@ impl SquareQuadric {
         height * height / (2.0 * root)
     }
 
-    /// Adds height and derivatives of the surface at a place of the patch, in the patch's unit.
+    /// Adds height, slopes and second derivatives of this surface to `jet`, in the patch's unit. `place` is a place in
+    /// the rectangle of the patch.
     pub(crate) fn add_to(&self, jet: &mut Jet, square: &Square, place: [f64; 2]) {
         let [a, b] = square.place(place);
         let [half_u, half_v] = square.half();
@@ -285,11 +287,11 @@ impl SquareQuadric {
         [height, along_a / half_u, along_b / half_v]
     }
 
-    /// The deviations of a patch's contacts from this quadric, as weighted equations.
+    /// The deviations of a patch's contacts from this quadric, with their weights.
     ///
-    /// An error of a contact's position along the normal causes an error of its height. The latter is larger by the
-    /// factor √D, with D = 1 + p² + q² and the slopes p and q. A tilt of the normal by a small angle changes the slope
-    /// p along u by √(D(1 + p²)) times this angle.
+    /// An error of a contact's position along the normal causes an error of its height that is larger by the factor √D.
+    /// Here D = 1 + p² + q², and p and q are the slopes. A tilt of the normal by a small angle changes the slope p
+    /// along u by √(D(1 + p²)) times this angle.
     pub(crate) fn observations<'a>(
         &'a self,
         patch: &'a Patch,
@@ -346,7 +348,8 @@ impl SquareQuadric {
 }
 
 impl NormalEquations {
-    /// The equations for the deviation from a quadric; those of the coefficient m only if `with_term`.
+    /// Sums the equations for the deviations of a patch's contacts from `quadric`. The equations of the coefficient m
+    /// are summed only if `with_term`.
     fn around(quadric: &SquareQuadric, patch: &Patch, square: &Square, with_term: bool) -> Self {
         let mut equations = Self::default();
         let Self {
@@ -396,7 +399,7 @@ impl NormalEquations {
     }
 }
 
-/// The inverse of the normal equations. Returns an error if they do not determine all unknowns.
+/// The inverse of the matrix of the normal equations. Returns an error if the equations do not determine all unknowns.
 fn inverse(gram: &Gram, contacts: usize) -> Result<Gram, Ep2Error> {
     let eigen = SymmetricEigen::new(*gram);
     let largest = eigen.eigenvalues.max();
@@ -419,15 +422,15 @@ fn inverse(gram: &Gram, contacts: usize) -> Result<Gram, Ep2Error> {
     Ok(vectors * Gram::from_diagonal(&eigen.eigenvalues.map(f64::recip)) * vectors.transpose())
 }
 
-/// A coefficient of a spline that is identical to a quadric. For a monomial, the coefficient is its blossom: the mean
-/// of all products of different inner knots of the B-spline, with as many factors as the degree of the monomial.
+/// Coefficient `index` of the spline that equals a quadric. The coefficient of a monomial is its blossom: the mean of
+/// products of different inner knots of the B-spline. The number of factors is the degree of the monomial.
 fn coefficient(unknowns: &Row, a: &Knots, b: &Knots, index: usize) -> f64 {
     let (a1, a2) = blossoms(a, index / b.functions());
     let (b1, b2) = blossoms(b, index % b.functions());
     unknowns.dot(&Row::new(1.0, a1, b1, a2, a1 * b1, b2))
 }
 
-/// The spline coefficients of x and x² for one B-spline.
+/// The spline coefficients of the functions x and x², for the B-spline with the index `function`.
 fn blossoms(knots: &Knots, function: usize) -> (f64, f64) {
     let inner = &knots.as_slice()[function + 1..=function + knots.degree()];
     let count = inner.len() as f64;

@@ -1,5 +1,4 @@
-//! A single stroke, in which contacts lie on one curve. They determine the curvature along the curve, but not across
-//! it.
+//! Curvature along a single stroke, whose contacts lie on one curve. The curvature across the curve is not determined.
 
 use nalgebra::{
     Cholesky, Const, Matrix4, Point3, SMatrix, SVector, SymmetricEigen, Vector3, Vector4,
@@ -12,7 +11,7 @@ use crate::Contact;
 const UNKNOWNS: usize = 7;
 /// Index of the second derivative in the fitted parameters.
 const CURVATURE: usize = 2;
-/// Smallest number of contacts for which a stroke has a curvature.
+/// Smallest number of contacts from which the curvature of a stroke is computed.
 const MIN_CONTACTS: usize = 8;
 /// Probability that the interval contains the curvature.
 const PROBABILITY: f64 = 0.95;
@@ -21,11 +20,11 @@ const PROBABILITY: f64 = 0.95;
 const MAX_SPREAD_RATIO: f64 = 2.5;
 /// Assumed standard deviation of the stated outward direction, as a rotation about the direction of the stroke, rad.
 const OUTWARD_STD: f64 = 0.1;
-/// Largest standard deviation of a stroke's contacts from the stroke's curve, relative to half of the stroke's length.
+/// Largest root-mean-square distance of the contacts from the fitted curve, relative to half of the stroke's length.
 const MAX_SPREAD: f64 = 0.1;
 /// Smallest standard deviation that is assumed for slopes, and for heights relative to half of the stroke's length.
 const MIN_STD: f64 = 1e-6;
-/// Relative standard deviation of the curvature that is added because derivatives of higher order are left out.
+/// Relative standard error that is added to the curvature, because derivatives of order 7 and higher are neglected.
 const MODEL_ERROR: f64 = 1e-3;
 /// Number of iterations in which the noise is estimated.
 const ITERATIONS: usize = 5;
@@ -46,8 +45,8 @@ pub struct StrokeCurvature {
     pub direction: Vector3<f64>,
 }
 
-/// The curvature along contacts that form a single stroke; `None` if the contacts scatter across it, or if there are
-/// fewer than 8. Positions and normals must be finite. If there are no normals, `outward` is used as the normal of the
+/// The curvature along a single stroke. `None` if the contacts scatter across the stroke, or if there are fewer than 8
+/// contacts. Positions and normals must be finite. If there are no normals, `outward` is used as the normal of the
 /// surface.
 pub fn stroke_curvature(contacts: &[Contact], outward: &Vector3<f64>) -> Option<StrokeCurvature> {
     if contacts.len() < MIN_CONTACTS {
@@ -211,7 +210,8 @@ fn powers(u: f64) -> Vector4<f64> {
     Vector4::new(1.0, u, u * u, u * u * u)
 }
 
-/// Factors that multiply the height and its derivatives at 0 to give the height at u.
+/// Coefficients of the fitted parameters in the height at u. The parameters are the height and its derivatives at the
+/// middle of the stroke.
 fn derivatives(u: f64) -> Row {
     let mut row = Row::from_element(1.0);
     for order in 1..UNKNOWNS {
@@ -220,7 +220,7 @@ fn derivatives(u: f64) -> Row {
     row
 }
 
-/// Factors that multiply the same parameters to give the slope at u. `row` contains the factors for the height.
+/// Coefficients of the fitted parameters in the slope at u. `row` contains the coefficients in the height at u.
 fn shifted(row: &Row) -> Row {
     Row::from_fn(|order, _| if order == 0 { 0.0 } else { row[order - 1] })
 }

@@ -17,7 +17,7 @@ pub enum TipPoint {
     Centre,
 }
 
-/// A round fingertip whose readings report the position of another point than the contact.
+/// A round fingertip whose readings report its centre or its lowest point instead of the contact.
 ///
 /// The centres of a tip of radius r lie on a surface that is offset from the object by r along the normals. Therefore
 /// the contact is at the distance r from the centre, along the normal of the offset surface, which is also the normal
@@ -39,12 +39,12 @@ pub enum TipPoint {
 pub struct RoundTip {
     /// Radius of the tip, ≥ 0.
     pub radius: f64,
-    /// The point of the tip whose position the readings report.
+    /// The point of the tip whose position is reported.
     pub point: TipPoint,
 }
 
 impl RoundTip {
-    /// Centres of the fingertip, computed from readings of the reported point.
+    /// Positions of the fingertip's centre, computed from `readings`.
     ///
     /// # Errors
     /// [`Ep2Error`] `bad-setting` if the direction is invalid.
@@ -64,9 +64,9 @@ impl RoundTip {
         Ok(readings.iter().map(centre).collect())
     }
 
-    /// Computes the contacts from readings of the reported point. The normals of the readings must be the normals of
-    /// the object. If the readings have no normals, `method` fits a surface to the tip's centres, and the normals of
-    /// this surface are used; the returned contacts then have no normals.
+    /// Computes the contacts from the reported positions. If the readings have normals, these must be the normals of
+    /// the object. If they have none, `method` fits a surface to the centres of the tip, and the contacts are computed
+    /// with the normals of this surface. The returned contacts then have no normals.
     ///
     /// `outward` points out of the object, opposite to the direction in which the fingers approach it.
     ///
@@ -113,21 +113,20 @@ impl RoundTip {
         }
     }
 
-    /// Radius of curvature of the path of the tip's centre, if it is smaller than the tip's radius. In this case, the
-    /// computed contacts move in the direction opposite to the centres.
+    /// The radius of curvature of the surface on which the tip's centre moves, if this radius is smaller than the tip's
+    /// radius; otherwise `None`. If it is smaller, the computed contacts move in the direction opposite to the centres.
     ///
-    /// Displacements of the contacts are displacements of the centres multiplied by I − r K. Here r is the tip's
-    /// radius, and K is the curvature of the surface on which the centres move. On a real object, K is below 1/r.
-    /// Therefore a linear regression of the contacts on the centres can only have a negative eigenvalue because of
-    /// noise.
+    /// A displacement of the contact is I − r K times the displacement of the centre. Here r is the tip's radius, and K
+    /// is the curvature of the surface on which the centre moves. On a real object, K is below 1/r. Therefore a linear
+    /// regression of the contacts on the centres has a negative eigenvalue only because of noise.
     fn reversal_radius(
         &self,
         centres: &[Contact],
         contacts: &[Contact],
         up: Vector3<f64>,
     ) -> Option<f64> {
-        /// Number of standard errors by which an eigenvalue must be below 0 for an error. The probability of a false
-        /// alarm is then 1/30,000.
+        /// An error is returned only if an eigenvalue is below 0 by this number of standard errors. The probability of
+        /// a false alarm is then 1/30,000.
         const MIN_STANDARD_ERRORS: f64 = 4.0;
         let away = match up.iamin() {
             0 => Vector3::x(),

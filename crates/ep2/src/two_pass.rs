@@ -35,20 +35,20 @@ pub enum Passes {
 /// point of the first spline at the contact, and the points one step to each side on the tangent line that is
 /// perpendicular to the fingers' travel (u in the patch's frame).
 ///
-/// The settings are for lengths in units of the distance between fingers. The sum of `weight`² · `residual`² is
-/// compared with the smoothing sums, with residuals in this unit, and the tangent step is in this unit too. Weights of
-/// the contacts are inverse variances, so `weight` is multiplied by their square roots.
+/// The settings use a unit of length, which by default is the distance between fingers. Residuals and the tangent step
+/// are in this unit. The sum of `weight`² · `residual`² is compared with the smoothing sums. Weights of the contacts
+/// are inverse variances, so `weight` is multiplied by their square roots.
 ///
-/// With a sum of 1000, 30 contacts and a weight of 100, the root-mean-square residual is 0.058 of these units. If a
-/// smaller residual is required than the possible number of knots allows, the last fit is returned. Its curvature is
-/// useless; [`Fit::status`] reports this.
+/// For example, a sum of 1000, 30 contacts and a weight of 100 correspond to a root-mean-square residual of 0.058
+/// units. If the required sum is too small for the allowed number of knots, the last fit is returned. Its curvature is
+/// useless, and [`Fit::status`] reports this.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoPass {
     /// Degree of the first spline in both directions, 1 to 5.
     pub first_degree: usize,
     /// Degree of the second spline in both directions.
     pub second_degree: usize,
-    /// Factor on residuals: an inverse standard deviation, per unit of length (see `unit_length`).
+    /// Weight that multiplies the residuals: an inverse standard deviation, per unit of length (see `unit_length`).
     pub weight: f64,
     /// Required sum of squared weighted residuals of the first spline.
     pub smoothing: f64,
@@ -68,7 +68,7 @@ pub struct TwoPass {
 }
 
 impl Default for TwoPass {
-    /// The paper's settings, with a bicubic second spline.
+    /// The settings of the 1996 paper, but the second spline is bicubic.
     fn default() -> Self {
         Self {
             first_degree: 2,
@@ -108,8 +108,9 @@ impl Method for TwoPass {
         Ok(fit(patch, second, Some(first.status)))
     }
 
-    /// The misfit test of [`Penalised`] with estimated noise. It is used because a contact that contradicts the others
-    /// does so in any fit. The result is empty if the contacts do not determine a penalised spline.
+    /// The misfit test of [`Penalised`] with estimated noise. This test is also valid here, because a contact that
+    /// contradicts the other contacts does so in every fit. The result is empty if the contacts do not determine a
+    /// penalised spline.
     fn misfit(&self, patch: &Patch) -> Result<MisfitTest, Ep2Error> {
         Ok(Penalised::default().misfit(patch).unwrap_or_default())
     }
@@ -123,10 +124,10 @@ impl TwoPass {
         }
     }
 
-    /// The unit of the settings, expressed in the patch's unit.
+    /// The unit of length of the settings, expressed in the patch's unit.
     ///
-    /// The points stay in the patch's unit; weight and step are converted to this unit instead. The result is the same,
-    /// because knots and coefficients are proportional to the points.
+    /// Points are not converted to the unit of the settings. Instead, the weight and the tangent step are converted to
+    /// the patch's unit, which gives the same result.
     fn unit(&self, patch: &Patch) -> Result<f64, Ep2Error> {
         let set = self.unit_length.map(|length| length / patch.frame.scale());
         let unit = set.or(patch.finger_distance).ok_or(BadSetting {
@@ -146,7 +147,7 @@ impl TwoPass {
         WeightedPoint { u, v, w, weight }
     }
 
-    /// Three points per contact: one on the first fit, and one to each side on its tangent.
+    /// Three points per contact: one point of the first spline, and two points on its tangent, one step to each side.
     fn second_points(
         &self,
         patch: &Patch,
@@ -222,8 +223,8 @@ impl TwoPass {
     }
 }
 
-/// Checks that the points determine the polynomial without knots. Further knots are added only if the data require
-/// them.
+/// Checks that the points determine a spline without interior knots. A spline with interior knots needs no check,
+/// because knots are added only where the data require them.
 fn determined(smoothed: &Smoothed, patch: &Patch) -> Result<(), Ep2Error> {
     let spline = &smoothed.spline;
     let is_polynomial = spline.u.interior().is_empty() && spline.v.interior().is_empty();

@@ -1,4 +1,5 @@
-//! Cells of neighbouring contacts. If residuals agree within a cell, they are a misfit of the shape and not noise.
+//! Divides contacts into cells of neighbours. If most residuals within a cell have the same sign, they are a misfit of
+//! the shape and not noise.
 
 use nalgebra::Vector3;
 use palpate_statistics::ratio_tail;
@@ -13,15 +14,16 @@ const MIN_CONTACTS: usize = 5;
 /// Smallest number of cells into which contacts are divided.
 const MIN_CELLS: usize = 12;
 
-/// The cell to which each contact belongs.
+/// A division of contacts into cells. `cell_of` contains the index of the cell of each contact.
 pub(super) struct Cells {
     cell_of: Vec<usize>,
     count: usize,
 }
 
 impl Cells {
-    /// Divides contacts by their footpoints into cells with equal numbers of contacts. Positions themselves are not
-    /// used, because their errors are correlated with the distances. `None` if there are too few contacts.
+    /// Divides contacts into cells with similar numbers of contacts, by their footpoints on the shape. Positions are
+    /// not used, because their errors are correlated with the distances from the shape. `None` if there are too few
+    /// contacts.
     pub(super) fn new(pose: &Pose, cloud: &Cloud) -> Option<Self> {
         let contacts = cloud.places.len();
         let wanted = (contacts / MIN_CONTACTS).min(MAX_CELLS);
@@ -42,8 +44,8 @@ impl Cells {
         Some(Self { cell_of, count })
     }
 
-    /// P-value of the mean values in the cells: the probability that noise alone causes means of at least this size.
-    /// `correlation` neighbouring values count as one.
+    /// P-value of the cells' mean values: the probability that noise alone causes means of at least this size.
+    /// `correlation` is the number of consecutive values that count as one because their errors are correlated.
     pub(super) fn p_value(&self, values: &[f64], unknowns: usize, correlation: f64) -> f64 {
         let mut sums = vec![(0.0, 0.0); self.count];
         for (value, &cell) in values.iter().zip(&self.cell_of) {
@@ -63,8 +65,8 @@ impl Cells {
         )
     }
 
-    /// Covariance of the fitted parameters if all residuals of a cell count as one, and its number of degrees of
-    /// freedom.
+    /// Covariance of the fitted parameters if all residuals of a cell count as one residual, and the number of degrees
+    /// of freedom of this covariance.
     pub(super) fn covariance(&self, solution: &Solution, cloud: &Cloud) -> (Gram, usize) {
         let weights = solution.weights();
         let mut sums = vec![Row::zeros(); self.count];

@@ -9,16 +9,16 @@ use super::robust_fit::Solution;
 
 /// Probability that an interval contains the true value.
 const PROBABILITY: f64 = 0.95;
-/// Largest relative half-width of the curvature's interval for which the curvature counts as determined. Wider
-/// intervals would be computed too narrow.
+/// The curvature counts as determined only if the half-width of its interval, relative to the curvature, is below this
+/// value. For larger half-widths, the computed interval would be too narrow.
 const MAX_RELATIVE_HALF_WIDTH: f64 = 0.4;
-/// P-value of the misfit. If it is below this value, the interval is widened.
+/// If the p-value of the test for lack of fit is below this value, the interval is widened.
 const MISFIT_P_VALUE: f64 = 0.01;
 /// Largest ratio of the noise to the spread of the contacts for which the curvature counts as determined. With larger
 /// noise, errors of positions along the surface make the fitted radius too small.
 const MAX_RELATIVE_NOISE: f64 = 0.1;
 
-/// Interval of the curvature, in the unit of the contacts' spread.
+/// Estimate of the curvature's error and its 95 % interval, in the unit of the contacts' spread.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CurvatureInterval {
     pub(super) std: f64,
@@ -28,7 +28,7 @@ pub(super) struct CurvatureInterval {
     pub(super) covariance: Gram,
 }
 
-/// The interval; `None` if no degrees of freedom remain for the noise.
+/// Computes the interval of the curvature; `None` if no degrees of freedom remain for the noise.
 pub(super) fn curvature_interval(
     solution: &Solution,
     cloud: &Cloud,

@@ -1,5 +1,5 @@
-//! Tests whether the residuals of a shape are only noise: a smooth deviation is fitted to them. Also estimates the
-//! correlation of the residuals that remain.
+//! Tests whether the residuals of a shape are only noise. For this test, a smooth deviation is fitted to the residuals.
+//! The correlation of the remaining residuals is estimated too.
 
 use std::collections::HashMap;
 
@@ -11,38 +11,40 @@ use super::pose::{Cloud, Pose, UNKNOWNS};
 use super::robust_fit::Solution;
 use crate::effective_readings::correlation_time;
 
-/// Largest degree of the products of coordinates that form the smooth deviation.
+/// Largest degree of the polynomial in the contacts' coordinates that describes the smooth deviation.
 const MAX_DEGREE: usize = 4;
-/// Smallest cosine of the angle between any normal and the mean normal for which a patch counts as a graph over its
-/// plane (72 degrees).
+/// A patch counts as a graph over its plane if the cosine of the angle between each normal and the mean normal exceeds
+/// this value, which corresponds to 72 degrees.
 const MIN_GRAPH_COSINE: f64 = 0.3;
-/// A column of the equations is skipped if the share of it that is independent of the earlier columns is below this
-/// value.
+/// A column of the equations is skipped if it is almost a linear combination of the earlier columns: the independent
+/// share of its squared length is at most this value.
 const RANK_TOLERANCE: f64 = 1e-9;
-/// Factor that multiplies the variance of the positions to give the smallest independent share of a column. The next
-/// constant is the upper limit of this share.
+/// With noise, the limit of the independent share is this factor times the variance of the positions, but at most
+/// [`MAX_RANK_TOLERANCE`].
 const MIN_NOISE_RATIO: f64 = 10.0;
 const MAX_RANK_TOLERANCE: f64 = 2e-3;
 /// Largest number of contacts in the normal equations. If there are more, an evenly spaced selection is used.
 const MAX_CONTACTS: usize = 20_000;
 /// Number of contacts from which the range of the coordinates is computed.
 const BASIS_CONTACTS: usize = 2000;
-/// Number of consecutive contacts in a block. The correlation is estimated from an evenly spaced selection of blocks.
+/// Number of consecutive contacts in a block. For a large number of contacts, the correlation is estimated from some of
+/// the blocks.
 const BLOCK: usize = 2000;
-/// Smallest ratio of equations to parameters with which a degree of the smooth deviation is used.
+/// Smallest ratio of equations to fitted parameters. The degree of the smooth deviation is reduced until this ratio is
+/// reached.
 const MIN_EQUATIONS_RATIO: f64 = 1.5;
 
 /// Result of the test for lack of fit.
 #[derive(Clone, Debug)]
 pub(super) struct LackOfFit {
-    /// P-value: the probability of a worse fit if the contacts lie on the shape.
+    /// The probability that contacts on the shape would fit worse.
     pub(super) p_value: f64,
     /// Number of consecutive positions, and number of consecutive normals, that count as one because their errors are
     /// correlated.
     pub(super) correlations: [f64; 2],
 }
 
-/// Products of the coordinates of footpoints, of which the smooth deviation is composed.
+/// The monomials whose sum is the smooth deviation. Their variables are the coordinates of footpoints on the shape.
 struct Basis {
     centre: Vector3<f64>,
     scale: f64,
@@ -91,7 +93,7 @@ impl Basis {
         }
     }
 
-    /// Values and gradients of the products at a footpoint, in the axes of the pose.
+    /// Values and gradients of the monomials at a footpoint, in the axes of the pose.
     fn at(&self, foot: &Vector3<f64>, values: &mut [f64], gradients: &mut [Vector3<f64>]) {
         let place = (foot - self.centre) / self.scale;
         let mut powers = [[1.0; MAX_DEGREE + 1]; 3];
@@ -116,7 +118,7 @@ impl Basis {
     }
 }
 
-/// Rows of the equations for one contact: one for its distance, and three for the components of its normal.
+/// Computes the equations of a contact: one for its distance and three for the components of its normal.
 struct Rows<'a> {
     pose: &'a Pose,
     cloud: &'a Cloud,
@@ -156,7 +158,7 @@ impl Rows<'_> {
     }
 }
 
-/// Tests the residuals of a fit. `fingers` are the fingers of the contacts.
+/// Tests the residuals of a fit. `fingers` contains the number of the finger of each contact.
 pub(super) fn lack_of_fit(solution: &Solution, cloud: &Cloud, fingers: &[usize]) -> LackOfFit {
     let first = tested(solution, cloud, fingers, [1.0; 2]);
     if first.correlations == [1.0; 2] {
@@ -301,8 +303,7 @@ fn tested(
     }
 }
 
-/// Cholesky factor of normal equations, in the order of their columns. Columns that depend on earlier columns are
-/// skipped.
+/// Cholesky factor of normal equations. A column that is almost a linear combination of earlier columns is skipped.
 struct Sequential {
     factor: DMatrix<f64>,
     parts: Vec<f64>,

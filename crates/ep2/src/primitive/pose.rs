@@ -49,11 +49,11 @@ impl Cloud {
     }
 }
 
-/// Position and size of a plane, a sphere or a cylinder.
+/// Position, orientation and curvature of a plane, a sphere or a cylinder.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pose {
     pub(super) shape: Shape,
-    /// A point of the surface, at which the axes are defined.
+    /// A point of the surface. The axes are defined at this point.
     pub(super) point: Vector3<f64>,
     /// The axes a and b along the surface and the normal n, as rows.
     pub(super) axes: Matrix3<f64>,
@@ -61,7 +61,8 @@ pub(super) struct Pose {
     pub(super) curvature: f64,
 }
 
-/// Distance of a contact from the surface and deviation of its normal, with derivatives.
+/// Distance of a contact from the surface, and the surface normal at the contact, with their derivatives with respect
+/// to the fitted parameters.
 pub(super) struct Deviation {
     pub(super) distance: f64,
     pub(super) distance_row: Row,
@@ -119,8 +120,9 @@ impl Pose {
         }
     }
 
-    /// Four values: the position in the axes of the pose, its part across the axis of a cylinder, the square root √(1 +
-    /// 2 k f) (see the module), and the distance.
+    /// Returns four values: the position in the axes of the pose; this position without its component along the axis of
+    /// a cylinder; the square root √(1 + 2 k f), where k is the curvature and f the function in the formula of the
+    /// distance; and the distance.
     #[inline]
     fn at(&self, place: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64, f64) {
         let q = self.axes * (place - self.point);
@@ -189,7 +191,8 @@ impl Pose {
         deviation
     }
 
-    /// The pose after a step of the parameters. Its new reference point is the foot of `middle` on the surface.
+    /// The pose after its parameters have changed by `step`. Its new reference point is the point of the surface
+    /// nearest to `middle`.
     pub(super) fn moved(&self, step: &Row, middle: &Vector3<f64>) -> Self {
         let turn = self.axes.transpose() * Vector3::new(step[0], step[1], step[2]);
         let turn = Rotation3::new(turn);
@@ -202,8 +205,8 @@ impl Pose {
         next.based_at(middle)
     }
 
-    /// The same surface with another reference point: the foot of `place`. If `place` is near the centre or the axis,
-    /// the point does not change.
+    /// The same surface with another reference point, which is the point of the surface nearest to `place`. If `place`
+    /// is near the centre or the axis, the reference point does not change.
     pub(super) fn based_at(&self, place: &Vector3<f64>) -> Self {
         let (_, _, s, distance) = self.at(place);
         if s < 0.05 || s.is_nan() {
@@ -214,7 +217,7 @@ impl Pose {
         Self::new(self.shape, point, normal, self.axis(0), self.curvature)
     }
 
-    /// The same surface with its outside and inside exchanged.
+    /// The same surface, but the opposite side is outside.
     pub(super) fn reversed(&self) -> Self {
         let curvature = -self.curvature;
         Self::new(
@@ -240,7 +243,7 @@ impl Deviation {
     }
 }
 
-/// Sums of squares and normal equations of distances and normals, all with variance 1.
+/// Sums of squares and normal equations of the deviations of distances and normals, for variances of 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Equations {
     pub(super) grams: [Gram; 2],
@@ -274,7 +277,7 @@ impl Equations {
         all
     }
 
-    /// Gradient of one contact's weighted sum of squares, which is summed over cells of contacts.
+    /// Gradient of the weighted sum of squares of one contact, with respect to the fitted parameters.
     pub(super) fn gradient(pose: &Pose, cloud: &Cloud, index: usize, weights: [f64; 2]) -> Row {
         let normal = cloud.normals.get(index);
         let one = pose.deviation(&cloud.places[index], normal.is_some());

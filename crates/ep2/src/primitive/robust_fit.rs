@@ -1,5 +1,5 @@
-//! Least squares for the distances and normals of contacts from a shape. Variances follow from the residuals, and
-//! outliers are left out.
+//! Fits a shape to the distances and normals of contacts by least squares. Variances are estimated from the residuals,
+//! and outliers are left out.
 
 use nalgebra::{SymmetricEigen, Vector3};
 use palpate_statistics::student_half_width;
@@ -18,15 +18,15 @@ const MIN_DECREASE: f64 = 1e-4;
 /// Smallest standard deviation of positions (relative to their spread) and of normals. Smaller values are treated as
 /// rounding errors.
 const MIN_STD: f64 = 1e-9;
-/// Largest ratio of the variance of normals to the variance of positions, and of its inverse, in the unit of the
-/// spread.
+/// Largest allowed ratio of the estimated variances of normals and positions, and of the inverse of this ratio.
+/// Positions are in the unit of the spread.
 const MAX_VARIANCE_RATIO: f64 = 1e8;
 /// Smallest share of the variance of normals that is attributed to errors of the normals themselves. The rest is
 /// attributed to errors of positions.
 const MIN_SENSOR_SHARE: f64 = 0.05;
 /// Eigenvalues of scaled normal equations that are smaller than this share of the largest one are rounding errors.
 const RANK_TOLERANCE: f64 = 1e-12;
-/// Number of contacts with which a fit starts.
+/// Largest number of contacts in the preliminary fits, from which the start of the final fit is computed.
 const START_CONTACTS: usize = 600;
 /// Probability from which the limit for outliers is computed as a quantile of Student's t. For many contacts, the limit
 /// is 4.5 standard deviations.
@@ -37,17 +37,17 @@ const SUBSETS: u64 = 60;
 const SUBSET_SIZE: usize = 8;
 /// Number of iterations of the fit to a subset.
 const SUBSET_ITERATIONS: usize = 15;
-/// Largest ratio of two median distances for which a fit through a subset replaces the fit to all contacts: the
-/// former's divided by the latter's.
+/// A fit that starts from a subset replaces the fit that starts from all contacts only if its median distance and its
+/// variance are below this multiple of those of the other fit.
 const MAX_MEDIAN_SHARE: f64 = 0.75;
-/// Number of iterations in which the contacts that a fit uses may change.
+/// Number of times that a fit is repeated with a new selection of contacts.
 const GROWTH_ITERATIONS: usize = 10;
-/// Maximum number of iterations of each fit while the used contacts may change.
+/// Maximum number of iterations of each fit during these repetitions.
 const GROWTH_FIT_ITERATIONS: usize = 8;
 /// Largest number of contacts from which the limits for outliers are computed.
 const MAX_CONTACTS: usize = 20_000;
-/// Largest accepted ratio of two variances: of a fit that leaves out more than a fifth of the contacts, and of the fit
-/// to all contacts.
+/// A fit may leave out more than a fifth of the contacts. If its variance is below this multiple of the variance of the
+/// fit to all contacts, the contacts have too many outliers.
 const MAX_FEW_VARIANCE_SHARE: f64 = 0.04;
 
 /// Stated standard deviations of positions (in the unit of the spread) and normals (rad).
@@ -62,11 +62,11 @@ pub(super) struct Solution {
     pub(super) variances: [f64; 2],
     /// Inverse of the weighted normal equations.
     pub(super) inverse: Gram,
-    /// Degrees of freedom of the variances; `None` if there are none.
+    /// Degrees of freedom of the estimated variances; `None` if the contacts do not determine the variances.
     pub(super) freedom: Option<f64>,
 }
 
-/// Weights of distances and normals.
+/// Weights of distances and normals in the sum of squares.
 ///
 /// An error of a position along the surface changes the expected normal by k times the error. Therefore, normals have
 /// the variance σ_n² + β k² with β = c σ_p²/2, where c is 2 for a sphere and 1 for a cylinder. If the variance were
@@ -99,8 +99,8 @@ impl Weights {
         (sensor + slope * pose.curvature * pose.curvature).recip()
     }
 
-    /// Effect of the normals' variance on the derivative of the cost with respect to the curvature: the part that comes
-    /// from the dependence of this variance on the curvature k, divided by −2k.
+    /// Correction for the dependence of the normals' variance on the curvature k. It is the part of the derivative of
+    /// the cost with respect to k that is due to this dependence, divided by −2k.
     fn correction(&self, pose: &Pose, equations: &Equations) -> f64 {
         self.normals[1] * equations.squares[1] * self.of_normals(pose).powi(2)
     }
@@ -110,7 +110,7 @@ impl Weights {
         self.of_distances * of_distances + self.of_normals(pose) * of_normals
     }
 
-    /// Normal equations of all parameters. Parameters that the shape does not have get a 1 on the diagonal.
+    /// Matrix of the normal equations. Parameters that the shape does not have are replaced by a 1 on the diagonal.
     fn gram(&self, pose: &Pose, equations: &Equations) -> Gram {
         let mut gram =
             equations.grams[0] * self.of_distances + equations.grams[1] * self.of_normals(pose);
@@ -180,8 +180,9 @@ impl Weights {
     }
 }
 
-/// Fits a shape from a start. Variances that are not stated follow from the residuals. `correlations` are the numbers
-/// of consecutive positions and normals that count as one.
+/// Fits a shape, starting at the pose `start`. Variances that are not stated are estimated from the residuals.
+/// `correlations` contains the numbers of consecutive positions and normals that count as one because their errors are
+/// correlated.
 pub(super) fn solve(
     start: Pose,
     cloud: &Cloud,
@@ -247,7 +248,8 @@ pub(super) fn solve(
     last.unwrap_or_else(|| unreachable!("there is at least one iteration"))
 }
 
-/// The stated variances or, if they are not stated, the mean squares of the residuals at a start.
+/// The variances with which a fit starts: the stated variances or, if they are not stated, the mean squares of the
+/// residuals.
 fn first_variances(pose: &Pose, cloud: &Cloud, stated: StatedNoise) -> [f64; 2] {
     let mean_square = |all: &[f64]| {
         let sum: f64 = all.iter().map(|one| one * one).sum();
@@ -280,7 +282,7 @@ fn inverse(gram: &Gram) -> Gram {
 }
 
 impl Solution {
-    /// A solution with this pose, before a fit.
+    /// A solution that contains only this pose, as the start of a fit.
     fn of(pose: Pose) -> Self {
         Self {
             pose,
@@ -291,12 +293,13 @@ impl Solution {
         }
     }
 
-    /// The weights of distances and normals.
+    /// The weights of distances and normals: the inverses of their variances.
     pub(super) fn weights(&self) -> [f64; 2] {
         self.variances.map(f64::recip)
     }
 
-    /// −2 times the logarithm of the likelihood for the variances that fit best, without an additive constant.
+    /// −2 ln(likelihood) of the fit, without an additive constant. Variances that are not stated have their most
+    /// probable values.
     pub(super) fn deviance(&self, stated: StatedNoise, correlations: [f64; 2]) -> f64 {
         let floor = MIN_STD * MIN_STD;
         let parts = (0..2).map(|kind| {
@@ -318,8 +321,8 @@ pub(super) struct RobustFit {
     pub(super) solution: Solution,
     pub(super) is_used: Vec<bool>,
     limits: Limits,
-    /// Contacts that are used by a much better fit, which leaves out more than a fifth of all contacts; `None` if there
-    /// is no such fit.
+    /// Contacts that are used by a fit that leaves out more than a fifth of all contacts, but has a much smaller
+    /// variance. `None` if there is no such fit.
     pub(super) inliers_of_few: Option<Vec<bool>>,
 }
 
@@ -357,7 +360,8 @@ pub(super) fn robust_fit(shape: Shape, cloud: &Cloud, stated: StatedNoise) -> Ro
     }
 }
 
-/// The fit without outliers that is found from a start pose. `thinned` contains a selection of the same contacts.
+/// A fit without outliers. It starts at the pose `start` and also at poses through subsets of the contacts. `thinned`
+/// is a selection of the contacts from which the subsets are drawn.
 fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise) -> RobustFit {
     let plain_all = solve(start, cloud, stated, [1.0; 2], ITERATIONS);
     let mut plain = grown(plain_all, cloud, stated);
@@ -387,8 +391,8 @@ fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise)
     }
 }
 
-/// The pose with the smallest median distance among poses through subsets of contacts. `None` if this distance is not
-/// much smaller than the median distance from the pose `plain`.
+/// Among poses through subsets of contacts, the pose with the smallest median distance from all contacts. `None` if
+/// this distance is not much smaller than the median distance from the pose `plain`.
 fn through_most(plain: &Pose, cloud: &Cloud) -> Option<Pose> {
     let weights = Weights {
         of_distances: 1.0,
@@ -425,13 +429,13 @@ fn median_distance(pose: &Pose, cloud: &Cloud) -> f64 {
     *distances.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// Largest distance of a contact, and largest deviation of its normal, for which the contact is not an outlier.
+/// Limits for the distance of a contact and for the deviation of its normal. A contact beyond a limit is an outlier.
 #[derive(Clone, Copy, Debug)]
 struct Limits([f64; 2]);
 
 impl Limits {
-    /// Limits that follow from the median residuals at a pose. For few residuals, the limits are wider, because their
-    /// median is uncertain.
+    /// Limits that follow from the median residuals at a pose: the estimated standard deviation times `deviations`. For
+    /// few residuals, the limits are wider, because the median is then uncertain.
     fn first(pose: &Pose, cloud: &Cloud, deviations: f64) -> Self {
         let freedom = cloud.places.len().saturating_sub(pose.unknowns()).max(1);
         let correction = 1.0 + 5.0 / freedom as f64;
@@ -451,7 +455,7 @@ impl Limits {
         Self(of)
     }
 
-    /// The fit that uses only the contacts within the limits.
+    /// Selects the contacts within the limits. The returned pose is not fitted to them yet.
     fn apply(self, pose: &Pose, cloud: &Cloud) -> RobustFit {
         let [distances, normals] = residuals(pose, cloud);
         let is_near = |(index, distance): (usize, &f64)| {
@@ -467,8 +471,8 @@ impl Limits {
     }
 }
 
-/// The fit to the contacts near a pose. The contacts are selected again after each fit, until the selection no longer
-/// changes.
+/// Fits the contacts near the pose of `solution`. The contacts are selected again after each fit, until the selection
+/// no longer changes.
 fn grown(mut solution: Solution, cloud: &Cloud, stated: StatedNoise) -> RobustFit {
     let unknowns = solution.pose.unknowns();
     let quantile = |used: usize| {

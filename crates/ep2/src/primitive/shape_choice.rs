@@ -6,13 +6,13 @@ use super::pose::{Cloud, Pose};
 use super::robust_fit::StatedNoise;
 use super::{Candidate, Shape, start};
 
-/// P-value of a shape's lack of fit at which "none of these" is as probable as the best shape.
+/// "None of these shapes" is as probable as the best shape if the p-value of the best shape has this value.
 const NONE_P_VALUE: f64 = 0.01;
-/// Smallest ratio of two variances of positions: across a line, and by noise. If the ratio is smaller, the positions
-/// count as a line.
+/// Positions count as a line if their variance across the line is below this multiple of the variance of the noise.
 const MIN_SPREAD_RATIO: f64 = 10.0;
 
-/// Whether contacts with this variance of the positions vary in only one direction along the surface, except for noise.
+/// Whether the contacts lie on a line along the surface, except for noise. `variance` is the variance of the positions'
+/// noise.
 pub(super) fn is_line(pose: &Pose, cloud: &Cloud, variance: f64) -> bool {
     let pose = pose.based_at(&start::middle(cloud));
     let mut spread = Matrix2::zeros();
@@ -23,7 +23,7 @@ pub(super) fn is_line(pose: &Pose, cloud: &Cloud, variance: f64) -> bool {
     SymmetricEigen::new(spread).eigenvalues.min() < MIN_SPREAD_RATIO * variance
 }
 
-/// The most probable shape, and the probabilities of a plane, a sphere, a cylinder and none of these.
+/// The index of the most probable shape, and the probabilities of a plane, a sphere, a cylinder and none of these.
 ///
 /// The shapes are compared by the Bayesian information criterion. The ratio of the probabilities of "none of these" and
 /// the best shape is 0.01 / p, where p is the p-value of the best shape's lack of fit.

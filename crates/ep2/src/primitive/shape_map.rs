@@ -5,7 +5,8 @@ use nalgebra::{Point3, Vector3};
 use super::pose::Pose;
 use crate::{Contact, Curvature, MapPoint, Shape, ShapeFit, Uncertainty};
 
-/// Smallest cosine of the angle between the normal at the foot of the shape and the normal at a point of a map.
+/// Limits the extent of a map. The cosine of the angle between the normal at a contact and the normal in the middle of
+/// the contacts is assumed to be at least this value.
 const MIN_COSINE: f64 = 0.2;
 
 impl ShapeFit {
@@ -17,8 +18,8 @@ impl ShapeFit {
         self.point(foot, normal)
     }
 
-    /// Smallest and largest coordinates of the contacts in the plane that touches the shape at its foot. The shape is
-    /// projected into this plane from its centre or its axis.
+    /// Smallest and largest coordinates of the contacts in the plane that touches the shape in the middle of the
+    /// contacts. The contacts are projected into this plane from the centre or the axis of the shape.
     pub fn domain(&self, contacts: &[Contact]) -> [[f64; 2]; 2] {
         let pose = self.pose();
         let mut domain = [[0.0_f64; 2]; 2];
@@ -38,8 +39,8 @@ impl ShapeFit {
         domain
     }
 
-    /// A map of the shape on a grid of `side` × `side` points that extends over the contacts. The grid is even in the
-    /// plane of [`ShapeFit::domain`]. Its slowest index runs along the axis of a cylinder.
+    /// A map of the shape on a grid of `side` × `side` points that extends over the contacts. The grid is evenly spaced
+    /// in the plane of [`ShapeFit::domain`]. The coordinate along the axis of a cylinder varies slowest.
     pub fn map(&self, contacts: &[Contact], side: usize) -> Vec<MapPoint> {
         let (pose, domain) = (self.pose(), self.domain(contacts));
         let steps = side.saturating_sub(1).max(1) as f64;

@@ -1,4 +1,5 @@
-//! The results of a fit, in the unit of the contacts: sizes, place and direction with their standard errors.
+//! Converts the results of a fit to the unit of the contacts: sizes, position and direction, with their standard
+//! errors.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -8,15 +9,15 @@ use super::{Candidate, Scaled, Shape, ShapeFit, ShapeSettings, SizeEstimate, sta
 use crate::NoiseEstimate;
 use crate::effective_readings::EffectiveReadings;
 
-/// Length of the contacts' mean normal below which an object counts as touched all around. Such an object is assumed to
-/// be convex.
+/// If the mean of the shape's unit normals at the contacts is shorter than this value, the object counts as touched all
+/// around. It is then assumed to be convex.
 const MIN_MEAN_NORMAL: f64 = 0.5;
 /// The outward direction determines the outside only if the cosine of its angle to the mean normal is at least this
-/// value.
+/// value, as an absolute value.
 const MIN_OUTWARD_COSINE: f64 = 0.1;
 
 impl ShapeSettings {
-    /// The results in the unit of the contacts; `None` for numbers that exceed the range of doubles.
+    /// The results in the unit of the contacts; `None` if a result is beyond the range of doubles.
     pub(super) fn reported(
         &self,
         candidate: &Candidate,
@@ -127,7 +128,7 @@ impl ShapeSettings {
     }
 }
 
-/// The radius that follows from the curvature of the object.
+/// The radius of the object, computed from its curvature.
 fn radius(curvature: &SizeEstimate, is_resolved: bool, ends: [Option<f64>; 2]) -> SizeEstimate {
     let value = curvature.value.filter(|_| is_resolved);
     let size = |curvature: f64| curvature.abs().recip();
@@ -177,7 +178,7 @@ fn place(pose: &Pose, is_resolved: bool) -> Option<Vector3<f64>> {
     }
 }
 
-/// Derivatives of [`place`] with respect to the fitted parameters.
+/// Derivatives of the position that [`place`] returns, with respect to the fitted parameters.
 fn place_derivative(pose: &Pose) -> SMatrix<f64, 3, UNKNOWNS> {
     let mut all = SMatrix::<f64, 3, UNKNOWNS>::zeros();
     all.set_column(3, &pose.axis(2));

@@ -18,7 +18,7 @@ pub(super) fn middle(cloud: &Cloud) -> Vector3<f64> {
     sum / cloud.places.len().max(1) as f64
 }
 
-/// Poses with which the fit of a shape starts.
+/// Poses at which the fit of a shape starts.
 pub(super) fn starts(shape: Shape, cloud: &Cloud) -> Vec<Pose> {
     let middle = middle(cloud);
     let mut moment = Matrix3::zeros();
@@ -71,7 +71,7 @@ pub(super) fn starts(shape: Shape, cloud: &Cloud) -> Vec<Pose> {
     poses.into_iter().map(|pose| outward(pose, cloud)).collect()
 }
 
-/// The pose, reversed if the measured normals point to its inside.
+/// The pose, with inside and outside exchanged if the measured normals point inwards.
 fn outward(pose: Pose, cloud: &Cloud) -> Pose {
     let pairs = cloud.places.iter().zip(&cloud.normals);
     let agreement: f64 = pairs
@@ -125,7 +125,8 @@ fn sphere(cloud: &Cloud, middle: &Vector3<f64>) -> Option<Pose> {
     is_good.then_some(pose)
 }
 
-/// The best cylinder with this axis by an algebraic fit, and the mean square of the distances from it.
+/// The cylinder with this axis that fits the contacts best by an algebraic fit, and the mean square of the contacts'
+/// distances from it.
 fn circle(cloud: &Cloud, middle: &Vector3<f64>, axis: &Vector3<f64>) -> Option<(f64, Pose)> {
     let frame = Pose::new(Shape::Cylinder, *middle, *axis, Vector3::x(), 0.0);
     let (one, other) = (frame.axis(0), frame.axis(1));
@@ -153,7 +154,8 @@ fn circle(cloud: &Cloud, middle: &Vector3<f64>, axis: &Vector3<f64>) -> Option<(
     Some((squares.sum(), pose))
 }
 
-/// Principal directions of a quadric, which is fitted to the contacts as a graph over the plane of a normal.
+/// Principal directions of a quadric. The quadric is fitted to the contacts as a graph over the plane that is
+/// perpendicular to a normal.
 fn quadric_directions(
     cloud: &Cloud,
     middle: &Vector3<f64>,

@@ -9,7 +9,8 @@ use crate::spline::TensorSpline;
 /// Largest allowed ratio of the two parts into which a new knot divides an interval.
 const MAX_PART_RATIO: f64 = 10.0;
 
-/// Jumps at a knot of the `degree + 2` B-splines whose support contains the knot; further entries are 0.
+/// The jumps of a derivative at a knot, for the `degree + 2` B-splines whose support contains the knot; further entries
+/// are 0.
 type Jumps = [f64; MAX_DEGREE + 2];
 
 /// Knots along u and along v.
@@ -49,8 +50,8 @@ impl Mesh {
         self.knots[0].functions() * self.knots[1].functions()
     }
 
-    /// Width of the equations' band: the number of coefficients from the first to the last one that affect the height
-    /// at a place.
+    /// Width of the band of the equations. The height at a place depends only on coefficients within a range of
+    /// indices; the width is the length of this range.
     pub(super) fn band(&self) -> usize {
         self.knots[self.slow].degree() * self.fast_functions() + self.fast_degree() + 1
     }
@@ -104,8 +105,8 @@ impl Mesh {
     }
 }
 
-/// Equations that make a spline smooth: they require that the jumps of the highest derivatives at the knots are 0,
-/// along both axes.
+/// Equations that make a spline smooth. They require that the jumps of the highest derivative at the knots are 0, along
+/// both axes.
 pub(super) struct Roughness {
     slow: Vec<Jumps>,
     fast: Vec<Jumps>,
@@ -132,7 +133,8 @@ impl Roughness {
         }
     }
 
-    /// Triangular form of two sets of equations together: `equations`, and these equations divided by `parameter`.
+    /// Triangular form of the given `equations` together with the smoothness equations. The smoothness equations are
+    /// divided by `parameter`.
     pub(super) fn join(&self, equations: &Triangle, parameter: f64) -> Triangle {
         let order = equations.order();
         let mut joined = Triangle::new(order, self.band);
@@ -155,7 +157,7 @@ impl Roughness {
     }
 }
 
-/// Adds one equation for the jumps of `cut` B-splines, whose coefficients are `stride` apart.
+/// Adds one smoothness equation with `cut` coefficients. The indices of successive coefficients differ by `stride`.
 fn push(block: &mut Block, jumps: Option<&Jumps>, cut: usize, stride: usize, parameter: f64) {
     if let Some(jumps) = jumps {
         let row = block.push(0.0);
@@ -165,8 +167,8 @@ fn push(block: &mut Block, jumps: Option<&Jumps>, cut: usize, stride: usize, par
     }
 }
 
-/// For each interior knot, the jumps of the B-splines' derivatives of order `degree` at this knot. The first jump is
-/// that of the B-spline whose index equals the knot's index.
+/// For each interior knot, the jumps of the B-splines' derivatives of order `degree` at this knot. The first of these
+/// B-splines has the same index as the knot.
 ///
 /// A B-spline is a divided difference of a truncated power. Therefore the jump of the derivative at a knot `t` is a
 /// fixed multiple of `(t_last − t_first) / Π (t − t_other)`. Lengths are divided by the mean interval, so the jumps
@@ -238,8 +240,8 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// The test divides the computed jumps by the differences of derivatives on both sides of a knot. This ratio must
-    /// be the same for all B-splines and knots.
+    /// Compares the computed jumps with the differences of derivatives on both sides of a knot. The factor between them
+    /// must be the same for all B-splines and knots.
     #[test]
     fn jumps_are_differences_of_derivatives() {
         let knots = Knots::new(3, 0.0, 4.0, &[0.9, 2.0, 3.2]);

@@ -1,16 +1,17 @@
-//! The solution with the smallest norm of least-squares problems that do not determine all unknowns.
+//! Solves least-squares problems that do not determine all unknowns. Of all solutions, the solution with the smallest
+//! norm is computed.
 //!
 //! Dierckx, Curve and Surface Fitting with Splines (1993), section 4.1.2.
 
 use super::triangle::{Block, Triangle};
 
-/// The solution with the smallest norm, and the rank. Diagonal entries up to `floor` count as zero.
+/// The solution with the smallest norm, and the rank of the equations. Diagonal entries up to `floor` count as zero.
 pub(super) fn solve(triangle: &Triangle, floor: f64) -> (Vec<f64>, usize) {
     let trapezoid = Trapezoid::of(triangle, floor);
     (trapezoid.least_solution(), trapezoid.pivots.len())
 }
 
-/// The rows of a triangle whose diagonal entry is not negligible.
+/// A triangle that is reduced to the rows whose diagonal entry is not negligible.
 struct Trapezoid {
     reduced: Triangle,
     /// The columns of the diagonal entries that are not negligible, in ascending order.
@@ -42,7 +43,7 @@ impl Trapezoid {
         Self { reduced, pivots }
     }
 
-    /// The solution with the smallest norm of `B x = g`, where `B` is the trapezoid and `g` its right-hand side. This
+    /// The solution of `B x = g` with the smallest norm, where `B` is the trapezoid and `g` its right-hand side. This
     /// solution has no component in the null space of `B`.
     ///
     /// The columns of `B`, from the last to the first, are rotated into a triangle `G` such that `Bᵀ = Q G`. The rows
@@ -75,10 +76,10 @@ impl Trapezoid {
     }
 }
 
-/// The rotations by which further rows were merged into a triangle, in their order.
+/// The rotations by which additional rows were merged into a triangle, in the order in which they were applied.
 struct Rotations {
     band: usize,
-    /// Index of each further row, and the column at which it starts.
+    /// Index of each additional row, and the column at which it starts.
     rows: Vec<(usize, usize)>,
     /// Cosine and sine of the rotations, `band` pairs per row.
     planes: Vec<[f64; 2]>,
@@ -93,7 +94,8 @@ impl Rotations {
         }
     }
 
-    /// Rotates a row into the triangle until all of its entries are zero.
+    /// Merges an additional row into the triangle by rotations, which make all entries of the row zero. `name` is the
+    /// index of the row.
     fn rotate_in(&mut self, triangle: &mut Triangle, name: usize, start: usize, row: &mut [f64]) {
         self.rows.push((name, start));
         for offset in 0..self.band {
@@ -116,8 +118,8 @@ impl Rotations {
         }
     }
 
-    /// Applies all rotations in reverse to a vector that has `values` at the triangle's rows and zeros at the further
-    /// rows. Returns its `count` values at the further rows.
+    /// Applies the inverse rotations to a vector that contains `values` at the triangle's rows and zeros at the
+    /// additional rows. Returns the components at the additional rows, of which there are `count`.
     fn undo(&self, mut values: Vec<f64>, count: usize) -> Vec<f64> {
         let mut result = vec![0.0; count];
         let planes = self.planes.chunks_exact(self.band);

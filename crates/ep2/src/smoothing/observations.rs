@@ -13,8 +13,9 @@ pub(crate) struct WeightedPoint {
     pub(crate) v: f64,
     /// Measured height at the point.
     pub(crate) w: f64,
-    /// Factor on the residual, which is an inverse standard deviation. If the weights of two points differ by a factor
-    /// f, the point with the smaller weight loses the digits of f; from f = 1e15 on, it has no influence.
+    /// Weight that multiplies the residual: an inverse standard deviation. If the weights of two points differ by a
+    /// factor of 10^n, the result contains n fewer digits of the point with the smaller weight. From n = 15 on, this
+    /// point has no influence.
     pub(crate) weight: f64,
 }
 
@@ -76,7 +77,7 @@ impl<'a> Observations<'a> {
         }
     }
 
-    /// Square root of the unit of sums of squared residuals.
+    /// The unit of weighted residuals. It is the unit of heights times the unit of weights.
     pub(super) fn residual_unit(&self) -> f64 {
         self.units[0] * self.units[1]
     }
@@ -142,7 +143,7 @@ impl<'a> Observations<'a> {
         triangle
     }
 
-    /// Weighted residuals of a spline, point by point.
+    /// Weighted residual of the spline at each point.
     fn residuals<'b>(
         &'b self,
         mesh: &'b Mesh,

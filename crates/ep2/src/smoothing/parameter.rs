@@ -2,13 +2,13 @@
 
 /// Maximum number of parameters that are tried.
 const MOST_TRIALS: usize = 20;
-/// Factor by which a parameter is multiplied or divided if it is far from the root.
+/// If a parameter is far from the root, the next parameter is the current one multiplied or divided by this factor.
 const FAR: f64 = 0.04;
 /// If a step by the factor [`FAR`] would pass a bound, the next parameter is between the bound and the last trial
 /// instead. Its distance from the bound is this share of the distance between the bound and the last trial.
 const NEAR: f64 = 0.1;
 
-/// A parameter that was tried, and the difference between its residual sum and the required sum.
+/// A parameter that was tried. `excess` is its residual sum minus the required sum.
 #[derive(Clone, Copy)]
 pub(super) struct Trial {
     pub(super) parameter: f64,

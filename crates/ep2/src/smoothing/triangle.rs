@@ -16,8 +16,8 @@ pub(super) struct Block {
     rows: usize,
     /// Height of a column, in groups of [`LANES`] rows.
     packs: usize,
-    /// Whether the rows have already been merged into a triangle. The values in the block are then meaningless, and a
-    /// new row first clears them.
+    /// Whether the rows have already been merged into a triangle. The values in the block are then meaningless, and
+    /// they are cleared before the next row is added.
     is_stale: bool,
     columns: Vec<[f64; LANES]>,
 }
@@ -122,14 +122,14 @@ impl Triangle {
         self.rows[row * stride..][..stride].fill(0.0);
     }
 
-    /// The diagonal entries. None of them is negative.
+    /// The diagonal entries, which are never negative.
     pub(super) fn diagonal(&self) -> impl Iterator<Item = f64> {
         self.rows.iter().step_by(self.band + 1).copied()
     }
 
-    /// Merges the rows of `block` into the triangle by reflections. The block is empty afterwards.
+    /// Merges the rows of `block` into the triangle by reflections, and empties the block.
     ///
-    /// Blocks must be absorbed in the order of ascending `start`, so that no row extends beyond the band.
+    /// Blocks must be merged in the order of ascending `start`, so that no row extends beyond the band.
     pub(super) fn absorb(&mut self, start: usize, block: &mut Block) {
         let (packs, band) = (block.packs, self.band);
         let used = block.rows.div_ceil(LANES);
@@ -166,8 +166,8 @@ impl Triangle {
         block.is_stale = true;
     }
 
-    /// Effective degrees of freedom of these equations if further equations are added: the trace of `J⁻ᵀ RᵀR J⁻¹`,
-    /// where `R` is this triangle and `J` the triangle of all equations.
+    /// Effective degrees of freedom of these equations after further equations were added. It is the trace of `J⁻ᵀ RᵀR
+    /// J⁻¹`, where `R` is this triangle, and `J` is the triangle `joined` of all equations.
     pub(super) fn share_of(&self, joined: &Self) -> f64 {
         let mut trace = 0.0;
         let mut row = vec![0.0; self.order];

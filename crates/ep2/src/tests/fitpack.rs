@@ -1,5 +1,5 @@
-//! Compares smoothing splines with those of FITPACK's `surfit` (from SciPy 1.17.1), with as many knots as the data
-//! allow.
+//! Compares smoothing splines with those of FITPACK's `surfit` (from SciPy 1.17.1). The number of knots is limited only
+//! by the data.
 
 use crate::Status;
 use crate::smoothing::{Smoothed, SmoothingSpline, WeightedPoint};
@@ -43,7 +43,7 @@ impl Golden {
         }
     }
 
-    /// Largest difference between a spline and FITPACK's values on the grid.
+    /// Largest difference between the values of a spline and of FITPACK's spline on the grid.
     fn deviation(&self, smoothed: &Smoothed) -> f64 {
         let mut largest = 0.0_f64;
         for (&u, row) in self.grid.iter().zip(&self.values) {

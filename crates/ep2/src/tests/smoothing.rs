@@ -61,8 +61,8 @@ fn polynomials_are_interpolated() {
     assert!(level.spline.value(0.3, 0.4).abs() == 0.0);
 }
 
-/// As many knots as points are allowed in each direction. Either the residual sum of zero is reached, or the status
-/// states that the knots are exhausted. In both cases, the values are accurate.
+/// The number of knots is not limited, and the required residual sum is zero. The fit either reaches this sum, or its
+/// status states that no more knots can be added. In both cases, the values are accurate.
 #[test]
 fn a_sum_of_zero_interpolates_or_exhausts_the_knots() {
     let smoothed = fit(3, 0.0, &grid(|u, v| libm::sin(2.0 * u) * libm::exp(v))).unwrap();

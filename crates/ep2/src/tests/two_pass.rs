@@ -109,8 +109,8 @@ fn a_saddle_is_fitted_by_a_biquadratic() {
     }
 }
 
-/// On a patch with the half-width a = 1.5 of a surface with the radius R = 100, a biquadratic neglects terms of fourth
-/// order. Their relative size is (a/R)² = 2e-4.
+/// A biquadratic spline neglects terms of fourth order. On a patch with the half-width a = 1.5 of a surface with the
+/// radius R = 100, their relative size is (a/R)² = 2e-4.
 #[test]
 fn shallow_spheres_and_cylinders_are_fitted() {
     for passes in [Passes::One, Passes::Two] {
@@ -123,9 +123,9 @@ fn shallow_spheres_and_cylinders_are_fitted() {
     }
 }
 
-/// The paper's sum for smoothing is 1000 for 30 contacts of weight 100. With noise of 5 % of the unit, a biquadratic
-/// without knots is sufficient; with 10 %, knots are needed. With 21 degrees of freedom, the expected sums are 525 and
-/// 2100.
+/// The smoothing sum of the paper is 1000 for 30 contacts of weight 100. A biquadratic spline without knots leaves 21
+/// degrees of freedom. With noise of 5 % of the unit of length, its expected residual sum is 525, so knots are not
+/// needed. With noise of 10 %, the sum is 2100, so knots are needed.
 #[test]
 fn the_noise_decides_the_number_of_knots() {
     let trials = 100;

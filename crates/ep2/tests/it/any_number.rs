@@ -90,8 +90,9 @@ fn methods(number: f64) -> [Box<dyn Method>; 4] {
     ]
 }
 
-/// Largest deviation of a map point: of its Gaussian and mean curvature from the values that follow from its principal
-/// curvatures, and of its axes from an orthonormal frame.
+/// How much the numbers of a map point contradict each other. The result is the largest deviation of the Gaussian and
+/// the mean curvature from the values that follow from the principal curvatures, and of the axes from an orthonormal
+/// frame.
 fn inconsistency(point: &MapPoint) -> f64 {
     let (least, most) = (point.k_min, point.k_max);
     let scale = least.abs().max(most.abs()).max(f64::MIN_POSITIVE);
@@ -190,8 +191,8 @@ fn uncertainties_of_any_size_return_probabilities_or_none() {
     assert_eq!(of(1.0, f64::NAN), None);
 }
 
-/// The name of the expected error for these contacts; `None` if only a calculation can decide whether there is an
-/// error.
+/// The name of the error that must be returned for these contacts. `None` if no number is invalid, so that only the fit
+/// itself can find an error.
 fn expected_error(contacts: &[Contact], outward: &Vector3<f64>) -> Option<&'static str> {
     if contacts.len() < 3 {
         return Some("too-few-contacts");

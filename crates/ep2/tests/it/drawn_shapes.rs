@@ -56,7 +56,7 @@ pub(super) enum Surface {
 }
 
 impl Surface {
-    /// Position and normal at the coordinates u and v of the patch.
+    /// Position and normal of the surface at the coordinates u and v.
     pub(super) fn at(&self, u: f64, v: f64) -> (Vector3<f64>, Vector3<f64>) {
         let graph =
             |w: f64, p: f64, q: f64| (Vector3::new(u, v, w), Vector3::new(-p, -q, 1.0).normalize());
@@ -137,8 +137,8 @@ impl Surface {
     }
 }
 
-/// The contacts with Gaussian noise. They have normals only if the noise of normals is stated. Each finger has `each`
-/// of the contacts; if `each` is 0, one finger has all contacts.
+/// The contacts with Gaussian noise. They have normals only if `normal_std` is stated. Successive groups of `each`
+/// contacts belong to different fingers; if `each` is 0, one finger has all contacts.
 pub(super) fn noisy(
     random: &mut Random,
     exact: &[(Vector3<f64>, Vector3<f64>)],
@@ -160,7 +160,7 @@ pub(super) fn noisy(
         .collect()
 }
 
-/// The contacts, moved and turned to a random position.
+/// The contacts after a random rotation and a random displacement of the size `shift`.
 pub(super) fn placed(random: &mut Random, contacts: &[Contact], shift: f64) -> Vec<Contact> {
     let (rotation, shift) = (random.rotation(), random.vector() * shift);
     contacts
@@ -173,7 +173,7 @@ pub(super) fn placed(random: &mut Random, contacts: &[Contact], shift: f64) -> V
         .collect()
 }
 
-/// The contacts, converted to contacts on the inner side of the same shape.
+/// The same contacts, as if they were on the inner side of the surface: their normals are reversed.
 pub(super) fn inside(contacts: &[Contact]) -> Vec<Contact> {
     contacts
         .iter()

@@ -93,8 +93,8 @@ fn p_values_are_uniform_on_a_quadric() {
     }
 }
 
-/// In a fit to few contacts, only a small part of the noise remains in the residuals. The test must not report this as
-/// an outlier.
+/// If there are few contacts, only a small part of the noise remains in the residuals. The test must not report this
+/// part as an outlier.
 #[test]
 fn few_sound_contacts_seldom_have_a_misfit() {
     for (fingers, contacts_per_finger) in [(3, 2), (3, 3), (3, 4), (4, 4)] {

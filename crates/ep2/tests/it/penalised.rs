@@ -7,7 +7,7 @@ use palpate_ep2::{
 };
 use palpate_geometry::ShapeThresholds;
 
-/// Estimated curvatures at all grid points, each with the true Gaussian and mean curvature.
+/// For each grid point, the estimated curvature and the true curvature (Gaussian and mean).
 fn found(method: &dyn Method, surface: &Surface, sweep: &Sweep, trial: u64) -> Vec<[Curvature; 2]> {
     let contacts = sweep.contacts(surface, trial);
     let patch = Patch::new(&contacts, &Vector3::z()).unwrap();
@@ -150,8 +150,8 @@ fn most_classes_are_correct_at_the_noise_of_the_paper() {
     }
 }
 
-/// Share of all grid points and trials at which the true Gaussian curvature is within 1.96 standard errors of its
-/// estimate. The second value is the same share for the mean curvature.
+/// Share of grid points and trials in which the true Gaussian curvature is within 1.96 standard errors of its estimate,
+/// and the same share for the mean curvature.
 fn coverage(
     surface: impl Fn(f64, f64) -> Truth + Copy,
     contacts: impl Fn(u64) -> Vec<Contact>,

@@ -16,8 +16,8 @@ fn methods() -> [Box<dyn Method>; 3] {
     ]
 }
 
-/// For each method: "result" if it computes all curvatures, otherwise the name of its first error. The curvatures must
-/// be finite.
+/// The outcome of each method: "result" if it computes all curvatures, otherwise the name of its first error. The
+/// curvatures must be finite.
 fn outcomes(contacts: &[Contact]) -> [&'static str; 3] {
     methods().map(|method| {
         let outcome = Patch::new(contacts, &Vector3::z())

@@ -1,5 +1,5 @@
-//! Sizes, intervals and the choice of shapes, tested with random cases. The messages of failed assertions contain the
-//! numbers.
+//! Tests the sizes, the intervals and the choice of shapes with random cases. If an assertion fails, its message
+//! contains the measured shares.
 
 use std::f64::consts::{PI, TAU};
 
@@ -38,9 +38,10 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Fits shapes to contacts on random caps. Returns the share of the fits whose interval contains the true radius, and
-/// the share of the fits in which the radius is determined. `ratios` are the limits of sagitta · √n / noise. Cases with
-/// more noise than `max_noise` times the extent are skipped.
+/// Fits shapes to contacts on random caps. Returns the share of fits whose interval contains the true radius, and the
+/// share of fits in which the radius is determined. `ratios` contains the smallest and the largest value of sagitta ·
+/// √n / noise, where n is the number of contacts. Cases are skipped if the noise exceeds `max_noise` times the extent
+/// of the contacts.
 fn coverage(shape: Shape, with_normals: bool, ratios: [f64; 2], max_noise: f64) -> [f64; 2] {
     let [mut held, mut resolved, mut count] = [0.0; 3];
     for case in 0..120 {
@@ -189,8 +190,8 @@ fn correlated(random: &mut Random, each: usize, time: f64, with_normals: bool) -
     rows.collect()
 }
 
-/// A log whose readings depend on each other, a comparable log without dependent readings, and the smallest accepted
-/// coverage.
+/// Two logs: one whose readings depend on each other, and a comparable log without dependent readings. The third result
+/// is the smallest accepted coverage.
 fn dependent(kind: usize, random: &mut Random) -> ([Vec<Contact>; 2], f64) {
     if kind < 3 {
         let plain = ball_log(random, 10);
@@ -237,7 +238,7 @@ fn dependent_readings_count_once() {
     }
 }
 
-/// Share of the logs whose interval contains the mean curvature, and share of the logs whose noise is found to be
+/// Share of the logs whose interval contains the true mean curvature, and share of the logs whose noise is reported as
 /// correlated.
 fn of_surface(logs: impl Iterator<Item = Vec<Contact>>, truth: f64) -> [f64; 2] {
     let mut shares = [0.0; 2];
