@@ -1,12 +1,12 @@
-//! Tests `palpate run` with `--budget` and `--target-error`: the number of trials that these options choose, and later
-//! runs without the options.
+//! Tests the options `--budget` and `--target-error` of `palpate run`. They choose the number of trials; later runs of
+//! the written config need no such option.
 
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use super::desk::{Desk, RUN_FILES, SCENE, STUDY, assert_untouched, edited};
 
-/// A study of noisy rolls on saddles, which have no closed form.
+/// A study of noisy rolls on saddles, for which no closed form exists.
 fn saddles() -> String {
     let study = edited(
         STUDY,
@@ -73,8 +73,9 @@ fn budget_and_target_are_refused_if_trials_are_swept() {
     }
 }
 
-/// Sums of eight uniform random numbers are nearly Gaussian, so the root mean square of N errors has the relative
-/// standard error 1/√(2 N). A target of 0.01 needs 5,000 trials, and the margin adds less than half of this number.
+/// The errors are sums of eight uniform random numbers, so they are nearly Gaussian. The root mean square of N such
+/// errors has the relative standard error 1/√(2 N). A target of 0.01 needs 5,000 trials, and the safety margin adds
+/// less than 2,500.
 #[test]
 fn target_error_sets_the_number_of_trials() {
     let desk = Desk::with(STUDY);
@@ -92,7 +93,7 @@ fn target_error_sets_the_number_of_trials() {
     assert_eq!(desk.table("o/cells.csv").number(0, "trials"), trials);
 }
 
-/// For different seeds, the rms errors scatter by at most the relative standard error that the target states.
+/// For runs with different seeds, the relative scatter of the rms errors is at most the target error.
 #[test]
 fn rms_errors_scatter_by_at_most_the_target() {
     const SEEDS: usize = 30;
@@ -226,8 +227,8 @@ fn a_target_is_refused_if_all_trials_of_the_pilot_fail() {
     assert_untouched(&desk.path(""));
 }
 
-/// With the same random numbers, the model that is chosen for a target shifts no mean by more than a tenth of the
-/// target.
+/// Compares the chosen model with an almost exact model, with the same random numbers. No mean may differ by more than
+/// a tenth of (target error × rms error).
 #[test]
 fn model_error_is_at_most_a_tenth_of_the_target() {
     const TARGET: f64 = 0.05;
@@ -308,7 +309,7 @@ fn start_endless_run(desk: &Desk, out: &str) -> Child {
         .unwrap()
 }
 
-/// Kills a run as soon as the file `file` exists.
+/// Kills a run as soon as `file` exists.
 fn kill_when_file_exists(desk: &Desk, mut run: Child, file: &str) {
     let start = Instant::now();
     while !desk.path(file).exists() && start.elapsed() < Duration::from_secs(60) {

@@ -194,7 +194,7 @@ fn arguments_are_refused_by_name() {
         .fails(2, "readings with");
 }
 
-/// Flags of a command that expect a number, found in the output of its `--help`.
+/// Flags of a command whose value is a number, as its `--help` shows.
 fn numeric_flags(command: &str) -> Vec<String> {
     const NUMBERS: &str = "R P S F N T D D,D,... Z E X I LENGTH X,Y,Z";
     let help = Desk::new().palpate(&format!("{command} --help")).printed();
@@ -209,7 +209,7 @@ fn numeric_flags(command: &str) -> Vec<String> {
     help.lines().filter_map(flag).collect()
 }
 
-/// Options that a flag needs to have an effect.
+/// Options without which a flag is rejected, because it would have no effect.
 fn needed(flag: &str) -> &'static str {
     match flag {
         "indentation-std" => "--indentation 1.5",
@@ -244,8 +244,8 @@ fn claims_exactness(json: &Value) -> bool {
 /// A load curve with noise.
 const LOAD: &str = "indentation_mm,force_N\n1,1.1\n2,2.7\n3,5.2\n4,8.1\n";
 
-/// No flag accepts a number that is not finite, except for the radius of a sensor. If a flag has the value 1e300, no
-/// standard error of the estimate is 0.
+/// Every flag rejects NaN, infinity and negative numbers; only the radius of a sensor may be infinite. With the value
+/// 1e300, no standard error in the output is 0.
 #[test]
 fn every_number_has_bounds() {
     let mut flags = 0;

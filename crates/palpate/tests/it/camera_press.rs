@@ -142,7 +142,7 @@ fn image_fit_estimates_the_traced_press() {
     assert!(number(&again["force"]["value"]) > 0.0 && estimate["force"].is_null());
 }
 
-/// Rows: key of a line in the camera file | replacement for this line | words of the error.
+/// Each row: key of a line in the camera file | replacement for this line | words of the expected error.
 const CAMERA_EDITS: &str = r#"
 place | place = [3.0, 0.0, 0.0] | contradicts the frame at rest: `place[0]` is 3
 place | place = [nan, 0.0, 0.0] | `place[0]` is NaN; it must be finite
@@ -155,8 +155,8 @@ turn_deg | turned = 1 | turned
 length_unit | length_unit = "unit" | length_unit
 "#;
 
-/// The camera is not in the centre. Its position is calibrated with a frame at rest and used for the estimate of the
-/// press.
+/// The camera is not in the centre of the sensor. Its position is calibrated with a frame at rest. The estimate of the
+/// press then uses this position.
 #[test]
 fn image_fit_uses_the_camera_calibrated_from_a_frame_at_rest() {
     let desk = Desk::with(&edited(

@@ -184,7 +184,7 @@ fn all_cells_of_a_small_study_are_checked() {
     assert!(!printed.contains("sample"), "{printed}");
 }
 
-/// Parts of configs. The test replaces each number in them by an extreme number.
+/// Parts of configs. The test replaces every number in these parts by an extreme number.
 const EXTREME: [&str; 3] = [
     "probe = { kind = \"sphere\", radius = 10.0 }\nobject = { kind = \"sphere\", radius = 30.0 }\n\
      motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }\n\
@@ -248,8 +248,8 @@ fn check_of_extremes_is_finite(kind: &str, scene: &str) {
     }
 }
 
-/// Tests three presses: one within the range of the tested random scenes, one deeper than all of these scenes, and one
-/// with another estimator.
+/// Tests three presses: one within the range of the measured random scenes, one deeper than all of them, and one with
+/// an estimator for which no random scenes were measured.
 #[test]
 fn check_reports_whether_intervals_were_tested() {
     let press = r#"

@@ -6,7 +6,8 @@ use palpate::{RunOptions, Runner, Simulation, check_outputs, parse};
 use super::desk::{Desk, SCENE, STUDY, assert_untouched, edited};
 use super::glide::GLIDE;
 
-/// Edits of a config for a roll: `text => replacement | line:column path | words of the reason`; `\n` ends a line.
+/// Each row is an edit of a config for a roll: `text => replacement | line:column path | words of the expected error`.
+/// `\n` ends a line.
 const ROLLS: &str = r#"
 1.0 }\n => 1.0 }\nsensor = { kind = "pads", pitch = 40.0 }\n | 10:35 scene.sensor.pitch | at most the probe's radius
 "sphere", radius = 50.0 => "height-field", formula = "sin(k*x)" | 8:50 scene.object.formula | unknown name `k`
@@ -36,7 +37,8 @@ distance = 10.0 => distance = 1e300 | 17:14 scene.noise.position.fraction_of_ifd
 evaluate => estimator = { kind = "penalised", criterion = "reml", gamma = 2.0 }\nevaluate | 13:63 scene.estimator.gamma | "robust-gcv"
 "#;
 
-/// Plots that cannot be drawn for a study that sweeps over two radii. Rows: `sections | path | words of the reason`.
+/// Plots that cannot be drawn for a study that sweeps two radii. Each row: `sections | path | words of the expected
+/// error`.
 const PLOTS: &str = r#"
 [[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "radius" | plot.0.quantity | is not a column
 [[plot]]\nx = "scene.object.radius"\ny = "trials" | plot.0 | several rows share scene.object.radius = 5
@@ -45,7 +47,7 @@ const PLOTS: &str = r#"
 [[sweep]]\npath = "seed"\nvalues = [1, 2]\n[[plot]]\nx = "scene.object.radius"\ny = "mean"\nquantity = "arc_length" | plot.0 | seed (1 or 2)
 "#;
 
-/// Error that a run of this study returns.
+/// The error with which a run of this study ends.
 fn error(config: &str) -> ConfigError {
     let checked = parse("c.toml", config).and_then(|study| {
         check_outputs(&study)?;
@@ -80,7 +82,7 @@ fn scenes_and_outputs() {
     assert_refused(GLIDE, GLIDES);
 }
 
-/// `check` and `run` reject a plot with the same message as `plot`.
+/// For a plot that cannot be drawn, `check` and `run` print the same message as `plot`.
 #[test]
 fn plots() {
     assert_refused(STUDY, PLOTS);
@@ -115,7 +117,8 @@ fn plots_that_trials_may_draw_are_not_refused() {
     }
 }
 
-/// The commands print the library's message with the excerpt, write nothing, and keep earlier results.
+/// The commands print the library's message with an excerpt of the config. They write nothing and keep earlier
+/// results.
 #[test]
 fn commands_print_the_error_and_write_nothing() {
     let bad = edited(SCENE, "50.0", "-50.0");

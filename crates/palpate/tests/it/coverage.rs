@@ -1,8 +1,8 @@
-//! Tests that equal scenes with different descriptions have the same measured coverage.
+//! Tests that equal scenes have the same measured coverage, even if their configs describe them differently.
 
 use palpate::{Coverage, Family, coverage};
 
-/// Family of random scenes to which a scene belongs, or the reason why the scene has no family.
+/// The family of random scenes to which a scene belongs, or the reason why it belongs to none.
 #[track_caller]
 fn family(text: &str) -> Result<&'static Family, String> {
     let study = palpate::parse("a-scene.toml", text).expect("a study");

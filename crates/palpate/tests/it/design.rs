@@ -5,7 +5,7 @@ use super::desk::{Desk, STUDY, Table, edited, noiseless, number_at as number};
 const TARGET: &str = "--target relative_rms_error(mean_curvature)<=0.05";
 const NOISE: &str = "--vary scene.noise.angular_velocity.fraction=0.001..0.2";
 
-/// The largest value of a quantity's statistic over the cells of a table.
+/// The largest value of a statistic of one quantity, over all cells of a table.
 fn worst(table: &Table, quantity: &str, statistic: &str) -> f64 {
     let rows = (0..table.rows.len()).filter(|&row| table.text(row, "quantity") == quantity);
     rows.map(|row| table.number(row, statistic))
@@ -126,7 +126,8 @@ fn values_may_be_listed_and_fields_set() {
     );
 }
 
-/// Short names and values with units ask the same question as full paths and numbers in the units of the config.
+/// A field may be named by the end of its path, and a value may have a unit. The answer is the same as with the full
+/// path and a number in the config's unit.
 #[test]
 fn fields_have_short_names_and_values_have_units() {
     let desk = Desk::with(STUDY);
@@ -249,9 +250,9 @@ fn files_of_others_stay() {
     desk.palpate(&design).printed();
 }
 
-/// Finds the shortest roll with an error of 5 % on a ball five times as large as the probe, with a noise of 0.07 mm.
-/// The length of the roll is varied as time, as angle and as path. A roll of 1 rad takes 2 s, and moves the contact by
-/// 10 mm / (1 + 1/5) on the probe.
+/// Finds the shortest roll whose error is at most 5 %. The ball is five times as large as the probe, and the noise is
+/// 0.07 mm. The length of the roll is stated as time, as angle and as path. A roll of 1 rad takes 2 s and moves the
+/// contact by 10 mm / (1 + 1/5) on the probe.
 #[test]
 fn the_length_of_a_roll_is_asked_for_in_any_of_its_units() {
     let pads = edited(

@@ -24,7 +24,7 @@ path = "scene.object.radius"
 values = [50, 5]
 "#;
 
-/// A study of one noiseless cell, nine lines long. Lines that are appended belong to its scene.
+/// A study with one cell and without noise, nine lines long. Lines that a test appends belong to the table `scene`.
 pub(crate) const SCENE: &str = r#"name = "a-study"
 length_unit = "mm"
 trials = 20
@@ -42,7 +42,7 @@ pub(crate) fn noiseless() -> String {
     edited(STUDY, noise, "")
 }
 
-/// A text in which one part is replaced.
+/// Replaces one part of a text.
 pub(crate) fn edited(text: &str, from: &str, to: &str) -> String {
     assert!(text.contains(from), "{from:?} is not in the text");
     text.replacen(from, to, 1)
@@ -79,7 +79,7 @@ impl Desk {
         Table::parse(&self.read(name))
     }
 
-    /// Sorted names of the files in a directory, without the manifest; empty if the directory is missing.
+    /// Sorted file names in a directory, without the manifest. The list is empty if the directory does not exist.
     pub(crate) fn names(&self, dir: &str) -> Vec<String> {
         let Ok(entries) = std::fs::read_dir(self.path(dir)) else {
             return Vec::new();
@@ -108,7 +108,8 @@ impl Desk {
         self.end(command)
     }
 
-    /// Checks that the command fails with status 2 and writes nothing, for each row `arguments | words of the message`.
+    /// Each row of `table` is `arguments | words of the expected error`. Checks that the command fails with status 2
+    /// for every row, and writes nothing.
     pub(crate) fn refuses(&self, command: &str, table: &str) {
         let before = self.names("");
         let is_wrong = |row: &&str| {
@@ -133,8 +134,8 @@ impl Desk {
         serde_json::from_str(&printed).unwrap_or_else(|error| panic!("{error}: {printed}"))
     }
 
-    /// Checks that a command writes the same bytes with one thread and with two. The files of the run with one thread
-    /// are in `out-1`.
+    /// Checks that a command writes the same bytes with one thread and with two threads. The run with one thread
+    /// writes into `out-1`.
     #[track_caller]
     pub(crate) fn assert_alike_on_any_threads(&self, arguments: &str, names: &[&str]) {
         for threads in [1, 2] {
@@ -175,20 +176,20 @@ impl Desk {
 pub(crate) struct Ended {
     pub(crate) status: Option<i32>,
     pub(crate) stdout: String,
-    /// Standard error without the notes that are in `swept`.
+    /// Standard error, without the lines that are in `swept`.
     pub(crate) stderr: String,
-    /// Notes on standard error about fields that a config sets although it sweeps them.
+    /// Lines of standard error that are notes about fields with both a value and a sweep.
     pub(crate) swept: String,
 }
 
-/// A message of the library, in which the names of settings are replaced by flags.
+/// Replaces the names of settings in a message of the library by the names of the command-line flags.
 pub(crate) fn with_flags(text: &str) -> String {
     rename_settings(text, |key| format!("--{}", key.replace('_', "-")))
 }
 
 impl Ended {
-    /// Standard output of a command that must have succeeded. Standard error may contain only the warnings of its JSON,
-    /// with settings named as flags.
+    /// Returns the standard output, after checking that the command succeeded. Standard error may contain only the
+    /// warnings that are also in the JSON output.
     #[track_caller]
     pub(crate) fn printed(self) -> String {
         let printed = with_flags(&self.stdout);
@@ -201,7 +202,7 @@ impl Ended {
         self.stdout
     }
 
-    /// Message of a command. The command must have failed with `status` and printed nothing else.
+    /// Returns the error message, after checking that the command failed with `status` and printed nothing else.
     #[track_caller]
     pub(crate) fn said(self, status: i32) -> String {
         assert_eq!(
@@ -267,7 +268,7 @@ impl Table {
             .unwrap_or_else(|_| panic!("{column} of row {row} is {text:?}"))
     }
 
-    /// Index of the row of a quantity in a cell, in `cells.csv`.
+    /// Index of the row with a given cell and quantity in `cells.csv`.
     pub(crate) fn row_of(&self, cell: usize, quantity: &str) -> usize {
         (0..self.rows.len())
             .find(|&row| {
@@ -277,7 +278,7 @@ impl Table {
     }
 }
 
-/// The number at this JSON pointer.
+/// The number at a JSON pointer such as `/meets/0/from`.
 #[track_caller]
 pub(crate) fn number_at(json: &serde_json::Value, place: &str) -> f64 {
     let number = json.pointer(place).and_then(serde_json::Value::as_f64);

@@ -39,7 +39,7 @@ fn a_config_edited_by_hand_is_not_overwritten() {
     assert_eq!(desk.names(""), ["c.toml", "ours", "run.toml"]);
 }
 
-/// A `#` in a string does not begin a comment, even at the start of a line.
+/// A `#` within a string is not a comment, even at the start of a line.
 #[test]
 fn a_hash_in_a_title_does_not_count_as_an_edit() {
     let title = "title = \"\"\"\none\n# two, no. # 3\"\"\"\nlength_unit";
@@ -89,7 +89,7 @@ fn a_full_disk_keeps_earlier_results() {
     }
 }
 
-/// The disk becomes full after the tables are written and before the last file is written.
+/// The disk becomes full after the tables were written but before the last file was written.
 #[test]
 fn a_disk_that_fills_up_keeps_no_table_of_another_run() {
     let desk = Desk::with(STUDY);
@@ -140,7 +140,7 @@ fn standard_output_is_full() {
         .fails(1, "cannot write to standard output");
 }
 
-/// A reader may close the pipe early, like `palpate schema | head -1`.
+/// The reader of a pipe may stop reading early, as `head` does in `palpate schema | head -1`.
 #[test]
 fn a_closed_pipe_is_no_error() {
     let ended = Desk::new().shell("{ \"$palpate\" schema; echo $? >&2; } | head -c 1");

@@ -103,7 +103,7 @@ values = [{ label = "flat", kind = "plane" }, { label = "ball", kind = "sphere",
     );
 }
 
-/// Rows: arguments | words of the error. If two names are wrong, the error states the first.
+/// Each row: arguments | words of the expected error. If two names are wrong, the error mentions the first one.
 const QUESTIONS: &str = "
 --set scene.object.radius=5 | no field of `scene.object` is swept
 --quantity weather --set scene.object.radius=5 | a roll has no quantity \"weather\"

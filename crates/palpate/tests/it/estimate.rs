@@ -217,7 +217,7 @@ fn a_hundred_thousand_probes() {
     assert_close(curvatures(&json)[0], 0.025, 1e-9);
 }
 
-/// The stated noise is so small that the square of a residual divided by the noise overflows double precision.
+/// The stated noise is extremely small: (residual / noise)² is larger than the largest floating-point number.
 #[test]
 fn a_far_too_small_stated_noise_prints_no_infinity() {
     let desk = Desk::new();

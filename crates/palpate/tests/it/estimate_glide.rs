@@ -176,7 +176,7 @@ fn a_map_at_the_contacts_has_their_positions_in_their_order() {
     }
 }
 
-/// A map can only be written to an existing directory.
+/// A map is rejected if its directory does not exist.
 #[test]
 fn a_map_needs_a_directory() {
     let desk = desk(&bowl());

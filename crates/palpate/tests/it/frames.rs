@@ -1,5 +1,5 @@
-//! Draws frames of a small camera sensor in a simple way: each marker is a magenta disc and a yellow disc on a white
-//! ground.
+//! Draws frames of a small camera sensor. To keep it simple, each marker is a magenta disc and a yellow disc on a
+//! white ground.
 
 use std::io::Cursor;
 
@@ -28,8 +28,8 @@ pub(crate) fn places() -> Vec<[f64; 2]> {
     net.filter(|[x, y]| libm::hypot(*x, *y) < 1.05).collect()
 }
 
-/// A frame of markers, each displaced inward by `inward(position)` mm. The markers with numbers in `without` are
-/// missing.
+/// A frame with markers, each displaced inward by `inward(position)` mm. The markers whose numbers are in `without`
+/// are missing.
 pub(crate) fn frame(inward: impl Fn([f64; 2]) -> f64, without: &[usize]) -> RgbImage {
     let middle = 0.5 * (f64::from(SIDE) - 1.0);
     let mut image = RgbImage::from_fn(SIDE, SIDE, |column, row| {

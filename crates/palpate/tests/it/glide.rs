@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::desk::{Desk, RUN_FILES, assert_close, edited};
 
-/// Three fingers on a saddle. The study has a noiseless and a noisy cell.
+/// Three fingers on a saddle. The study has one cell without noise and one with noise.
 pub(crate) const GLIDE: &str = r#"name = "a-glide"
 length_unit = "mm"
 seed = 7

@@ -1,5 +1,5 @@
-//! Runs a table of hostile calls, `hostile.txt`. Each call must end with the status in the table and print the words in
-//! the table. No call may panic or change the user's files.
+//! Runs the command lines of the table `hostile.txt`, which contain many kinds of mistakes. Each call must end with
+//! the stated exit status and print the stated words. No call may panic or change a user's files.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -12,15 +12,15 @@ use super::desk::{Desk, STUDY};
 use super::frames::{frame, write};
 
 const TABLE: &str = include_str!("hostile.txt");
-/// Largest number of bytes that are compared per file; the length of the file is compared too.
+/// Number of bytes at the beginning of a file that are compared. The length of the file is compared too.
 const MOST_BYTES: u64 = 1 << 24;
-/// Smallest number of rows of the table. If fewer rows are found, the table was not read completely.
+/// Smallest number of calls. If there are fewer, the table was not read completely.
 const LEAST: usize = 250;
 const PLOT: &str = "\n[[plot]]\nname = \"error\"\nx = \"scene.object.radius\"\ny = \"rms_error\"\nquantity = \
                     \"normal_curvature_u\"\n";
 const SHELL: &str = "palpate() { \"$palpate\" \"$@\"; }; E={examples}; F={shared}; ";
 
-/// A call in the table.
+/// One command line of the table, with its expected result.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Call {
     before: String,
@@ -29,7 +29,8 @@ struct Call {
     words: String,
 }
 
-/// Replaces each `@name` in a text; longer names are replaced first.
+/// Replaces each `@name` by the text with this name. Longer names are replaced first, because a short name may be the
+/// beginning of a long one.
 fn replace_names(text: &str, names: &BTreeMap<&str, String>) -> String {
     let mut text = text.to_owned();
     let mut known: Vec<&str> = names.keys().copied().collect();
@@ -40,7 +41,7 @@ fn replace_names(text: &str, names: &BTreeMap<&str, String>) -> String {
     text
 }
 
-/// Expands the outermost braces into one line for each choice. A comma after a backslash does not separate choices.
+/// Expands `{a,b}` into one line per choice, like a shell. A comma after a backslash does not separate choices.
 fn expand_braces(line: &str) -> Vec<String> {
     let Some(start) = line.find('{') else {
         return vec![line.replace("\\,", ",")];
@@ -100,7 +101,7 @@ fn calls() -> Vec<Call> {
     calls
 }
 
-/// Kind and contents of each file in a directory, without the files that palpate wrote.
+/// Kind and contents of each file in a directory, except files that palpate wrote (`o`, `o.*` and their contents).
 fn user_files(dir: &Path, within: &str, is_ours: bool) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(dir.join(within)).unwrap() {
@@ -127,7 +128,7 @@ fn user_files(dir: &Path, within: &str, is_ours: bool) -> BTreeMap<String, Vec<u
     found
 }
 
-/// The mistake in the result of a call, if there is one.
+/// Runs a call, and returns a report if the result is not as expected.
 fn find_fault(call: &Call, shell: &str) -> Option<String> {
     let desk = Desk::with(&(STUDY.to_owned() + PLOT));
     let before = desk.shell(&format!("{shell}{}", call.before));
@@ -148,7 +149,7 @@ fn find_fault(call: &Call, shell: &str) -> Option<String> {
     (!is_right).then(|| format!("{call:#?}\nlost: {lost:?}\n{before:?}\n{ended:?}\n"))
 }
 
-/// A directory with frames, a calibration, and results in `o`.
+/// A directory with frames, a calibration, and the results of a run in `o`.
 fn shared() -> Desk {
     let desk = Desk::with(&(STUDY.to_owned() + PLOT));
     for (name, depth) in [("rest", 0.0), ("pressed", 0.8), ("more", 1.2)] {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::desk::{Desk, RUN_FILES, STUDY, edited};
 
-/// A study that takes `times` times a few seconds on one thread, in a build without optimisation.
+/// A study that runs for about `times` times a few seconds, on one thread and in a build without optimisation.
 fn slow_study(times: u32) -> String {
     let values: Vec<String> = (10..34).map(|radius| radius.to_string()).collect();
     let study = edited(STUDY, "[50, 5]", &format!("[{}]", values.join(", ")));
@@ -27,8 +27,9 @@ fn start_run(desk: &Desk, arguments: &str) -> Child {
         .unwrap()
 }
 
-/// A directory with a run into `o` that was stopped when its journal exceeded `bytes`. `arguments` returns the command
-/// for a factor by which the study is longer. If the run ends before it can be stopped, a longer study is tried.
+/// Starts a run that writes into `o`, and stops it when its journal exceeds `bytes`. If the run ends earlier, tries
+/// again with a study that is four times as long. `arguments` makes the command's arguments for a given length of the
+/// study.
 fn interrupt_run(
     bytes: u64,
     arguments: impl Fn(u32) -> String,

@@ -39,7 +39,7 @@ noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_di
 estimator = { kind = "bonded-layer", indentation = "fitted", gain_std = 0.02 }
 "#;
 
-/// A directory with a study as `c.toml` and the readings of its trial 3.
+/// A directory with a study as `c.toml`, and with the readings of trial 3 in `t`.
 fn traced(study: &str) -> Desk {
     let desk = Desk::with(study);
     desk.palpate("trace c.toml --out t --trial 3").printed();
@@ -50,7 +50,7 @@ fn json(desk: &Desk, arguments: &str) -> Value {
     serde_json::from_str(&desk.palpate(&format!("estimate {arguments}")).printed()).unwrap()
 }
 
-/// `--like` with a study, and the settings of this study as flags, give the same estimate.
+/// `--like` with a study gives the same estimate as the settings of this study given as flags.
 #[test]
 fn settings_of_a_study_equal_the_same_settings_as_flags() {
     for (study, kind, flags) in [
@@ -92,7 +92,7 @@ fn settings_of_a_study_equal_the_same_settings_as_flags() {
     }
 }
 
-/// With readings in millimetres, studies in other units of length result in the same estimate.
+/// The readings are in millimetres. Studies in other length units give the same estimate.
 #[test]
 fn lengths_are_converted_to_the_readings_unit() {
     let press = PRESS
@@ -181,7 +181,7 @@ fn a_flag_overrides_the_study() {
         .fails(2, "--window is of use only to --method gaussian");
 }
 
-/// The indentation of a simulated press is not used for recorded readings.
+/// The true indentation of a simulated press is not used as a setting for recorded readings.
 #[test]
 fn the_indentation_of_a_study_is_not_used() {
     let desk = traced(&edited(
@@ -198,7 +198,7 @@ fn the_indentation_of_a_study_is_not_used() {
     assert!(estimate["indentation"]["std"].as_f64().unwrap() <= 0.01);
 }
 
-/// Every setting of an estimator in a config is also a flag for recorded readings.
+/// Every key of an estimator in the config schema is also a flag of `palpate estimate`.
 #[test]
 fn every_setting_is_a_flag() {
     let schema: Value = serde_json::from_str(&Desk::new().palpate("schema").printed()).unwrap();

@@ -1,5 +1,5 @@
-//! Tests warnings about mistakes in the signs, columns and units of rolls and glides. The warnings must appear for
-//! wrong readings, and not for readings without a mistake.
+//! Tests warnings about wrong signs, columns and units in readings of rolls and glides. Readings without a mistake
+//! must cause no warning.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use palpate_scene::{Scene, Scenes};
 use palpate_sensing::{Channel, Stream};
 use palpate_study::config::{LengthUnit, SceneConfig, StudyConfig, load};
 
-/// Words by which the tests recognise these warnings.
+/// Parts of the texts of the tested warnings.
 const WORDS: [&str; 6] = [
     "contradict the positions of the contacts",
     "but the readings show",
@@ -29,7 +29,8 @@ fn warnings(estimate: &impl serde::Serialize) -> Vec<String> {
         .collect()
 }
 
-/// Warnings about a trial's readings, estimated with the settings of the study; `None` if the trial fails.
+/// Warnings about the simulated readings of one trial, estimated with the settings of its study. `None` if the trial
+/// fails.
 fn of_trial(scene: &Scene, config: &StudyConfig, trial: u64) -> Option<Vec<String>> {
     let unit = config.length_unit;
     let trace = scene.trace(Some(trial), unit).ok()?;
@@ -52,7 +53,7 @@ fn of_trial(scene: &Scene, config: &StudyConfig, trial: u64) -> Option<Vec<Strin
     }
 }
 
-/// No trial of a committed study of rolls or glides, and no trial of an example, has such a warning.
+/// None of the committed studies and examples of rolls and glides causes one of the tested warnings.
 #[test]
 fn readings_of_studies_cause_no_warnings() {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
@@ -85,7 +86,8 @@ fn readings_of_studies_cause_no_warnings() {
     assert!(estimated > 60, "{estimated}");
 }
 
-/// Eight rolls of 0.5 rad of a probe of radius 8 mm on a ball of radius 30 mm, with Gaussian noise of the shifts.
+/// Eight rolls by 0.5 rad of a probe of radius 8 mm on a ball of radius 30 mm. The shifts have Gaussian noise; `set`
+/// selects the random numbers.
 fn rolls(std: f64, set: u64) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
     let mut stream = Stream::new(set, 0, Channel::WristContact);
     let mobility = 1.0 / (1.0 / 8.0 + 1.0 / 30.0);
@@ -116,8 +118,8 @@ fn shift_noise(shift_std: f64) -> ReadingNoise {
     }
 }
 
-/// Correctly stated noise gives no warning in 2,000 sets of readings. Noise that is stated eight times too large gives
-/// a warning in all of 250 sets. Shifts in cm that are declared as mm also give a warning in all sets.
+/// If the noise is stated correctly, none of 2,000 sets of readings causes a warning. If it is stated eight times too
+/// large, or if shifts in cm are declared as mm, each of 250 sets causes a warning.
 #[test]
 fn a_far_too_large_stated_noise_causes_a_warning() {
     let (mut sound, mut large, mut in_cm) = (0, 0, 0);
@@ -233,7 +235,8 @@ fn mirrored_or_swapped_normals_cause_a_warning() {
     }
 }
 
-/// On a plane or a ridge, wrong components of the normals may go unnoticed; seven contacts are too few to detect them.
+/// Seven contacts are too few to detect wrong components of normals. Contacts on a plane with correct normals cause no
+/// warning.
 #[test]
 fn few_contacts_or_a_plane_cause_no_warning_of_normals() {
     let (points, normals, fingers) = contacts(1, 0.02);

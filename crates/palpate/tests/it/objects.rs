@@ -1,4 +1,4 @@
-//! Tests every object with every sensor and every noise.
+//! Tests all combinations of objects, sensors and kinds of noise.
 
 use super::desk::Desk;
 

@@ -18,7 +18,8 @@ use super::shards::{PRESSES, many};
 
 const TABLES: [&str; 3] = ["cells", "failures", "map"];
 
-/// A study of rolls with axes of all types: integers, words, tables with unusual labels, and a parameter of a formula.
+/// A study of rolls whose swept fields have all types: integers, words, tables with unusual labels, and a parameter of
+/// a formula.
 const KINDS: &str = r#"name = "kinds"
 length_unit = "cm"
 
@@ -49,7 +50,7 @@ to = 0.2
 count = 2
 "#;
 
-/// A Parquet file that was read: its columns with type and unit, its rows, and its metadata.
+/// Contents of a Parquet file: its columns with type and unit, its rows, and its metadata.
 struct Read {
     columns: Vec<(String, &'static str, Option<String>)>,
     rows: Vec<Vec<Field>>,
@@ -113,7 +114,7 @@ fn read(desk: &Desk, name: &str) -> Read {
     }
 }
 
-/// Compares every name and every value with a CSV table, and returns the number of values.
+/// Compares every column name and every value with a CSV table. Returns the number of compared values.
 fn compare_tables(desk: &Desk, name: &str, csv: &str) -> usize {
     let (found, expected) = (read(desk, name), desk.table(csv));
     let names: Vec<&String> = found.columns.iter().map(|(name, ..)| name).collect();

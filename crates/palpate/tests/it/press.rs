@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::desk::{Desk, RUN_FILES, STUDY, assert_close, edited};
 use palpate::Warning;
 
-/// A study of a ball, a plane, a dish, and a dish with a smaller radius than the sensor.
+/// A study of presses on a ball, a plane, a dish, and a dish with a smaller radius than the sensor.
 pub(crate) const PRESS: &str = r#"name = "a-press"
 length_unit = "mm"
 seed = 7

@@ -1,9 +1,9 @@
-//! Compares numbers of the 1996 paper with results of the program.
+//! Compares results of the program with numbers of the 1996 paper.
 
 use super::desk::{Desk, assert_close};
 
-/// Mean relative errors of a normal curvature if the angular velocity of each of eight probes has an error of 1 %. The
-/// expected values come from an independent simulation.
+/// The angular velocity of each of eight probes has an error of 1 %. The mean relative errors of the normal curvature
+/// are compared with an independent simulation.
 #[test]
 fn monte_carlo_reference() {
     let desk = Desk::with(
@@ -36,8 +36,8 @@ values = [500, 50, 5, 1, 0.5]
     }
 }
 
-/// Square grids of pads with a pitch of 0.5 and 1 mm give an estimated curvature of exactly 0 for a sphere of radius 50
-/// mm.
+/// Checks that square grids of pads with a pitch of 0.5 and 1 mm give an estimated curvature of exactly 0 for a sphere
+/// of radius 50 mm.
 fn assert_exact_zeros(unit: &str, millimetre: f64) {
     let [probe, object, fine, coarse] = [10.0, 50.0, 0.5, 1.0].map(|length| length * millimetre);
     let desk = Desk::with(&format!(

@@ -1,4 +1,4 @@
-//! Tests warnings about recorded readings, and settings that are rejected because they contradict the readings.
+//! Tests warnings about recorded readings. Also tests settings that are rejected because they contradict the readings.
 
 use palpate::recorded::Form;
 use serde_json::Value;
@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::desk::{Desk, with_flags};
 use super::readings::{GLIDE, PRESS, ROLL, changed, glide, press, roll, scaled, warnings};
 
-/// Rows: options of a command | words of its warning, or `[]` if it prints no warning.
+/// Each row: options of a command | words of its warning, or `[]` if it must print no warning.
 const PRESSES: &str = "
  | at the skin's surface
 --depth 0 | []
@@ -98,7 +98,7 @@ fn warnings_have_codes() {
     }
 }
 
-/// If no standard deviation of the indentation is stated, 2 % of the indentation is assumed.
+/// Without a stated standard deviation, the indentation has a standard deviation of 2 %. For 1.5 mm, this is 0.03 mm.
 #[test]
 fn an_indentation_is_never_exact() {
     let desk = Desk::new();
@@ -129,7 +129,7 @@ fn of_press(table: &str) -> String {
     warnings_or_error(press(table, Form::default()))
 }
 
-/// Each row: columns that are multiplied by a factor | factor | words of the warning or error.
+/// Each row: columns that are multiplied by a factor | the factor | words of the expected warning or error.
 const PRESS_MISTAKES: &str = "
 3 | -1 | the sign of tangential_x reversed
 4 | -1 | the sign of tangential_y reversed

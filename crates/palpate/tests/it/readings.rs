@@ -7,7 +7,7 @@ use palpate::recorded::{
 use serde::Serialize;
 use serde_json::Value;
 
-/// Rolls of a ball of radius 10 on a ball of radius 20: after 0.3 rad, the contact has moved by 0.3 / (1/10 + 1/20) =
+/// Rolls of a ball of radius 10 on a ball of radius 20. After 0.3 rad, the contact has moved by 0.3 / (1/10 + 1/20) =
 /// 2.
 pub(crate) const ROLLS: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n\
                      0,0,-0.3,2.125,0.25\n1,0.3,0,-0.25,2.125\n2,0,0.3,-2,0\n3,-0.3,0,0,-2\n";
@@ -15,7 +15,7 @@ pub(crate) const ROLL: &str = include_str!("../../../../examples/roll-readings.c
 pub(crate) const GLIDE: &str = include_str!("../../../../examples/glide-readings.csv");
 pub(crate) const PRESS: &str = include_str!("../../../../examples/press-readings.csv");
 
-/// Form of a table whose columns have the names in `columns`.
+/// A table format with these column names, written as in `--columns`.
 pub(crate) fn named(columns: &str) -> Form {
     let columns = column_names(columns).unwrap();
     Form {
@@ -64,9 +64,9 @@ pub(crate) fn press(contents: impl AsRef<[u8]>, form: Form) -> Estimated {
     json(readings.and_then(|readings| estimate_press(&readings, &options)))
 }
 
-/// Checks that tables are rejected. Each row is `edit | columns | :line | words of the reason`. An edit is either `text
-/// => replacement` in the base table, or a whole table; `\n` and `\r` end lines. `columns` is the value of `--columns`,
-/// or `-`.
+/// Checks that tables are rejected. Each row of `list` is `edit | columns | :line | words of the expected error`. An
+/// edit is either `text => replacement` in the table `base`, or a whole table; `\n` and `\r` end lines. `columns` is
+/// the value of `--columns`, or `-` for none.
 pub(crate) fn refuses(estimate: fn(&str, Form) -> Estimated, base: &str, list: &str) {
     let mut wrong = Vec::new();
     for row in list.trim().lines() {
@@ -112,7 +112,7 @@ pub(crate) fn scaled(csv: &str, columns: &[usize], factor: f64) -> String {
     })
 }
 
-/// A table in which `change` has changed the fields of each row.
+/// A table in which `change` was applied to the fields of each row.
 pub(crate) fn changed(csv: &str, change: impl Fn(&mut Vec<String>)) -> String {
     let (header, rows) = csv.split_once('\n').unwrap();
     let row = |line: &str| {

@@ -287,7 +287,7 @@ fn failures_name_their_kind_and_first_trial() {
     }
 }
 
-/// The column `trials` is both the swept number and the statistic with this name.
+/// In this study, `trials` names both the swept field and a statistic. Both have the same column.
 #[test]
 fn trials_can_be_swept_and_drawn() {
     let plots = "\n[[plot]]\nname = \"along\"\nx = \"trials\"\ny = \"rms_error\"\nquantity = \"mean_curvature\"\n\

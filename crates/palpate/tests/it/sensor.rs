@@ -18,8 +18,8 @@ const MARKERS: [&str; 10] = [
     "dmean_hue_turns",
 ];
 
-/// Displacement in mm at a depth of 2 mm in an incompressible half-space, when a sensor of radius 20 mm is pressed 1 mm
-/// onto a plane. It is the closed form for the Hertz pressure.
+/// Displacement at a depth of 2 mm in an incompressible half-space, mm. A sensor of radius 20 mm is pressed 1 mm onto
+/// a plane. The formula is the closed form for the Hertz pressure.
 fn pressed([x, y]: [f64; 2]) -> f64 {
     let (radius, depth, nu): (f64, f64, f64) = (20.0, 2.0, 0.5);
     let r = radius * libm::hypot(x, y);
@@ -36,7 +36,7 @@ fn pressed([x, y]: [f64; 2]) -> f64 {
     pressure / (4.0 * a) * ((1.0 - nu) * of_pressure + 2.0 * z * of_depth)
 }
 
-/// A directory with frames at rest and pressed, and with a calibration from the marker sizes in three frames.
+/// A directory with a frame at rest, a pressed frame, and a calibration from the marker sizes in three frames.
 fn desk() -> Desk {
     let desk = Desk::new();
     write(&desk, "rest.png", frame(|_| 0.0, &[]));
@@ -53,7 +53,7 @@ fn desk() -> Desk {
     desk
 }
 
-/// The command prints the calibration of the published tables, each number with its unit.
+/// From the published tables, the command prints the published calibration, each number with its unit.
 #[test]
 fn the_published_calibration() {
     let examples = concat!(
@@ -214,7 +214,7 @@ fn swapped_frames_cause_a_warning_and_other_sensors_an_error() {
     );
 }
 
-/// Frames with all kinds of pixels have the same markers.
+/// Frames in different pixel formats contain the same markers.
 #[test]
 fn all_kinds_of_pixels_are_read() {
     let desk = Desk::new();
@@ -285,7 +285,7 @@ fn unusable_frames_are_refused() {
     );
 }
 
-/// Rows: displacement and hue of each point, or a table with its header | words of the error.
+/// Each row: displacement and hue of each point, or a table with its header | words of the expected error.
 const NO_CALIBRATIONS: &str = r"
 1,0.02 | 1 points; a calibration needs at least 2
 1,0.02\n1,0.03\n1,0.02 | all 3 points have a normal displacement of 1
@@ -382,7 +382,7 @@ fn invalid_calibration_files_are_refused() {
     assert!(desk.names("o").contains(&"markers.csv".to_owned()));
 }
 
-/// Columns, units and decimal commas of another program are read from standard input.
+/// A table of another program, with other column names, other units and decimal commas, is read from standard input.
 #[test]
 fn calibration_points_of_another_program_are_read() {
     let desk = Desk::new();

@@ -4,7 +4,7 @@ use std::fs;
 
 use super::desk::{Desk, RUN_FILES, STUDY, assert_close, edited};
 
-/// A study of rolls in seven cells. Some cells fail, and `check` warns about some cells. The study has no maps.
+/// A study of rolls with seven cells and without maps. Some cells fail, and `check` warns about some cells.
 pub(crate) fn many() -> String {
     let study = edited(
         STUDY,
@@ -14,7 +14,8 @@ pub(crate) fn many() -> String {
     edited(&study, "duration_s = 1.0", "duration_s = 2.0")
 }
 
-/// A study of presses with maps. Its tables have a lower bound of the standard deviation, and some cells have warnings.
+/// A study of presses with maps. Its tables contain a lower bound on the standard deviation, and some cells have
+/// warnings.
 pub(crate) const PRESSES: &str = r#"name = "presses"
 length_unit = "mm"
 trials = 10

@@ -1,4 +1,4 @@
-//! Tests the notes about fields that a config sets although it sweeps over them.
+//! Tests the notes about fields to which a config gives both a value and a sweep.
 
 use super::desk::{Desk, STUDY, edited};
 
@@ -50,7 +50,7 @@ fn notes_abbreviate_long_lists_and_print_no_tables() {
     );
 }
 
-/// Users edit the lines of an example; therefore, no sweep may replace a value in these lines.
+/// Users edit values in the examples. A value that a sweep replaces would have no effect, so no example may have one.
 #[test]
 fn the_examples_do_not_set_fields_that_they_sweep() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");

@@ -1,4 +1,5 @@
-//! Tests tables of other programs (names, units, delimiters, decimal signs, encodings, JSON) and invalid files.
+//! Tests tables that other programs wrote (names, units, delimiters, decimal signs, encodings, JSON), and invalid
+//! files.
 
 use palpate::config::LengthUnit;
 use palpate::recorded::{Decimal, Delimiter, Form};
@@ -91,8 +92,8 @@ fn delimiters_encodings_and_headers_do_not_change_the_estimate() {
     assert!((mean_curvature(&rolls(in_degrees)) - mean_curvature(&expected)).abs() > 0.01);
 }
 
-/// An ambiguous number such as `1,234` is read in the same way as the other numbers of the table, or as the form
-/// states.
+/// A number such as `1,234` is ambiguous: 1.234 or 1234. Its decimal sign follows from the other numbers of the table,
+/// or from the setting `decimal`.
 #[test]
 fn unambiguous_numbers_decide_the_decimal_sign() {
     let table =
@@ -200,7 +201,7 @@ probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,-0.5,0,0\n1,0.5,0,0,4\n
 {"rotation_x_rad":1,"rotation_y_rad":1,"shift_u":1,"shift_v":1e999}\n | - | :1 | out of range
 "#;
 
-/// Rows of tables with semicolons as delimiters, whose numbers are rejected.
+/// Tables with semicolons as delimiters that contain a wrong number. Each row has the format of `refuses`.
 const DECIMALS: &str = r#"
 rotation_x_rad;rotation_y_rad;shift_u_mm;shift_v_mm\n0;-1;1,234;0\n1;0;0;2,345\n | - | :2 | `1,234` may be 1.234 or 1234
 -1 => -1,5 | - | :2 | one decimal sign
@@ -307,7 +308,8 @@ fn the_form_renames_columns_and_converts_units() {
     assert_close(mean_curvature(&found), 0.05, 1e-12);
 }
 
-/// With the setting `columns` that a message proposes, the table can be read. This is true for any names in the file.
+/// If a table has unknown column names, the error message proposes a value of the setting `columns`. With this value,
+/// the table can be read.
 #[test]
 fn messages_propose_names_of_columns() {
     fn proposed(said: &str) -> &str {
@@ -358,8 +360,8 @@ fn messages_propose_names_of_columns() {
     );
 }
 
-/// The book has two commands for a table of another program: the first fails and proposes the second, and the second
-/// prints the curvature.
+/// The book shows two commands for a table of another program. The first command fails, and its message proposes the
+/// second command. The second command prints the curvature.
 #[test]
 fn the_second_command_prints_the_curvature() {
     const NAME: &str = "examples/foreign-glide.csv";
@@ -384,7 +386,7 @@ fn the_second_command_prints_the_curvature() {
     );
 }
 
-/// Flags set the form of a table. A study can set its column names.
+/// Command-line flags set the format of a table. With `--like`, the study supplies its column names.
 #[test]
 fn flags_and_studies_set_the_form_of_a_table() {
     let desk = Desk::new();
@@ -469,7 +471,7 @@ fn additional_columns_are_kept_as_labels() {
     assert!(!desk.read("grid.csv").contains("readings_class"));
 }
 
-/// Contacts of three fingers on a bowl. The text `between` follows each finger.
+/// A table with the contacts of three fingers on a bowl. The text `between` is inserted after each finger.
 fn three_fingers(header: &str, between: &str, row: impl Fn(usize, [f64; 3]) -> String) -> String {
     let mut text = format!("{header}\n");
     for finger in 0..3 {

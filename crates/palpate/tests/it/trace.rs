@@ -42,7 +42,7 @@ fn every_probe_starts_at_the_first_contact() {
     );
 }
 
-/// Final contact of a roll, computed by an independent program.
+/// A roll whose final contact was computed by an independent program.
 struct Golden {
     object: &'static str,
     contact: [f64; 2],
@@ -50,7 +50,7 @@ struct Golden {
     rate_rad_per_s: f64,
     duration_s: f64,
     radius: f64,
-    /// Last contact point on the object and on the probe.
+    /// Coordinates of the last contact point: three on the object, then three on the probe.
     end: [f64; 6],
     arc_length: f64,
 }
@@ -226,7 +226,7 @@ fn estimates_from_a_trace_have_the_true_values() {
     assert_eq!(json["normal_curvature_u"]["unit"], "1/mm");
 }
 
-/// With noise on every channel, the estimates from a traced trial equal those of the run.
+/// With every kind of noise, the readings of a traced trial give the same estimates as this trial gives in the run.
 #[test]
 fn a_traced_trial_has_the_estimates_of_the_run() {
     let motions = [
