@@ -55,7 +55,7 @@ fn unit_of_field(header: &str, length_unit: LengthUnit) -> String {
         match label.unit.as_str() {
             "°" => "deg".to_owned(),
             "turns" => "turn".to_owned(),
-            // Fields with such a unit are stored as shares, although axes and messages show them in percent.
+            // Axes and messages show such a field in percent, but tables contain it as a share.
             unit if unit.is_empty() || label.factor != 1.0 => "1".to_owned(),
             unit => unit.to_owned(),
         }

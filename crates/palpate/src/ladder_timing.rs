@@ -72,7 +72,7 @@ fn evaluation_time(
     rung.accuracy.error()?;
     let config = scene.with_model(&rung.model)?;
     let set_up = || Scene::new(&config, unit, seed).ok();
-    // The first set-up fills caches and tables, so it is not measured.
+    // Do not measure the first set-up, because it also fills caches and tables.
     let scene = set_up()?;
     let Scene::Roll(roll) = &scene else {
         let timed = || {

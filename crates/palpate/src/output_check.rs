@@ -90,8 +90,8 @@ fn check_plot(study: &Study, place: usize, plot: &PlotConfig) -> Result<(), Conf
     let mut plot = plot.clone();
     let all = plot.where_.len();
     plot.where_.retain(|path, _| is_swept(path));
-    // Filters by results are not applied to this invented table. In a real table, such a filter may leave only one row
-    // per point, so a message about several rows is ignored below.
+    // This check draws the plot from an invented table, to which filters by results cannot be applied. In a real table,
+    // such a filter may leave only one row per point. Therefore a message about several rows is ignored below.
     let filters_results = plot.where_.len() < all;
     let filters: Vec<(&str, Vec<String>)> = plot.filters().collect();
     let cells = table(study, &study.star(&filters))?;
@@ -106,7 +106,7 @@ fn check_plot(study: &Study, place: usize, plot: &PlotConfig) -> Result<(), Conf
     if filters_results && message.starts_with("several rows") {
         return Ok(());
     }
-    // Some messages begin with the key of the plot.
+    // Some messages begin with a key of the plot. In this case, report the error at this key.
     let key = message.split(" = ").next().unwrap_or_default();
     let keys = ["x", "y", "quantity", "series", "panels", "compare", "where"];
     let path = match keys.contains(&key) {

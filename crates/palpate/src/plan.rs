@@ -161,7 +161,8 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
     let set_up = |scene: &SceneConfig| Scene::new(scene, config.length_unit, config.seed).ok();
     let mut scene = with_tolerance(&config.scene, tolerance)?;
     if matches!(scene, SceneConfig::Roll(_)) {
-        // Noise moves a probe off a line of symmetry, so without noise `auto` could choose another rung.
+        // Choose the model before the noise is removed, because `auto` may choose another model without noise: only
+        // noise moves a probe off a line of symmetry.
         let ladder = set_up(&scene)?.ladder().ok()??;
         scene = scene.with_model(&ladder.taken().model)?;
     }
@@ -171,7 +172,7 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
     let mut truths = vec![0.0_f64; quantities.len()];
     scene
         .trial(0, |quantity, outcome| {
-            // A shape class is not a number, so it cannot be shifted.
+            // A shape class is not a number, so a model error cannot shift it. Leave it out.
             if quantities[quantity].name != "class" {
                 truths[quantity] = truths[quantity].max(outcome.truth.abs());
                 values.push(PassValue {
@@ -182,8 +183,8 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
             }
         })
         .ok()?;
-    // If all true values of a quantity are 0, errors are compared with the largest true value of any quantity with the
-    // same unit.
+    // Scale to which errors are compared if all true values of a quantity are 0: the largest true value of all
+    // quantities with the same unit.
     let of_unit = |place: usize| {
         let alike = (0..truths.len()).filter(|&one| quantities[one].unit == quantities[place].unit);
         alike.map(|one| truths[one]).fold(0.0, f64::max)

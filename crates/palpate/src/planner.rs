@@ -209,7 +209,7 @@ pub(crate) fn plan<C: Plannable>(
     if let (Some(pilot), Some(target)) = (&pilot, goal.target_error) {
         planner.set_by_target::<C>(&mut plan, &trials, &random, pilot, target)?;
     }
-    // Choose the model first, because the time per trial must be measured with the model of the run.
+    // The time per trial depends on the model, so the model is chosen before the time is measured.
     plan.by_budget = planner.by_budget(&planned, &random)?;
     let trials = plan.trials();
     plan.expected_error = trials
@@ -264,8 +264,7 @@ impl Planner<'_> {
             return None;
         }
         let cells: Vec<&dyn Trial> = random.iter().map(|&cell| &trials[cell] as _).collect();
-        // Without a target error, only the budget limits the pilot. So the target is set to the smallest positive
-        // number.
+        // Without a target error, only the budget must limit the pilot. A tiny target never ends the pilot early.
         let target = self.goal.target_error.unwrap_or(f64::MIN_POSITIVE);
         let pilot = Pilot::for_error(self.runner, &cells, target, most, MAX_FOR_TARGET);
         Some(pilot)
@@ -318,7 +317,8 @@ impl Planner<'_> {
         target: f64,
     ) -> Result<(), PlanError<C::Error>> {
         let Some(need) = pilot.need(target) else {
-            // If all estimates of the pilot are exact, the run has the same number of trials as the pilot.
+            // All estimates of the pilot are exact, so more trials are not needed. Use the number of trials of the
+            // pilot.
             let run = pilot.cells.iter().map(|cell| cell.trials).max();
             plan.by_target = run.and_then(NonZeroU64::new).or(Some(NonZeroU64::MIN));
             return Ok(());

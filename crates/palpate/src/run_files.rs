@@ -45,7 +45,7 @@ pub(crate) struct Row<'a> {
 /// cell is a press.
 pub(crate) fn states_bounds(study: &Study) -> bool {
     let is_press = |scene: &SceneConfig| matches!(scene, SceneConfig::Press(_));
-    // Only these two fields can change the kind of the scene.
+    // A sweep of one of these two fields may change the kind of the scene. No other field can.
     let sets_kind = |path: &String| path == "scene" || path == "scene.kind";
     let mut sample = study.sample().iter();
     is_press(&study.config.scene)
@@ -146,7 +146,7 @@ fn cell_rows(study: &Study, ran: &Row<'_>, states_bounds: bool, take: &mut dyn F
         swept(study).for_each(|place| row.text(&cell_truth.coordinates[place]));
         row.text(quantity.name);
         row.text(quantity.unit.of(study.config.length_unit));
-        // If every trial failed, no trial has a true value, so use the scene's.
+        // If every trial failed, no trial has a true value. Then use the true value that was computed for the cell.
         let truth = summary.truth.or(cell_truth.truths[place]);
         push_statistics(&mut row, statistics, &Summary { truth, ..*summary });
         if states_bounds {
@@ -161,7 +161,8 @@ fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
     row.number(summary.truth);
     row.text(cell.trials);
     row.text(cell.failed());
-    // If the 5 % and the 95 % quantile are equal, all estimates are equal, and the quantile keeps all its digits.
+    // Quantiles are rounded to the resolution of their histogram. But if the 5 % and the 95 % quantile are equal, all
+    // estimates are equal and exact, so keep all digits.
     let quantile = |value| match summary.q05 == summary.q95 {
         true => value,
         false => with_digits(value, summary.truth),
@@ -219,7 +220,7 @@ pub(crate) fn push_trial(
     length_unit: LengthUnit,
     observed: Result<&TrialObservations<'_>, &'static str>,
 ) {
-    // Writing to a string does not fail. Names and units need no quotation marks.
+    // Names and units contain no characters that need quotation marks. Writing to a string does not fail.
     let observed = match observed {
         Ok(observed) => observed,
         Err(kind) => {
@@ -242,8 +243,8 @@ pub(crate) fn push_trial(
 
 /// Power of ten of the first digit of a number: −2 for 0.0345. `None` for 0.
 fn decimal_place(number: f64) -> Option<i32> {
-    // Powers of ten, exact or nearly exact. If a number is very close to one of these powers, the number's decimal text
-    // determines the place.
+    // Compare the number with powers of ten, because this is fast. If it is very close to one of them, use its decimal
+    // text instead.
     const POWERS: [f64; 19] = [
         1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6,
         1e7, 1e8, 1e9,
@@ -327,8 +328,8 @@ mod tests {
     #[test]
     fn quantiles_have_the_digits_that_their_histogram_resolves() {
         for (quantile, truth, shown) in [
-            // The distance from the true value is 0.0023456, and 1/256 of it is 9e-6, so the sixth decimal is the last
-            // one.
+            // The histogram resolves 1/256 of the distance from the true value. Here, the distance is 0.0023456, and
+            // 1/256 of it is 9e-6, so six decimals remain.
             (0.0356789, 0.0333333, 0.035679),
             (-755.306_709, -80.0, -755.0),
             (1234.5678, 1234.5, 1234.5678),

@@ -108,8 +108,8 @@ impl EllipticContact {
         }
         let ratio = axis_ratio(larger / smaller);
         let square = ratio * ratio;
-        // The longer semi-axis is the unit of length. Then A/δ = R_D(0, b², a²)/(3 R_F(0, a², b²)), so the indentation
-        // δ and the curvature A determine the longer semi-axis a.
+        // Let the longer semi-axis a be the unit of length. Then the curvature A and the indentation δ have the ratio
+        // A/δ = R_D(0, b², a²)/(3 R_F(0, a², b²)), which determines a.
         let [first, size] = [carlson_d(0.0, square, 1.0), carlson_f(0.0, 1.0, square)];
         let a = (indentation / (0.5 * smaller) * first / (3.0 * size)).sqrt();
         Ok(Self {
@@ -152,7 +152,8 @@ impl EllipticContact {
         let (square_x, square_y, square_z) = (x * x, y * y, z * z);
         let lambda = confocal(b * b, square_x, square_y, square_z);
         let (long, short) = (1.0 + lambda, b * b + lambda);
-        // These are 2/3 R_D for each axis: ψ_x = −π P ab x `by_x`.
+        // `by_x`, `by_y` and `by_z` are 2/3 of the integral R_D for each axis. With them, for example, ψ_x = −π P ab x
+        // `by_x`.
         let by_x = 2.0 / 3.0 * carlson_d(short, lambda, long);
         let by_y = 2.0 / 3.0 * carlson_d(long, lambda, short);
         let by_z = if lambda > 0.0 {
@@ -193,7 +194,7 @@ fn axis_ratio(curvatures: f64) -> f64 {
         let square = libm::exp(2.0 * log_ratio);
         libm::log(carlson_d(0.0, 1.0, square) / carlson_d(0.0, square, 1.0)) - target
     };
-    // The ratio of the semi-axes is between the powers −1 and −1/2 of the ratio of the curvatures.
+    // Let k ≥ 1 be the ratio of the curvatures. Then the ratio of the semi-axes lies between 1/k and 1/√k.
     let (mut low, mut high) = (-target, -0.5 * target);
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
@@ -215,7 +216,8 @@ fn confocal(square_b: f64, x: f64, y: f64, z: f64) -> f64 {
     if z == 0.0 && x + y / square_b <= 1.0 {
         return 0.0;
     }
-    // The left side is convex and decreases, so Newton steps from below never go beyond the root.
+    // The left side of the equation decreases with λ and is convex. Therefore Newton steps from below never go beyond
+    // the root.
     let mut lambda = z
         .max(x + y + z - 1.0)
         .max(y - square_b)

@@ -139,8 +139,8 @@ impl ForwardFit {
         let mean = 0.5 * (smaller + larger);
         let across = axis + std::f64::consts::FRAC_PI_2;
         let mean_std = stds.mean([larger, smaller], [across, axis]);
-        // If the curvatures are equal, no axis exists, and the larger and the smaller curvature are not smooth
-        // functions of the fitted parameters. Therefore no bounds are computed.
+        // If both curvatures are equal, there is no axis. The larger and the smaller curvature are then not smooth
+        // functions of the fitted parameters, so no bounds are computed.
         let principal = (high > low).then(|| {
             let axis_std = stds.turn(axis) / (high - low);
             [
@@ -473,11 +473,12 @@ impl<'a> Problem<'a> {
             bounds[1] = [0, 1].map(|end| bounds[1][end].min(ends[end]));
         }
         let across = stds.turn(angle);
-        // Noise increases the difference between the two eigenvalues of a tensor. This is their second-order bias.
+        // Noise increases the difference between the two eigenvalues of a tensor. `repulsion` is this bias, to second
+        // order.
         let gap = larger - smaller;
         let repulsion = (across * across / gap).min(0.5 * gap);
-        // Let Δ be the difference between an angle and the axis. The angle is in the 95 % interval if the tensor's
-        // component xy in axes at this angle, gap sin(2Δ)/2, is within its limit.
+        // An angle is in the 95 % interval if the mixed component of the tensor, in axes at this angle, is within its
+        // limit. This component is gap · sin(2Δ)/2, where Δ is the difference between the angle and the axis.
         let unknown = std::f64::consts::PI / 12.0_f64.sqrt();
         let sine = 2.0 * limit * across / gap;
         let axis_std = if sine < 1.0 {
@@ -488,7 +489,8 @@ impl<'a> Problem<'a> {
         let finite = |log: f64| (log - own_log < MAX_LOG).then(|| libm::exp(log) - own);
         let curvature = |log: f64, bias: f64, angle: f64, [low, high]: [f64; 2]| {
             let std = stds.along(angle);
-            // The readings are nearly linear in the radius of curvature, so the curvature has the same bias as 1/x.
+            // The readings are nearly linear in the radius of curvature, so the estimated curvature has the bias of an
+            // inverse, 1/x.
             let value = (log - bias - libm::log1p(std * std)).clamp(low, high);
             Estimated {
                 value: libm::exp(value) - own,

@@ -58,7 +58,7 @@ const FACTORS: [[f64; SERIES]; TERMS] = {
     while n < TERMS {
         let even = 2.0 * n as f64;
         let (first, second, third) = (even + 1.0, even + 2.0, even + 3.0);
-        // For order 1, the factor contains (m−1)! instead of m!. For m = 0 it is 1.
+        // The series for order 1 contain (m−1)! instead of m!. Divide by m = 2n, but for m = 0 by 1.
         let lower = if n == 0 { 1.0 } else { even };
         factors[n] = [
             1.0 / (first * third),
@@ -114,7 +114,8 @@ impl Moments {
     #[inline(always)]
     fn near(z: f64, a: f64, r: f64) -> Self {
         let difference = (r - a) * (r + a) + z * z;
-        // `size` is |X + iY|², which is the product of the distances to both ends of a diameter of the contact.
+        // `size` is |X + iY|², which is the product of the distances from the point to both ends of the contact's
+        // diameter.
         let near = (r - a) * (r - a) + z * z;
         let far = (r + a) * (r + a) + z * z;
         let size = (near * far).sqrt().max(EDGE * a * a);

@@ -171,8 +171,8 @@ impl Markers {
             let moved = contact.displacement(at.dot(&long), at.dot(&short), depth);
             let along = long * moved.along[0] + short * moved.along[1];
             let turned = |vector: &Vector2<f64>| Vector2::new(-vector.y, vector.x);
-            // The components away from the contact and around it keep their magnitudes when they are transported along
-            // the skin.
+            // Transport the displacement along the skin. Its component away from the contact and its component around
+            // the contact keep their magnitudes.
             let tangential = sight.outward * along.dot(&sight.bearing)
                 + turned(&sight.outward) * along.dot(&turned(&sight.bearing));
             MarkerDisplacement {
@@ -312,7 +312,8 @@ impl PressSlopes {
     /// Derivatives of the inward displacement, multiplied by a gain.
     #[inline(always)]
     pub(crate) fn normal(&self, field: &Field, sight: &Sight, gain: f64) -> Slopes {
-        // If the contact moves towards the marker, their distance decreases, hence the sign.
+        // If the contact moves towards the marker, their distance decreases. Therefore the derivative has a negative
+        // sign.
         let nearer = -self.curvature * field.normal_per_r;
         [
             gain * self.by_log(field.normal, field.normal_per_a),

@@ -191,8 +191,8 @@ mod tests {
         let patterns = SMatrix::<f64, READINGS, PATTERNS>::from_fn(|row, column| {
             scattered(190 + 7 * row + column)
         });
-        // A fit parameter is at the limit of its range, so the residuals contain a part that a change of the fit
-        // parameters would explain.
+        // If a fit parameter is at the limit of its range, some residuals could still be explained by changing the
+        // parameters. `residuals` consists only of this part.
         let residuals = slopes * SVector::from([40.0, -70.0, 0.0, 0.0, 0.0, 0.0]);
         let products = PatternSums {
             by_slopes: slopes.tr_mul(&patterns),

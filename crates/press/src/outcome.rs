@@ -111,15 +111,15 @@ impl Stds {
         let (skin, body) = problem.press();
         let contact = problem.contact(state)?;
         let [_, slope] = body.indentation_of(contact.radius)?;
-        // `of_radius` is the variance of C D' a, with the relative curvature C, the contact's radius a and the
-        // indentation δ = C D(a). It follows from C D' da = dδ − δ d ln C.
+        // From the indentation δ = C D(a) follows C D' da = dδ − δ d ln C, where C is the relative curvature and a the
+        // contact's radius. `of_radius` is the variance of this expression.
         let indentation = state.indentation;
         let of_radius = variance(INDENTATION, INDENTATION)
             - 2.0 * indentation * variance(INDENTATION, CURVATURE)
             + indentation * indentation * variance(CURVATURE, CURVATURE);
         let share = 1.0 / (contact.relative_curvature * slope);
-        // If the markers are on a circle, the axes of the state's place are along and across the circle. They are
-        // converted to the axes of the skin.
+        // If all markers lie on a circle, the place of a state has axes along and across the circle. Convert it to the
+        // axes of the skin.
         let axes = skin.place_at(state.place.direction.as_ref());
         let along = |axis: &Vector3<f64>| {
             let (x, y) = (axis.dot(&state.place.x_axis), axis.dot(&state.place.y_axis));

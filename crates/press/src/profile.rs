@@ -60,7 +60,7 @@ fn walk<P: LeastSquares>(
     sign: f64,
 ) -> Result<Option<f64>, State> {
     let (start, sums) = (P::state_of(best), P::sums_of(best));
-    // Three values: the fit at the last step, the derivative of its parameters with respect to the logarithm of the
+    // `from` contains the fit at the last step, the derivative of its parameters with respect to the logarithm of the
     // curvature, and the last step.
     let mut from = (best.clone(), sums.ridge(), 0.0);
     let std = (sums.hessian.row(CURVATURE) * from.1)[0].sqrt().recip();
@@ -68,7 +68,7 @@ fn walk<P: LeastSquares>(
         let way = from.1 * (sign * (step - from.2));
         let last = P::state_of(&from.0);
         let mut state = problem.stepped(last, &way);
-        // The indentation is extrapolated as a power of the curvature, because it must stay positive.
+        // The indentation must stay positive, so extrapolate it as a power of the curvature.
         state.indentation = last.indentation * libm::exp(way[INDENTATION] / last.indentation);
         let near = problem.fit_near(&from.0, state, way[CURVATURE]).ok()?;
         let fit = minimise(problem, near, P::ENOUGH_OF_PROFILE, Some(CURVATURE)).ok()?;
@@ -93,16 +93,16 @@ fn walk<P: LeastSquares>(
         root: 0.0,
         per_root: std,
     };
-    // The smallest step that is known to be beyond the end, with the result of the fit at this step. The result is
-    // `None` if no press is possible with this curvature.
+    // The smallest step that is beyond the end of the interval, and the fit at this step. The fit is `None` if no press
+    // is possible with this curvature.
     let mut outside: Option<(f64, Option<Found>)> = None;
     for _ in 0..MAX_TRIES {
         let mut last = inside;
         match at(step) {
             Some(Err(state)) => return Err(state),
             Some(Ok(found)) if (found.root - limit).abs() <= TOLERANCE * limit => {
-                // If chi-squared hardly changes with the curvature, the interpolated step is wrong. So it is used only
-                // if it is near a step that was tried.
+                // Use the interpolated step only if it is near the step that was tried. If chi-squared hardly changes
+                // with the curvature, the interpolation is wrong.
                 let guess = inside.through(found, limit);
                 let is_near = (guess - step).abs() <= 0.1 * step;
                 let end = if is_near { guess } else { step };

@@ -81,7 +81,8 @@ struct Waves {
 impl Waves {
     fn new(z: f64, place: Spheroidal) -> Self {
         let Spheroidal { xi, eta, r, .. } = place;
-        // In the spheroidal coordinates ξ and η, ρ = ξ − iη and ζ = z − i.
+        // With the spheroidal coordinates ξ and η, the complex distance is ρ = ξ − iη, and the complex depth is ζ = z −
+        // i.
         let (real, imaginary) = (xi + z, eta + 1.0);
         let share = r / (real * real + imaginary * imaginary);
         let t = [share * real, share * imaginary];

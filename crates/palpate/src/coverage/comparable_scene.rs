@@ -98,8 +98,8 @@ fn curvature(object: &Json) -> Option<f64> {
 fn name_roll(roll: &mut Json) {
     let object = curvature(&roll["object"]);
     let motion = &mut roll["motion"];
-    // A contact moves by 1/(1/R₁ + 1/R₂) per radian of rotation, where R₁ and R₂ are the radii of probe and object.
-    // Here, R₁ is 1.
+    // Convert an arc length to a roll angle. Per radian of rotation, a contact moves by 1/(1/R₁ + 1/R₂), where R₁ and
+    // R₂ are the radii of probe and object. Here, R₁ is 1.
     let by_arc = object.map_or(0.0, |curvature| {
         (1.0 + curvature) * number(motion, "arc_length")
     });
@@ -160,7 +160,7 @@ fn name_glide(glide: &mut Json) {
 /// Makes the fields of a press comparable. The curvature replaces the object, averaged noise replaces the number of
 /// frames, and the estimator lists only settings that differ from the simulated soft body.
 fn name_press(press: &mut Json, poisson: f64) {
-    // Only round objects are compared by their curvature, because the random scenes have only round objects.
+    // Replace only round objects by a ball of the same curvature. A cylinder or an ellipsoid has no single curvature.
     if !["cylinder", "ellipsoid"]
         .map(Json::from)
         .contains(&press["object"]["kind"])

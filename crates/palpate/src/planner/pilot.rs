@@ -126,7 +126,8 @@ impl Pilot {
     /// Largest relative standard error of any rms error that is expected after `trials` trials. `None` if all
     /// estimates are exact.
     pub(super) fn expected_error(&self, trials: u64) -> Option<f64> {
-        // The number of trials needed is proportional to 1/target², so it is computed for the target 1.
+        // The number of trials that are needed is proportional to 1/target². With the target 1, the expected error is
+        // the square root of needed trials divided by trials.
         self.need(1.0)
             .map(|need| (need.trials / trials as f64).sqrt())
     }

@@ -120,14 +120,14 @@ const fn budget(seconds: u64) -> Goal {
 
 #[test]
 fn a_target_decides_trials_and_tolerance() {
-    // With normal errors, 1/(2 · 0.02²) = 1250 trials are needed, and twice as many if half of them fail. A margin is
-    // added.
+    // With normally distributed errors, 1/(2 · 0.02²) = 1250 trials are needed. If half of the trials fail, twice as
+    // many are needed. The planner adds a margin of at most a half.
     for (successes, least) in [(10, 1250), (5, 2500)] {
         let (model_error, plan) = planned(&[successes], target(0.02)).unwrap();
         let trials = plan.trials().unwrap().get();
         assert!((least..least * 3 / 2).contains(&trials), "{trials}");
-        // The model may shift the mean by a tenth of the target error: 0.1 · 0.02 times the rms error of 0.1, which is
-        // 2e-4.
+        // The error of the model may be a tenth of the target error: 0.1 · 0.02 times the rms error of 0.1, which is
+        // 2e-4. The largest tolerance below this value is 1e-4.
         assert_eq!((model_error, plan.by_budget), (1e-4, None));
         assert!(plan.expected_error.unwrap() <= 0.02);
     }
@@ -137,8 +137,8 @@ fn a_target_decides_trials_and_tolerance() {
 fn a_budget_leaves_time_for_planning() {
     let (model_error, plan) = planned(&[10, 10], budget(10)).unwrap();
     let trials = plan.trials().unwrap().get();
-    // Planning uses only a small part of the ten seconds. Nine tenths of the remaining time are divided between two
-    // cells; each trial takes a microsecond.
+    // Each trial takes a microsecond. Two cells share nine tenths of the ten seconds that remain after planning, so
+    // about 4 million trials fit per cell.
     assert!((3_500_000..4_500_000).contains(&trials), "{trials}");
     assert_eq!((model_error, plan.by_target), (0.0, None));
     let both = Goal {

@@ -111,7 +111,7 @@ fn rms_errors_scatter_by_at_most_the_target() {
     let mean = rms.iter().sum::<f64>() / SEEDS as f64;
     let variance = rms.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / (SEEDS - 1) as f64;
     // The standard deviation of 30 numbers has a standard error of 13 %. The upper limit of the scatter allows for
-    // three standard errors. The lower limit detects a run with far too many trials.
+    // three standard errors. The lower limit would detect far too many trials.
     let relative = variance.sqrt() / mean;
     assert!((0.04..0.14).contains(&relative), "{relative}");
 }
@@ -276,8 +276,8 @@ fn a_noiseless_study_runs_one_trial() {
 
 #[test]
 fn heavy_tails_cause_a_warning() {
-    // The noise is as large as the motion. So estimates, which are quotients, may have denominators near zero, and
-    // their errors have heavy tails.
+    // The noise is as large as the motion. Estimates are quotients, so their denominators may be near zero, and their
+    // errors have heavy tails.
     let desk = Desk::with(&edited(
         STUDY,
         "kind = \"uniform\", fraction = 0.01",

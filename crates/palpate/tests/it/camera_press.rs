@@ -76,7 +76,7 @@ fn image_fit_estimates_the_traced_press() {
         );
     }
 
-    // A run of the trial that produced these frames has the same estimate.
+    // The frames are of trial 0. A run of the study has the same estimate for this trial.
     desk.palpate("run c.toml --trials-out trials.csv --out r")
         .printed();
     let trials = desk.table("trials.csv");
@@ -178,7 +178,8 @@ fn image_fit_uses_the_camera_calibrated_from_a_frame_at_rest() {
     assert!(desk.names("o").contains(&"markers.csv".to_owned()));
     desk.palpate("sensor calibrate --rest t/rest.png --layout c.toml --out camera.toml")
         .printed();
-    // The sensor of these frames is in the second of the two cells.
+    // This study has two cells with frames of 300 and 400 pixels. The frames of this test belong to the second cell,
+    // which is cell 1.
     let sizes = "[[sweep]]\npath = \"scene.sensor.size_px\"\nvalues = [300, 400]\n";
     desk.write("sizes.toml", PRESS.to_owned() + sizes);
     let calibrate = "sensor calibrate --rest t/rest.png --layout sizes.toml --out same.toml";

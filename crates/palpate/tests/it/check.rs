@@ -30,7 +30,7 @@ fn cells_trials_models_and_time() {
          contact's length scale"
     );
     assert!(line("> closed form").contains(" per trial"));
-    // `check` lists the next more exact models: the first of them cannot compute this roll, but the second can.
+    // `check` also lists more exact models than the chosen one: `meridian` cannot compute this roll, but RK4 can.
     assert!(line("meridian").contains("cannot: the first contact is not the apex"));
     assert!(line("RK4, 1 step").contains("error 7.7e-6, "));
     assert!(line("RK4, 1 step").ends_with(" x)"));
@@ -127,7 +127,8 @@ fn a_noiseless_press_needs_neither_draws_nor_frames() {
 
 #[test]
 fn the_chosen_rung_is_marked_for_projected_cameras_too() {
-    // The model `hertz` also meets the tolerance, but it takes as long as `half-space` and has a larger error.
+    // With the tolerance 0.3, the model `hertz` would also be allowed. But it takes as long as `half-space` and has a
+    // larger error, so it is not chosen.
     for (sensor, tolerance, rung) in [
         ("direct", 0.3, "half-space, at the markers' depth"),
         ("projected", 0.3, "half-space, at the markers' depth"),

@@ -29,7 +29,7 @@ fn both_sides_are_those_that_a_run_finds() {
         (&answer["format_version"], &answer["ended"]),
         (&1.into(), &"known".into())
     );
-    // Run all cells of the study with each of these two values.
+    // Check the answer: run all cells of the study with each of the two values.
     for (fraction, is_met) in [(meets, true), (misses, false)] {
         desk.write(
             "one.toml",
@@ -114,8 +114,8 @@ fn values_may_be_listed_and_fields_set() {
             "design c.toml {kinds} --target relative_rms_error(mean_curvature)<=0.016 --set scene.noise.angular_velocity.fraction=0.01 --set scene.object.radius=50"
         ),
     );
-    // The expected errors are 1.2 % and 2.1 %, because uniform noise within ±0.01 has the standard deviation 0.01/√3,
-    // and Gaussian noise has the standard deviation 0.01.
+    // The expected errors are 1.2 % for uniform noise and 2.1 % for Gaussian noise. The standard deviation of uniform
+    // noise within ±0.01 is 0.01/√3, and that of Gaussian noise is 0.01.
     assert_eq!(
         answer["meets"],
         serde_json::json!([{ "from": "uniform", "to": "uniform" }])
@@ -137,7 +137,7 @@ fn fields_have_short_names_and_values_have_units() {
     let short = answer("--vary fraction=0.1%..20% --set object.radius=5cm");
     assert_eq!(plain["meets"], short["meets"]);
     assert_eq!(plain["answer"], short["answer"]);
-    // The config does not contain the table of this field.
+    // `--set` can also set a field whose table the config does not contain.
     let more =
         answer("--vary fraction=0.1%..20% --set object.radius=5cm --set rotation.std_deg=0.02rad");
     assert_ne!(more["answer"], plain["answer"]);
@@ -178,7 +178,7 @@ fn too_many_failures_miss_the_target() {
     let [few, more] = ["0.05", "0.3"].map(of);
     let ends = [&few, &more].map(|answer| number(answer, "/meets/0/to"));
     assert!(ends[0] < ends[1], "{ends:?}");
-    // The answer states which kind of failure makes the value miss the target, and the share of these failures.
+    // The answer states why the value misses the target: the most frequent kind of failure, and its share.
     assert_eq!(few["failing_end"]["main_failure"], "not-rolling");
     assert!(number(&few, "/failing_end/failing") > 0.05);
     let said = few["answer"].as_str().unwrap();
@@ -286,7 +286,7 @@ fn the_length_of_a_roll_is_asked_for_in_any_of_its_units() {
     ] {
         let (said, ends) = least(path, range);
         assert!(said.contains(unit), "{path}: {said}");
-        // The three brackets must contain the same roll length, so each bracket overlaps the others.
+        // The roll length was searched in three units. All three results must agree, so each range overlaps the others.
         let ends = ends.map(|end| end / per_second);
         assert!(
             ends[0] <= of_time[1] && of_time[0] <= ends[1],

@@ -26,8 +26,7 @@ fn the_probability_is_that_of_single_trials() {
         (&pairs[0]["first"], &pairs[0]["second"]),
         (&"50 mm".into(), &"40 mm".into())
     );
-    // Count the same share from the trials of a run. The trials are paired in another way than in `palpate
-    // distinguish`.
+    // Count the same share from the trials of a run. `palpate distinguish` pairs these trials in another way.
     desk.palpate("run c.toml --trials 4000 --out run --trials-out trials.csv")
         .printed();
     let table = desk.table("trials.csv");

@@ -65,8 +65,8 @@ fn intervals_use_students_t_unless_the_noise_is_stated() {
         assert_close(0.5 * (low + high), number(&quantity["value"]), 1e-12);
         (high - low) / (2.0 * number(&quantity["std"]))
     };
-    // Without a stated noise, the half-width is the quantile of Student's t distribution with five degrees of freedom.
-    // With stated noise, it is the quantile of the normal distribution.
+    // The half-width, in standard deviations, is a quantile. Without a stated noise, it is that of Student's t
+    // distribution with five degrees of freedom; with stated noise, that of the normal distribution.
     assert_close(half_width(""), 2.570_582, 1e-6);
     assert_close(half_width("--shift-std 0.1"), 1.959_964, 1e-6);
 }
@@ -88,15 +88,16 @@ fn the_last_row_of_a_time_series_counts() {
 fn standard_errors_are_estimated_from_the_residuals() {
     let json = estimate(SCATTERED, "");
     assert_eq!(json["std_from"], "the residuals");
-    // Four components of the residuals are 0.1 mm; the fit has 2 · 4 − 3 = 5 degrees of freedom.
+    // Four components of the shifts deviate by 0.1 mm. Four rolls have 8 components and the fit has 3 parameters, so
+    // there are 5 degrees of freedom.
     let residual = (4.0 * 0.1_f64.powi(2) / 5.0).sqrt();
     assert_close(
         json["residual_rms"]["value"].as_f64().unwrap(),
         residual,
         1e-9,
     );
-    // Two rolls of 0.5 rad determine the travel of the contact per radian, which is 8 mm. The curvature depends on the
-    // inverse of this travel, so its standard deviation contains the factor 1/8² = 1/64.
+    // Two rolls of 0.5 rad determine the travel t of the contact per radian, which is 8 mm. The curvature contains 1/t,
+    // so its standard deviation contains 1/t² = 1/64.
     let std = residual / (0.5 * 2.0_f64.sqrt()) / 64.0;
     assert_close(
         json["normal_curvature_u"]["std"].as_f64().unwrap(),
@@ -107,7 +108,8 @@ fn standard_errors_are_estimated_from_the_residuals() {
 
 #[test]
 fn an_outlier_is_named_by_its_number() {
-    // The contact moves by 4 mm per half radian, with errors of 0.02 mm. The shift of probe 13 is 1 mm too short.
+    // The contact moves by 4 mm per half radian, with errors of up to 0.02 mm. But the shift of probe 13 is 1 mm too
+    // short.
     let rows = [
         "10,0,-0.5,4.02,0",
         "11,0.5,0,-0.02,4",
@@ -179,14 +181,14 @@ fn a_contact_that_did_not_move_bounds_the_radius() {
     let readings = format!("{EXACT}12,0,-0.11,0,0\n13,0,0,0,0\n");
     let bound = |options| {
         let unresolved = estimate(&readings, options)["unresolved_probes"].clone();
-        // Probe 13 did not roll at all and is therefore not listed.
+        // Only probe 12 is listed. Probe 13 did not roll at all.
         assert_eq!(unresolved.as_array().unwrap().len(), 1);
         assert_eq!(unresolved[0]["probe"], 12);
         assert_eq!(unresolved[0]["unit"], "mm");
         unresolved[0]["radius_below"].clone()
     };
-    // A probe of radius R₁ turned by 0.11 rad on an object of radius R₂, and the contact moved by less than 1 mm. So
-    // R₁R₂/(R₁ + R₂) · 0.11 < 1.
+    // Probe 12, of radius R₁, turned by 0.11 rad, but its contact moved by less than the pitch of 1 mm. On an object of
+    // radius R₂, this means R₁R₂/(R₁ + R₂) · 0.11 < 1, which is a bound on R₂.
     assert_close(bound("--pitch 1").as_f64().unwrap(), 100.0, 1e-9);
     // Even on a plane the contact would have moved by only 1.1 mm, so a pitch of 6 mm gives no bound.
     assert_eq!(bound("--pitch 6"), Value::Null);

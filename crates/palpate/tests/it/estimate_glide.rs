@@ -71,8 +71,8 @@ fn contacts_without_a_patch_are_refused() {
 
 #[test]
 fn a_vertical_wall_needs_the_outward_direction() {
-    // The patch is on the +x side of a cylinder with radius 5 around the z axis. The default outward direction lies in
-    // the plane of this patch, so the command needs `--outward`.
+    // The patch is on the +x side of a cylinder of radius 5 around the z axis. The default outward direction is z,
+    // which lies in the plane of this patch, so `--outward` is needed.
     let wall = grid(BARE, 6, |y, z| format!("{},{y},{z}", (25.0 - y * y).sqrt()));
     desk(&wall)
         .palpate("estimate glide r.csv")

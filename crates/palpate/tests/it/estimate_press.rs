@@ -28,8 +28,8 @@ fn equal_displacements_of_all_markers_are_no_contact() {
 
 #[test]
 fn estimates_scale_with_the_unit_of_length() {
-    // Normal displacement of the surface in a Hertz contact with effective radius 12 and indentation 1. At the distance
-    // r from the centre, it is 1 − r²/24 within the contact, and it decreases outside the contact.
+    // Normal displacement of the surface at the distance r from the centre of a Hertz contact. The effective radius is
+    // 12, and the indentation is 1. Within the contact, the displacement is 1 − r²/24; outside, it decreases.
     let surface = |r: f64| {
         let ratio = r / 12.0_f64.sqrt();
         if ratio <= 1.0 {

@@ -127,7 +127,7 @@ fn error_messages_name_the_term_to_explain() {
         assert_eq!(line, format!("explain {term}`"), "{said}");
         desk.palpate(line.trim_end_matches('`')).prints(term);
     }
-    // The message about an invalid setting needs no explanation.
+    // The message about an invalid setting is clear by itself, so it does not mention `palpate explain`.
     let said = desk
         .palpate("estimate press still.csv --sensor-radius 1e-320")
         .said(1);

@@ -63,7 +63,7 @@ fn a_run_writes_cells_trace_and_maps() {
     let map = desk.table("o/map.csv");
     assert_eq!(map.rows.len(), 50);
     assert_eq!(map.header[..4], ["cell", "x_mm", "y_mm", "z_mm"]);
-    // In the rows of the map, x varies slowest, so the second row differs from the first by one step along y.
+    // The map is sorted by x and then by y, so the second row differs from the first by one step along y.
     assert_close(map.number(1, "x_mm"), -10.0, 1e-9);
     assert_close(map.number(1, "y_mm"), -5.0, 1e-9);
     let middle = 12;
@@ -216,7 +216,7 @@ fn check_compares_the_finger_distance_with_the_fingers() {
 
 #[test]
 fn a_warning_names_cells_without_a_map() {
-    // Normals in random directions do not determine a patch.
+    // Normals in random directions make every trial fail, so the cells have no map.
     let lost = edited(GLIDE, "values = [0, 0.05]", "values = [0, 1]").replace(
         "fraction_of_ifd = 0.0 } }",
         "fraction_of_ifd = 0.0 }, normal = { kind = \"gaussian\", std_deg = 90 } }",
@@ -257,8 +257,8 @@ fn the_tip_radius_is_subtracted_from_lowest_points_and_centres() {
         let estimate: Value = serde_json::from_str(&printed).unwrap();
         estimate["mean_curvature"]["value"].as_f64().unwrap()
     };
-    // The tolerance is the error of one smoothing spline. Without the correction for the tip radius of 4 mm, the ball
-    // of radius 20 mm seems to have a radius of 24 mm.
+    // Without the correction for the tip radius of 4 mm, the ball of radius 20 mm seems to have a radius of 24 mm. The
+    // tolerances are the errors of one smoothing spline.
     assert_close(mean(""), 1.0 / 24.0, 1e-2);
     assert_close(mean("--tip-radius 4"), 0.05, 1e-2);
     assert_close(

@@ -78,7 +78,7 @@ fn settings_of_a_study_equal_the_same_settings_as_flags() {
             json(&desk, &format!("{readings} {flags}")),
             "{kind}"
         );
-        // Without these settings, the estimate differs. This shows that the comparison above tests the settings.
+        // Without these settings, the estimate must differ. Otherwise the comparison above would not test the settings.
         let bare = match kind {
             "roll" => "--probe-radius 10",
             "press" => "--sensor-radius 20 --depth 2 --method bonded-layer --thickness 5",
@@ -167,7 +167,7 @@ fn a_flag_overrides_the_study() {
         found != 0.05 && (0.5..2.0).contains(&(found / 0.05)),
         "{found}"
     );
-    // The study fits the indentation, but a stated indentation is used instead.
+    // The study fits the indentation. If the command states an indentation, this indentation is used instead.
     assert!(with("")["indentation"]["std"].as_f64().unwrap() > 0.0);
     let estimate = with("--indentation 1.5 --indentation-std 1e-9");
     assert_close(
@@ -175,7 +175,7 @@ fn a_flag_overrides_the_study() {
         1.5,
         1e-8,
     );
-    // The gain that the study fits is also used for another method that has a gain.
+    // The study fits the gain. If the command states another method that can fit a gain, the gain is still fitted.
     assert!(!with("--method half-space")["gain"].is_null());
     desk.palpate(&format!("estimate {like} --window 5"))
         .fails(2, "--window is of use only to --method gaussian");

@@ -160,7 +160,7 @@ fn a_pitch_longer_than_the_shifts_causes_a_warning() {
             "{pitch}: {found:?}"
         );
     }
-    // A contact that does not move causes no warning about shifts that are shorter than the pitch.
+    // Shifts that are shorter than the pitch cause a warning, but shifts of 0 do not, because pads may report them.
     let still = vec![[0.0, 0.0]; 8];
     let readings = RollRecording::new(&rotations, &still, Some(LengthUnit::Mm)).unwrap();
     let options = RollOptions {

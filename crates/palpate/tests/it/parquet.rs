@@ -145,7 +145,7 @@ fn compare_tables(desk: &Desk, name: &str, csv: &str) -> usize {
 
 #[test]
 fn every_value_equals_that_of_the_csv() {
-    // Each row has a study, whether its table of failures must have rows, and whether the study has a map.
+    // Each tuple contains a study, whether some trials must fail, and whether the study has a map.
     for (study, fails, maps) in [
         (many(), false, false),
         (KINDS.to_owned(), false, false),
@@ -324,7 +324,7 @@ fn a_run_removes_the_tables_of_an_earlier_run() {
         let said = desk.palpate(command).said(1);
         assert!(said.contains("o has its tables as Parquet"), "{said}");
     }
-    // A run of another study overwrites the tables, and so does a run with CSV tables.
+    // A run of another study may overwrite the tables, and so may a run with CSV tables.
     desk.palpate("run c.toml --out o --format parquet --seed 8")
         .printed();
     desk.palpate("run c.toml --out o --seed 9").printed();
@@ -342,7 +342,8 @@ fn a_run_removes_the_tables_of_an_earlier_run() {
     desk.write("o/cells.parquet", "mine");
     let said = desk.palpate("run c.toml --out o --format parquet").said(2);
     assert!(said.contains("o/cells.parquet was changed since"), "{said}");
-    // Without a manifest, the config in the same directory shows that the tables are palpate's.
+    // If the manifest is missing, the config in the directory still shows that palpate wrote the tables, so they may be
+    // overwritten.
     desk.palpate("run c.toml --out n --format parquet")
         .printed();
     fs::remove_file(desk.path("n/.palpate.toml")).unwrap();

@@ -132,8 +132,8 @@ fn a_run_writes_cells_trace_and_profiles() {
         3.0 * 12.0_f64.sqrt(),
         1e-12,
     );
-    // At a depth of 2 in a half-space, with effective radius 20 and indentation 1, the displacement at the centre is
-    // 0.844 times the indentation by the fit. It can be at most 0.87 times the indentation.
+    // For the depth 2, the effective radius 20 and the indentation 1, the expected displacement at the centre is 0.844.
+    // It can be at most 0.87.
     let middle = map.number(121, "normal_displacement_mm");
     assert!((0.8..0.875).contains(&middle), "{middle}");
     assert_close(
@@ -278,7 +278,7 @@ fn normal_displacements_alone_or_of_one_row_are_enough() {
     );
     let desk = Desk::with(&row);
     desk.palpate("trace c.toml --out t").printed();
-    // The positions are in another unit, which --radial-scale corrects.
+    // The file states positions in another unit, which differs by the factor 2.19. `--radial-scale` corrects this.
     let readings = desk.table("t/readings.csv");
     let mut text = "radial_position_mm,normal_displacement_mm\n".to_owned();
     for one in 0..readings.rows.len() {
@@ -387,8 +387,8 @@ fn a_gaussian_is_calibrated_on_a_plane() {
     );
     assert_close(number(&estimate["effective_radius"]["value"]), 20.0, 1e-6);
     let c = number(&estimate["c"]);
-    // Another program computed, for an unweighted fit of the Gaussian, width²/indentation = 22.7 and the coefficient of
-    // determination 0.978.
+    // Reference values from another program: an unweighted fit of the Gaussian gives width²/indentation = 22.7 and a
+    // coefficient of determination of 0.978.
     assert_close(c, 20.0 / 22.7, 0.005);
     assert_close(number(&estimate["r_squared"]), 0.978, 0.001);
     let paper = json(

@@ -152,7 +152,7 @@ fn threads_shards_and_vectors_do_not_change_a_byte() {
 
 #[test]
 fn every_nth_cell_keeps_numbers_and_bytes() {
-    // The study has more cells than a run keeps in memory after their check.
+    // After the check, a run keeps only a limited number of cells in memory. This study has more cells.
     let range = "from = 1\nto = 50\ncount = 70";
     let desk = Desk::with(&edited(STUDY, "values = [50, 5]", range));
     desk.palpate("run c.toml --out all").printed();

@@ -186,7 +186,7 @@ fn damaged_shards_are_named_and_computed_again() {
         assert_eq!(desk.read("m/cells.csv"), desk.read("whole/cells.csv"));
         fs::remove_dir_all(desk.path("m")).unwrap();
     }
-    // If the first record is damaged, the rest cannot be used. Only --restart deletes it.
+    // If the first record is damaged, the rest of the journal cannot be used. Only `--restart` deletes the journal.
     let mut headless = sound.clone();
     headless[100] ^= 8;
     fs::write(&place, &headless).unwrap();

@@ -130,7 +130,7 @@ fn units_come_from_the_header_or_the_option() {
     assert_eq!(unit(ROLLS, Some(LengthUnit::Mm)), "1/mm^2");
     assert_eq!(unit(&bare, Some(LengthUnit::Um)), "1/um^2");
     assert_eq!(unit(&bare, None), "1/unit^2");
-    // The unit of one column is used for all columns, and inches are converted to millimetres.
+    // If only one column states a unit, all columns have this unit. Inches are converted to millimetres.
     assert_eq!(unit(&ROLLS.replace("v_mm", "v"), None), "1/mm^2");
     let inches =
         scaled(ROLLS, &[3, 4], 1.0 / 25.4).replace("u_mm,shift_v_mm", "u_in,shift_v [inch]");
@@ -436,7 +436,7 @@ fn additional_columns_are_kept_as_labels() {
         columns,
         serde_json::json!({ "Force [N]": "3", "note": "slow, \"so\"" })
     );
-    // The additional columns of the table change nothing else in the output.
+    // Except for these additional columns, the output is the same.
     assert_eq!(found, rolls(&rolled));
     // The message about an outlier contains the label of its row.
     let rows = super::readings::PRESS.lines().enumerate();

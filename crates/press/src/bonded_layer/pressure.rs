@@ -58,8 +58,8 @@ impl Pressure {
         let count = (resolution * (16.0 + 5.0 * contact)).ceil() as usize;
         let shares = positive_gauss(count);
         let waves = wavenumbers(reflection::SURFACE_REACH, 2.0 * contact, resolution);
-        // The rows and columns of the matrix are multiplied by the square roots of the weights, so that the matrix is
-        // symmetric. It is positive definite because g < 1.
+        // Multiply rows and columns by the square roots of the quadrature weights, which makes the matrix symmetric. It
+        // is positive definite because the reflection g is less than 1.
         let ripples = DMatrix::from_fn(count, waves.len(), |row, column| {
             let ([share, weight], [k, dk]) = (shares[row], waves[column]);
             let strength = FRAC_2_PI * contact * weight * dk * reflection::at_surface(k);
@@ -88,7 +88,7 @@ impl Pressure {
     fn assemble(contact: f64, shares: &[[f64; 2]], ones: &[f64], squares: &[f64]) -> Self {
         let (one, square) = (legendre(shares, ones), legendre(shares, squares));
         let edge: f64 = one.iter().sum();
-        // Here, the indentation is divided by the square of the contact's radius.
+        // `indentation` is the indentation divided by the square of the contact's radius.
         let indentation = square.iter().sum::<f64>() / edge;
         let unit = contact * contact;
         let values: Vec<f64> = ones

@@ -111,7 +111,8 @@ struct Sums {
 fn sums(terms: &[Term], place: Spheroidal, q: &[f64]) -> [Sums; 2] {
     let Spheroidal { xi, eta, .. } = place;
     let [mut curved, mut flat] = [Sums::default(), Sums::default()];
-    // The variables are the Legendre polynomial and its derivative for the previous and for the current order.
+    // `here` and `slope` are the Legendre polynomial of the current order and its derivative; `before` and
+    // `slope_before` are those of the previous order.
     let ([mut before, mut slope_before], [mut here, mut slope]) = ([0.0, 0.0], [1.0, 0.0]);
     let mut q_before = 0.0;
     let mut n = 0.0;
@@ -158,7 +159,7 @@ impl Sums {
             r,
             edge,
         } = place;
-        // `lift` is z/a divided by ξ² + η².
+        // `lift` is z/(a (ξ² + η²)), where a is the contact's radius.
         let lift = xi * eta / edge;
         let down = eta * (1.0 + xi * xi) * self.by_xi + xi * off_axis * self.by_eta;
         let outward = xi * self.by_xi - eta * self.by_eta;
@@ -176,16 +177,16 @@ impl Sums {
         let [normal, radial] = self.displacement(place);
         let metric = 1.0 + xi * xi;
         let lift = xi * eta / edge;
-        // The derivatives are ∂Φ/∂z = down/(a edge) and ∂Φ/∂r = r outward/(a² edge), where r is a length.
+        // The derivatives of Φ are ∂Φ/∂z = `down`/(a `edge`) and ∂Φ/∂r = r `outward`/(a² `edge`), where r is a length.
         let down = eta * metric * self.by_xi + xi * off_axis * self.by_eta;
         let outward = xi * self.by_xi - eta * self.by_eta;
         let down_by_xi =
             eta * self.weighted + off_axis * self.by_eta + xi * off_axis * self.by_both;
         let down_by_eta = metric * self.by_xi + eta * metric * self.by_both - xi * self.weighted;
-        // The operator ξ ∂/∂ξ − η ∂/∂η, applied to `edge`, gives 2(ξ² − η²).
+        // `edge` is ξ² + η². The operator ξ ∂/∂ξ − η ∂/∂η changes it to 2(ξ² − η²).
         let stretch = 2.0 * (xi * xi - eta * eta) / edge;
         let down_outward = xi * down_by_xi - eta * down_by_eta - stretch * down;
-        // These are ξ² Φ_ξξ and, multiplied by 1 − η², η² Φ_ηη.
+        // `along_xi` is ξ² Φ_ξξ, and `along_eta` is (1 − η²) η² Φ_ηη.
         let along_xi = xi * xi * (self.weighted - 2.0 * xi * self.by_xi) / metric;
         let along_eta = eta * eta * (2.0 * eta * self.by_eta - self.weighted);
         let mixed = xi * self.by_xi + eta * self.by_eta - 2.0 * xi * eta * self.by_both;

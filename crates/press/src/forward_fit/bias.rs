@@ -116,7 +116,8 @@ fn bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> Result<Unk
         let behind = problem.residuals_of_all(&problem.stepped(state, &-step))?;
         for (marker, bend) in bends.iter_mut().enumerate() {
             for part in 0..3 {
-                // The sign is negative because a residual is the reading minus the model's prediction.
+                // `second` is the second difference of the model, not of the residuals. A residual is the reading minus
+                // the model, hence the opposite sign.
                 let second =
                     2.0 * middle[marker][part] - ahead[marker][part] - behind[marker][part];
                 bend[part] += second / (STEP * STEP);

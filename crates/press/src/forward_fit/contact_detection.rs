@@ -80,8 +80,8 @@ fn at_rest(problem: &Problem<'_>) -> (Vec<f64>, usize) {
         return (readings.map(squared).collect(), problem.components());
     }
     let normal: Vec<f64> = readings.map(|[normal, ..]| normal.abs()).collect();
-    // Upper bound of the noise: the median plus three of its standard errors. For n normally distributed readings, the
-    // relative standard error of the median is 1.17/√n, and 3 · 1.17 = 3.5.
+    // Upper bound of the noise: the median plus three of its standard errors. The relative standard error of the median
+    // of n normally distributed readings is 1.17/√n, and 3 · 1.17 = 3.5.
     let chance = 1.0 + 3.5 / (normal.len() as f64).sqrt();
     let noise = chance * median(&normal) / HALF_WIDTHS[0];
     let squares = normal
@@ -97,7 +97,7 @@ fn squared(residuals: [f64; 3]) -> f64 {
 /// The most likely normal displacement that all markers have in common if there is no contact. It follows from the mean
 /// reading and the prior of the baseline.
 fn resting(problem: &Problem<'_>) -> f64 {
-    // The prior with the mean 0 has the same weight as this number of readings.
+    // The prior of the baseline has the mean 0. It has the same weight as `known` readings of 0.
     let known = match problem.fit.baseline {
         Prior::Exact => return 0.0,
         Prior::Within(std) => (problem.normal_std / std).powi(2),

@@ -132,7 +132,8 @@ impl ForwardFit {
         let noise = problem.stated_noise(&state)?;
         let mut misfits: Vec<Misfit> = poor_fit.into_iter().chain(noise).collect();
         let noise = problem.noise(&sums);
-        // These tests are only valid at the best fit, so an undetected contact is not tested.
+        // The following tests are valid only at the best fit. If the contact was not detected, there is no best fit to
+        // test.
         if let Some((noise, covariance)) = noise.zip(problem.covariance(&sums).ok())
             && estimate.is_detected
         {
@@ -140,8 +141,8 @@ impl ForwardFit {
             let mut fit = Some((problem, state, sums));
             if p_value < SIGNIFICANCE_LEVEL {
                 misfits.push(Misfit::Outlier { reading, p_value });
-                // The outlier is excluded from the further tests, because a pattern that it causes is no evidence of
-                // another body.
+                // Exclude the outlier from the further tests. It may cause a pattern in the residuals, which would be
+                // wrongly attributed to the model of the soft body.
                 fit = fit.and_then(|(problem, state, _)| problem.without(reading, &state));
             }
             if let Some((problem, state, sums)) = fit

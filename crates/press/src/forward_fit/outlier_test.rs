@@ -55,8 +55,8 @@ impl Problem<'_> {
             let slopes = slopes.map(|slopes| self.of_sought(&slopes));
             let by = slopes.map(|slopes| covariance * slopes);
             let moves: f64 = by.iter().map(|by| by[CURVATURE] * by[CURVATURE]).sum();
-            // An error of this marker that is too small to be rejected changes the curvature too little to matter for
-            // the interval. Therefore this marker is not tested.
+            // If an error of this marker is large enough to change the curvature noticeably, the fit rejects the marker
+            // anyway. Smaller errors do not matter for the interval, so this marker is not tested.
             if WRONG * WRONG * moves < variance {
                 return None;
             }

@@ -351,7 +351,7 @@ impl LeastSquares for Problem<'_> {
     fn is_better(&self, (state, sums): &Self::Fit, (_, best): &Self::Fit) -> bool {
         let is_less =
             |sums: &Sums| sums.chi_squared - best.chi_squared < -1e-6 * (1.0 + best.chi_squared);
-        // The minimum is a prediction, so it is checked with chi-squared computed at this state.
+        // `sums` at the minimum are extrapolated, so compute chi-squared again at this state before accepting it.
         is_less(sums) && self.sums(state).is_ok_and(|sums| is_less(&sums))
     }
 }

@@ -207,8 +207,8 @@ impl<'a> Search<'a> {
                         (self, state, sums) = *found;
                         None
                     }
-                    // If the noise was estimated, a bad fit may be a wrong local minimum, so another possible contact
-                    // is not accepted.
+                    // The noise was estimated, so the bad fit may be a wrong local minimum. Therefore report the bad
+                    // fit and not the range of curvatures.
                     Some(Found::Left(_)) if matches!(shown, Err(PressError::OtherBody { .. })) => {
                         shown?
                     }
@@ -248,7 +248,8 @@ impl<'a> Search<'a> {
     fn undetected(&self, only_marker: Option<usize>) -> Option<Found<'a>> {
         let mut problem = self.problem.clone();
         if let Some(marker) = only_marker {
-            // The marker is excluded, because a very sharp object under it would not contradict the other markers.
+            // Exclude this marker, because a very sharp object under it could explain any displacement of it without
+            // moving the other markers.
             problem.kept[marker] = false;
         }
         problem.determined().ok()?;
@@ -265,8 +266,8 @@ impl<'a> Search<'a> {
         let covariance = problem.covariance(&sums).ok()?;
         let estimate = problem.outcome((&state, &sums), &covariance, interval, limit);
         let estimate = estimate.ok()?;
-        // The bias correction must not increase the curvature, because far from a clear minimum, noise would make the
-        // correction too large.
+        // Do not let the bias correction increase the curvature. Far from a clear minimum, noise would make this
+        // correction much too large.
         let corrected = estimate.relative_curvature;
         let value = corrected.value.min(estimate.most_likely_curvature);
         let mut wrong_markers = estimate.wrong_markers;
@@ -311,7 +312,7 @@ impl<'a> Search<'a> {
                 return Err(state);
             }
             let around = |_| profile(&self.problem, &(state, least), limit - rise.max(0.0)).ok();
-            // If the interval of another fit is unbounded, the extended interval is unbounded too.
+            // If the interval of one of these fits is unbounded, the combined interval is unbounded too.
             let other = self.problem.covariance(&least).ok().and_then(around);
             hull = other.map_or(Interval::UNBOUNDED, |interval| hull.hull(interval));
         }
@@ -348,7 +349,7 @@ impl<'a> Search<'a> {
                 Err(better) => told = others.without(marker, &better),
             }
         }
-        // The search found no interval from the remaining markers, so nothing bounds the curvature.
+        // Without this marker, the search found no interval, so nothing bounds the curvature.
         Ok(Interval::UNBOUNDED)
     }
 
@@ -367,7 +368,8 @@ impl<'a> Search<'a> {
     fn begin(&mut self) -> Result<(State, Sums), PressError> {
         let mut fits = self.robust_fits()?;
         if self.problem.fit.window.is_some() {
-            // If fits use different markers, their residuals cannot be compared, so only the first fit is kept.
+            // With a window, each fit uses other markers, so their residuals cannot be compared. Keep only the first
+            // fit.
             fits.truncate(1);
         }
         self.rivals.clone_from(&fits);
@@ -400,8 +402,8 @@ impl<'a> Search<'a> {
     /// explains all markers better.
     fn without_nearest(&mut self, state: &State) -> Option<(State, Sums)> {
         let wrong = self.problem.kept.iter().filter(|kept| !**kept).count();
-        // No such fit is tried in two cases. Markers outside of a window are not outliers. And if the noise is
-        // estimated, the residuals of two fits cannot be compared.
+        // Do not try this fit if a window is set, because markers outside of the window are not outliers. Nor if the
+        // noise is estimated, because then the residuals of two fits cannot be compared.
         let finds_noise =
             self.find_normal || self.find_tangential && self.problem.uses_tangential();
         if finds_noise || self.problem.fit.window.is_some() || wrong < SEVERAL {
@@ -488,8 +490,8 @@ impl<'a> Search<'a> {
             let least = self.problem.minimum(*state, EXACTLY, None)?;
             (*state, sums) = (least.0, Some(least.1));
         }
-        // The number of iterations is limited, because a marker at the outlier threshold may be accepted and rejected
-        // in turn.
+        // The noise and the outliers did not settle. For example, a marker at the outlier threshold may be accepted and
+        // rejected in turn. Use the last state.
         self.problem.sums(state)
     }
 

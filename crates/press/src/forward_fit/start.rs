@@ -141,7 +141,7 @@ fn of_shape(
         Prior::Exact => 0.0,
         Prior::Within(_) | Prior::Free => median(problem.reading.normal),
     };
-    // Factor by which the displacements of the contact are multiplied to fit the readings.
+    // `amplitude` is the factor by which the contact's displacements must be multiplied to fit the readings.
     let amplitude = || {
         let (mut product, mut square) = (0.0, 0.0);
         for (read, moved) in problem.reading.normal.iter().zip(&moved) {

@@ -92,7 +92,8 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
                 .collect(),
             problem,
         };
-        // The best radius may be between two of the radii that were tried, so a fit of the radius follows.
+        // Only a few radii were tried, and the best radius may be between two of them. Therefore fit the radius,
+        // starting at the best one.
         let best = unseen.likeliest().and_then(|best| near(best, None));
         unseen.found.extend(best);
         let log_curvature = |one: &Candidate| one.state.log_curvature;
@@ -125,8 +126,8 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
         {
             return None;
         }
-        // At an end of the interval, the square root of the increase of chi-squared equals the square root of the
-        // limit. The end is interpolated linearly.
+        // The interval ends where the increase of chi-squared reaches the limit. The square root of this increase is
+        // interpolated linearly.
         let end = |inside: usize, outside: Option<usize>| {
             let (inside, outside) = (&self.found[inside], self.found.get(outside?)?);
             let share = (limit.sqrt() - root(inside)) / (root(outside) - root(inside));

@@ -61,7 +61,8 @@ impl<V: View> Resting<'_, V> {
         };
         let variance = self.variance_at(&start).ok_or(PressError::OutOfRange)?;
         let mut least: Option<(Minimum, f64)> = None;
-        // Searches that start with different factors may end in different minima, so the best minimum is used.
+        // Start several searches with different factors, because they may end in different minima. Use the best
+        // minimum.
         for root in ROOTS {
             let Ok(minimum) = self.cooled(start.clone(), libm::pow(variance, root)) else {
                 continue;
@@ -122,7 +123,7 @@ impl<V: View> Resting<'_, V> {
         let own = |marker: usize| {
             let weight = self.frame.weights[marker].as_ref()?;
             let residual = self.frame.residual(marker, pictures);
-            // A marker with a reading must also be visible in the model.
+            // If a marker has a reading but is not visible in the model, its cost is infinite.
             let square =
                 residual.map_or(f64::INFINITY, |residual| residual.dot(&(weight * residual)));
             let [x, y] = state.misalignments[marker];
@@ -186,7 +187,8 @@ impl<V: View> Resting<'_, V> {
                 Some((tried, seen, less)) => {
                     let gain = cost.less(less);
                     (state, pictures, cost) = (tried, seen, less);
-                    // With strong damping, a small decrease does not mean that the search has converged.
+                    // A small decrease of the cost means convergence only if the damping is weak. With strong damping,
+                    // every step is small.
                     if gain <= enough && damping <= DAMPING {
                         break;
                     }

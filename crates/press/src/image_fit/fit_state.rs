@@ -130,7 +130,7 @@ impl<V: View> LeastSquares for Problem<'_, V> {
             return Ok(None);
         };
         let gain = from.sums.chi_squared - tried.cost;
-        // Derivatives are recomputed if their prediction of chi-squared was bad, and reused if it was good.
+        // If the derivatives predicted chi-squared well, reuse them at the new state. Otherwise compute them again.
         let is_predicted = match from.keeps_slopes {
             true => gain > 0.3 * promise,
             false => (gain - promise).abs() < 0.2 * promise,

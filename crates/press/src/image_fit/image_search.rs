@@ -129,8 +129,8 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
                 what: "the sum of squares has no clear minimum",
             });
         }
-        // The corrected mean is the most likely curvature times this factor. The ends of the interval are multiplied by
-        // the same factor.
+        // `factor` corrects the bias of the most likely curvature. The ends of the interval are multiplied by the same
+        // factor.
         let factor = libm::exp(problem.mean_beside(&weighed, &covariance));
         let unbiased = contact.relative_curvature * factor;
         let readings = OfReadings {
@@ -175,7 +175,7 @@ fn update_sensor<V: View + Clone>(
         match problem.weigh(&best.state) {
             Ok(fitted) if is_possible => best = fitted,
             _ => {
-                // The updated sensor is impossible, so the previous one is kept.
+                // The updated sensor is impossible, so restore the previous one.
                 *problem = before;
                 break;
             }
@@ -215,7 +215,7 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, Pre
     let near = best.ok_or(failure)?;
     let near = problem.weigh(&near.state)?;
     let mut best = minimise(problem, near.keeping_slopes(), ROUGHLY, None)?;
-    // A bad fit may be due to outliers, so the weights are computed again before the fit is rejected.
+    // Outliers may cause a bad fit, so weight the markers by their residuals before the fit is rejected.
     let mut is_weighed = false;
     for _ in 0..ROUNDS {
         let squares = problem.squares(&best.residuals)?;
@@ -330,7 +330,7 @@ impl<V: View> Problem<'_, V> {
             .iter()
             .filter_map(|&share| state(&mean, share))
             .collect();
-        // Also start at other markers that moved much, with the best radius that was found so far.
+        // Also start below other markers that moved much, with the radius of the best start so far.
         let best = states.iter().min_by(|one, other| one.0.total_cmp(&other.0));
         if let Some(&(_, width, _)) = best {
             let beside = inward.iter().take(BESIDE);

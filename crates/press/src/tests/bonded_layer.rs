@@ -111,7 +111,7 @@ fn the_surface_follows_the_object_within_the_contact() {
                 "a = {a}, r = {r}: off by {error:e}"
             );
         }
-        // Outside of the contact, there is a positive gap between the object and the layer.
+        // Outside of the contact, the object must not penetrate the layer, so the gap is positive.
         let gap = contact.field(1.2 * a).normal - (indentation - 0.72 * a * a);
         assert!(gap > 0.0, "a = {a}: {gap:e}");
     }
@@ -119,7 +119,8 @@ fn the_surface_follows_the_object_within_the_contact() {
 
 #[test]
 fn the_volume_is_conserved() {
-    // The divergence of the displacement is 0. The derivative with respect to depth is a finite difference.
+    // The layer is incompressible, so the divergence of the displacement is 0. The derivative with respect to depth is
+    // computed as a finite difference.
     for (a, depth) in [(0.3, 0.2), (1.2, 0.4), (1.2, 0.9), (4.0, 0.5), (9.0, 0.3)] {
         let step = 1e-4;
         let [above, here, below] =

@@ -104,8 +104,8 @@ fn smaller_noise_than_stated_is_found() {
 /// The stated indentation is smaller than the indentation that the displacements imply, by 5 standard deviations.
 #[test]
 fn a_smaller_stated_indentation_is_found() {
-    // A stated indentation that is too large is seldom reported. The reason is that a sharper object that is pressed
-    // deeper moves the markers almost in the same way.
+    // Only a stated indentation that is too small is tested. One that is too large is seldom found, because a sharper
+    // object that is pressed deeper moves the markers almost in the same way.
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0);
     let exact = Readings::of(&markers, &contact.unwrap(), at(6.0, 20.0));
@@ -135,7 +135,7 @@ fn an_elongated_press_is_not_round() {
     let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0).unwrap();
     let [x, y] = at(6.0, 20.0);
     let codes = codes([&body; 2], STATED, |readings, _| {
-        // Two more contacts are added, one on each side of the first, each with half of its displacements.
+        // The readings are a mixture of three contacts: the first one, and one on each side of it.
         for side in [-6.0, 6.0] {
             let beside = Readings::of(&markers, &contact, [x + side, y]);
             for (normal, more) in readings.normal.iter_mut().zip(beside.normal) {
@@ -208,8 +208,8 @@ fn one_marker_among_sound_ones_is_named_if_it_changes_the_curvature() {
         });
         misfit_share(&codes, Some("outlier"))
     };
-    // The fit itself rejects the marker in those trials in which noise increases its error. Among readings without a
-    // wrong marker, 0.5 % have an outlier.
+    // `named` is the share of trials in which the check reports the marker. In other trials, noise increases the error
+    // of the marker and the fit itself rejects it. Without a wrong marker, the share is 0.5 %.
     let [near, far] = [order[3], order[60]].map(named);
     assert!(near > 0.3 && far < 0.05, "{near} {far}");
 }

@@ -104,7 +104,7 @@ fn tangential_readings_reduce_the_standard_error_if_the_indentation_is_fitted() 
             bounds.unwrap().relative_curvature
         };
         assert!(bound(true) < 0.8 * bound(false));
-        // The standard error of the fit is equal to the bound.
+        // The standard error of an estimate must be equal to the bound.
         let readings = Readings::of(&markers, &contact, [0.0; 2]);
         let reading = Reading {
             tangential: Some(&readings.tangential),
@@ -124,7 +124,7 @@ fn the_bound_matches_an_independent_calculation() {
     let bounds = fit.bounds(&markers, &contact, [0.0; 2], false, Some(0.02));
     let share = bounds.unwrap().relative_curvature / contact.relative_curvature;
     assert_relative_eq!(share, 0.067, max_relative = 0.01);
-    // The bounds are proportional to the noise as long as the square of the noise is within the range of doubles.
+    // The bounds are proportional to the noise, unless the square of the noise exceeds the range of doubles.
     let by = |std| {
         let fit = ForwardFit {
             normal_std: Some(std),
@@ -159,7 +159,8 @@ fn errors_from_noisy_readings_reach_the_bound() {
         let bound = bounds.unwrap().relative_curvature;
         let (mut squares, mut held) = (0.0, 0);
         for press in 0..PRESSES {
-            // The error of the robot is equal to its stated standard deviation, alternately positive and negative.
+            // The indentation reported by the robot is alternately too large and too small by its stated standard
+            // deviation.
             let value = 1.4 + KNOWN_STD * if press % 2 == 0 { 1.0 } else { -1.0 };
             let known = known_std.map(|std| Measured { value, std });
             let readings = exact.noisy_along(0.07, 0.02, press);
@@ -435,7 +436,8 @@ fn published_profiles() {
     assert_relative_eq!(dish, 31.5, max_relative = 0.01);
     assert!(interval.holds(26.7));
 
-    // The axis is stretched until the effective radius of the press on the plane is equal to the radius of the sensor.
+    // Find the stretch of the axis for which the effective radius of the press on the plane equals the radius of the
+    // sensor.
     let (mut low, mut high) = (1.9, 2.3);
     while high - low > 1e-6 {
         let middle = 0.5 * (low + high);

@@ -19,7 +19,8 @@ pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
     let mut folder = LockedDir::open(&args.dir, Guard::new([], args.force))?;
     let study = load_results(&args.dir)?;
     let mut drawn = figures(&study).map_err(Failure::work)?;
-    // Figures of a traced press that a camera recorded.
+    // A file with markers exists if the directory contains the trace of a press with a camera. Such a trace has
+    // additional figures.
     if args.dir.join(MARKERS).is_file() {
         drawn.extend(press_figures(&Files::in_folder(&args.dir)).map_err(Failure::work)?);
     }

@@ -61,7 +61,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     } else {
         Vec::new()
     };
-    // The output files are checked before the planning, and again after the directory is locked.
+    // Check the output files now, before the planning, and again after the directory is locked.
     let check_files = |dir: &OutputDir, config: &str| {
         dir.refuse(CONFIG, Some(&Contents::Bytes(config.as_bytes())))?;
         tables.iter().try_for_each(|name| dir.refuse(name, None))
@@ -107,7 +107,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let first = numbers[0];
     let simulation = Simulation::of_shard(&study, numbers, shard, &runner);
     let simulation = match found {
-        // A run that resumes does not check the cells again, because all cells were checked before its journal was
+        // If the run resumes a journal, do not check the cells again: all cells were checked before the journal was
         // started.
         Some(_) => simulation,
         None => simulation.and_then(Simulation::checked),
@@ -136,8 +136,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         None => {
             let mut known = planned.clone();
             known.merge(simulation.check_warnings().clone());
-            // In a study of which only a sample was checked, each cell reports its warnings when it runs. So do not
-            // count the warnings of the check as well.
+            // If only a sample of the cells was checked, each cell reports its own warnings when it runs. Do not count
+            // the warnings of the check as well.
             let is_sampled = simulation.is_sampled();
             (known.clone(), if is_sampled { planned } else { known })
         }

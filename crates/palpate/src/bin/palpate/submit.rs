@@ -155,7 +155,8 @@ fn directives(args: &SlurmArgs) -> String {
 fn shards_script(args: &SlurmArgs, name: &str, out: &Path, program: &Path, left: &[u64]) -> String {
     let quoted = |path: &Path| quoted(&path.display().to_string());
     let time = args.time.as_ref().map_or(String::new(), |time| {
-        // Slurm sends a signal one minute before the time limit. The shard then stops, and is queued again.
+        // Slurm sends a signal to a shard one minute before the time limit. The shard then stops, and Slurm queues it
+        // again.
         let signal = match time.minutes > SHORT_MIN {
             true => "#SBATCH --signal=B:USR1@60\n",
             false => "",

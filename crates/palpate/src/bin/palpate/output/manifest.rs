@@ -98,7 +98,7 @@ impl Manifest {
                  another directory, or use --force"
             ))
         };
-        // Only files and directories are read, because reading a pipe would wait for its writer.
+        // Never open a pipe, because reading it would wait for its writer. Only files and directories are read.
         if fs::metadata(&path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
             return Err(fault("is no manifest of palpate".to_owned()));
         }
@@ -147,7 +147,7 @@ impl Manifest {
 impl Entry {
     /// Whether the file at `path` has the contents that palpate wrote.
     pub(crate) fn is_of(&self, path: &Path) -> bool {
-        // A pipe with this name is not read, because reading it would wait for its writer.
+        // If a pipe has this name, do not read it, because reading it would wait for its writer.
         let is_file = fs::metadata(path).is_ok_and(|found| found.is_file());
         is_file && digest_of(path).is_ok_and(|digest| self.sha256.contains(&digest))
     }

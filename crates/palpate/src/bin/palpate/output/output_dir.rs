@@ -44,7 +44,7 @@ impl Guard {
 
     /// Whether the file at `path` is an input file of the command.
     pub(crate) fn reads(&self, path: &Path) -> bool {
-        // Only existing regular files are compared, because opening a pipe would wait for its writer.
+        // Compare only existing regular files. Opening a pipe would wait for its writer.
         let is_file = |path: &Path| fs::metadata(path).is_ok_and(|found| found.is_file());
         let is_same =
             |input: &PathBuf| is_file(input) && is_same_file(input, path).unwrap_or(false);
@@ -108,13 +108,13 @@ impl OutputDir {
         if self.guard.force || is_harmless || is_open || fs::metadata(&path).is_err() {
             return Ok(());
         }
-        // The config is not protected as an input, because a run may read the config that an earlier run wrote, and
-        // then overwrite it.
+        // An input may not be overwritten, except for the config: a run may read the config that an earlier run wrote
+        // in this directory, and then write it again.
         if name != names::CONFIG {
             self.guard.refuse(&path)?;
         }
-        // A table of readings is never recognised by its header, because readings that a user recorded have the same
-        // header.
+        // Without a manifest, files of palpate are recognised by their header. This is not done for tables of readings,
+        // because readings that a user recorded may have the same header.
         let is_lone = self.manifest.is_none() && name != names::READINGS;
         match self.entry(name) {
             Some(entry) if entry.is_of(&path) => Ok(()),

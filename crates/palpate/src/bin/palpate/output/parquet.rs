@@ -261,7 +261,7 @@ fn arrow_field(column: &Column) -> ipc::Field {
             ColumnType::Count => whole(false),
             ColumnType::Text => ipc::Type::Utf8(Box::new(ipc::Utf8 {})),
         }),
-        // An empty list is written, because Parquet readers reject a field without a list of children.
+        // Write an empty list of children, because Parquet readers reject a field without such a list.
         children: Some(Vec::new()),
         custom_metadata: unit,
         ..ipc::Field::default()

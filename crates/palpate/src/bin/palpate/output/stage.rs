@@ -161,7 +161,7 @@ impl<'a> StagedFile<'a> {
                 persisted.map(drop).with_context(cannot)
             }
             Place::Stream(contents) => {
-                // Append to the open file, because it may have earlier contents.
+                // Append, because the stream may be a file to which an earlier command has already written.
                 let file = OpenOptions::new().append(true).open(&shown);
                 let write = |mut file: File| match contents {
                     Contents::Bytes(bytes) => file.write_all(bytes),

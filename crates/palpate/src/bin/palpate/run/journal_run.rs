@@ -45,7 +45,8 @@ impl<'s, 'a> JournalRun<'s, 'a> {
         restarts: bool,
     ) -> Result<Self, Failure> {
         let is_shared = header.request.shard.is_some();
-        // Read the journal again, because another process may have finished or started one since the first reading.
+        // Read the journal again now that the directory is locked. Since the first reading, another process may have
+        // finished its run or started a new one.
         let now = match restarts {
             true => None,
             false => journal::read(out)?.filter(JournalState::has_work),
@@ -191,8 +192,8 @@ pub(super) fn journal_to_resume(
     out: &Path,
     request: &RunRequest,
 ) -> Result<Option<JournalState>, Failure> {
-    // If another process has locked the directory, do not compare the journals: opening the directory fails with a
-    // message.
+    // If another process has locked the directory, do not compare the journals. Opening the directory will fail later,
+    // with a message about the lock.
     if Lock::is_held(out) {
         return Ok(None);
     }

@@ -24,7 +24,7 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
         read_frame(&args.rest, args.srgb)?,
         read_frame(&args.pressed, args.srgb)?,
     ];
-    // A study's camera takes square frames.
+    // The camera model of a study has square frames, so use the central square of each frame.
     if args.sensor.like.like.is_some() {
         both = both.map(Frame::central_square);
     }
@@ -39,7 +39,8 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
         ),
         ("difference.png", output::png(&difference)?),
     ];
-    // Write the tables even if the two frames show different sensors.
+    // The two frames may be of different sensors, in which case the reading fails. The other files are written
+    // nevertheless.
     let grid = args.grid.unwrap_or(GRID) as usize;
     let filter = args.filter.unwrap_or(0.0);
     let file = args.out.join("readings.csv").display().to_string();
