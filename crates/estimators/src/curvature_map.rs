@@ -6,8 +6,8 @@ use palpate_study::config::LengthUnit;
 use palpate_study::{Column, MapTable, Unit};
 
 /// Columns of a map: positions, curvatures with their standard errors, principal curvatures and directions, class,
-/// region, and the probability of each class. Maps of a study begin with the number of the cell and also contain the
-/// true class.
+/// region, and the probability of each class. If `of_study`, the first column is the number of the grid point (`cell`),
+/// and there is also a column for the true class.
 fn columns(unit: LengthUnit, of_study: bool) -> Vec<Column> {
     let cell = of_study.then(|| Column::count("cell"));
     let true_class = of_study.then(|| Column::text("true_class"));
@@ -29,13 +29,13 @@ fn columns(unit: LengthUnit, of_study: bool) -> Vec<Column> {
         .collect()
 }
 
-/// Empty table for maps. If `of_study`, it is for the maps of a study's cells and has the columns `cell` and
-/// `true_class`. Otherwise, it is for a map of recorded readings.
+/// An empty table for the points of maps. If `of_study`, it is for the maps at all grid points of a study, and it has
+/// the columns `cell` and `true_class`. Otherwise, it is for a map from recorded readings.
 pub fn map_table(unit: LengthUnit, of_study: bool) -> MapTable {
     MapTable::new(columns(unit, of_study))
 }
 
-/// Adds one point to a map. Fields for values that the estimator does not state stay empty.
+/// Adds one point to a map. The fields of values that the estimator does not compute stay empty.
 pub fn push_map_point(
     table: &mut MapTable,
     cell_and_true_class: Option<(usize, ShapeClass)>,

@@ -18,9 +18,9 @@ pub enum GlideMethod {
 }
 
 impl GlideMethod {
-    /// The method in a config. Noise that is stated as a fraction is multiplied by `inter_finger_distance`. This
-    /// distance is also the length unit of the method two-pass; if it is `None`, two-pass computes it from the
-    /// contacts.
+    /// Builds the method that a config describes. If the config states the noise as a fraction of the distance between
+    /// fingers, the fraction is multiplied by `inter_finger_distance`. This distance is also the length unit of the
+    /// method two-pass; if it is `None`, two-pass computes it from the contacts.
     pub fn of(config: &GlideEstimatorConfig, inter_finger_distance: Option<f64>) -> Self {
         let config = match inter_finger_distance {
             Some(distance) => config.clone().with_length_noise(distance),

@@ -10,8 +10,7 @@ use crate::image_model::ImageModel;
 use crate::marker_sphere::{MarkerSphere, optics_error};
 use crate::press_fit::{body_error, within_sensor};
 
-/// Step, relative to the sensor's radius, of the finite difference for derivatives with respect to the depth of the
-/// discs.
+/// Step of the discs' depth, relative to the sensor's radius, for derivatives that are computed by finite differences.
 const DEEPER: f64 = 1e-3;
 const ESTIMATOR: &str = "scene.estimator";
 
@@ -33,7 +32,7 @@ pub struct ImageFitSetup<'a> {
     pub stds: [f64; Departure::NUMBERS],
     /// Joint prior of the sensor's deviations from `optics`; `None` if no joint covariance is given.
     pub departure_prior: Option<DeparturePrior>,
-    /// Builds layers of one thickness, one layer for each depth of the markers.
+    /// Function that builds bonded layers of a given thickness, one layer for each of the given depths.
     pub layers: &'a Layers<'a>,
 }
 

@@ -15,24 +15,25 @@ pub struct PressFitSetup<'a> {
     pub model: &'a PressModelConfig,
     /// The soft body of the sensor, with displacements at the depth of the markers.
     pub body: &'a Body,
-    /// Thickness of the layer of `body`. `None` if `body` is no layer, or if fits cannot share its tables.
+    /// Thickness of the layer, if `body` is a layer whose tables may be used for the fit too; otherwise `None`.
     pub shared: Option<f64>,
-    /// Builds a layer with tables from its thickness and the depth of its markers.
+    /// Function that builds a layer with its tables, from its thickness and the depth of the markers.
     pub layer: &'a dyn Fn(f64, f64) -> Result<Body, PressError>,
     /// The markers under the skin.
     pub markers: &'a Markers,
     /// Depth of the markers under the skin, length.
     pub marker_depth: f64,
-    /// Indentation, length, of a press on a plane. The width c of a Gaussian is calibrated by this press.
+    /// Indentation, length, of the press on a plane by which the width c of the Gaussian model is calibrated; `None` if
+    /// it is not stated.
     pub calibrated_at: Option<f64>,
-    /// Whether the estimator receives the indentation instead of fitting it.
+    /// Whether the estimator receives the indentation as an input instead of fitting it.
     pub knows_indentation: bool,
     /// Stated standard deviations of normal and tangential displacements; `None` if they are not stated.
     pub stds: [Option<f64>; 2],
 }
 
 impl PressFitSetup<'_> {
-    /// Builds the fit of the assumed body.
+    /// Builds the fit with the soft body that the estimator assumes.
     ///
     /// # Errors
     /// [`PressFitError::Setting`] if a setting is out of its range; [`PressFitError::Calibration`] if a Gaussian cannot
@@ -111,7 +112,8 @@ impl From<PressFitError> for PressError {
     }
 }
 
-/// Builds the soft body of a model. `layer` builds a bonded layer from its thickness and depth.
+/// Builds the soft body of a model. `layer` is a function that builds a bonded layer from its thickness and the depth
+/// of its markers.
 pub fn sensor_body(
     model: &PressModelConfig,
     depth: f64,

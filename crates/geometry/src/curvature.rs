@@ -9,8 +9,8 @@ use thiserror::Error;
 
 /// The curvature form of a surface in an orthonormal tangent basis `(u, v)`, 1/length.
 ///
-/// The form is symmetric, and positive where the solid is convex. A sphere of radius `R` has `I/R`, a dish `−I/R`.
-/// Derived quantities are finite if every component is finite and at most 1e150 in absolute value.
+/// The form is symmetric, and positive where the solid is convex. The form of a sphere of radius `R` is `I/R`, the form
+/// of a dish is `−I/R`. Derived quantities are finite if every component is finite and at most 1e150 in absolute value.
 ///
 /// ```
 /// use palpate_geometry::CurvatureForm;
@@ -123,8 +123,8 @@ impl CurvatureForm {
     /// Standard errors of `k_min`, `k_max` and the angle (rad) in [`CurvatureForm::principal`], to first order, from
     /// the covariance of `k_uu`, `k_vv` and `k_uv`.
     ///
-    /// If the two curvatures do not differ significantly, nothing is determined about the direction, and the difference
-    /// between the estimates is only noise. The intervals of both estimates then extend beyond the mean curvature.
+    /// If the two curvatures do not differ significantly, the direction is undetermined, and the difference between the
+    /// two estimates is only noise. The intervals of both estimates then extend beyond the mean curvature.
     ///
     /// ```
     /// use palpate_geometry::CurvatureForm;

@@ -57,9 +57,9 @@ impl Formula {
     /// functions.
     ///
     /// # Errors
-    /// [`FormulaError`] with the place of the error in the text. The text may not be a formula, may contain an unknown
-    /// name, or may have a constant part that is not finite (`1/0`). A parameter may be not finite, may have a reserved
-    /// name, or may be unused (probably misspelt).
+    /// [`FormulaError`] with the place of the error in the text: the text is no formula, a name is unknown, or a
+    /// constant part is not finite (`1/0`). It is also an error if a parameter is not finite, has a reserved name, or
+    /// is not used by the formula. An unused parameter is probably misspelt.
     pub fn parse(text: &str, parameters: &BTreeMap<String, f64>) -> Result<Self, FormulaError> {
         parser::parse(text, parameters).map(|program| Self { program })
     }
@@ -73,9 +73,10 @@ impl Formula {
     /// subtraction of nearly equal numbers amplifies the rounding errors.
     ///
     /// Where the formula or a part of it is not twice differentiable, or where a derivative overflows, some component
-    /// is infinite or NaN. Examples are `sqrt(x)` and `abs(x)` at x = 0, `hypot(x, y)` at the origin, and also
-    /// `sqrt(x^4)` at x = 0, which is smooth only as a whole. [`Jet::is_finite`] checks this. The only exception is the
-    /// branch cut of `atan2`: the jet there is finite and is the limit from one side.
+    /// is infinite or NaN. Examples are `sqrt(x)` and `abs(x)` at x = 0, and `hypot(x, y)` at the origin. Another
+    /// example is `sqrt(x^4)` at x = 0: the formula is smooth there, but its part `sqrt` is not. [`Jet::is_finite`]
+    /// checks this. The only exception is the branch cut of `atan2`: the jet there is finite and is the limit from one
+    /// side.
     pub fn jet(&self, x: f64, y: f64) -> Jet {
         self.program.run(Jet::x(x), Jet::y(y))
     }

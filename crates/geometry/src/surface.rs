@@ -12,10 +12,11 @@ use crate::{
 /// Points are in the surface's own frame. Graph surfaces lie at z = f(x, y) with the solid below;
 /// closed surfaces are centred on the origin; a dish is the inside of a sphere.
 ///
-/// For well-conditioned numbers, errors are at most 1e-14. The errors of forms are relative to the larger principal
-/// curvature there, of torsions to the torsion, and of heights and points to the object's size. Errors are larger in
-/// four cases: for heights near a rim, where `R² − x²` cancels; for a Gaussian curvature far below H²; for the closest
-/// point from inside a hollow; and at a place that its coordinates barely resolve.
+/// For well-conditioned numbers, relative errors are at most 1e-14. Errors of curvature forms are relative to the
+/// larger principal curvature, errors of torsions to the torsion, and errors of heights and points to the object's
+/// size. Errors are larger in four cases: for heights near a rim, where `R² − x²` cancels; for a Gaussian curvature far
+/// below H²; for the closest point from inside a hollow; and at places whose coordinates are large compared with the
+/// details of the surface.
 ///
 /// ```
 /// use nalgebra::Vector3;
@@ -102,7 +103,7 @@ pub trait Surface {
     /// [`SurfaceError::OffDomain`] where the graph has no point at which the descent can start.
     fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError>;
 
-    /// On a graph, the point that the descent reaches from this `(x, y)`; it may differ from the result of
+    /// On a graph, the point at which the descent ends if it begins at `start`. It may differ from the result of
     /// [`Surface::closest_point`]. On other surfaces, the result of [`Surface::closest_point`].
     ///
     /// # Errors

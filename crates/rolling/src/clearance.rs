@@ -18,8 +18,8 @@ const PER_RADIUS: f64 = 48.0;
 const TILE: i64 = 32;
 /// Largest accepted overlap of probe and object, relative to the probe's radius.
 const TOLERANCE: f64 = 5e-7;
-/// If the closest point is nearer to the contact than this distance, it counts as the contact itself; relative to the
-/// probe's radius.
+/// A closest point counts as the contact itself if its distance from the contact is below this value. The distance is
+/// relative to the probe's radius.
 const CONTACT: f64 = 1e-4;
 /// Longest path of the probe's centre between two samples, relative to the probe's radius. A longer path is always
 /// bisected.
@@ -214,7 +214,7 @@ impl Roller {
     ///
     /// # Errors
     /// [`RollError`] if the roll ends early. The fault is [`RollFault::Overlapping`] if the object extends into the
-    /// probe by more than a millionth of the probe's radius.
+    /// probe by more than 5e-7 of the probe's radius.
     pub fn clearance(
         &self,
         motions: &[Motion],
@@ -303,7 +303,8 @@ impl Roller {
     }
 }
 
-/// The motions up to `time_s`; the motion at this time is shortened.
+/// The motions until `time_s`. A motion that is not complete at this time is shortened, and later motions have the
+/// duration 0.
 fn until(motions: &[Motion], time_s: f64) -> Vec<Motion> {
     let mut left = time_s;
     let cut = motions.iter().map(|motion| {

@@ -31,7 +31,7 @@ impl ClosedForm {
         })
     }
 
-    /// The contact after `motion` (without spin) from `from`.
+    /// The contact after `motion`, which starts at the contact `from`. The motion must have no spin.
     #[inline]
     pub(crate) fn advance(&self, radius: f64, from: &Contact, motion: &Motion) -> Contact {
         let motion = motion.in_unit_time();
@@ -55,7 +55,7 @@ impl ClosedForm {
 }
 
 /// The probe's contact frame in its body frame, after the contact has moved along a great circle by `path`. The
-/// components of `path` are in the contact frame `from`.
+/// components of `path` are in the probe's contact frame at the contact `from`.
 pub(crate) fn roll_on_probe(
     from: &Contact,
     path: Vector2<f64>,

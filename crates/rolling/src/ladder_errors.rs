@@ -18,11 +18,11 @@ const RELATIVE_COST: f64 = 1.5;
 /// Numbers of RK4 steps that are tried, cheapest first.
 const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
 
-/// Largest number of evaluations of the contact equations in one integration of all rolls during the choice of a model.
-/// It applies if the rolls have few motions.
+/// Limit on the number of evaluations of the contact equations, when all rolls are integrated once for the choice of a
+/// model. It applies if the rolls have few motions.
 const MAX_EVALUATIONS: usize = 20_000;
-/// Largest number of these evaluations per motion, if the rolls have many motions. The larger of the two limits
-/// applies.
+/// Limit on the number of evaluations per motion. If the rolls have many motions, this limit times the number of
+/// motions exceeds [`MAX_EVALUATIONS`] and applies instead.
 const MAX_EVALUATIONS_PER_MOTION: usize = 60;
 /// Tolerances of the DOP853 models in the list that [`Roller::ladder`] returns.
 const LADDER_TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
@@ -138,7 +138,7 @@ impl Method {
 
 impl Setting<'_> {
     /// The cheapest integrator with a setting that meets the tolerance on the rolls without noise. If no setting meets
-    /// the tolerance, it is returned with its most accurate setting.
+    /// the tolerance, DOP853 is returned with its most accurate setting.
     ///
     /// For DOP853, the largest tolerance that is small enough is also the cheapest, even for rolls with noise.
     pub(crate) fn cheapest_integrator(

@@ -15,25 +15,27 @@ use crate::{Contact, Motion, Shift};
 
 /// Maximum number of iterations of Newton's or Halley's method, including bisections. Usually 3 iterations are enough.
 const MAX_ITERATIONS: usize = 200;
-/// Carlson's series is used if the relative difference of its arguments is at most this value. Until then, each
-/// duplication makes the difference four times smaller. The error of the series is proportional to the sixth power of
-/// the difference.
+/// Carlson's series is used if the relative difference of its arguments is at most this value. Larger differences are
+/// reduced by duplications, each of which makes the difference four times smaller. The error of the series is
+/// proportional to the sixth power of the difference.
 const MAX_DIFFERENCE: f64 = 1.5e-3;
 /// Maximum number of duplications. Arguments with a ratio of 1e300 need about 260.
 const MAX_DUPLICATIONS: usize = 300;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeridianRung {
-    /// The meridian in every direction; `None` if the object is no surface of revolution about the apex.
+    /// The meridian, which is the same in every direction; `None` if the object is no surface of revolution about the
+    /// apex.
     revolved: Option<Meridian>,
-    /// The sections along the x and y axes of the contact frame; `None` if they are not symmetric.
+    /// The sections along the x and y axes of the contact frame; `None` for an axis along which the object is not
+    /// symmetric.
     along: [Option<Meridian>; 2],
     radius: f64,
 }
 
 impl MeridianRung {
-    /// Rolls of a probe of radius `radius` from the contact `apex` of an object. At this contact, the probe must not
-    /// overlap the object.
+    /// Prepares the rolls of a probe of radius `radius` that start at the contact `apex` of an object. At this contact,
+    /// the probe must not overlap the object.
     pub(crate) fn new(object: &Shape, apex: &Contact, radius: f64) -> Self {
         let (x, y) = (apex.x_axis, apex.y_axis());
         let section = |direction: Vector3<f64>| object.meridian(&apex.on_object, &direction);

@@ -1,4 +1,5 @@
-//! The path of the contact on the probe at many instants of one roll, at the cost of a few short rolls.
+//! The path of the contact on the probe at many instants of one roll. Only a few short rolls are computed, and the path
+//! between their ends is interpolated.
 
 use std::f64::consts::PI;
 
@@ -7,9 +8,9 @@ use nalgebra::{SVector, UnitQuaternion, Vector2, Vector3};
 use crate::ladder::Rung;
 use crate::{Contact, Motion, RollError, Roller};
 
-/// Error at which the interpolated path is accepted, relative to the probe's radius.
+/// Largest accepted error of the interpolated path, relative to the probe's radius.
 const RELATIVE_TOLERANCE: f64 = 1e-12;
-/// Smallest and largest number of intervals between the nodes of a motion.
+/// Smallest number of intervals between the nodes of a motion. The next constant is the largest number.
 const MIN_INTERVALS: usize = 4;
 const MAX_INTERVALS: usize = 128;
 
@@ -26,7 +27,8 @@ pub struct PathPoint {
 /// Displacement and rotation vector of a [`PathPoint`].
 type Numbers = SVector<f64, 5>;
 
-/// The contacts of one motion at the Chebyshev nodes of its duration, `t_j = T (1 − cos(π j/n))/2`.
+/// The contacts of one motion at the Chebyshev nodes `t_j = T (1 − cos(π j/n))/2` of its duration T, where n is the
+/// number of intervals.
 #[derive(Default)]
 struct Nodes {
     instants: Vec<f64>,
@@ -114,7 +116,8 @@ impl Roller {
             }
     }
 
-    /// As many nodes as the interpolation between them needs.
+    /// The contacts at the nodes of a motion that starts at the contact `from`. The number of intervals is doubled
+    /// until the error of the interpolation is accepted or the largest number is reached.
     fn nodes(&self, from: &Contact, motion: &Motion) -> Result<Nodes, RollError> {
         let duration_s = motion.duration_s.max(0.0);
         let mut nodes = Nodes::default();
@@ -149,7 +152,8 @@ impl Roller {
         }
     }
 
-    /// The contact at the end of a part of a motion, whose contact at the start is `from`.
+    /// The contact at the end of a part of `motion`. The part lasts from `start` to `end` (s), and `from` is the
+    /// contact at its start.
     fn over(
         &self,
         from: &Contact,
@@ -184,7 +188,7 @@ impl Roller {
     }
 }
 
-/// Chebyshev node as a fraction of the duration.
+/// The instant of a Chebyshev node, as a fraction of the motion's duration.
 fn fraction(node: usize, intervals: usize) -> f64 {
     let sine = libm::sin(0.5 * PI * node as f64 / intervals as f64);
     sine * sine
@@ -207,7 +211,8 @@ impl Nodes {
         self.points.push(point);
     }
 
-    /// The barycentric formula: the weights of Chebyshev nodes alternate, and those of both ends are half as large.
+    /// Interpolates the displacement and the rotation by the barycentric formula. The weights of Chebyshev nodes
+    /// alternate in sign, and the weights of both end nodes are half as large.
     fn interpolated(&self, time_s: f64) -> Numbers {
         let last = self.instants.len() - 1;
         let (mut sum, mut weights) = (Numbers::zeros(), 0.0);

@@ -1,4 +1,4 @@
-//! Benchmarks of a pad array's reading and of noise.
+//! Measures the computing time of a reading of a pad array, and of random noise.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use std::hint::black_box;

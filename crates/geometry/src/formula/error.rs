@@ -135,9 +135,10 @@ fn did_you_mean(suggestion: &Option<String>) -> String {
 
 impl fmt::Display for FormulaError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        /// Maximum number of characters of a formula in a message.
+        /// Number of characters of the formula that a message shows.
         const SHOWN: usize = 72;
-        /// Number of characters before the marked part, if the formula is longer.
+        /// If the formula is longer than [`SHOWN`], the message shows at most this number of characters before the
+        /// marked part.
         const BEFORE: usize = 36;
 
         write!(f, "{}", self.kind)?;

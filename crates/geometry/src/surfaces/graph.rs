@@ -212,9 +212,9 @@ struct Foot {
     half_square: f64,
     gradient: Vector2<f64>,
     hessian: Matrix2<f64>,
-    /// Determinant of `I + s sᵀ`, which is the Hessian if the graph is a plane of slope s. The next field is the
-    /// determinant of the Hessian. Both are computed from expanded formulas, because on a steep slope the formula `(1 +
-    /// s_x²)(1 + s_y²) − s_x² s_y²` loses all digits.
+    /// Determinant of `I + s sᵀ`, where s is the slope. This matrix would be the Hessian if the graph were a plane. The
+    /// next field is the determinant of the Hessian. Both are computed from expanded formulas, because on a steep slope
+    /// the formula `(1 + s_x²)(1 + s_y²) − s_x² s_y²` loses all digits.
     stretch: f64,
     determinant: f64,
 }
@@ -268,8 +268,9 @@ impl Foot {
         step.sum().is_finite().then_some(step)
     }
 
-    /// Whether this point is closer to the target than `other`. If both are equally close (within a factor 1 + 1e-6 of
-    /// the squared distance), this point must have less than half the gradient of `other`.
+    /// Whether this point is better than `other`. It is better if it is closer to the target. If its gradient is less
+    /// than half the gradient of `other`, it is also better if its squared distance is larger by less than a factor of
+    /// 1 + 1e-6.
     fn improves(&self, other: &Self) -> bool {
         let settles = self.gradient.norm() < 0.5 * other.gradient.norm();
         let allowance = if settles { 1.0 + 1e-6 } else { 1.0 };

@@ -23,7 +23,7 @@ fn every_surface_obeys_the_laws() {
     }
 }
 
-/// Checks the laws on the surface of a specimen.
+/// Checks that the surface of a specimen obeys all laws.
 fn obeys_the_laws(surface: &impl Surface, specimen: &Specimen) {
     let points: Vec<_> = specimen.at.iter().map(|&at| point(surface, at)).collect();
     for &at in &specimen.at {
@@ -81,8 +81,9 @@ impl<'a, S: Surface> Place<'a, S> {
         assert!(is_in_solid(self.geometry.point - step));
     }
 
-    /// The laws of the metric M, the curvature form K and the torsion form T are M = Eᵀ J, K = Eᵀ N M⁻¹ and T = yᵀ X
-    /// M⁻¹. J, N and X are computed from differences of points and frames.
+    /// Checks the equations M = Eᵀ J, K = Eᵀ N M⁻¹ and T = yᵀ X M⁻¹ of the metric M, the curvature form K and the
+    /// torsion form T. E contains the axes x and y of the Gauss frame. The derivatives J of the point, N of the normal
+    /// and X of the axis x are computed by finite differences.
     fn the_forms_are_those_of_the_chart(&self) {
         let [unit_u, unit_v] = self.specimen.unit;
         let to = |du: f64, dv: f64| {
@@ -192,7 +193,8 @@ impl<'a, S: Surface> Place<'a, S> {
         }
     }
 
-    /// Compares the closest point with sample points of the surface. Graphs are tested within `reach` only.
+    /// Checks that no sample point of the surface is closer than the closest point. Graphs are tested only within the
+    /// distance `reach`.
     fn none_of_these_is_closer(&self, points: &[Point3<f64>]) {
         let is_graph = matches!(
             self.specimen.shape,

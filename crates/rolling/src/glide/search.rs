@@ -1,9 +1,9 @@
 //! Searches for the contact of a spherical tip.
 //!
-//! In a view from above, a contact at `w` means that the tip's centre is at `w + r n_xy(w)`. Unlike heights, this map
-//! has no singularity at the silhouettes of closed objects. The determinant of its derivative is `det(I + r S)`. So the
-//! map folds only if the object's concave curvature reaches 1/r. Here r is the radius of the tip and S the shape
-//! operator of the object.
+//! In a view from above, a tip that touches the object at `w` has its centre at `w + r n_xy(w)`. Here r is the radius
+//! of the tip, and n_xy is the horizontal part of the object's normal. Unlike heights, this map has no singularity at
+//! the silhouettes of closed objects. The determinant of its derivative is `det(I + r S)`, where S is the shape
+//! operator of the object. So the map folds only if the object's concave curvature reaches 1/r.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -26,7 +26,7 @@ const STEP_SHARE: f64 = 0.5;
 const MAX_LAST_STEP: f64 = 1e-3;
 /// Largest distance between tip and object that counts as touching, relative to the tip's radius.
 const TOUCHING: f64 = 1e-9;
-/// If the search makes no progress and the clearance is below this value, the search is at a fold of the offset
+/// If the search makes no progress and [`Foot::clearance`] is below this value, the search is at a fold of the offset
 /// surface.
 const FOLD: f64 = 1e-3;
 /// If the vertical component of the unit normal is below this value, a contact counts as lying on the object's

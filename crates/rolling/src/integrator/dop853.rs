@@ -32,7 +32,7 @@ const GROW: f64 = 6.0;
 const LAST_FEW: f64 = 3.0;
 /// Shortest step, relative to the elapsed time.
 const SHORTEST: f64 = 1e-12;
-/// Shortest step, relative to the duration. The longer of this limit and the limit above applies.
+/// Shortest step, relative to the duration. The longer of this limit and the limit [`SHORTEST`] applies.
 const SHORTEST_OF_ALL: f64 = 1e-18;
 
 impl Dop853 {

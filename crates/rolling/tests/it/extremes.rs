@@ -1,4 +1,4 @@
-//! Scales from 1e-9 to 1e9, ratios from 1e-12 to 1e12, many turns, zero rotation, and poles of charts.
+//! Tests scales from 1e-9 to 1e9, ratios from 1e-12 to 1e12, many turns, zero rotation, and poles of charts.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -270,8 +270,9 @@ fn charts_end_at_poles_and_chart_free_rolls_do_not() {
     }
 }
 
-/// The arc lengths s were computed by mpmath with 60 digits. For the slope q = tan α, `θ = α + s` and `4 c s = q √(1 +
-/// q²) + asinh q`.
+/// Compares the model with numbers that mpmath computed with 60 digits. On the paraboloid `z = −c r²`, a probe of
+/// radius 1 has turned by `θ = α + s`, and the arc length s satisfies `4 c s = q √(1 + q²) + asinh q`. Here α is the
+/// slope angle and q = tan α is the slope.
 #[test]
 fn meridians_from_flat_to_sharp() {
     for (c, theta, arc) in [

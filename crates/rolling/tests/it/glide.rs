@@ -161,8 +161,8 @@ fn paraboloids_saddles_and_ellipsoids_on_a_line_of_symmetry() {
     }
 }
 
-/// Objects. Each comes with the half-width of the square in which it is touched, and with the radius of the largest tip
-/// that fits.
+/// Objects for the tests. Each object comes with the half-width of the square in which it is touched, and with the
+/// radius of the largest tip that fits.
 fn objects() -> Vec<(Shape, f64, f64)> {
     vec![
         (sphere(2.0), 1.3, 1e3),
@@ -223,7 +223,7 @@ fn the_tip_is_held_where_asked_and_touches_at_its_radius() {
     }
 }
 
-/// Height of the centre of a tip at its first contact with a graph, found on a fine grid. It is a lower bound.
+/// Height of the centre of a tip that first touches a graph, found on a fine grid. The exact height is equal or larger.
 fn first_met(height: impl Fn(f64, f64) -> f64, radius: f64, x: f64, y: f64) -> f64 {
     let steps = 300;
     let mut highest = f64::NEG_INFINITY;

@@ -16,8 +16,8 @@ fn below(limit: f64) -> f64 {
     0.5 * libm::erfc(-limit * FRAC_1_SQRT_2)
 }
 
-/// χ² test of the counts in intervals of 1/16, up to more than six standard deviations. Intervals in the tails have too
-/// few counts for the test. Therefore each tail is tested as a whole.
+/// χ² test of the number of random numbers in intervals of width 1/16, up to more than six standard deviations. The
+/// intervals in the tails contain too few numbers for the test. Therefore each tail is tested as a whole.
 #[test]
 fn every_interval_and_both_tails_have_their_share() {
     const PER_UNIT: f64 = 16.0;
