@@ -14,6 +14,20 @@ const MAX_DISTANCE: f64 = 1e50;
 /// Let a be the contact's radius, r the distance from the middle of the contact, and C_r the relative curvature. In
 /// every model, the displacement is C_r F(a, r) and the indentation is C_r D(a). The models differ in the functions F
 /// and D.
+///
+/// ```
+/// use palpate_press::Body;
+///
+/// // Hertz: a² = δ/C_r, and the surface moves by δ − C_r r²/2 within the contact.
+/// let body = Body::hertz(0.5)?;
+/// let contact = body.press(0.25, 1.0)?;
+/// assert_eq!(contact.radius, 2.0);
+/// assert!((contact.displacement(0.0).normal - 1.0).abs() < 1e-11);
+/// assert!((contact.displacement(1.0).normal - 0.875).abs() < 1e-11);
+/// // The force is 4/3 E/(1 − ν²) C_r a³.
+/// assert!(contact.force(9.0).is_some_and(|force| (force - 32.0).abs() < 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Body(Rung);
 

@@ -24,17 +24,18 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::body::Field;
 
-/// The series for points far from the contact is exact to rounding errors if the ratio of the contact's radius to the
-/// distance of the point is below this value.
+/// Threshold for the series for points far from the contact. The series is exact to rounding errors if the ratio of the
+/// contact's radius to the distance of the point is below this value.
 const SERIES_RATIO: f64 = 1.0 / 12.0;
 
-/// Number of terms of the series for small contact radii.
+/// Number of terms of the series for points far from the contact.
 const TERMS: usize = 7;
 
 /// Number of orders of the Legendre polynomials in the series.
 const ORDERS: usize = 2 * TERMS + 2;
 
-/// Number of series: Q₃⁰, Q₂⁰, Q₁⁰, the same three for order 1, and S₁, S₀ for both orders.
+/// Number of series. There are three series Q₃⁰, Q₂⁰, Q₁⁰ of order 0, three series Q₃¹, Q₂¹, Q₁¹ of order 1, and the
+/// series S₁ and S₀ for each order.
 const SERIES: usize = 10;
 
 /// Factors of (z/ρ) P_m and of P_{m−1} in the recurrence for the Legendre polynomial P_{m+1}.
@@ -84,8 +85,8 @@ const EDGE: f64 = 1e-20;
 /// Displacements under a contact of radius `a > 0`, and their derivatives. The point is at the distance `r >= 0` from
 /// the axis and at the depth `z >= 0`.
 ///
-/// At the edge on the surface (z = 0, r = a), the derivatives have a jump; the result is the limit from inside the
-/// contact.
+/// At the edge of the contact on the surface (z = 0, r = a), the derivatives have a jump. The result there is the limit
+/// from inside the contact.
 #[inline(always)]
 pub(crate) fn field(poisson: f64, z: f64, a: f64, r: f64) -> Field {
     let moments = if a * a < SERIES_RATIO * SERIES_RATIO * (r * r + z * z) {
@@ -154,8 +155,9 @@ impl Moments {
         }
     }
 
-    /// Computes the integrals by the series in s = a/ρ. It uses ∫ kᵐ e^{−kz} J₀(kr) dk = m! P_m(z/ρ)/ρ^{m+1}. For J₁,
-    /// the integral is (m−1)! (r/ρ) P'_m(z/ρ)/ρ^{m+1}, and for m = 0 it is r/(ρ (ρ + z)).
+    /// Computes the integrals by a series in s = a/ρ, where ρ is the distance of the point from the middle of the
+    /// contact. The series uses ∫ kᵐ e^{−kz} J₀(kr) dk = m! P_m(z/ρ)/ρ^{m+1}. With J₁ instead of J₀, the integral is
+    /// (m−1)! (r/ρ) P'_m(z/ρ)/ρ^{m+1}, and for m = 0 it is r/(ρ (ρ + z)).
     fn far(z: f64, a: f64, r: f64) -> Self {
         let distance = (r * r + z * z).sqrt();
         let (cosine, s) = (z / distance, a / distance);
@@ -215,8 +217,8 @@ impl Moments {
 }
 
 /// Oblate spheroidal coordinates ξ and η of a point under a contact of radius a. The depth is z = aξη, and the distance
-/// from the axis is r = a √((1 + ξ²)(1 − η²)). ξ ≥ 0 is 0 on the contact and increases away from it. η is 0 on the
-/// surface around the contact and 1 on the axis.
+/// from the axis is r = a √((1 + ξ²)(1 − η²)). ξ is 0 on the contact and increases with the distance from the contact.
+/// η is 0 on the surface around the contact and 1 on the axis.
 ///
 /// The complex distance √(r² + (z + ia)²) is a(ξ + iη).
 #[derive(Clone, Copy, Debug)]
@@ -233,7 +235,8 @@ pub(crate) struct Spheroidal {
 }
 
 impl Spheroidal {
-    /// The coordinates of a point. The squares of the ratios of these lengths must be finite.
+    /// The coordinates of the point at the depth `z` and the distance `r` from the axis. The squares of the ratios of
+    /// the three lengths must be finite.
     pub(crate) fn new(a: f64, z: f64, r: f64) -> Self {
         let (z, r) = (z / a, r / a);
         let difference = (r - 1.0) * (r + 1.0) + z * z;
@@ -261,7 +264,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// The values of a field as an array: first the values with the unit length², then the values with the unit length.
+    /// The values of a field as an array: first the values whose unit is length², then the values whose unit is length.
     fn parts(field: &Field) -> [f64; 6] {
         [
             field.normal,

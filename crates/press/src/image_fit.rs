@@ -1,11 +1,14 @@
 //! Nonlinear least-squares fit of a press model to the camera image of the markers.
 //!
-//! Each marker consists of two discs. A press displaces the discs ([`Body`] at each depth), a camera takes an image
-//! ([`View`]), and the tracker measures the centroid, hue and size of each marker ([`Seen`]). The frame at rest
-//! determines the misalignment between the discs of each marker ([`Rest`]). It also determines some of the sensor
-//! deviations, which are deviations of the sensor from its nominal parameters. The pressed frame determines the
-//! contact. Sensor deviations that remain uncertain are common to all markers. They are parameters of the fit with a
-//! given covariance, so that the interval includes their uncertainty.
+//! Each marker consists of two discs. A press displaces the discs; their displacements are computed by one [`Body`] per
+//! disc depth. A camera takes an image ([`View`]), and the tracker measures the centroid, hue and size of each marker
+//! ([`Seen`]).
+//!
+//! Two frames are used. The frame at rest determines the misalignment between the two discs of each marker ([`Rest`]).
+//! It also determines some of the sensor deviations, which are differences between the sensor's parameters and their
+//! nominal values, common to all markers. The pressed frame determines the contact. Sensor deviations that remain
+//! uncertain are parameters of the fit with a known covariance. The interval of the curvature therefore includes their
+//! uncertainty.
 
 mod curvature_posterior;
 mod departure_prior;
@@ -31,24 +34,26 @@ use departure_prior::FreePrior;
 /// contact, the indentation and, if possible, the sideways shift of the object.
 #[derive(Clone, Debug)]
 pub struct ImageFit<V> {
-    /// The camera model, which computes the images of the displaced markers.
+    /// The camera model, which computes the image of the markers after their discs were displaced.
     pub view: V,
-    /// The markers, with their places under the skin.
+    /// The markers, that is, their places on the skin.
     pub markers: Markers,
-    /// The body, with displacements computed at the depth of the magenta discs and at the depth of the yellow discs.
+    /// The soft body, as two models: one computes displacements at the depth of the magenta discs, the other at the
+    /// depth of the yellow discs.
     pub bodies: [Body; 2],
-    /// A depth difference, and the body at depths that are larger by this difference. Required if the depths of the
-    /// discs are uncertain.
+    /// A small length, and the bodies for discs that are deeper by this length. They are needed for derivatives with
+    /// respect to the depths. Required if the depths of the discs are uncertain.
     pub deeper: Option<(f64, [Body; 2])>,
-    /// Standard deviations of the sensor deviations [`SensorState::common`]; 0 for sensor parameters that are exactly
-    /// equal to their nominal values.
+    /// Standard deviations of the sensor deviations in [`SensorState::common`]. The value 0 means that a sensor
+    /// parameter is exactly equal to its nominal value.
     pub common_stds: Vec<f64>,
-    /// Prior with a joint covariance for some of the sensor deviations in `common_stds`.
+    /// Joint prior, with covariances, of some of the sensor deviations in `common_stds`.
     pub departure_prior: Option<DeparturePrior>,
-    /// Standard deviation of each component of a marker's misalignment, rad; 0 for aligned discs.
+    /// Standard deviation of each component of the misalignment between a marker's two discs, rad; 0 if the discs are
+    /// aligned.
     pub misalignment_std: f64,
-    /// Standard deviation of each component of a sideways shift of the object after first touch, length; 0 without shifts. Only
-    /// half-spaces have a model of shifts.
+    /// Standard deviation of each component of a sideways shift of the object after the first contact, length; 0 if the
+    /// object does not shift. Only half-spaces have a model of shifts.
     pub shift_std: f64,
 }
 
@@ -93,7 +98,7 @@ impl<V: View> ImageFit<V> {
         indentation.map_or(Ok(()), Measured::check)
     }
 
-    /// The prior of the uncertain sensor deviations; `None` if no joint prior is set.
+    /// The joint prior of sensor deviations, in the form for the equations; `None` if no joint prior is set.
     fn known(&self) -> Result<Option<FreePrior>, PressError> {
         let prior = self.departure_prior.as_ref();
         prior
@@ -101,13 +106,13 @@ impl<V: View> ImageFit<V> {
             .transpose()
     }
 
-    /// Indices of the common sensor deviations that are not exact, with their standard deviations.
+    /// Index and standard deviation of each common sensor deviation that is uncertain (standard deviation > 0).
     fn free_stds(&self) -> Vec<(usize, f64)> {
         let stds = self.common_stds.iter().copied().enumerate();
         stds.filter(|(_, std)| *std > 0.0).collect()
     }
 
-    /// Indices of the common sensor deviations that are not exact.
+    /// Indices of the common sensor deviations that are uncertain (standard deviation > 0).
     fn free(&self) -> Vec<usize> {
         let free = self.free_stds().into_iter();
         free.map(|(number, _)| number).collect()

@@ -1,5 +1,5 @@
-//! Nonlinear least squares by the Levenberg–Marquardt method, for two kinds of fits with different residuals: of
-//! displacements and of images.
+//! Nonlinear least squares by the Levenberg–Marquardt method. It is used for fits of displacements and for fits of
+//! images.
 
 use crate::cholesky::inverse;
 use crate::state::State;
@@ -8,13 +8,13 @@ use crate::{Body, Contact, PressError, Skin};
 
 /// A least-squares problem for the parameters of a press.
 pub(crate) trait LeastSquares {
-    /// A state, with chi-squared and its derivatives.
+    /// Fit parameters, with chi-squared and its derivatives for these parameters.
     type Fit: Clone;
     /// Limit for singular information matrices: a matrix is inverted only if the smallest diagonal entry of its scaled
     /// Cholesky factor exceeds this value.
     const SINGULAR: f64;
-    /// Description of what the readings lack if the information matrix cannot be inverted. It is used in an error
-    /// message.
+    /// Text for an error message. It describes what the readings do not determine if the information matrix is
+    /// singular.
     const FREE: &'static str;
     /// A fit with a fixed curvature stops if the next step is predicted to decrease chi-squared by less than this
     /// value.
@@ -24,7 +24,7 @@ pub(crate) trait LeastSquares {
 
     fn sums_of(fit: &Self::Fit) -> &Sums;
 
-    /// The skin of the sensor, and the soft body from which the contact is computed.
+    /// The skin of the sensor, and the model of the soft body from which contacts are computed.
     fn press(&self) -> (&Skin, &Body);
 
     fn fitted(&self) -> &Fitted;
@@ -32,7 +32,7 @@ pub(crate) trait LeastSquares {
     /// Number of used markers, and number of equations for each marker.
     fn used(&self) -> [usize; 2];
 
-    /// Whether a standard deviation of the noise is estimated from the residuals.
+    /// Whether some of the noise is estimated from the residuals.
     fn estimates_noise(&self) -> bool {
         false
     }
@@ -54,8 +54,8 @@ pub(crate) trait LeastSquares {
         (self.equations() + fitted.priors().count()).saturating_sub(fitted.count())
     }
 
-    /// Returns an error if there are too few markers to determine the fit parameters. If the noise is estimated, more
-    /// markers are necessary.
+    /// Returns an error if there are too few markers to determine the fit parameters. If the noise is estimated, one
+    /// more equation is necessary.
     ///
     /// # Errors
     /// [`PressError::TooFewMarkers`].
@@ -75,21 +75,21 @@ pub(crate) trait LeastSquares {
     /// Covariance of the fit parameters.
     ///
     /// # Errors
-    /// [`PressError::Undetermined`] if the readings do not determine all of them.
+    /// [`PressError::Undetermined`] if the readings do not determine all fit parameters.
     fn covariance(&self, sums: &Sums) -> Result<Square, PressError> {
         let free = PressError::Undetermined { what: Self::FREE };
         inverse(&sums.hessian, Self::SINGULAR).ok_or(free)
     }
 
-    /// Damping (of Levenberg and Marquardt) in the first step of a search.
+    /// Levenberg–Marquardt damping in the first step of a search.
     fn damping(_fit: &Self::Fit) -> f64 {
         1e-3
     }
 
-    /// The state after a step of the fit parameters from `state`.
+    /// The fit parameters after the step `step` from the fit parameters `state`.
     fn stepped(&self, state: &State, step: &Unknowns) -> State;
 
-    /// The fit with its derivatives at a state.
+    /// The fit, with its derivatives, for the fit parameters `state`.
     ///
     /// # Errors
     /// [`PressError`] if no press has these values.
@@ -104,18 +104,19 @@ pub(crate) trait LeastSquares {
         promise: f64,
     ) -> Result<Option<Self::Fit>, PressError>;
 
-    /// The same fit with recomputed derivatives, if its derivatives were computed at another state; otherwise `None`.
+    /// The same fit with recomputed derivatives. `None` if its derivatives are already those of its own fit parameters.
     fn refreshed(&self, _fit: &Self::Fit) -> Result<Option<Self::Fit>, PressError> {
         Ok(None)
     }
 
-    /// The fit after the last step, with predicted sums. The default is `None`: the last step is not made.
+    /// The fit after the last, very small step of a search. Chi-squared and its derivatives are predicted, not
+    /// computed. By default, the last step is not made, and the result is `None`.
     fn last_step(&self, _from: &Self::Fit, _step: &Unknowns) -> Option<Self::Fit> {
         None
     }
 
-    /// The fit at a state, for a search that starts from another fit. The logarithms of their curvatures differ by
-    /// `step`.
+    /// The fit for the fit parameters `state`, which may reuse parts of the similar fit `_fit`. The logarithms of the
+    /// curvatures of the two fits differ by `_step`.
     fn fit_near(
         &self,
         _fit: &Self::Fit,
@@ -125,11 +126,11 @@ pub(crate) trait LeastSquares {
         self.fit_at(state)
     }
 
-    /// Whether a fit has a clearly smaller chi-squared than `best`, which was assumed to be the best fit.
+    /// Whether `fit` has a clearly smaller chi-squared than `best`, the best fit so far.
     fn is_better(&self, fit: &Self::Fit, best: &Self::Fit) -> bool;
 }
 
-/// A fit counts as converged if the next step is predicted to decrease chi-squared by less than this value.
+/// An exact search stops if the next step is predicted to decrease chi-squared by less than this value.
 pub(crate) const EXACTLY: f64 = 1e-8;
 /// Maximum number of steps of the minimisation.
 const MAX_STEPS: usize = 200;
@@ -138,8 +139,8 @@ const MIN_STEP: f64 = 1e-13;
 /// Damping above which the search ends.
 const MAX_DAMPING: f64 = 1e12;
 
-/// Finds the minimum of chi-squared near a start. The search stops if the predicted decrease of chi-squared in the next
-/// step is less than `enough`. A single fit parameter may be held constant.
+/// Finds the minimum of chi-squared near the fit `start`. The search stops if the next step is predicted to decrease
+/// chi-squared by less than `enough`. If `held` is the index of a fit parameter, this parameter is held constant.
 ///
 /// # Errors
 /// [`PressError`] if the numbers are out of range.

@@ -1,7 +1,8 @@
 //! Markers under the skin, with their displacements in a press and the derivatives of these displacements.
 //!
-//! The displacement is u = C F(a, r), where the contact's radius a follows from C D(a) = δ; C is the relative curvature
-//! and δ the indentation. Therefore ∂u/∂δ = F_a/D' and ∂u/∂ln C = C F − δ F_a/D'.
+//! The displacement is u = C F(a, r), where C is the relative curvature and r the distance from the contact. The
+//! contact's radius a follows from C D(a) = δ, where δ is the indentation. Therefore ∂u/∂δ = F_a/D' and ∂u/∂ln C = C F
+//! − δ F_a/D'.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -11,7 +12,7 @@ use crate::body::Field;
 use crate::shear::{StuckShift, stuck_shift};
 use crate::{Contact, EllipticContact, Place, PressError, Skin};
 
-/// Largest scale of start values, in extents of the markers.
+/// Largest scale for the start values of a fit, as a multiple of the extent of the markers.
 const MAX_SCALE: f64 = 10.0;
 
 /// Markers at points under the skin.
@@ -31,23 +32,24 @@ pub struct MarkerDisplacement {
     pub tangential: [f64; 2],
 }
 
-/// Position of a marker relative to the contact.
+/// Position of a marker as viewed from the contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sight {
     /// Distance from the contact to the marker along the skin.
     pub(crate) distance: f64,
-    /// Length of a circular arc around the contact at this distance, divided by its angle: R_s sin(distance/R_s), with
-    /// the sensor's radius R_s.
+    /// Circumference of the circle around the contact on which the marker lies, divided by 2π: R_s sin(distance/R_s),
+    /// with the sensor's radius R_s. Length.
     pub(crate) reach: f64,
     /// Unit vector from the contact towards the marker, in the axes at the contact.
     pub(crate) bearing: Vector2<f64>,
-    /// Unit vector away from the contact, in the axes at the marker.
+    /// Unit vector at the marker that points away from the contact, in the axes at the marker.
     pub(crate) outward: Vector2<f64>,
 }
 
 impl Sight {
-    /// Displacement along the skin by a sideways shift, in the axes at the marker. `sine` and `cosine` belong to the
-    /// angle between the shift and the direction from the contact to the marker.
+    /// Displacement of the marker along the skin due to a sideways shift, in the axes at the marker. `sine` and
+    /// `cosine` are the sine and cosine of the angle between the shift and the direction from the contact to the
+    /// marker.
     pub(crate) fn along_skin(&self, moved: &StuckShift, sine: f64, cosine: f64) -> Vector2<f64> {
         let outward = moved.along * cosine + moved.across * sine;
         let around = moved.across * cosine - moved.along * sine;
@@ -57,7 +59,7 @@ impl Sight {
 }
 
 impl Markers {
-    /// Markers at these coordinates of the skin.
+    /// Markers at the coordinates `positions` of the skin.
     ///
     /// # Errors
     /// [`PressError::NotFinite`] for the first marker whose coordinates are not finite; [`PressError::OffSkin`] for the
@@ -85,7 +87,7 @@ impl Markers {
         Ok(Self { skin, places })
     }
 
-    /// The markers with these numbers, counted from 0; numbers without a marker are ignored.
+    /// The markers with the numbers `chosen`, counted from 0. Numbers that no marker has are ignored.
     #[must_use]
     pub fn subset(&self, chosen: &[usize]) -> Self {
         let places = chosen.iter().filter_map(|&marker| self.places.get(marker));
@@ -105,8 +107,8 @@ impl Markers {
         &self.places
     }
 
-    /// Length by which a fit scales its start values: the skin's radius or, if it is smaller, a multiple of the largest
-    /// distance between the first marker and another.
+    /// Length by which a fit scales its start values. It is the smaller of two lengths: the skin's radius, and a
+    /// multiple of the largest distance between the first marker and another marker.
     pub(crate) fn scale(&self) -> f64 {
         let directions = || self.places.iter().map(|place| place.direction.as_ref());
         let first = directions().next();
@@ -118,7 +120,7 @@ impl Markers {
         }
     }
 
-    /// Distances along the skin from a point, whose coordinates are `from`, to all markers.
+    /// Distance along the skin from a point to each marker. `from` contains the coordinates of the point.
     pub fn distances(&self, from: [f64; 2]) -> Vec<f64> {
         let contact = self.skin.place(from);
         self.places
@@ -185,7 +187,7 @@ impl Markers {
 
     /// Displacement of each marker, at `depth` under the skin of a half-space, by a sideways shift of the object. The
     /// contact has the radius `contact_radius` and is at the skin coordinates `at`. It sticks to the skin and moves by
-    /// `shift` along the x axis at this place. All arguments except Poisson's ratio `poisson` are lengths.
+    /// `shift` along the x axis at the contact. All arguments except Poisson's ratio `poisson` are lengths.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5], a `depth` that is not from 0 to 1e50, a
@@ -215,8 +217,9 @@ impl Markers {
         self.places.iter().map(moved).collect()
     }
 
-    /// Returns an error if a contact of this radius has no marker within twice its radius and is not surrounded by
-    /// markers within its hemisphere.
+    /// Returns an error if the markers cannot observe a contact with the radius `contact_radius`. They can if a marker
+    /// is within twice this radius of the contact, or if markers surround the contact. Only markers in the hemisphere
+    /// around the contact count.
     ///
     /// # Errors
     /// [`PressError::OffMarkers`].
@@ -255,8 +258,8 @@ impl Markers {
     }
 }
 
-/// Returns an error if the markers cannot observe a contact of this radius: there is no marker within twice this
-/// radius, and the contact is not surrounded by markers at distances below `around`.
+/// Returns an error if the markers cannot observe a contact with the radius `contact_radius`. They can if a marker is
+/// within twice this radius of the contact, or if markers at distances below `around` surround the contact.
 pub(crate) fn see(sights: &[Sight], contact_radius: f64, around: f64) -> Result<(), PressError> {
     let distances = sights.iter().map(|sight| sight.distance);
     let nearest = distances.fold(f64::INFINITY, f64::min);
@@ -268,7 +271,8 @@ pub(crate) fn see(sights: &[Sight], contact_radius: f64, around: f64) -> Result<
     }
 }
 
-/// Whether the markers surround the contact: their directions have no gap of more than half a turn.
+/// Whether the markers surround the contact: their directions, as viewed from the contact, have no gap of more than
+/// half a turn.
 fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
     let mut bearings: Vec<f64> = sights
         .map(|sight| libm::atan2(sight.bearing.y, sight.bearing.x))
@@ -286,7 +290,7 @@ fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
 /// displacements of the contact along the two axes at its place, and the indentation.
 pub(crate) type Slopes = [f64; 4];
 
-/// Values of a contact from which the derivatives of displacements are computed.
+/// Values of a contact that are needed for the derivatives of displacements.
 pub(crate) struct PressSlopes {
     pub(crate) curvature: f64,
     pub(crate) indentation: f64,
@@ -295,8 +299,8 @@ pub(crate) struct PressSlopes {
 }
 
 impl PressSlopes {
-    /// The values for a contact. `slope` is the derivative, with respect to the contact's radius, of the indentation
-    /// divided by the relative curvature.
+    /// The values for the contact `contact`. `slope` is the derivative of D with respect to the contact's radius, where
+    /// D is the indentation divided by the relative curvature.
     pub(crate) fn new(contact: &Contact<'_>, slope: f64) -> Self {
         Self {
             curvature: contact.relative_curvature,
@@ -309,7 +313,7 @@ impl PressSlopes {
         self.curvature * value - self.indentation * per_a * self.per_d
     }
 
-    /// Derivatives of the inward displacement, multiplied by a gain.
+    /// Derivatives of the inward displacement, multiplied by the factor `gain`.
     #[inline(always)]
     pub(crate) fn normal(&self, field: &Field, sight: &Sight, gain: f64) -> Slopes {
         // If the contact moves towards the marker, their distance decreases. Therefore the derivative has a negative

@@ -1,8 +1,8 @@
-//! Tests for misfits of a fitted press. Patterns in the residuals show that the soft body differs from the model or
-//! that the object is not round. A further test compares a stated indentation with its estimate.
+//! Tests whether a press was fitted with the wrong model. Patterns in the residuals show that the soft body differs
+//! from the model or that the object is not round. Another test compares a stated indentation with its estimate.
 //!
 //! A pattern is a change of the markers' displacements. It is tested by Rao's score test: the amplitude of the pattern
-//! is added to the fit parameters, and the resulting decrease of chi-squared is computed to first order.
+//! is treated as an additional fit parameter, and the resulting decrease of chi-squared is computed to first order.
 
 use std::ops::Range;
 
@@ -24,15 +24,16 @@ const BY_DIRECTION: Range<usize> = 5..7;
 /// is mostly an effect of the model's nonlinearity.
 const MIN_REMAINING_SHARE: f64 = 0.1;
 
-/// Values of all tested patterns at a marker, one column per pattern. A value has three components: inward, and along
-/// both axes of the skin at the marker. The scale of a pattern is arbitrary.
+/// Values of all tested patterns at a marker, one column per pattern. The three rows are the components inward and
+/// along both axes of the skin at the marker. The scale of a pattern is arbitrary.
 pub(crate) type Patterns = SMatrix<f64, 3, PATTERNS>;
 
 /// Patterns of a marker's displacement by a contact.
 ///
-/// If the body differs from the model, the size or the steepness of the displacements u_z and u_r changes, or an offset
-/// is added. If the contact is elongated, the inward displacement changes approximately by r ∂u_z/∂r cos 2θ, where θ is
-/// the angle from its axis. The displacements along the skin change by the gradient of the potential r u_r cos 2θ.
+/// Let u_z be the inward displacement, u_r the displacement along the skin, and r the distance from the contact. If the
+/// body differs from the model, the size or the steepness of u_z and u_r changes, or an offset is added. If the contact
+/// is elongated, the inward displacement changes approximately by r ∂u_z/∂r cos 2θ, where θ is the angle from the
+/// contact's axis. The displacements along the skin change by the gradient of the potential r u_r cos 2θ.
 pub(crate) fn patterns(contact: &Contact<'_>, sight: &Sight) -> Patterns {
     let field = contact.field(sight.distance);
     let steep = sight.distance * field.normal_per_r;
@@ -72,14 +73,14 @@ pub(crate) fn patterns(contact: &Contact<'_>, sight: &Sight) -> Patterns {
 pub(crate) enum Noise {
     /// Residuals are compared with the stated noise.
     Stated,
-    /// Residuals are compared with noise that is estimated from the residuals. They have this chi-squared and these
-    /// degrees of freedom.
+    /// Residuals are compared with noise that is estimated from the residuals. The fields are chi-squared of the
+    /// residuals and its degrees of freedom.
     Found { chi_squared: f64, freedom: usize },
 }
 
 impl Noise {
-    /// The stated noise; if the residuals are significantly larger, the noise of the residuals. Otherwise, if the
-    /// stated noise were too small, every pattern would be significant.
+    /// Returns the stated noise. If the residuals are significantly larger than the stated noise, returns the noise of
+    /// the residuals instead, because every pattern would otherwise be significant.
     pub(crate) fn stated_or_found(goodness: GoodnessOfFit) -> Self {
         match goodness.is_poor() {
             true => Self::Found {
@@ -90,7 +91,7 @@ impl Noise {
         }
     }
 
-    /// P-value of a decrease of chi-squared by patterns in the residuals.
+    /// P-value of the decrease of chi-squared by patterns in the residuals.
     pub(crate) fn chance(&self, explained: Explained) -> f64 {
         match *self {
             Self::Stated => explained.p_value(),
@@ -102,8 +103,8 @@ impl Noise {
     }
 }
 
-/// Weighted sums over the readings of products of the patterns: with the derivatives with respect to the fit
-/// parameters, with each other, and with the residuals.
+/// Weighted sums over the readings. Each sum contains products of a pattern: with the derivatives with respect to the
+/// fit parameters, with the other patterns, and with the residuals.
 pub(crate) struct PatternSums {
     pub(crate) by_slopes: SMatrix<f64, UNKNOWNS, PATTERNS>,
     pub(crate) by_patterns: SMatrix<f64, PATTERNS, PATTERNS>,
@@ -111,7 +112,8 @@ pub(crate) struct PatternSums {
 }
 
 impl PatternSums {
-    /// The significant patterns in the residuals of a fit. `sums` and `covariance` belong to the parameters of the fit.
+    /// The significant patterns in the residuals of a fit. `sums` and `covariance` are the sums and the covariance of
+    /// this fit.
     pub(crate) fn misfits(
         &self,
         sums: &Sums,
@@ -129,9 +131,9 @@ impl PatternSums {
         misfits.filter(|misfit| misfit.p_value() < SIGNIFICANCE_LEVEL)
     }
 
-    /// The decrease of chi-squared if the amplitudes of some patterns were fitted too, to first order. At the best fit,
-    /// the gradient of chi-squared is 0, unless a fit parameter is at the limit of its range. In this case, the part of
-    /// the residuals that the gradient describes is removed (Neyman's C(α)).
+    /// Decrease of chi-squared, to first order, if the amplitudes of the patterns `range` were fitted too. At the best
+    /// fit, the gradient of chi-squared is 0, unless a fit parameter is at the limit of its range. At such a limit, the
+    /// part of the residuals that belongs to the gradient is removed (Neyman's C(α)).
     fn explained(&self, range: Range<usize>, sums: &Sums, covariance: &Square) -> Explained {
         let Self {
             by_slopes,
@@ -151,10 +153,10 @@ impl PatternSums {
     }
 }
 
-/// Reports a misfit if the stated indentation differs significantly from its estimate from the other readings.
+/// Returns a misfit if the stated indentation differs significantly from `alone`, the estimate from the other readings.
 ///
 /// # Errors
-/// [`PressError::Undetermined`] if the other readings do not determine a bound of the indentation.
+/// [`PressError::Undetermined`] if the other readings do not determine the indentation.
 pub(crate) fn stated_indentation(
     stated: Measured,
     alone: &Estimated,
@@ -178,7 +180,7 @@ pub(crate) fn stated_indentation(
 mod tests {
     use super::*;
 
-    /// Irregular numbers, some positive and some negative.
+    /// Irregular numbers for tests, some positive and some negative.
     fn scattered(number: usize) -> f64 {
         libm::sin(1.7 * (number * number) as f64 + 0.3)
     }

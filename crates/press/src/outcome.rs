@@ -7,14 +7,14 @@ use crate::state::State;
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, Square, Sums};
 use crate::{Estimated, GoodnessOfFit, PressError, PressEstimate, Verdict};
 
-/// Maximum number of times that a better fit may be found while the interval is computed.
+/// Maximum number of fits. A further fit is needed whenever the search for the interval finds a better fit.
 const MAX_FITS: usize = 4;
 
 /// Calls `conclude` with a fit. If `conclude` returns a better fit instead of an estimate, it is called again with this
 /// fit.
 ///
 /// # Errors
-/// Errors of `conclude`, and [`PressError::Undetermined`] if it finds better fits again and again.
+/// Errors of `conclude`, and [`PressError::Undetermined`] if `conclude` returns a better fit again and again.
 pub(crate) fn until_best<F>(
     mut fit: F,
     mut conclude: impl FnMut(F) -> Result<Result<PressEstimate, F>, PressError>,
@@ -30,8 +30,7 @@ pub(crate) fn until_best<F>(
     })
 }
 
-/// Those fields of [`PressEstimate`] that are computed differently for the two kinds of readings (displacements or
-/// images).
+/// Fields of [`PressEstimate`] whose computation depends on the kind of readings (displacements or images).
 pub(crate) struct OfReadings {
     pub(crate) relative_curvature: Estimated,
     pub(crate) baseline: Option<Estimated>,
@@ -43,7 +42,8 @@ pub(crate) struct OfReadings {
     pub(crate) goodness: Option<GoodnessOfFit>,
 }
 
-/// The estimate at the minimum of chi-squared. `half_width` is the half-width of a 95 % interval in standard errors.
+/// The reported estimate, computed from the minimum of chi-squared. `half_width` is the half-width of a 95 % interval
+/// in standard errors.
 pub(crate) fn outcome<P: LeastSquares>(
     problem: &P,
     (state, sums): (&State, &Sums),
@@ -97,7 +97,8 @@ pub(crate) struct Stds {
 }
 
 impl Stds {
-    /// The standard errors from the covariance of the fit parameters. Parameters that are not fitted are exact.
+    /// The standard errors, computed from the covariance of the fit parameters. The standard error of a parameter that
+    /// is not fitted is 0.
     pub(crate) fn new<P: LeastSquares>(
         problem: &P,
         state: &State,

@@ -5,17 +5,17 @@ use crate::least_squares::{LeastSquares, minimise};
 use crate::state::State;
 use crate::unknowns::{CURVATURE, INDENTATION};
 
-/// The search for an end of the interval stops when the square root of the increase of chi-squared is this close to its
-/// required value, as a relative error. The end is then interpolated.
+/// Tolerance of the search for an end of the interval: relative error of the square root of the increase of
+/// chi-squared. Within this tolerance, the end is interpolated.
 const TOLERANCE: f64 = 0.03;
 /// Maximum number of attempts to find an end of an interval.
 const MAX_TRIES: usize = 40;
-/// Largest ratio of a curvature to its estimate, and of the estimate to the curvature, up to which the search goes.
+/// Limit of the search: largest ratio between a curvature and its estimate, or between the estimate and the curvature.
 const MAX_RATIO: f64 = 1e6;
 
 /// The interval of curvatures for which chi-squared, minimised with respect to all other fit parameters, exceeds its
-/// minimum by less than `limit`. If the search finds a state whose chi-squared is clearly smaller than that of `best`,
-/// the function returns this state as the error, so that the caller can repeat the fit from it.
+/// minimum by less than `limit`. If the search finds fit parameters with a clearly smaller chi-squared than `best`, the
+/// function returns these parameters as the error. The caller can then start a new fit from them.
 pub(crate) fn profile<P: LeastSquares>(
     problem: &P,
     best: &P::Fit,
@@ -28,8 +28,8 @@ pub(crate) fn profile<P: LeastSquares>(
     })
 }
 
-/// A step of the logarithm of the curvature. It is stored with the square root of the increase of chi-squared at this
-/// step, and the derivative of the step with respect to this root.
+/// A step of the logarithm of the curvature. `root` is the square root of the increase of chi-squared after this step,
+/// and `per_root` the derivative of the step with respect to `root`.
 #[derive(Clone, Copy)]
 struct Found {
     step: f64,
@@ -38,8 +38,8 @@ struct Found {
 }
 
 impl Found {
-    /// The step at which the increase of chi-squared has the square root `root`. It is interpolated by the cubic
-    /// polynomial through two points with their derivatives.
+    /// The step for which the square root of the increase of chi-squared is `root`. It is interpolated by a cubic
+    /// polynomial between `self` and `other`, from their values and derivatives.
     fn through(self, other: Self, root: f64) -> f64 {
         let width = other.root - self.root;
         let share = (root - self.root) / width;

@@ -30,7 +30,7 @@ pub enum ContactRegime {
     Edge,
 }
 
-/// If the relative curvature divided by the sensor's curvature is below this value, it counts as 0.
+/// The relative curvature counts as 0 if its absolute value is below this share of the sensor's curvature.
 const RELATIVE_TOLERANCE: f64 = 1e-12;
 
 impl ContactRegime {
@@ -57,17 +57,17 @@ impl ContactRegime {
     }
 }
 
-/// Limit of small-strain theory: ratio of the contact's radius to the radius of the sensor or of the object. If the
-/// ratio is larger, the errors of the theory are noticeable.
+/// Limit of small-strain theory: ratio of the contact's radius to the radius of the sensor or of the object. Above this
+/// ratio, the errors of the theory are noticeable.
 pub const LARGE_CONTACT: f64 = 0.3;
 
 /// Largest allowed ratio of the contact's radius to the radius of a convex object.
 const MAX_CONTACT: f64 = 0.9;
 
-/// Indentation δ by a rigid sphere of radius R at any contact radius a < R, by Sneddon's relation δ = (a/2) ln((R +
-/// a)/(R − a)).
+/// Indentation δ of an elastic half-space by a rigid sphere of radius R, for a contact radius a < R: Sneddon's relation
+/// δ = (a/2) ln((R + a)/(R − a)).
 ///
-/// For a ≪ R, it tends to δ = a²/R, which is Hertz's relation.
+/// For a ≪ R, this becomes Hertz's relation δ = a²/R.
 ///
 /// ```
 /// use palpate_press::sneddon_indentation;
@@ -91,7 +91,8 @@ pub fn sneddon_indentation(radius: f64, a: f64) -> Result<f64, PressError> {
     Ok(0.5 * a * libm::log1p(2.0 * a / (radius - a)))
 }
 
-/// Checks that a contact of this radius (length) is narrow enough for an object of this curvature (1/length).
+/// Checks that a contact with the radius `contact_radius` (length) is narrow enough for an object with the curvature
+/// `object_curvature` (1/length).
 ///
 /// # Errors
 /// [`PressError::TooWide`] if the object is convex and the contact radius exceeds 0.9 of its radius.

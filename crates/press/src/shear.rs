@@ -1,11 +1,11 @@
 //! Computes the motion of the skin under an object that sticks to the skin and moves sideways.
 //!
-//! In a small shift without slip, all points of the contact (a disc of radius a) move equally. On an elastic
+//! If the contact (a disc of radius a) shifts a little without slip, all its points move equally. On an elastic
 //! half-space, the traction is then q₀/√(1 − r²/a²) (Mindlin 1949), whose Hankel transform is q₀ a sin(ka)/k. A wave of
 //! traction with the amplitude q̄ and the wavenumber k displaces the material at the depth z. In units of q̄
-//! e^{−kz}/(2Gk), with the shear modulus G, the displacement is 2(1−ν) − kz along the direction of the wave, 2 for the
-//! component across it, and (1−2ν) + kz inward, shifted by a quarter of a wavelength. The shift of the contact is
-//! π(2−ν) q₀ a/(4G). For a unit shift, with the azimuth φ relative to the shift:
+//! e^{−kz}/(2Gk), with the shear modulus G, the displacement has three components: 2(1−ν) − kz along the direction of
+//! the wave, 2 across it, and (1−2ν) + kz inward. The inward component is shifted by a quarter of a wavelength. The
+//! shift of the contact is π(2−ν) q₀ a/(4G). For a unit shift, with the azimuth φ relative to the shift:
 //!
 //! ```text
 //! along  = s [2(2−ν) A₀ − z B₀ + cos 2φ (2ν A₂ + z B₂)]     across = s sin 2φ (2ν A₂ + z B₂)
@@ -21,7 +21,7 @@ use std::f64::consts::PI;
 use crate::PressError;
 use crate::half_space::Spheroidal;
 
-/// Displacement of a point of the skin if a contact that sticks to the skin moves by a unit length.
+/// Displacement of a point of the skin while the contact, which sticks to the skin, shifts by one unit of length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct StuckShift {
     /// Component of the displacement along the shift.
@@ -33,10 +33,10 @@ pub(crate) struct StuckShift {
     pub(crate) normal: f64,
 }
 
-/// Displacement of the skin if a contact of this radius moves by 1 without slip. The point is at the depth `depth >= 0`
-/// and at the distance `r >= 0` from the middle of the contact. Its `azimuth` is relative to the direction of the
-/// shift, in radians. At the surface, all points of the contact move by 1. Far away, the displacement equals that of a
-/// point force (Cerruti).
+/// Displacement of a point of the skin while a contact with the radius `contact_radius` shifts by 1 without slip. The
+/// point is at the depth `depth >= 0` and at the distance `r >= 0` from the middle of the contact. `azimuth` is the
+/// angle between the shift and the direction from the contact to the point, rad. At the surface, all points of the
+/// contact move by 1. Far away, the displacement is the same as under a point force (Cerruti).
 ///
 /// # Errors
 /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5], a `depth` or `distance` that is not from 0 to 1e50, a

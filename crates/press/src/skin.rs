@@ -4,7 +4,7 @@ use nalgebra::{UnitVector3, Vector2, Vector3};
 
 use crate::{Body, Contact, ContactRegime, EllipticContact, PressError, within_object};
 
-/// Range of allowed lengths. It is limited, so that products of a few lengths are within the range of doubles.
+/// Range of allowed lengths. Products of a few such lengths are within the range of doubles.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
 /// The skin of a sensor: a sphere, with coordinates relative to its apex. The skin of a flat pad is a sphere with an
@@ -42,7 +42,7 @@ pub struct Place {
 }
 
 impl Skin {
-    /// The skin of a sensor of this radius, which is infinite for a flat pad.
+    /// The skin of a sensor with the radius `radius`, which is infinite for a flat pad.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for `radius` unless it is between 1e-50 and 1e50, or infinite.
@@ -62,8 +62,8 @@ impl Skin {
         self.radius
     }
 
-    /// Radius of the sphere on which places are computed. For a flat pad, it is so large that distances on the sphere
-    /// are those on a plane.
+    /// Radius of the sphere on which places are computed. For a flat pad, it is so large that the sphere is practically
+    /// a plane.
     pub(crate) const fn place_radius(&self) -> f64 {
         self.radius.min(*LENGTHS.end())
     }
@@ -73,8 +73,8 @@ impl Skin {
         self.radius.recip()
     }
 
-    /// The place with the coordinates (x, y). Coordinates of more than half a turn are reduced by whole turns. If the
-    /// angle of the coordinates is not finite, the result is the apex.
+    /// The place with the coordinates (x, y). Coordinates of more than half a turn are reduced by whole turns. If √(x²
+    /// + y²) divided by the radius is not finite, the result is the apex.
     pub fn place(&self, [x, y]: [f64; 2]) -> Place {
         let [x, y] = [x, y].map(|along| along / self.place_radius());
         let angle = libm::hypot(x, y);
@@ -98,7 +98,7 @@ impl Skin {
     }
 
     /// Coordinates of a place on the skin. `direction` is a vector of any length from the sensor's centre to the place.
-    /// If it is 0 or not finite, the result is the apex.
+    /// If the vector is 0 or not finite, the result is the apex.
     pub(crate) fn chart(&self, direction: &Vector3<f64>) -> [f64; 2] {
         let largest = direction.amax();
         let is_one = largest > 0.0 && direction.iter().all(|part| part.is_finite());
@@ -122,8 +122,8 @@ impl Skin {
         ]
     }
 
-    /// The contact between `body` and an object with this curvature (positive if convex, 0 if flat), at this
-    /// indentation.
+    /// The contact between `body` and an object. The object's curvature is positive if it is convex, and 0 if it is
+    /// flat.
     ///
     /// # Errors
     /// [`PressError::Conforming`] and [`PressError::EdgeContact`] if the relative curvature is not positive;
@@ -140,7 +140,7 @@ impl Skin {
         self.press(body, relative_curvature, indentation)
     }
 
-    /// Contact of a half-space with an object that has these principal curvatures, the smaller one first.
+    /// Contact of a half-space with an object that has two principal curvatures, the smaller one first.
     ///
     /// # Errors
     /// The errors of [`Skin::contact`], and [`PressError::TooWide`] if the contact is too wide for the larger
@@ -163,7 +163,7 @@ impl Skin {
         Ok(contact)
     }
 
-    /// The contact of the skin with an object at this relative curvature.
+    /// The contact of the skin with an object, for a given relative curvature and indentation.
     pub(crate) fn press<'b>(
         &self,
         body: &'b Body,
@@ -176,7 +176,7 @@ impl Skin {
         Ok(contact)
     }
 
-    /// Sum of the curvatures of the skin and the object. Returns an error if they do not touch at a single point.
+    /// Sum of the curvatures of the skin and the object. Returns an error if they do not first touch at a single point.
     fn relative_curvature(&self, object_curvature: f64) -> Result<f64, PressError> {
         let relative_curvature = self.curvature() + object_curvature;
         match ContactRegime::of(self.curvature(), object_curvature) {
@@ -212,16 +212,15 @@ impl Skin {
         Ok(())
     }
 
-    /// Direction from the sensor's centre to another point of the skin. The point is reached from `place` by a movement
-    /// along the skin, by the lengths `along` and `across` in the axes at this place. The lengths must not both be
-    /// zero.
+    /// Direction from the sensor's centre to a point of the skin near `place`. The way from `place` to this point runs
+    /// along the skin. Its components in the axes of `place` are `along` and `across`, length. They must not both be 0.
     pub(crate) fn beyond(&self, place: &Place, along: f64, across: f64) -> Vector3<f64> {
         let tangent = place.x_axis * along + place.y_axis * across;
         let angle = tangent.norm() / self.place_radius();
         place.direction.as_ref() * libm::cos(angle) + tangent.normalize() * libm::sin(angle)
     }
 
-    /// The place in this direction from the sensor's centre.
+    /// The place in the direction `direction` from the sensor's centre.
     pub(crate) fn place_at(&self, direction: &Vector3<f64>) -> Place {
         self.place(self.chart(direction))
     }

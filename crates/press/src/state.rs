@@ -1,4 +1,4 @@
-//! A state of a fit, that is, values of its fit parameters.
+//! The fit parameters of a press as a contact: relative curvature, place and indentation.
 
 use nalgebra::Vector3;
 
@@ -11,13 +11,13 @@ pub(crate) struct State {
     pub(crate) log_curvature: f64,
     pub(crate) place: Place,
     pub(crate) indentation: f64,
-    /// The two fit parameters that depend on the kind of fit: the offset and the gain of normal displacements, or the
-    /// two components of a sideways shift of the object.
+    /// The two fit parameters that depend on the kind of fit. In a fit of displacements, they are the baseline (offset)
+    /// and the gain. In a fit of images, they are the two components of the object's sideways shift.
     pub(crate) others: [f64; 2],
 }
 
 impl State {
-    /// A state with this relative curvature, place and indentation.
+    /// Fit parameters with the given values.
     pub(crate) fn new(
         relative_curvature: f64,
         place: Place,
@@ -32,7 +32,7 @@ impl State {
         }
     }
 
-    /// The contact of the sensor with this soft body in this state.
+    /// The contact between the soft body and the object, for these fit parameters.
     pub(crate) fn contact<'b>(
         &self,
         skin: &Skin,
@@ -41,7 +41,7 @@ impl State {
         skin.press(body, libm::exp(self.log_curvature), self.indentation)
     }
 
-    /// The state after a step of the fit parameters. `place_at` converts a direction from the centre of the sensor to a
+    /// The fit parameters after the step `step`. `place_at` converts a direction from the centre of the sensor to a
     /// place on its skin.
     pub(crate) fn stepped(
         &self,

@@ -1,4 +1,4 @@
-//! The fit parameters of a press, and chi-squared with its derivatives with respect to them.
+//! The list of fit parameters of a press, and chi-squared with its derivatives with respect to them.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -10,9 +10,9 @@ use crate::state::State;
 pub(crate) const UNKNOWNS: usize = 6;
 /// Index of the logarithm of the relative curvature in the fit parameters.
 pub(crate) const CURVATURE: usize = 0;
-/// Index of the contact's displacement along the first axis at its place.
+/// Index of the contact's displacement along the first axis at the contact.
 pub(crate) const ALONG: usize = 1;
-/// Index of the contact's displacement along the second axis at its place.
+/// Index of the contact's displacement along the second axis at the contact.
 pub(crate) const ACROSS: usize = 2;
 /// Index of the indentation in the fit parameters.
 pub(crate) const INDENTATION: usize = 3;
@@ -22,21 +22,21 @@ pub(crate) const OTHERS: usize = 4;
 pub(crate) type Unknowns = SVector<f64, UNKNOWNS>;
 pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// A fit parameter counts as exact if the ratio of its prior's standard deviation to its value is below this limit. A
-/// fit with a smaller standard deviation would suffer from rounding errors.
+/// If the ratio of a prior's standard deviation to its value is below this limit, the parameter counts as exact and is
+/// not fitted. A fit with a smaller standard deviation would suffer from rounding errors.
 pub(crate) const EXACT: f64 = 1e-10;
 
 /// The parameters that are fitted, and their normal priors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fitted {
-    /// Whether each fit parameter is fitted; `false` for exact ones.
+    /// For each fit parameter, whether it is fitted; `false` for exact parameters.
     pub(crate) sought: [bool; UNKNOWNS],
     /// Prior of each fit parameter; `None` for parameters without a prior.
     priors: [Option<Measured>; UNKNOWNS],
 }
 
 impl Fitted {
-    /// All fit parameters are fitted, except an exact indentation. `others` are the priors of the two fit parameters
+    /// Fits all parameters, except an indentation that is exact. `others` contains the priors of the two fit parameters
     /// that depend on the kind of fit.
     pub(crate) fn new(indentation: Option<Measured>, others: [Option<Measured>; 2]) -> Self {
         let (mut sought, mut priors) = ([true; UNKNOWNS], [None; UNKNOWNS]);
@@ -46,7 +46,7 @@ impl Fitted {
         Self { sought, priors }
     }
 
-    /// Number of the fitted parameters.
+    /// Number of parameters that are fitted.
     pub(crate) fn count(&self) -> usize {
         self.sought.iter().filter(|&&sought| sought).count()
     }
@@ -57,7 +57,7 @@ impl Fitted {
         fitted.filter_map(|unknown| Some((unknown, self.priors[unknown]?)))
     }
 
-    /// Chi-squared of the deviations from the priors, with its derivatives.
+    /// Contribution of the priors to chi-squared, with its derivatives.
     pub(crate) fn prior_sums(&self, state: &State) -> Sums {
         let mut sums = Sums::default();
         for (unknown, Measured { value, std }) in self.priors() {
@@ -94,7 +94,7 @@ impl Sums {
         }
     }
 
-    /// Chi-squared and its derivatives for a fit in which the fit parameter with the index `held` is held constant.
+    /// Returns these sums for a fit in which the fit parameter with the index `held` is held constant.
     pub(crate) fn holding(mut self, held: usize) -> Self {
         self.gradient[held] = 0.0;
         self.hessian.row_mut(held).fill(0.0);
@@ -103,7 +103,7 @@ impl Sums {
         self
     }
 
-    /// A Levenberg–Marquardt step; `None` if the damped Hessian is not positive definite.
+    /// The next step of the Levenberg–Marquardt method; `None` if the damped Hessian is not positive definite.
     pub(crate) fn damped_step(&self, damping: f64) -> Option<Unknowns> {
         let mut damped = self.hessian;
         for index in 0..UNKNOWNS {
@@ -112,8 +112,8 @@ impl Sums {
         solve(&damped, &-self.gradient)
     }
 
-    /// Derivatives of all fit parameters with respect to the logarithm of the curvature, along the curve on which all
-    /// fit parameters except the curvature minimise chi-squared.
+    /// Derivatives of all fit parameters with respect to the logarithm of the curvature. They are along a curve: for
+    /// each curvature, the other fit parameters minimise chi-squared.
     pub(crate) fn ridge(&self) -> Unknowns {
         let across = -self.hessian.column(CURVATURE);
         let mut along = solve(&self.holding(CURVATURE).hessian, &across).unwrap_or_default();
@@ -121,15 +121,16 @@ impl Sums {
         along
     }
 
-    /// Adds the deviation `off` of a fit parameter from its prior with the standard deviation `std`.
+    /// Adds the prior of one fit parameter. `off` is the difference between the parameter and the prior's mean, and
+    /// `std` the prior's standard deviation.
     fn add_prior(&mut self, unknown: usize, off: f64, std: f64) {
         self.chi_squared += (off / std) * (off / std);
         self.gradient[unknown] += off / (std * std);
         self.hessian[(unknown, unknown)] += 1.0 / (std * std);
     }
 
-    /// Adds an observation. `residual` is its residual in standard deviations, and `slopes` are the derivatives of its
-    /// prediction.
+    /// Adds one reading to the derivatives. `residual` is its residual in standard deviations, and `slopes` contains
+    /// the derivatives of its prediction.
     #[inline]
     pub(crate) fn add(&mut self, residual: f64, weight: f64, slopes: &Unknowns) {
         for row in 0..UNKNOWNS {
@@ -141,7 +142,7 @@ impl Sums {
         }
     }
 
-    /// Fills the symmetric half of the Hessian, and removes the parameters that are not fitted.
+    /// Completes the Hessian by symmetry, and removes the parameters that are not fitted.
     pub(crate) fn only(&mut self, sought: &[bool; UNKNOWNS]) {
         for row in 0..UNKNOWNS {
             for column in 0..row {

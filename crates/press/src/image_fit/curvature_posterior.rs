@@ -13,18 +13,18 @@ use crate::least_squares::LeastSquares;
 use crate::state::State;
 use crate::unknowns::{CURVATURE, Square, Unknowns};
 
-/// Step of the curvature for numerical derivatives, in standard errors of the curvature. All other fit parameters
-/// follow the curvature to the minimum of chi-squared.
+/// Step of the curvature for numerical derivatives, in standard errors of the curvature. During the step, all other fit
+/// parameters are changed such that chi-squared stays minimal.
 const STEP: f64 = 0.3;
-/// If the variance of the logarithm of the curvature is above this value, the images only determine the order of
-/// magnitude of the curvature.
+/// Largest variance of the logarithm of the curvature for which the mean is computed. If the variance is larger, the
+/// images only determine the order of magnitude of the curvature.
 const MAX_VARIANCE: f64 = 1.0;
 /// Largest difference between mean and mode, in standard errors, for which the expansion is valid.
 const MAX_SHIFT: f64 = 1.0;
 
 impl<V: View + Clone> Problem<'_, V> {
-    /// Difference between the mean and the most likely value of the logarithm of the curvature, computed at the state
-    /// at which the weights were computed; 0 if it cannot be computed.
+    /// Mean minus most likely value of the logarithm of the curvature. The result is 0 if it cannot be computed.
+    /// `weighed` is the fit with newly computed weights.
     pub(super) fn mean_beside(&self, weighed: &FitState, covariance: &Square) -> f64 {
         let variance = covariance[(CURVATURE, CURVATURE)];
         let std = variance.sqrt();
@@ -43,7 +43,8 @@ impl<V: View + Clone> Problem<'_, V> {
         }
     }
 
-    /// Logarithm of the determinant after a step of the fit parameters, with the sensor that fits best after this step.
+    /// Log-determinant, as in [`Self::log_determinant`], after a step of the fit parameters. The sensor parameters are
+    /// those that fit best after the step.
     fn stepped_aside(&self, weighed: &FitState, step: &Unknowns) -> Option<f64> {
         let moved = &weighed.slopes.jacobian * step;
         let mut sensor = self.updated_sensor(&(&weighed.residuals - moved)).ok()?;
@@ -59,8 +60,8 @@ impl<V: View + Clone> Problem<'_, V> {
         there.log_determinant(&fitted)
     }
 
-    /// Logarithm of the determinant of the Hessian with respect to all fit parameters, without an additive constant, at
-    /// the state of the weights.
+    /// Logarithm of the determinant of the Hessian with respect to all fit parameters, without an additive constant.
+    /// `fitted` must be the fit for which the weights were computed.
     fn log_determinant(&self, fitted: &FitState) -> Option<f64> {
         let of_press = inverse(&fitted.sums.hessian, 0.0)?.determinant();
         let mut sum = 2.0 * self.root.diagonal().map(libm::log).sum() - libm::log(of_press);

@@ -1,13 +1,13 @@
-//! A prior of a sensor's deviations that was not computed from the readings of the frame at rest.
+//! A prior of sensor deviations that comes from another source than the present fit of the frame at rest.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::PressError;
 
 /// A prior of some common sensor deviations. It comes from another frame of the same sensor, or from an earlier fit of
-/// the frame at rest itself. The information that the frame at rest contains on these sensor deviations is then
-/// ignored, so that no frame is used twice. Given these sensor deviations, the frame at rest still determines the
-/// remaining sensor deviations and the misalignments.
+/// the frame at rest itself. The fit then ignores the information about these sensor deviations in the frame at rest,
+/// so that no frame is used twice. The frame at rest still determines the remaining sensor deviations and the
+/// misalignments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeparturePrior {
     /// Indices of the sensor deviations in ascending order. Their standard deviations must not be 0.
@@ -18,15 +18,16 @@ pub struct DeparturePrior {
 
 /// A [`DeparturePrior`], converted to the form of the equations for a frame at rest.
 pub(super) struct FreePrior {
-    /// Positions of the prior's sensor deviations in the list of all sensor deviations that are not exact.
+    /// For each sensor deviation of the prior, its position in the list of all uncertain sensor deviations.
     places: Vec<usize>,
-    /// Inverse of the covariance, with each sensor deviation divided by its standard deviation.
+    /// Inverse of the covariance. Each sensor deviation is divided by its standard deviation before the covariance is
+    /// computed.
     precision: DMatrix<f64>,
 }
 
 impl DeparturePrior {
-    /// The prior for the sensor deviations that are not exact. `stds` are the standard deviations of all sensor
-    /// deviations.
+    /// Converts the prior to the form for the equations. `stds` contains the standard deviations of all common sensor
+    /// deviations; exact ones have 0 and must not be in the prior.
     pub(super) fn of_free(&self, stds: &[f64]) -> Result<FreePrior, PressError> {
         let Self {
             numbers,
@@ -62,9 +63,10 @@ impl DeparturePrior {
 }
 
 impl FreePrior {
-    /// In the equations of a frame, replaces the information on the deviations of the prior by the prior. Let C be the
-    /// deviations in the prior, and D the other deviations. The conditional distribution of D given C does not change,
-    /// and the marginal distribution of C becomes the prior. `None` if the equations do not determine D.
+    /// Inserts the prior into the equations of a frame, instead of the frame's own information on the sensor deviations
+    /// of the prior. Let C be the sensor deviations in the prior, and D the other sensor deviations. The conditional
+    /// distribution of D given C does not change, and the marginal distribution of C becomes the prior. `None` if the
+    /// equations do not determine D.
     pub(super) fn cut(
         &self,
         common: &DVector<f64>,

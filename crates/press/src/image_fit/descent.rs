@@ -14,28 +14,29 @@ const DAMPING: f64 = 1.0;
 const MAX_DAMPING: f64 = 1e9;
 /// A search ends after a step that decreases chi-squared by less than this value.
 const ENOUGH: f64 = 1e-6;
-/// Decrease of chi-squared below which a search with increased variances ends.
+/// A search with increased variances ends after a step that decreases chi-squared by less than this value. Such a
+/// search need not be exact.
 const ROUGHLY: f64 = 1.0;
-/// Largest factor by which variances are multiplied.
+/// Largest factor by which the variances of the readings are multiplied.
 const MAX_VARIANCE: f64 = 1e12;
-/// Ratio of consecutive factors by which variances are multiplied.
+/// Ratio between the variance factors of consecutive searches.
 const FALL: f64 = 10.0;
-/// Exponents that determine the first factor on the variances. If chi-squared remains too large, the next exponent is
-/// tried.
+/// The first variance factor is the variance of the first residuals, raised to one of these powers. If chi-squared
+/// remains too large, the next exponent is tried.
 const ROOTS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
-/// Chi-squared is acceptable if its p-value is at least this value. For a correct sensor model, the p-value is below
-/// this limit with a probability of 0.001; further searches then follow, although they are not needed.
+/// Smallest acceptable p-value of chi-squared. If it is smaller, a further search follows. For a correct sensor model,
+/// such an unnecessary search has a probability of 0.001.
 const PLAUSIBLE: f64 = 1e-3;
 
-/// The result of a search: the state with the smallest cost.
+/// The result of a search: the sensor parameters with the smallest cost.
 struct Minimum {
     state: State,
     pictures: Pictures,
     cost: Cost,
 }
 
-/// Cost of a state. States are compared first by the number of markers that have a reading but are hidden in the model,
-/// then by the sum of squares of the other markers.
+/// Cost of a set of sensor parameters. Costs are compared first by the number of hidden markers (markers that have a
+/// reading but are not visible in the model), then by the sum of squares of the other markers.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 struct Cost {
     hidden: usize,
@@ -43,7 +44,7 @@ struct Cost {
 }
 
 impl Cost {
-    /// Decrease from this cost to another cost.
+    /// Decrease of the cost from `self` to `other`.
     fn less(self, other: Self) -> f64 {
         match self.hidden == other.hidden {
             true => self.squares - other.squares,
@@ -95,10 +96,10 @@ impl<V: View> Resting<'_, V> {
         Ok(self.result(state, equations, slopes, cost.squares))
     }
 
-    /// Finds the minimum by a sequence of searches. In the first search, the variances are multiplied by a factor,
-    /// which then decreases to 1. Far from the minimum, there are local minima and narrow valleys. With variances that
-    /// are as large as the first residuals, these disappear, and while the factor decreases, the state stays near the
-    /// global minimum.
+    /// Finds the minimum by a sequence of searches. In each search, the variances of the readings are multiplied by a
+    /// factor, which decreases to 1 from search to search. The reason is that chi-squared has local minima and narrow
+    /// valleys far from its global minimum. They disappear if the variances are as large as the first residuals. While
+    /// the factor decreases, the search stays near the global minimum.
     fn cooled(&self, mut state: State, mut variance: f64) -> Result<Minimum, PressError> {
         while variance > 1.0 {
             let noisier = self.noisier(variance);
@@ -117,8 +118,8 @@ impl<V: View> Resting<'_, V> {
         }
     }
 
-    /// Sum of squared residuals of each marker. It is infinite if the marker has a reading but is hidden in the model,
-    /// and `None` without a reading.
+    /// For each marker, the sum of squared residuals. It is infinite if the marker has a reading but is not visible in
+    /// the model. It is `None` if the marker has no reading.
     fn own_costs(&self, state: &State, pictures: &Pictures) -> Vec<Option<f64>> {
         let own = |marker: usize| {
             let weight = self.frame.weights[marker].as_ref()?;
@@ -143,8 +144,8 @@ impl<V: View> Resting<'_, V> {
         minimum.state.common.norm_squared() + own.sum::<f64>()
     }
 
-    /// Median over the markers of their mean squared residual, relative to the stated variances. Up to half of the
-    /// markers may be outliers.
+    /// Noise variance of the residuals, relative to the stated variances. It is the median over the markers of the mean
+    /// squared residual, so up to half of the markers may be outliers.
     fn variance_at(&self, state: &State) -> Option<f64> {
         let pictures = self.pictures(state)?;
         let costs = self.own_costs(state, &pictures);
@@ -154,7 +155,7 @@ impl<V: View> Resting<'_, V> {
         Some((middle / NUMBERS as f64).min(MAX_VARIANCE))
     }
 
-    /// This fit with the variances of all readings multiplied by a factor.
+    /// This fit with the variances of all readings multiplied by `variance`.
     fn noisier(&self, variance: f64) -> Self {
         let mut frame = (*self.frame).clone();
         for weight in frame.weights.iter_mut().flatten() {
@@ -168,7 +169,8 @@ impl<V: View> Resting<'_, V> {
         }
     }
 
-    /// The minimum of chi-squared near a state. The search ends if chi-squared decreases by less than `enough`.
+    /// The minimum of chi-squared near the sensor parameters `state`. The search ends after a step that decreases
+    /// chi-squared by less than `enough`.
     fn minimised(&self, mut state: State, enough: f64) -> Result<Minimum, PressError> {
         let impossible = PressError::OutOfRange;
         let mut pictures = self.pictures(&state).ok_or(impossible)?;

@@ -108,7 +108,7 @@ impl<V: View> ImageFit<V> {
         Ok(Moving { moved, slopes })
     }
 
-    /// Derivatives of the displacements with respect to the depths of the discs; `None` if the depths are exact.
+    /// Derivatives of the disc displacements with respect to the depths of the discs; `None` if the depths are exact.
     pub(super) fn per_depth(
         &self,
         state: &State,

@@ -1,4 +1,4 @@
-//! A state of an image fit, with its residuals and derivatives.
+//! Fit parameters of an image fit, with the residuals and derivatives for these parameters.
 
 use super::image_problem::{Problem, Residuals, Slopes};
 use super::view::{NUMBERS, View};
@@ -8,15 +8,15 @@ use crate::state::State;
 use crate::unknowns::{Fitted, Sums, Unknowns};
 use crate::{Body, PressError, Skin};
 
-/// A state counts as far from a minimum if the predicted decrease of chi-squared in an undamped step is at least this
-/// value, which is the square of four standard deviations.
+/// Threshold for a search that ended far from a minimum: the decrease of chi-squared that an undamped step predicts.
+/// The value is the square of four standard deviations.
 const STUCK: f64 = 16.0;
 
-/// Derivatives of the images are reused at a new state if the logarithm of the curvature has changed by less than this
-/// value since they were computed.
+/// Largest change of the logarithm of the curvature up to which derivatives of the images are reused instead of
+/// computed again.
 const NEAR: f64 = 0.3;
 
-/// A state of the fit with its residuals and derivatives.
+/// Fit parameters, with the residuals and derivatives for these parameters.
 #[derive(Clone)]
 pub(super) struct FitState {
     pub(super) state: State,
@@ -26,18 +26,18 @@ pub(super) struct FitState {
     /// displacement of both discs.
     pub(super) normal_slopes: Vec<f64>,
     pub(super) sums: Sums,
-    /// Whether the search reuses derivatives as long as their predictions of chi-squared are good.
+    /// Whether the search reuses the derivatives, to save time. It does so as long as they predict chi-squared well.
     pub(super) keeps_slopes: bool,
 }
 
 impl FitState {
-    /// This fit, with the setting that the search reuses derivatives as long as their predictions are good.
+    /// This fit, for a search that reuses the derivatives as long as they predict chi-squared well.
     pub(super) fn keeping_slopes(mut self) -> Self {
         self.keeps_slopes = true;
         self
     }
 
-    /// The fit at a nearby state, with the same derivatives.
+    /// The fit for the nearby fit parameters `state`, with the derivatives of `self`.
     fn near<V: View>(
         self,
         problem: &Problem<'_, V>,
@@ -53,8 +53,8 @@ impl FitState {
         })
     }
 
-    /// Standard error of the normal displacement of a marker's two discs, estimated from its own image. It is the
-    /// median over the used markers.
+    /// Standard error of a marker's normal displacement, estimated from the image of this marker alone. Both discs are
+    /// assumed to move equally. The result is the median over the used markers.
     pub(super) fn normal_std(&self) -> f64 {
         let mut stds: Vec<f64> = self
             .normal_slopes
@@ -71,8 +71,8 @@ impl FitState {
         solve(&self.sums.hessian, &gradient).map_or(0.0, |step| gradient.dot(&step))
     }
 
-    /// Whether the search ended far from a minimum, for example at a limit of possible presses. This is the case if an
-    /// undamped step is predicted to remove most of chi-squared.
+    /// Whether the search ended far from a minimum, for example because further steps would be impossible presses. The
+    /// criterion is that an undamped step is predicted to remove most of chi-squared.
     pub(super) fn is_stuck(&self) -> bool {
         self.promise() > (0.5 * self.sums.chi_squared).max(STUCK)
     }

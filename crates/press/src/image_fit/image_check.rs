@@ -1,5 +1,5 @@
-//! Tests whether images contradict the model that was fitted to them. The model includes the sensor deviations that are
-//! common to all markers.
+//! Tests whether images contradict the fitted model. The fitted model includes the sensor deviations that are common to
+//! all markers.
 
 use nalgebra::{DMatrix, SMatrix};
 use palpate_statistics::{Misfit, SIGNIFICANCE_LEVEL, chi_squared_tail, normal_tail};
@@ -18,7 +18,7 @@ impl<V: View + Clone> ImageFit<V> {
     /// Compares a stated indentation with the indentation that is estimated from the images alone.
     ///
     /// # Errors
-    /// The reason for which the images alone do not determine the indentation.
+    /// Returns an error if the images alone do not determine the indentation.
     pub fn check_indentation(
         &self,
         rest: &Rest,
@@ -35,7 +35,7 @@ impl<V: View + Clone> ImageFit<V> {
 
     /// Tests an estimate of this fit and returns the ways in which the images contradict the model. A stated
     /// indentation is tested separately by [`Self::check_indentation`]. If the residuals are too large for the stated
-    /// errors, the tests for outliers and patterns compare with the residuals instead of the stated errors.
+    /// errors, the tests for outliers and patterns use the noise of the residuals instead.
     ///
     /// # Errors
     /// Errors of [`ImageFit::estimate`].
@@ -100,7 +100,7 @@ impl<V: View> Problem<'_, V> {
         })
     }
 
-    /// Effects of displacement patterns of both discs on the whitened images, one column per pattern.
+    /// Changes of the whitened images if both discs of each marker move by a pattern. There is one column per pattern.
     fn patterns(&self, state: &State) -> Result<DMatrix<f64>, PressError> {
         let fit = self.fit;
         let slopes = self.by_displacements(&self.displaced(state)?)?;

@@ -19,10 +19,12 @@ use crate::state::State;
 use crate::unknowns::{Fitted, OTHERS, Square, Sums, UNKNOWNS};
 use crate::{MarkerDisplacement, Measured, PressError};
 
-/// Index of the first of two fit parameters that only this fit has: the components of a sideways shift of the object.
+/// Index of the first component of the object's sideways shift in the fit parameters. Fits of displacements do not have
+/// a shift.
 const SHIFT: usize = OTHERS;
 
-/// Whitened residuals of the used markers (transformed such that their errors are independent and have unit variance).
+/// Whitened residuals of the used markers. Whitening transforms residuals such that their errors are independent and
+/// have unit variance.
 pub(super) type Residuals = DVector<f64>;
 /// Derivatives of the whitened images with respect to the fit parameters.
 pub(super) type Jacobian = MatrixXx6<f64>;
@@ -31,13 +33,15 @@ pub(super) type Jacobian = MatrixXx6<f64>;
 #[derive(Clone, Debug)]
 pub(super) struct Slopes {
     pub(super) jacobian: Jacobian,
-    /// Components of the derivatives that sensor deviations common to all markers may explain.
+    /// The part of the derivatives that changes of the common sensor deviations can imitate, as components.
     pub(super) shared: Jacobian,
-    /// Products of the derivatives with respect to two fit parameters, without the components in `shared`.
+    /// Products of the derivatives with respect to two fit parameters each, minus the products of the parts in
+    /// `shared`.
     pub(super) square: Square,
 }
 
-/// A least-squares problem: the readings, the fitted parameters, and the weights, which were computed at some state.
+/// A least-squares problem: the readings, the fitted parameters, and the weights of the readings. The weights are only
+/// computed again on request.
 #[derive(Clone)]
 pub(super) struct Problem<'a, V> {
     pub(super) fit: &'a ImageFit<V>,
@@ -51,24 +55,27 @@ pub(super) struct Problem<'a, V> {
     pub(super) counting: Vec<usize>,
     /// Square root of the robust weight of each used marker.
     pub(super) trust: Vec<f64>,
-    /// Additional displacements, because the fitted depths of the discs differ from the nominal depths. They are
-    /// computed at the state at which the weights were computed.
+    /// Corrections of the disc displacements, because the fitted depths of the discs differ from the nominal depths.
+    /// They are computed together with the weights.
     by_depth: Vec<[MarkerDisplacement; 2]>,
-    /// Whitening matrix of each used marker, which transforms its errors to independent errors of unit variance.
+    /// Whitening matrix of each used marker. It transforms the errors of the reading to independent errors of unit
+    /// variance.
     pub(super) whiten: Vec<Matrix4<f64>>,
     /// Derivatives of the whitened images of the used markers with respect to their misalignments.
     pub(super) by_local: Vec<Matrix4x2<f64>>,
-    /// Whitened difference, to first order, between the images for the sensor fitted at rest and for `sensor`.
+    /// Difference between the images for the sensor fitted at rest and the images for `sensor`, whitened and to first
+    /// order.
     from_rest: Vec<Vector4<f64>>,
-    /// Whitened derivatives with respect to the common sensor deviations, with one row per equation and one column per
-    /// sensor deviation.
+    /// Derivatives of the whitened images with respect to the uncertain common sensor deviations. There is one row per
+    /// equation and one column per sensor deviation.
     pub(super) common: DMatrix<f64>,
-    /// Lower Cholesky factor of the information matrix of the sensor deviations. The information comes from the frame
-    /// at rest and from the pressed frame.
+    /// Lower Cholesky factor of the information matrix of the sensor deviations. The matrix is the sum of the
+    /// information from the frame at rest and from the pressed frame.
     pub(super) root: DMatrix<f64>,
 }
 
-/// A state that was tried, with the intermediate results from which its derivatives are computed.
+/// Fit parameters that the search tried, with their residuals and the displacements from which derivatives can be
+/// computed.
 pub(super) struct Tried {
     pub(super) state: State,
     pub(super) residuals: Residuals,
@@ -110,7 +117,7 @@ impl<'a, V: View> Problem<'a, V> {
         })
     }
 
-    /// Removes markers from the used ones.
+    /// Excludes the markers `wrong` from the fit.
     pub(super) fn leave_out(&mut self, wrong: &[usize]) {
         self.counting.retain(|marker| !wrong.contains(marker));
         self.trust = vec![1.0; self.counting.len()];
@@ -125,8 +132,8 @@ impl<'a, V: View> Problem<'a, V> {
             .ok_or(PressError::OutOfRange)
     }
 
-    /// Computes the weights of all readings at a state. The weights follow from the noise of the readings, the
-    /// uncertainty of the misalignments, and the uncertainty of the sensor deviations that are common to all markers.
+    /// Computes the weights of all readings for the fit parameters `state`. A weight includes the noise of the reading,
+    /// the uncertainty of the misalignments, and the uncertainty of the common sensor deviations.
     pub(super) fn weigh(&mut self, state: &State) -> Result<FitState, PressError> {
         let moving = self.fit.moving(state)?;
         let per_depth = self.fit.per_depth(state, &moving.moved)?;
@@ -197,7 +204,7 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(())
     }
 
-    /// Displacements of discs at the depths that were fitted at rest, from their displacements at the nominal depths.
+    /// Corrects the displacements `moved` of the discs from the nominal depths to the depths that were fitted at rest.
     fn deeper(&self, mut moved: Vec<[MarkerDisplacement; 2]>) -> Vec<[MarkerDisplacement; 2]> {
         for (moved, more) in moved
             .iter_mut()
@@ -212,7 +219,7 @@ impl<'a, V: View> Problem<'a, V> {
         moved
     }
 
-    /// Displacements of discs at a state, at the depths that were fitted at rest.
+    /// Displacements of the discs for the fit parameters `state`, at the depths that were fitted at rest.
     pub(super) fn displaced(
         &self,
         state: &State,
@@ -220,7 +227,7 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(self.deeper(self.fit.moved(state)?))
     }
 
-    /// Residuals and chi-squared of a state.
+    /// Residuals and chi-squared for the fit parameters `state`.
     pub(super) fn tried(&self, state: State) -> Result<Tried, PressError> {
         let mut moving = self.fit.moving(&state)?;
         moving.moved = self.deeper(moving.moved);
@@ -234,7 +241,7 @@ impl<'a, V: View> Problem<'a, V> {
         })
     }
 
-    /// The fit at a state that was tried, with its derivatives.
+    /// Completes a tried set of fit parameters with the derivatives.
     pub(super) fn reached(&self, tried: Tried) -> Result<FitState, PressError> {
         let Tried {
             state,
@@ -246,7 +253,7 @@ impl<'a, V: View> Problem<'a, V> {
         self.fitted(state, residuals, &pictures, &slopes)
     }
 
-    /// Images with their derivatives with respect to displacements only.
+    /// The images, and their derivatives with respect to displacements only.
     pub(super) fn by_displacements(
         &self,
         moved: &[[MarkerDisplacement; 2]],
@@ -255,8 +262,9 @@ impl<'a, V: View> Problem<'a, V> {
         slopes.ok_or(PressError::OutOfRange)
     }
 
-    /// A state with its derivatives with respect to the fit parameters, by the chain rule: derivatives of images with
-    /// respect to displacements, and of displacements with respect to the fit parameters.
+    /// Computes the derivatives of the images with respect to the fit parameters by the chain rule. `pictures` contains
+    /// the derivatives of images with respect to displacements, and `moving` the derivatives of displacements with
+    /// respect to the fit parameters.
     fn fitted(
         &self,
         state: State,
@@ -290,14 +298,14 @@ impl<'a, V: View> Problem<'a, V> {
         })
     }
 
-    /// Whitened residuals of the images at a state.
+    /// Whitened residuals of the images for the fit parameters `state`.
     pub(super) fn residuals(&self, state: &State) -> Result<Residuals, PressError> {
         let moved = self.displaced(state)?;
         let pictures = self.pictures(&moved)?;
         self.whitened(|marker| pictures[marker])
     }
 
-    /// Whitened residuals if no marker moves.
+    /// Whitened residuals of a model in which no marker moves.
     pub(super) fn residuals_at_rest(&self) -> Result<Residuals, PressError> {
         self.whitened(|marker| self.rest.slopes.pictures[marker])
     }
@@ -320,13 +328,13 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(residuals)
     }
 
-    /// Residuals without the part that can be explained by sensor deviations common to all markers.
+    /// Residuals after subtracting the part that the best change of the common sensor deviations explains.
     pub(super) fn own(&self, residuals: &Residuals) -> Result<Residuals, PressError> {
         Ok(residuals - &self.common * self.departures(residuals)?)
     }
 
-    /// Those components of whitened columns that sensor deviations common to all markers may explain, one per sensor
-    /// deviation.
+    /// The part of whitened columns that changes of the common sensor deviations can imitate, as components: one
+    /// component per sensor deviation.
     pub(super) fn shared<C: Dim, S: Storage<f64, Dyn, C>>(
         &self,
         columns: &Matrix<f64, Dyn, C, S>,
@@ -339,7 +347,7 @@ impl<'a, V: View> Problem<'a, V> {
         is_solved.then_some(shared).ok_or(PressError::OutOfRange)
     }
 
-    /// Sum of squared residuals without the part that sensor deviations common to all markers may explain.
+    /// Sum of the squared residuals, without the part that changes of the common sensor deviations can explain.
     pub(super) fn own_squares(&self, residuals: &Residuals) -> Result<f64, PressError> {
         Ok(residuals.norm_squared() - self.shared(residuals)?.norm_squared())
     }
@@ -377,7 +385,8 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(sums)
     }
 
-    /// Products of the columns of `jacobian`, without the part that common sensor deviations may explain.
+    /// Products of the columns of `jacobian`, without the part that changes of the common sensor deviations can
+    /// imitate.
     fn slopes(&self, jacobian: Jacobian) -> Result<Slopes, PressError> {
         let shared = self.shared(&jacobian)?;
         Ok(Slopes {

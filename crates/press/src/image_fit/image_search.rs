@@ -15,26 +15,29 @@ use crate::state::State;
 use crate::unknowns::CURVATURE;
 use crate::{Estimated, GoodnessOfFit, Measured, PressError, PressEstimate};
 
-/// A marker is an outlier if the sum of its four squared residuals is above this value. Noise alone exceeds it once in
-/// three million markers.
+/// Outlier threshold: a marker is an outlier if the sum of its four squared residuals is above this value. Noise alone
+/// causes this once in three million markers.
 pub(super) const WRONG: f64 = 36.0;
-/// Before the outliers are found, the weight of a marker is reduced if its sum of squares is above this value.
+/// In the robust fit, which precedes the rejection of outliers, a marker has a reduced weight if its sum of squares is
+/// above this value.
 const ROBUST: f64 = 16.0;
-/// Largest share of outliers among the markers. If there are more, the model is wrong.
+/// Largest share of outliers among the markers. If there are more, the model is probably wrong, and no marker is
+/// rejected.
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
 /// Maximum number of iterations in which the robust weights are computed.
 const ROUNDS: usize = 20;
-/// Maximum number of updates of the sensor parameters with the frame at rest and the pressed frame together.
+/// Maximum number of updates of the sensor parameters. Each update uses the frame at rest and the pressed frame
+/// together.
 const SENSOR_UPDATES: usize = 5;
 /// The updates of the sensor parameters end if the predicted decrease of chi-squared is less than this value, which is
 /// the square of 1/20 standard deviation.
 const SETTLED: f64 = 2.5e-3;
 /// Smallest improvement of chi-squared by a contact, compared with no contact, for which the contact counts as
-/// detected. It equals the threshold of a displacement fit with 240 markers, because each marker has four numbers with
-/// noise.
+/// detected. A displacement fit with 240 markers has the same threshold. The value is larger than for the same number
+/// of markers in a displacement fit, because each marker has four noisy readings.
 const MIN_IMPROVEMENT: f64 = 16.0;
-/// If the standard error of the logarithm of the curvature is above this value, the images are compatible with objects
-/// of any sharpness.
+/// Largest standard error of the logarithm of the curvature for which a bad fit still counts as a contact. If it is
+/// larger, the images are compatible with objects of any sharpness.
 const MAX_LOG_STD: f64 = 10.0;
 /// A rough fit stops if the next step is predicted to decrease chi-squared by less than this value.
 const ROUGHLY: f64 = 1e-1;
@@ -43,13 +46,13 @@ const EXACTLY: f64 = 1e-6;
 
 impl<V: View + Clone> ImageFit<V> {
     /// Estimates the press from the readings of one frame and from the sensor at rest. The reading of a marker that is
-    /// not visible is `None`. For exact readings with any stated errors, the error of the most likely curvature is
-    /// below 1/1000 of its standard error. This is true if the standard error is smaller than the curvature.
+    /// not visible is `None`. If the readings are exact and the standard error of the curvature is smaller than the
+    /// curvature, the error of the most likely curvature is below 1/1000 of its standard error.
     ///
     /// # Errors
     /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for invalid settings and
-    /// readings; [`PressError::NoContact`] if the markers have not moved; [`PressError::OtherBody`] if they did not
-    /// move as in a press on this body; [`PressError::OffMarkers`], [`PressError::Undetermined`] and errors of
+    /// readings; [`PressError::NoContact`] if the markers have not moved; [`PressError::OtherBody`] if the markers did
+    /// not move as in a press on this body; [`PressError::OffMarkers`], [`PressError::Undetermined`] and errors of
     /// [`Body::press`](crate::Body::press) if no press fits the readings.
     pub fn estimate(
         &self,
@@ -63,9 +66,9 @@ impl<V: View + Clone> ImageFit<V> {
         search(problem)
     }
 
-    /// The Cramér–Rao bound on the standard error of the relative curvature, 1/length, from the stated errors of the
-    /// markers and of the sensor. It is for a press with this relative curvature, position in the coordinates of the
-    /// skin, and indentation.
+    /// Cramér–Rao bound: smallest possible standard error of the relative curvature, 1/length. It follows from the
+    /// stated errors of the markers and of the sensor. The arguments describe the press: relative curvature, position
+    /// in the coordinates of the skin, and indentation.
     ///
     /// # Errors
     /// [`PressError::Undetermined`] if the readings do not determine the press, and errors of
@@ -152,7 +155,8 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
     })
 }
 
-/// Returns the fit near a state. The sensor parameters are fitted to both frames (at rest and pressed).
+/// Returns the best fit near the fit parameters `near`. The sensor parameters are fitted to both frames (at rest and
+/// pressed).
 pub(super) fn settle<V: View + Clone>(
     problem: &mut Problem<'_, V>,
     near: State,
@@ -162,7 +166,8 @@ pub(super) fn settle<V: View + Clone>(
     minimise(problem, near.keeping_slopes(), EXACTLY, None)
 }
 
-/// Continues the fit after the sensor was fitted to both frames (at rest and pressed).
+/// Alternates between two steps until the fit converges: fit the press, then update the sensor parameters with both
+/// frames (at rest and pressed).
 fn update_sensor<V: View + Clone>(
     problem: &mut Problem<'_, V>,
     near: FitState,
@@ -244,7 +249,7 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, Pre
     Ok(best)
 }
 
-/// Removes outliers from the used markers, and returns their numbers.
+/// Excludes outliers from the fit, and returns their numbers.
 fn drop_wrong<V: View>(
     problem: &mut Problem<'_, V>,
     best: &FitState,
@@ -269,7 +274,8 @@ impl<V: View> Problem<'_, V> {
         GoodnessOfFit::new(fitted.sums.chi_squared, self.freedom())
     }
 
-    /// The error for images in which a contact improves chi-squared only by `improvement`.
+    /// The error for images without a detected contact. `improvement` is the decrease of chi-squared by the best
+    /// contact.
     fn no_contact(&self, improvement: f64) -> PressError {
         let at_rest = self.residuals_at_rest();
         match at_rest.and_then(|at_rest| self.squares(&at_rest)) {
@@ -278,7 +284,8 @@ impl<V: View> Problem<'_, V> {
         }
     }
 
-    /// Sum of the squared residuals of each used marker, without the part that common sensor deviations explain.
+    /// For each used marker, the sum of the squared residuals, without the part that changes of the common sensor
+    /// deviations can explain.
     pub(super) fn squares(&self, residuals: &Residuals) -> Result<Vec<f64>, PressError> {
         let own = self.own(residuals)?;
         Ok((0..self.counting.len())
@@ -287,9 +294,9 @@ impl<V: View> Problem<'_, V> {
     }
 }
 
-/// Radii of the contact that are tried, relative to the sensor's radius.
+/// Contact radii that are tried for the start values, relative to the sensor's radius.
 const RADII: [f64; 4] = [0.08, 0.14, 0.22, 0.35];
-/// Number of further markers at which contacts are tried. The markers that moved most are chosen.
+/// Number of markers at which contacts are tried in addition. They are the markers that moved most.
 const BESIDE: usize = 2;
 
 impl<V: View> Problem<'_, V> {

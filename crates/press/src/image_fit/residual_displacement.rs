@@ -1,4 +1,4 @@
-//! Computes displacements of single markers that the fitted press does not explain.
+//! Computes the displacement of each marker that remains after subtracting the fitted press.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -10,10 +10,9 @@ use crate::state::State;
 use crate::{Estimated, MarkerDisplacement, Measured, PressError, PressEstimate};
 
 impl<V: View> ImageFit<V> {
-    /// Displacement of each marker in addition to its displacement in an estimated press. It is estimated from the
-    /// marker's own image by least squares. The discs of the marker move relative to each other as in the press; the
-    /// image determines their additional common displacement. `None` for markers that are not visible in both frames,
-    /// and if the image does not determine all components.
+    /// For each marker, the displacement in addition to its displacement in the estimated press. It is estimated from
+    /// the image of this marker alone by least squares. Both discs of the marker have the same additional displacement.
+    /// `None` for a marker that is not visible in both frames, and if its image does not determine all components.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] and [`PressError::NotFinite`] for invalid settings and readings;

@@ -11,34 +11,34 @@ use super::view::{
 };
 use crate::{MarkerDisplacement, PressError};
 
-/// The sensor's parameters, fitted to its markers at rest: misalignments, and sensor deviations that are common to all
-/// markers.
+/// The sensor's parameters, fitted to the frame at rest: misalignments of the markers, and sensor deviations that are
+/// common to all markers.
 #[derive(Clone, Debug)]
 pub struct Rest {
-    /// The most likely deviations from the nominal parameters, common to all markers.
+    /// The most likely deviations of the sensor from its nominal parameters, common to all markers.
     pub common: Vec<f64>,
     /// The most likely misalignment of each marker's discs; angles at the sensor's centre, rad.
     pub misalignments: Vec<[f64; 2]>,
     /// Whether each marker was visible at rest.
     pub seen: Vec<bool>,
-    /// Chi-squared, including the priors. It is about `freedom` if the model is correct.
+    /// Chi-squared, including the priors. If the model is correct, its expected value is `freedom`.
     pub chi_squared: f64,
     /// Degrees of freedom of the chi-squared of this fit.
     pub freedom: usize,
-    /// Information (inverse covariance) on the uncertain common sensor deviations from the frame at rest and the
-    /// priors.
+    /// Information matrix (inverse covariance) of the uncertain common sensor deviations, from the frame at rest and
+    /// the priors.
     pub(super) information: DMatrix<f64>,
-    /// For each marker, the derivative of its misalignment with respect to the uncertain common sensor deviations, and
-    /// the covariance of the misalignment for given sensor deviations.
+    /// For each marker, two matrices: the derivative of its misalignment with respect to the uncertain common sensor
+    /// deviations, and the covariance of its misalignment if the sensor deviations were known.
     pub(super) local: Vec<Option<Local>>,
-    /// Images at rest with their derivatives, for the sensor at which the model was linearised.
+    /// Images of the markers at rest, with derivatives, for the sensor at which the model was linearised.
     pub(super) slopes: Arc<PictureSlopes>,
     /// The readings of the frame to which the sensor was fitted.
     pub(super) frame: Arc<RestFrame>,
 }
 
 impl Rest {
-    /// The sensor parameters that are most likely for this frame.
+    /// The most likely sensor parameters.
     pub(super) fn sensor(&self) -> Sensor {
         Sensor {
             common: self.common.clone(),
@@ -46,8 +46,8 @@ impl Rest {
         }
     }
 
-    /// Covariance of the common sensor deviations that are not exact, with each sensor deviation divided by its
-    /// standard deviation; `None` if it cannot be computed.
+    /// Covariance of the uncertain common sensor deviations, where each sensor deviation is divided by its standard
+    /// deviation. `None` if it cannot be computed.
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
         let factor = self.information.clone().cholesky()?;
         Some(factor.inverse())
@@ -67,8 +67,8 @@ impl<V: View> ImageFit<V> {
     ///
     /// # Errors
     /// [`PressError::BadSetting`], [`PressError::NotFinite`] for invalid settings and readings;
-    /// [`PressError::TooFewMarkers`] without a marker; [`PressError::HiddenMarker`] if a marker has a reading but is
-    /// hidden in the model; [`PressError::OutOfRange`] if no sensor fits.
+    /// [`PressError::TooFewMarkers`] if no marker is visible; [`PressError::HiddenMarker`] if a marker has a reading
+    /// but is not visible in the model; [`PressError::OutOfRange`] if no sensor fits.
     pub fn at_rest(&self, seen: &[Option<Seen>]) -> Result<Rest, PressError> {
         self.validate()?;
         let frame = RestFrame {
@@ -85,7 +85,7 @@ impl<V: View> ImageFit<V> {
         self.resting(frame.into())?.rest()
     }
 
-    /// Inverse covariance of each marker's reading.
+    /// Inverse covariance of each marker's reading; `None` for markers without a reading.
     fn weights(&self, seen: &[Option<Seen>]) -> Result<Vec<Option<Matrix4<f64>>>, PressError> {
         let good = seen.len() == self.markers.places().len();
         PressError::unless_good("readings", seen.len() as f64, good, "one for each marker")?;
@@ -108,7 +108,8 @@ impl<V: View> ImageFit<V> {
         })
     }
 
-    /// The fit of the frame at rest, with the model linearised at another sensor; `None` if this sensor is impossible.
+    /// The fit `rest` of the frame at rest, but with the model linearised at `sensor`. `None` if no such sensor is
+    /// possible.
     pub(super) fn rest_about(&self, rest: &Rest, sensor: &Sensor) -> Option<Rest> {
         let resting = self.resting(Arc::clone(&rest.frame)).ok()?;
         let free = resting.free.iter();
@@ -133,7 +134,7 @@ pub(super) struct RestFrame {
 }
 
 impl RestFrame {
-    /// Number of markers in the frame at rest that the fit uses.
+    /// Number of markers that have a reading in the frame at rest.
     fn markers(&self) -> usize {
         self.weights.iter().flatten().count()
     }
@@ -153,7 +154,7 @@ impl RestFrame {
 pub(super) struct Resting<'a, V> {
     pub(super) fit: &'a ImageFit<V>,
     pub(super) free: Vec<usize>,
-    /// Prior of the uncertain sensor deviations, if there is one.
+    /// Joint prior of some uncertain sensor deviations, if there is one.
     pub(super) known: Option<Arc<FreePrior>>,
     pub(super) frame: Arc<RestFrame>,
 }
@@ -166,10 +167,10 @@ pub(super) struct State {
     pub(super) misalignments: Vec<[f64; 2]>,
 }
 
-/// The four numbers of each marker's image.
+/// The image of each marker as four numbers; `None` for markers that are not visible.
 pub(super) type Pictures = Vec<Option<[f64; NUMBERS]>>;
 
-/// Linear equations for a step of the common sensor deviations, from which the misalignments were eliminated.
+/// Linear equations for a step of the common sensor deviations. The misalignments were eliminated from these equations.
 pub(super) struct Equations {
     information: DMatrix<f64>,
     right: DVector<f64>,
@@ -196,7 +197,7 @@ impl Own {
         }
     }
 
-    /// Adds the prior of the misalignment and inverts the equations; `None` if they cannot be solved.
+    /// Adds the prior of the misalignment to the equations and inverts them; `None` if they cannot be solved.
     fn solve(&mut self, misalignment: &[f64; 2], std: f64, damping: f64) -> Option<()> {
         if std > 0.0 {
             let per_square = std.powi(-2);
@@ -226,7 +227,7 @@ pub(super) fn products(one: &DMatrix<f64>, other: &DMatrix<f64>) -> DMatrix<f64>
 }
 
 impl<V: View> Resting<'_, V> {
-    /// The fitted sensor. `state` is the solution of the equations.
+    /// Builds the result of the fit at rest from the parameters `state`, which solve the equations.
     pub(super) fn result(
         &self,
         state: State,
@@ -298,7 +299,8 @@ impl<V: View> Resting<'_, V> {
         vec![[MarkerDisplacement::default(); 2]; self.markers()]
     }
 
-    /// The equations of a step from a state; `damping` is relative to the information of the priors.
+    /// The equations for a step from the parameters `state`. `damping` is the damping of the step, relative to the
+    /// information of the priors.
     pub(super) fn equations(
         &self,
         state: &State,

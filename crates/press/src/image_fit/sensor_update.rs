@@ -1,8 +1,9 @@
-//! Updates the sensor's parameters with the frame at rest and the pressed frame.
+//! Updates the sensor's parameters with the frame at rest and the pressed frame together.
 //!
-//! The model of the pressed frame is linearised with respect to the deviations of the sensor. If the two discs of a
-//! marker nearly coincide, their edges may touch, and the image is nonlinear within the uncertainty of the sensor
-//! deviations. Therefore the fit is continued with the model linearised at the sensor that fits both frames.
+//! The model of the pressed frame is linearised with respect to the deviations of the sensor. This is inaccurate if the
+//! two discs of a marker nearly coincide: their edges may then touch, and the image is nonlinear within the uncertainty
+//! of the sensor deviations. Therefore the model is linearised again at the sensor that fits both frames best, and the
+//! fit is continued.
 
 use std::borrow::Cow;
 
@@ -14,8 +15,8 @@ use super::view::{MAX_MISALIGNMENT, NUMBERS, Sensor, View};
 use crate::PressError;
 
 impl<V: View> Problem<'_, V> {
-    /// Differences of the uncertain common sensor deviations between the sensor fitted at rest and `sensor`, in
-    /// standard deviations.
+    /// Differences of the uncertain common sensor deviations, in standard deviations: values of the sensor fitted at
+    /// rest minus values of `sensor`.
     pub(super) fn to_rest(&self) -> DVector<f64> {
         let free = self.fit.free();
         let steps = free.iter().map(|&number| {
@@ -30,8 +31,8 @@ impl<V: View> Problem<'_, V> {
             - Vector2::from(self.sensor.misalignments[marker])
     }
 
-    /// Differences of the uncertain common sensor deviations between the sensor that fits both frames best and the
-    /// sensor fitted at rest, in standard deviations.
+    /// Differences of the uncertain common sensor deviations, in standard deviations: values that fit both frames best
+    /// minus values of the sensor fitted at rest.
     pub(super) fn departures(&self, residuals: &Residuals) -> Result<DVector<f64>, PressError> {
         let departures = self
             .root
@@ -39,14 +40,14 @@ impl<V: View> Problem<'_, V> {
         departures.ok_or(PressError::OutOfRange)
     }
 
-    /// After a fit with the current sensor, linearises the model at the sensor that fits both frames. Returns whether
-    /// this sensor is possible.
+    /// Linearises the model again, at the sensor that fits both frames best according to the fit `best`. Returns
+    /// `false` if this sensor is impossible.
     pub(super) fn update_sensor(&mut self, best: &FitState) -> Result<bool, PressError> {
         let sensor = self.updated_sensor(&best.residuals)?;
         Ok(self.linearise_at(sensor))
     }
 
-    /// Linearises the model at a sensor. Returns whether this sensor is possible.
+    /// Linearises the model at `sensor`. Returns `false` if this sensor is impossible.
     pub(super) fn linearise_at(&mut self, sensor: Sensor) -> bool {
         let rest = self.fit.rest_about(&self.rest, &sensor);
         let is_possible = rest.is_some();
@@ -57,7 +58,8 @@ impl<V: View> Problem<'_, V> {
         is_possible
     }
 
-    /// The sensor that fits both frames (at rest and pressed), computed from the residuals for the current sensor.
+    /// The sensor that fits both frames (at rest and pressed) best. It is computed from the residuals, which belong to
+    /// the current sensor.
     pub(super) fn updated_sensor(&self, residuals: &Residuals) -> Result<Sensor, PressError> {
         let departures = self.departures(residuals)?;
         let own = residuals - &self.common * &departures;

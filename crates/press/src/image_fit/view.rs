@@ -1,35 +1,37 @@
 //! The camera model: images of the markers and their derivatives.
 //!
-//! The image of a marker has four numbers: the two coordinates of its centroid, its hue, and the logarithm of its size.
+//! Four numbers describe the image of a marker: the two coordinates of its centroid, its hue, and the logarithm of its
+//! size.
 
 use nalgebra::{DMatrix, Matrix4, Matrix4x2, Matrix4x3, Vector3, Vector4};
 
 use super::ImageFit;
 use crate::{MarkerDisplacement, PressError};
 
-/// Number of numbers that describe the image of a marker: two coordinates of the centroid, px; hue, turns; logarithm of
-/// the size.
+/// Number of values that describe the image of a marker: two coordinates of the centroid (px), hue (turns) and
+/// logarithm of the size.
 pub(super) const NUMBERS: usize = 4;
 /// Index of the hue among the four numbers of an image. The hue is periodic.
 const HUE: usize = 2;
 /// Index of the size among the four numbers of an image.
 pub(super) const SIZE: usize = 3;
 
-/// Step of numerical derivatives with respect to deviations of the sensor, in standard deviations.
+/// Step of numerical derivatives with respect to sensor deviations, in standard deviations of the sensor deviation.
 const DEPARTURE_STEP: f64 = 1e-2;
 /// Step of numerical derivatives with respect to misalignments, rad.
 const MISALIGNMENT_STEP: f64 = 1e-6;
-/// Step of numerical derivatives with respect to displacements, in radii of the skin.
+/// Step of numerical derivatives with respect to displacements, as a share of the skin's radius.
 const DISPLACEMENT_STEP: f64 = 1e-6;
 
-/// Relative rounding error of the four numbers of an image in a model. For numbers below 1, it is the absolute error.
+/// Relative rounding error of the four numbers of an image that the model computes. For numbers below 1, it is the
+/// absolute error.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// A reading of a marker's image by the tracker.
+/// The image of a marker, as measured by the tracker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// Image of a marker: both coordinates of the centroid, px; hue of the summed light, turns; natural logarithm of
-    /// the size in px².
+    /// Four numbers that describe the image: both coordinates of the centroid (px), hue of the summed light (turns),
+    /// and natural logarithm of the size in px².
     pub picture: [f64; 4],
     /// Covariance of the errors of the four numbers in `picture`. It must be positive definite.
     pub covariance: Matrix4<f64>,
@@ -49,7 +51,7 @@ impl Seen {
     }
 
     /// Covariance of the errors of the four numbers of the image. The variances are at least those of rounding errors,
-    /// because a fit with smaller variances has no clear minimum.
+    /// because chi-squared would otherwise have no clear minimum.
     pub(super) fn errors(&self) -> Matrix4<f64> {
         let mut errors = self.covariance;
         for (at, number) in self.picture.iter().enumerate() {
@@ -64,7 +66,8 @@ impl Seen {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorState<'a> {
     /// Deviations of the parameters from their nominal values (sensor deviations), common to all markers. The first two
-    /// are the additional depths of the magenta and of the yellow discs, lengths; the [`View`] defines the others.
+    /// are the additional depths of the magenta and of the yellow discs, length. The [`View`] defines the other
+    /// deviations.
     pub common: &'a [f64],
     /// Misalignment of each marker's two discs, as angles at the sensor's centre, rad.
     pub misalignments: &'a [[f64; 2]],
@@ -81,7 +84,7 @@ pub(super) struct Sensor {
 }
 
 impl Sensor {
-    /// Adds the difference `to` − `from` between two sensors to the sensor deviations and misalignments.
+    /// Adds the difference `to` − `from` between two sensors to this sensor.
     pub(super) fn shift(&mut self, to: &Self, from: &Self) {
         for ((one, to), from) in self.common.iter_mut().zip(&to.common).zip(&from.common) {
             *one += to - from;
@@ -106,7 +109,7 @@ impl Sensor {
     }
 }
 
-/// Scales of the sensor parameters, from which camera models compute the steps of numerical derivatives.
+/// Scales of the sensor parameters. A camera model uses them to choose the steps of numerical derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steps<'a> {
     /// Indices of the sensor deviations for which derivatives are requested, each with its standard deviation, > 0.
@@ -119,10 +122,10 @@ pub struct Steps<'a> {
 /// four numbers of its image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureSlopes {
-    /// The image of each marker; see [`View::pictures`].
+    /// The image of each marker, as returned by [`View::pictures`].
     pub pictures: Vec<Option<[f64; 4]>>,
-    /// Derivatives with respect to the requested sensor deviations. The rows contain all markers one after the other,
-    /// and each sensor deviation has one column. They are 0 for markers that are not visible.
+    /// Derivatives with respect to the requested sensor deviations. There are four rows per marker and one column per
+    /// sensor deviation. The rows of markers that are not visible are 0.
     pub common: DMatrix<f64>,
     /// Derivatives with respect to the two components of each marker's misalignment, per rad.
     pub misalignments: Vec<Matrix4x2<f64>>,
@@ -132,7 +135,7 @@ pub struct PictureSlopes {
 }
 
 impl PictureSlopes {
-    /// Whether the derivatives have the correct sizes for these numbers of markers and sensor deviations.
+    /// Whether all fields have the correct sizes for `markers` markers and `departures` sensor deviations.
     pub(super) fn are_of(&self, markers: usize, departures: usize) -> bool {
         self.pictures.len() == markers
             && self.common.shape() == (NUMBERS * markers, departures)
@@ -141,8 +144,8 @@ impl PictureSlopes {
     }
 }
 
-/// A camera model that computes the images of markers with displaced discs. A result with a wrong number of markers is
-/// treated as no result.
+/// A camera model that computes the images of markers with displaced discs. If a result has a wrong number of markers,
+/// it is treated like `None`.
 pub trait View {
     /// The image of each marker, as in [`Seen`], after the displacements of its magenta and its yellow disc; `None` for
     /// markers that are not visible. The whole result is `None` if the sensor or a motion is impossible.
@@ -152,7 +155,8 @@ pub trait View {
         moved: &[[MarkerDisplacement; 2]],
     ) -> Option<Vec<Option<[f64; 4]>>>;
 
-    /// The same images with their derivatives. The default implementation computes numerical derivatives.
+    /// The images as in [`Self::pictures`], with their derivatives. The default implementation computes numerical
+    /// derivatives.
     fn slopes(
         &self,
         sensor: &SensorState<'_>,
@@ -234,8 +238,8 @@ impl<V: View> ImageFit<V> {
         pictures.filter(|pictures| pictures.len() == moved.len())
     }
 
-    /// Images with their derivatives with respect to displacements, misalignments and some sensor deviations, whose
-    /// standard deviations are given.
+    /// The images, with their derivatives with respect to displacements, misalignments and the requested sensor
+    /// deviations. A sensor deviation is requested by its index and its standard deviation.
     pub(super) fn slopes_by(
         &self,
         departures: &[(usize, f64)],
@@ -251,7 +255,7 @@ impl<V: View> ImageFit<V> {
     }
 
     /// Images with their derivatives with respect to the uncertain parameters of the sensor: the uncertain sensor
-    /// deviations, in standard deviations, and the misalignments. `moved` are the displacements of the markers, and
+    /// deviations, in standard deviations, and the misalignments. `moved` contains the displacements of the discs, and
     /// `per_depth` the derivatives of these displacements with respect to the depths of the discs.
     pub(super) fn slopes(
         &self,
@@ -282,7 +286,8 @@ impl<V: View> ImageFit<V> {
     }
 }
 
-/// Difference between the four numbers of two images. The difference of the hues is periodic.
+/// Difference between two images, as four numbers. The difference of the hues takes into account that the hue is
+/// periodic.
 pub(super) fn difference(one: &[f64; NUMBERS], other: &[f64; NUMBERS]) -> [f64; NUMBERS] {
     let mut difference = std::array::from_fn(|number| one[number] - other[number]);
     let turn: f64 = difference[HUE];

@@ -1,5 +1,5 @@
-//! Presses that are possible have a contact and an estimate. For any other numbers, the result is finite or the
-//! expected error.
+//! Presses with random parameters. A possible press has a contact and an estimate. For any parameters, the result is
+//! finite or an expected error.
 
 use palpate_press::sneddon_indentation;
 use palpate_press::{
@@ -41,8 +41,8 @@ fn assert_finite(contact: &Contact<'_>, r: f64, young: f64) {
     );
 }
 
-/// The contacts are with a plane, and with a dish whose curvature is nearly opposite to the sensor's. Indentations are
-/// from nearly zero to the radius of the sensor.
+/// Contacts with a plane, and with a dish whose curvature is nearly opposite to the sensor's curvature. The
+/// indentations reach from nearly 0 to the radius of the sensor.
 #[test]
 fn contacts_on_skins_of_any_size_have_the_hertz_radius() {
     let body = Body::hertz(0.5).unwrap();
@@ -88,7 +88,7 @@ fn shifts_out_of_range_are_refused() {
     }
 }
 
-/// A number in the range; with a probability of 1/8, any number.
+/// A number in the given range; with a probability of 1/8, any double.
 fn mostly(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![7 => range, 1 => any_number()]
 }
@@ -102,7 +102,7 @@ fn is_setting(value: f64, range: impl std::ops::RangeBounds<f64>) -> bool {
     range.contains(&value)
 }
 
-/// The value, if the settings are valid; otherwise checks that the error is `bad-setting`.
+/// Returns the value if `is_good`. Otherwise checks that the error is `bad-setting`.
 fn valid_value<T: std::fmt::Debug>(is_good: bool, result: Result<T, PressError>) -> Option<T> {
     if is_good {
         return Some(result.unwrap());
@@ -144,7 +144,7 @@ fn is_finite(found: &PressEstimate) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// If the indentation is at most a fiftieth of the radius, the contact is narrower than the sensor.
+    /// If the indentation is at most 1/50 of the radius, the contact is not too wide for the sensor.
     #[test]
     fn shallow_presses_on_any_sensor_have_a_contact(
         radius in power(-9.0..9.0),
@@ -225,7 +225,7 @@ proptest! {
         prop_assert!(moved.iter().flatten().flat_map(parts).all(|part| part.is_finite()));
     }
 
-    /// If a ball or a plane is pressed between the markers, its readings have an estimate.
+    /// If a ball or a plane is pressed between the markers, the fit returns an estimate.
     #[test]
     fn presses_among_the_markers_are_estimated(
         (object, indentation) in (0.0..0.5, 0.5..2.0),
@@ -293,7 +293,8 @@ proptest! {
         prop_assert!(found.is_err() || is_finite(found.as_ref().unwrap()), "{found:?}");
     }
 
-    /// If all lengths are multiplied by a power of two, displacements are multiplied and curvatures are divided by it.
+    /// If all lengths are multiplied by a power of two, displacements are multiplied by it, and curvatures are divided
+    /// by it.
     #[test]
     fn scaled_lengths_scale_the_press(power in -60..60, object in -0.9..20.0, share in 1e-6..0.05, x in -10.0..10.0) {
         let scale = 2f64.powi(power);

@@ -1,4 +1,5 @@
-//! Misfits of estimates: hardly any are reported if the model is right, and the expected ones if it is wrong.
+//! Misfits of estimates. If the model is right, hardly any misfit is reported. If it is wrong, the expected misfit is
+//! reported.
 
 use palpate_press::{Body, ForwardFit, Interval, Measured, Misfit, PressEstimate, Reading};
 
@@ -11,8 +12,8 @@ const STATED: Measured = Measured {
     std: 0.02,
 };
 
-/// Codes of the misfits of presses on the body `pressed`. Their readings are changed and then fitted with the body
-/// `body`. If the fit fails because the body is wrong, the misfit of another body is counted.
+/// Codes of the misfits in each trial. The presses are simulated with the body `pressed`, changed by `change`, and
+/// fitted with the body `body`. If the fit fails, the code of its error is returned instead.
 fn codes(
     [body, pressed]: [&Body; 2],
     stated: Measured,
@@ -64,8 +65,8 @@ fn another_body_is_found() {
     }
 }
 
-/// The noise is three times the stated noise. Other misfits are not reported, because they are tested relative to the
-/// residuals.
+/// The noise is three times the stated noise. Only this misfit is reported, because the other tests compare with the
+/// residuals instead of the stated noise.
 #[test]
 fn larger_noise_than_stated_is_found() {
     let codes = codes([&half_space(); 2], STATED, |readings, trial| {
@@ -120,7 +121,7 @@ fn a_smaller_stated_indentation_is_found() {
     assert!(share >= 0.9, "{share} {codes:?}");
 }
 
-/// The outlier has an error of 8 standard deviations.
+/// The reading of one marker has an error of 8 standard deviations.
 #[test]
 fn an_outlier_is_found() {
     let codes = codes([&half_space(); 2], STATED, |readings, trial| {
@@ -146,8 +147,8 @@ fn an_elongated_press_is_not_round() {
     assert!(misfit_share(&codes, Some("not-round")) > 0.9, "{codes:?}");
 }
 
-/// A fit to normal and tangential displacements. The standard deviations are `std` for normal and 0.4 `std` for
-/// tangential displacements.
+/// A fit of normal and tangential displacements. `std` is the standard deviation of normal displacements. For
+/// tangential displacements, it is 0.4 `std`.
 fn in_all_directions(body: &Body, std: f64) -> ForwardFit {
     ForwardFit {
         normal_std: Some(std),
@@ -156,8 +157,8 @@ fn in_all_directions(body: &Body, std: f64) -> ForwardFit {
     }
 }
 
-/// A slip of the marker under the object would look like a needle there, if the neighbouring markers did not contradict
-/// it.
+/// The marker under the object slips. Its reading alone would look like the press of a needle, but the neighbouring
+/// markers contradict this.
 #[test]
 fn a_slip_at_the_contact_is_not_taken_for_a_needle() {
     let (markers, body) = (published(), half_space());
@@ -198,7 +199,8 @@ fn nearest(count: usize) -> Vec<usize> {
     order
 }
 
-/// A wrong marker near the contact may change the curvature; a wrong marker far away does not.
+/// A marker with an error near the contact may change the curvature, so it is reported. A marker far away does not
+/// change the curvature.
 #[test]
 fn one_marker_among_sound_ones_is_named_if_it_changes_the_curvature() {
     let order = nearest(61);
@@ -214,7 +216,8 @@ fn one_marker_among_sound_ones_is_named_if_it_changes_the_curvature() {
     assert!(near > 0.3 && far < 0.05, "{near} {far}");
 }
 
-/// The interval also contains the curvatures estimated without the marker, because either estimate may be right.
+/// The interval also contains the curvature that is estimated without the contradicting marker, because either estimate
+/// may be right.
 #[test]
 fn an_interval_contains_the_estimate_without_a_marker_that_contradicts() {
     let (markers, body) = (published(), half_space());
@@ -242,8 +245,8 @@ fn an_interval_contains_the_estimate_without_a_marker_that_contradicts() {
     );
 }
 
-/// The displacements of the press are far smaller than the noise. The readings exclude only blunt objects, and the
-/// contact is reported as not detected.
+/// The displacements of the press are far smaller than the noise. Such readings exclude only blunt objects. The
+/// estimate states that the contact is not detected.
 #[test]
 fn undetected_presses_are_bounded_and_reported() {
     let (markers, body) = (published(), half_space());
@@ -275,7 +278,7 @@ fn undetected_presses_are_bounded_and_reported() {
     );
 }
 
-/// The numbers of an estimate are changed to values that no press has.
+/// The values of an estimate are changed to values that no press can have.
 #[test]
 fn estimates_of_no_press_are_refused() {
     let markers = published();

@@ -1,11 +1,12 @@
-//! Principal curvatures that are estimated from presses on cylinders, ellipsoids and balls.
+//! Estimates of principal curvatures from presses on cylinders, ellipsoids and balls.
 
 use palpate_press::{EllipticContact, ForwardFit, Markers, Measured, PressError, Reading};
 use palpate_sensing::{Channel, Stream};
 
 use crate::sensor::{DEPTH, RADIUS, Readings, at, half_space, published};
 
-/// A press on an object with two principal curvatures. The direction of the smaller one forms an angle with the x axis.
+/// A press on an object with two principal curvatures. `axis` is the angle between the direction of the smaller
+/// curvature and the x axis.
 struct Press {
     curvatures: [f64; 2],
     axis: f64,

@@ -1,11 +1,11 @@
-//! Fits of presses of a flat pad, which is the limit of spheres with large radii.
+//! Fits of presses with a flat pad. A flat pad is the limit of spheres with increasing radius.
 
 use approx::assert_relative_eq;
 use palpate_press::{Body, ForwardFit, Markers, PressError, PressEstimate, Skin};
 
 use crate::sensor::{Readings, exactly};
 
-/// Markers in rows and columns, 1 apart.
+/// Markers in rows and columns; neighbouring markers are 1 apart.
 fn grid(radius: f64) -> Markers {
     let places: Vec<[f64; 2]> = (0..13 * 11)
         .map(|marker| [f64::from(marker % 13 - 6), f64::from(marker / 13 - 5)])
@@ -13,7 +13,8 @@ fn grid(radius: f64) -> Markers {
     Markers::new(Skin::new(radius).unwrap(), &places).unwrap()
 }
 
-/// The estimate from a press of a sensor with this radius on a ball of radius 4, beside the apex.
+/// The estimate from a press of a sensor with the radius `radius` on a ball of radius 4. The contact is beside the
+/// apex.
 fn estimate(radius: f64, fit: &ForwardFit, indentation: Option<f64>) -> PressEstimate {
     let markers = grid(radius);
     let contact = markers.skin().contact(&fit.body, 0.25, 0.5).unwrap();

@@ -1,4 +1,4 @@
-//! Fits of presses to exact data, noisy data, data with wrong markers, and published data.
+//! Fits of presses to exact data, to noisy data, to data with outliers, and to published data.
 
 use approx::assert_relative_eq;
 use palpate_press::{
@@ -49,7 +49,7 @@ fn exact_readings_determine_the_curvature() {
     }
 }
 
-/// Along x and y, the grid of 7 × 7 markers extends to half of the skin's radius.
+/// The markers form a grid of 7 × 7. Along x and y, it extends to half of the skin's radius.
 #[test]
 fn exact_readings_on_sensors_of_any_size_determine_the_curvature() {
     type OfRadius = fn(f64) -> Body;
@@ -138,8 +138,8 @@ fn the_bound_matches_an_independent_calculation() {
     assert!(by(1e-300).is_none());
 }
 
-/// The rms error of 400 presses is equal to the bound within its statistical uncertainty, and their intervals contain
-/// the true value. This is tested with a stated indentation, and with a fitted indentation and tangential readings.
+/// In 400 presses, the rms error is equal to the bound within its statistical uncertainty, and the intervals contain
+/// the true value. The indentation is stated, or it is fitted together with tangential readings.
 #[test]
 fn errors_from_noisy_readings_reach_the_bound() {
     const PRESSES: u64 = 400;
@@ -182,8 +182,8 @@ fn errors_from_noisy_readings_reach_the_bound() {
     }
 }
 
-/// The estimated curvature scatters by about 20 %, but its mean over 600 presses has no significant bias. The curvature
-/// of the best fit, which is not corrected, is too large on average.
+/// The estimated curvature scatters by about 20 %, but its mean over 600 presses has no significant bias. The
+/// uncorrected curvature of the best fit is too large on average.
 #[test]
 fn curvatures_are_without_bias() {
     const PRESSES: u64 = 600;
@@ -205,8 +205,8 @@ fn curvatures_are_without_bias() {
     assert!(bias(sum_of_best) > 0.015, "bias {}", bias(sum_of_best));
 }
 
-/// The displacements of a press differ from a Gaussian by more than the small noise. This difference must not make a
-/// marker an outlier.
+/// The displacements of a press are not exactly Gaussian, and the difference exceeds the small noise. This difference
+/// must not make a marker an outlier.
 #[test]
 fn a_gaussian_model_reports_no_outliers() {
     let (markers, body) = (published(), half_space());
@@ -224,7 +224,7 @@ fn a_gaussian_model_reports_no_outliers() {
     assert!(libm::hypot(found.contact[0], found.contact[1]) < 0.3);
 }
 
-/// The press of a needle with an unknown indentation must not be estimated as the press of a dish.
+/// A needle is pressed with an unknown indentation. It must not be estimated as a dish.
 #[test]
 fn a_needle_is_not_estimated_as_a_dish() {
     let (markers, body) = (published(), half_space());
@@ -323,9 +323,9 @@ fn a_gain_prior_widens_the_interval_to_contain_the_truth() {
     assert!((wary.gain.unwrap().value - 1.17).abs() < 0.05);
 }
 
-/// Columns: effective radius, indentation; amplitude, σ, R² and σ²/δ of a Gaussian. Another program fitted the Gaussian
-/// by unweighted least squares to the displacements of a half-space at the depth 2 mm. The displacements are at 60
-/// equal steps of the distance, from 0 to twice the contact radius.
+/// Columns: effective radius, indentation δ, and amplitude, σ, R² and σ²/δ of a Gaussian. Another program fitted the
+/// Gaussian by unweighted least squares to the displacements of a half-space at a depth of 2 mm, at 60 equally spaced
+/// distances from 0 to twice the contact radius.
 const GAUSSIANS: [[f64; 6]; 4] = [
     [26.67, 1.0, 0.870, 5.385, 0.977, 29.0],
     [20.0, 1.0, 0.844, 4.763, 0.978, 22.7],
@@ -376,8 +376,8 @@ fn a_calibrated_gaussian_estimates_its_calibration_plane() {
     assert_relative_eq!(found.effective_radius().value, RADIUS, max_relative = 1e-5);
 }
 
-/// Data of Fig. 7c of the 2020 paper: radial position as drawn and normal displacement, mm, of a plane and of a dish
-/// with radius 80 mm.
+/// Profiles from Fig. 7c of the 2020 paper, for a plane and for a dish with a radius of 80 mm. Columns: radial position
+/// as drawn and normal displacement, mm.
 const PLANE: [[f64; 2]; 11] = [
     [-9.576, -0.0006],
     [-7.684, -0.0268],
@@ -405,7 +405,8 @@ const DISH: [[f64; 2]; 11] = [
     [9.476, -0.0361],
 ];
 
-/// Most likely effective radius of a published profile whose axis is stretched by `stretch`, and its interval.
+/// Most likely effective radius from a published profile, and its interval. The radial positions are multiplied by
+/// `stretch`.
 fn published_radius(profile: &[[f64; 2]], stretch: f64) -> (f64, Interval) {
     let positions: Vec<f64> = profile
         .iter()
@@ -426,8 +427,8 @@ fn published_radius(profile: &[[f64; 2]], stretch: f64) -> (f64, Interval) {
     )
 }
 
-/// The axis in the figure is compressed by a factor of about 2.19. An independent fit results in the radii 21.7 and
-/// 31.5.
+/// In the figure, the axis of radial positions is compressed by a factor of about 2.19. An independent fit gives the
+/// radii 21.7 and 31.5.
 #[test]
 fn published_profiles() {
     let (plane, _) = published_radius(&PLANE, 2.19);

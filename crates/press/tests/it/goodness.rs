@@ -6,8 +6,8 @@ use crate::sensor::{Readings, at, distance_from_uniform, exactly, fit_of, half_s
 
 const PRESSES: u64 = 200;
 
-/// With a probability of 1 %, the Kolmogorov distance of 200 uniform numbers from the uniform distribution exceeds
-/// 0.115.
+/// The Kolmogorov distance of 200 uniform numbers from the uniform distribution exceeds 0.115 with a probability of 1
+/// %.
 #[test]
 fn p_values_are_uniform_if_the_model_is_right() {
     let (markers, body) = (published(), half_space());
@@ -32,7 +32,7 @@ fn estimated_noise_has_no_goodness_of_fit() {
     assert_eq!(found.unwrap().goodness, None);
 }
 
-/// If the stated noise is far too small, the estimate hardly changes, and the noise is reported.
+/// If the stated noise is far too small, the estimate hardly changes, and a misfit of the noise is reported.
 #[test]
 fn a_far_too_small_stated_noise_is_reported() {
     let (markers, body) = (published(), half_space());

@@ -1,8 +1,9 @@
-//! Compares displacements of the half-space with an independent quadrature, and with the closed form in 60 digits.
+//! Compares displacements of the half-space with an independent quadrature and with a closed form, which was computed
+//! with 60 digits.
 
 use palpate_press::Body;
 
-/// Columns: effective radius, indentation, Poisson ratio, radial position, depth, normal and radial displacement.
+/// Columns: effective radius, indentation, Poisson's ratio, radial position, depth, normal and radial displacement.
 const GOLDEN: [[f64; 7]; 45] = [
     [20.0, 1.0, 0.5, 0.0, 0.5, 0.9886803868, 0.0],
     [20.0, 1.0, 0.5, 1.0, 0.5, 0.9637417431, 0.02138160348],
@@ -69,8 +70,8 @@ fn golden_displacements() {
     }
 }
 
-/// Columns: Poisson ratio, depth, radial position, normal and radial displacement under a contact of radius 1, per unit
-/// of relative curvature. The values were computed from Huber's closed form (1904), by mpmath with 60 digits.
+/// Columns: Poisson's ratio, depth, radial position, normal and radial displacement under a contact of radius 1, per
+/// unit of relative curvature. The values were computed from Huber's closed form (1904), by mpmath with 60 digits.
 const EDGES: [[f64; 5]; 11] = [
     [0.3, 0.0, 0.0, 1.0, 0.0],
     [0.3, 0.0, 0.5, 0.875, -0.08499927649571],

@@ -1,22 +1,22 @@
-//! A camera whose image of the markers has a closed form, in a sensor of any size.
+//! A simple camera for tests. The image of a marker has a closed form, and the sensor can have any size.
 
 use palpate_press::{Body, ImageFit, MarkerDisplacement, Markers, SensorState, Skin, View};
 
-/// Radius of the skin, in units of length.
+/// Radius of the skin, in multiples of `Ideal::unit`.
 pub(crate) const RADIUS: f64 = 20.0;
-/// Standard deviations of both centroid coordinates, the hue and the logarithm of the size.
+/// Standard deviations of the readings of a marker: both centroid coordinates, hue, and logarithm of the size.
 pub(crate) const STDS: [f64; 4] = [0.01, 0.01, 1e-4, 4e-4];
-/// Standard deviations of uncertain sensor parameters: of both disc depths, in units of length; of both coordinates of
-/// the image centre; of the pixels per radian.
+/// Standard deviations of the uncertain sensor parameters: both disc depths (in multiples of `Ideal::unit`), both
+/// coordinates of the image centre, and pixels per radian.
 pub(crate) const ROUGHLY: [f64; 5] = [0.02, 0.02, 0.3, 0.3, 0.01];
-/// Depths of the magenta and the yellow discs, in units of length.
+/// Depths of the magenta and the yellow discs, in multiples of `Ideal::unit`.
 const DEPTHS: [f64; 2] = [3.0, 1.0];
 
-/// A camera that measures the position midway between the two discs (centroid), the distance between the discs (hue),
-/// and their distance from the camera (size).
+/// A simple camera. As the centroid, it measures the position midway between the two discs. As the hue, it measures the
+/// distance between the discs, and as the size, their distance from the camera.
 #[derive(Clone, Debug)]
 pub(crate) struct Ideal {
-    /// Size of the unit in which lengths of the sensor are stated.
+    /// Unit of length of the sensor. All constants of this module that are lengths are multiplied by it.
     pub(crate) unit: f64,
     /// Positions of the markers, length.
     pub(crate) places: Vec<[f64; 2]>,
@@ -39,8 +39,8 @@ impl Ideal {
         Markers::new(self.skin(), &self.places).unwrap()
     }
 
-    /// Bodies for both discs, which are `deeper` below their usual depths, in units of length: layers with the
-    /// thickness `layer`, or half-spaces without it.
+    /// Bodies for both discs. The discs are deeper than usual by `deeper`. With `layer`, the bodies are layers of this
+    /// thickness; otherwise they are half-spaces. Lengths are in multiples of `unit`.
     pub(crate) fn bodies(&self, layer: Option<f64>, deeper: [f64; 2]) -> [Body; 2] {
         [0, 1].map(|disc| {
             let depth = (DEPTHS[disc] + deeper[disc]) * self.unit;
@@ -52,7 +52,8 @@ impl Ideal {
         })
     }
 
-    /// A fit with these standard deviations of the sensor parameters; lengths are in units of length.
+    /// A fit in which the sensor parameters have the standard deviations `common_stds`. Lengths are in multiples of
+    /// `unit`.
     pub(crate) fn fit(&self, layer: Option<f64>, common_stds: [f64; 5]) -> ImageFit<Self> {
         let [magenta, yellow, rest @ ..] = common_stds;
         let [magenta, yellow] = [magenta, yellow].map(|std| std * self.unit);

@@ -1,4 +1,4 @@
-//! Fits to the images of a camera whose model has a closed form.
+//! Fits of images. The camera model of these tests has a closed form.
 
 use nalgebra::Matrix4;
 use palpate_press::{
@@ -97,7 +97,8 @@ impl Truth {
     }
 }
 
-/// Estimate of trial `number`. The fit assumes the standard deviations `known` of the sensor parameters.
+/// Estimate of trial `number`. The fit assumes that the sensor parameters have the standard deviations `known`. The
+/// second result is chi-squared at rest divided by its degrees of freedom.
 fn trial(number: u64, known: [f64; 5]) -> Result<(PressEstimate, f64), PressError> {
     let truth = Truth::drawn(number, ROUGHLY);
     let mut noise = Stream::new(2, number, Channel::Centroid);
@@ -172,7 +173,7 @@ fn noiseless_pictures_determine_the_displacements() {
     assert!(matches!(few, Err(PressError::BadSetting(_))), "{few:?}");
 }
 
-/// The sensor parameters of each trial are drawn from the covariance that the fit assumes.
+/// The sensor parameters differ from trial to trial. They are drawn from the covariance that the fit assumes.
 #[test]
 fn intervals_contain_the_truth_for_uncertain_sensors() {
     let (mut held, mut squared, mut stated, mut at_rest) = (0.0, 0.0, 0.0, 0.0);
@@ -219,7 +220,7 @@ fn a_known_indentation_narrows_the_interval() {
     assert_eq!(exactly.indentation.value, 1.2);
 }
 
-/// The scatter of the estimates is equal to the bound, which is computed for the true press.
+/// The standard deviation of the estimates is equal to the Cramér–Rao bound for the true press.
 #[test]
 fn estimates_scatter_by_the_bound() {
     let trials = 150;
@@ -324,7 +325,7 @@ fn a_non_finite_reading_is_refused_with_its_marker() {
     assert_eq!(few.unwrap_err().name(), "bad-setting");
 }
 
-/// A camera that does not see one marker, or that returns another number of markers.
+/// A camera that does not see the marker `hidden`, or that returns `count` markers instead of all.
 #[derive(Clone)]
 struct Partial {
     whole: Ideal,
@@ -347,7 +348,7 @@ impl View for Partial {
     }
 }
 
-/// The same fit with another camera model.
+/// The same fit with another camera model, which `view` makes from the original one.
 fn through<V>(fit: ImageFit<Ideal>, view: impl FnOnce(Ideal) -> V) -> ImageFit<V> {
     ImageFit {
         view: view(fit.view),
@@ -394,7 +395,7 @@ fn camera_models_with_another_number_of_markers_are_refused() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// For any readings of a tracker, the fit returns finite numbers or an error.
+    /// For any readings of a tracker, the fit returns finite results or an error.
     #[test]
     fn any_pictures_return_finite_numbers_or_an_error(
         numbers in prop::collection::vec(any::<u64>().prop_map(f64::from_bits), 8),

@@ -1,4 +1,4 @@
-//! Presses that are impossible, and readings that contain no information.
+//! Errors for presses that are impossible, and for readings without information.
 
 use palpate_press::{
     Body, ForwardFit, Markers, Measured, PressError, PressEstimate, Skin, Verdict, calibrated_c,
@@ -106,7 +106,7 @@ fn noise_alone_is_no_contact() {
     }
 }
 
-/// Only one marker moved, so the object may be a needle under this marker.
+/// Only one marker moved, so the object may be as sharp as a needle under this marker.
 #[test]
 fn intervals_of_objects_sharper_than_the_marker_spacing_contain_the_truth() {
     let (markers, body) = (published(), half_space());
@@ -160,7 +160,8 @@ fn intervals_off_the_markers_contain_the_truth_or_are_refused() {
     }
 }
 
-/// A thin layer moves only under the contact, so an error of one marker looks like a needle under it.
+/// A thin layer moves only under the contact, so only one marker moves. A wrong reading of this marker would look the
+/// same as a needle under it.
 #[test]
 fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     let (markers, std) = (published(), 0.03);
@@ -208,7 +209,7 @@ fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     assert!(counts.1 >= 7 && counts.2 <= 2, "{counts:?}");
 }
 
-/// Five markers, and their readings of a press 1 mm deep without errors.
+/// Five markers, and their exact readings of a press with an indentation of 1 mm.
 fn five_markers() -> (Markers, Readings) {
     let places = [[0.0, 0.0], [4.0, 0.5], [-4.0, 1.0], [0.5, 4.0], [0.0, -4.0]];
     let skin = Skin::new(RADIUS).unwrap();
@@ -219,7 +220,7 @@ fn five_markers() -> (Markers, Readings) {
     (markers, exact)
 }
 
-/// The noise can only be estimated if the number of used markers exceeds the number of fitted parameters.
+/// The noise can only be estimated if there are more used markers than fitted parameters.
 #[test]
 fn noise_is_not_estimated_without_more_used_markers_than_parameters() {
     let (markers, exact) = five_markers();
@@ -240,7 +241,7 @@ fn noise_is_not_estimated_without_more_used_markers_than_parameters() {
     assert!(estimated > 20, "{estimated}");
 }
 
-/// If no contact on the assumed body fits the readings, the error must not be `no-contact`, even if the noise is not
+/// No contact on the assumed body fits the readings. The error must not be `no-contact`, even if the noise is not
 /// stated.
 #[test]
 fn a_bad_fit_with_estimated_noise_is_not_called_no_contact() {

@@ -1,4 +1,4 @@
-//! The published sensor, and readings of its markers.
+//! The sensor of the 2020 paper, and simulated readings of its markers.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -10,8 +10,8 @@ pub(crate) const RADIUS: f64 = 20.0;
 /// Depth of the markers under the skin, mm.
 pub(crate) const DEPTH: f64 = 2.0;
 
-/// The 77 markers: one at the apex, and rows of 1, 3, 3, 5 and 7 markers in each of four gores. The rows are 11.9
-/// degrees apart.
+/// The 77 markers of the 2020 paper: one at the apex, and rows of 1, 3, 3, 5 and 7 markers in each of four gores. The
+/// rows are 11.9° apart.
 pub(crate) fn published() -> Markers {
     let mut positions = vec![[0.0, 0.0]];
     for gore in 0..4 {
@@ -33,7 +33,7 @@ pub(crate) fn along(distances: &[f64]) -> Markers {
     Markers::new(Skin::new(RADIUS).unwrap(), &positions).unwrap()
 }
 
-/// Chart coordinates of a position with this polar angle and azimuth, in degrees.
+/// Chart coordinates of the point at the polar angle `polar` and the azimuth `azimuth`, both in degrees.
 pub(crate) fn at(polar: f64, azimuth: f64) -> [f64; 2] {
     let distance = RADIUS * polar.to_radians();
     let (sine, cosine) = libm::sincos(azimuth.to_radians());
@@ -45,7 +45,7 @@ pub(crate) fn half_space() -> Body {
     Body::half_space(0.5, DEPTH).unwrap()
 }
 
-/// A fit with this body and this stated standard deviation of the normal displacements.
+/// A fit with the model `body`. `std` is the stated standard deviation of the normal displacements.
 pub(crate) fn fit_of(body: &Body, std: f64) -> ForwardFit {
     ForwardFit {
         normal_std: Some(std),
@@ -64,7 +64,7 @@ pub(crate) fn distance_from_uniform(mut p_values: Vec<f64>) -> f64 {
     p_values.iter().enumerate().map(apart).fold(0.0, f64::max)
 }
 
-/// Share of trials that have a misfit with this code or, for `None`, any misfit.
+/// Share of the trials with a misfit. If `code` is given, only misfits with this code count.
 pub(crate) fn misfit_share(codes: &[Vec<&str>], code: Option<&str>) -> f64 {
     let has = |one: &&Vec<&str>| code.map_or(!one.is_empty(), |code| one.contains(&code));
     codes.iter().filter(has).count() as f64 / codes.len() as f64
@@ -78,7 +78,7 @@ pub(crate) struct Readings {
 }
 
 impl Readings {
-    /// Displacements without errors for this contact.
+    /// Displacements of the markers by a contact at the coordinates `at`, without noise.
     pub(crate) fn of(markers: &Markers, contact: &Contact<'_>, at: [f64; 2]) -> Self {
         let moved = markers.displacements(contact, at);
         Self {
@@ -87,7 +87,7 @@ impl Readings {
         }
     }
 
-    /// The readings with errors of the normal displacements added.
+    /// These readings with noise added to the normal displacements.
     pub(crate) fn noisy(&self, std: f64, trial: u64) -> Self {
         let mut stream = Stream::new(2020, trial, Channel::Position);
         let mut readings = self.clone();
@@ -97,7 +97,7 @@ impl Readings {
         readings
     }
 
-    /// The readings with errors of the normal and the tangential displacements added.
+    /// These readings with noise added to the normal and the tangential displacements.
     pub(crate) fn noisy_along(&self, std: f64, tangential_std: f64, trial: u64) -> Self {
         let mut stream = Stream::new(2020, trial, Channel::Normal);
         let mut readings = self.noisy(std, trial);

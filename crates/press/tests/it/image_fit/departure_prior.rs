@@ -1,14 +1,15 @@
-//! Fits with a camera that was calibrated from a frame at rest.
+//! Fits whose camera was calibrated from a frame at rest.
 
 use nalgebra::DMatrix;
 use palpate_press::DeparturePrior;
 
 use super::*;
 
-/// Indices of the camera parameters: both coordinates of the image centre, and pixels per radian.
+/// Indices of the camera parameters among the sensor parameters: both coordinates of the image centre, and pixels per
+/// radian.
 const CAMERA: [usize; 3] = [2, 3, 4];
 
-/// A camera whose deviations are measured from other deviations instead of the nominal parameters.
+/// A camera whose sensor deviations count from `common` instead of from the nominal parameters.
 #[derive(Clone, Debug)]
 struct About {
     ideal: Ideal,
@@ -37,7 +38,8 @@ impl View for About {
     }
 }
 
-/// A fit that uses the camera calibrated from a frame at rest, with the covariance of this calibration.
+/// A fit whose camera is calibrated from the frame `seen`. The prior of the camera is the result of the calibration,
+/// with its covariance.
 fn fit_with_camera_of(seen: &[Option<Seen>]) -> ImageFit<About> {
     let mut known = fit(None, ROUGHLY);
     let rest = known.at_rest(seen).unwrap();
@@ -58,8 +60,8 @@ fn fit_with_camera_of(seen: &[Option<Seen>]) -> ImageFit<About> {
     through(known, |ideal| About { ideal, common })
 }
 
-/// The information in a frame is used only once: if the camera was calibrated from the same frame at rest, the result
-/// does not change.
+/// If the camera is calibrated from the same frame at rest, the result does not change, because the information in a
+/// frame is used only once.
 #[test]
 fn using_the_camera_calibrated_from_the_same_frame_changes_nothing() {
     let truth = Truth::drawn(11, ROUGHLY);
@@ -88,7 +90,7 @@ fn using_the_camera_calibrated_from_the_same_frame_changes_nothing() {
 }
 
 /// A camera is calibrated from one frame at rest and used with another frame at rest. The misalignments are the same in
-/// both.
+/// both frames.
 #[test]
 fn intervals_contain_the_truth_with_the_camera_of_another_frame() {
     let trials = 150;

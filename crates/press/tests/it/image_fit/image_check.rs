@@ -1,4 +1,4 @@
-//! Goodness of fit to images, and misfits.
+//! Goodness of fit and misfits of image fits.
 
 use palpate_press::{Body, Contact, Measured, PressError, PressEstimate, Rest};
 use palpate_sensing::{Channel, Stream};
@@ -13,7 +13,7 @@ const STATED: Measured = Measured {
     std: 0.02,
 };
 
-/// A press with another sensor in every trial, with changed displacements, and the fit to it.
+/// The frames of one simulated press, and the fit for them. The sensor parameters differ from trial to trial.
 struct Press {
     fit: ImageFit<Ideal>,
     rest: Rest,
@@ -39,7 +39,7 @@ impl Press {
         self.fit.estimate(&self.rest, &self.seen, given)
     }
 
-    /// Codes of the misfits of the press.
+    /// Codes of the misfits that are reported for the press.
     fn codes(&self, given: Option<Measured>) -> Result<Vec<&'static str>, PressError> {
         let Self { fit, rest, seen } = self;
         let estimate = self.estimate(given)?;
@@ -50,8 +50,8 @@ impl Press {
     }
 }
 
-/// With a probability of 1 %, the Kolmogorov distance of 120 uniform numbers from the uniform distribution exceeds
-/// 0.149.
+/// The Kolmogorov distance of 120 uniform numbers from the uniform distribution exceeds 0.149 with a probability of 1
+/// %.
 #[test]
 fn p_values_are_uniform_if_the_model_is_right() {
     for given in [None, Some(STATED)] {
@@ -74,7 +74,7 @@ fn p_values_are_uniform_if_the_model_is_right() {
     }
 }
 
-/// Codes of the misfits in trials that have an estimate.
+/// Codes of the misfits in each trial. Trials without an estimate are omitted.
 fn codes(
     trials: u64,
     fit: impl Fn() -> ImageFit<Ideal>,
@@ -93,7 +93,7 @@ fn sound_images_seldom_have_a_misfit() {
     assert!(misfit_share(&codes, None) <= 11.0 / 120.0, "{codes:?}");
 }
 
-/// Contacts of a half-space, for displacements at both depths.
+/// Contacts of the two bodies, which compute displacements at the depths of the two discs.
 fn contacts(bodies: &[Body; 2]) -> [Contact<'_>; 2] {
     let skin = Skin::new(RADIUS).unwrap();
     [0, 1].map(|disc| skin.contact(&bodies[disc], CURVATURE, 1.0).unwrap())
@@ -108,7 +108,8 @@ fn another_body_is_found() {
     }
 }
 
-/// The markers move outward or in alternating directions, which no contact can cause.
+/// The markers move outward or in alternating directions, which no press can cause. The reported misfit is another
+/// body.
 #[test]
 fn motions_that_no_press_causes_are_another_body() {
     let refused = |change: fn(&mut [[MarkerDisplacement; 2]])| {
@@ -132,7 +133,7 @@ fn motions_that_no_press_causes_are_another_body() {
     assert_eq!([outward, apart], [["other-body"; 2]; 2]);
 }
 
-/// Two more shallow contacts are added, one on each side of the first.
+/// An elongated contact is simulated: two shallower contacts are added, one on each side of the first contact.
 #[test]
 fn an_elongated_press_is_not_round() {
     let bodies = bodies(None, 0.0);
@@ -172,8 +173,8 @@ fn another_indentation_than_stated_is_found() {
     }
 }
 
-/// One marker is displaced by less than the fit needs to reject it as an outlier. A warning must still name it in a
-/// part of the presses.
+/// One marker has an additional displacement that is too small for an outlier. In some of the presses, a misfit must
+/// name this marker.
 #[test]
 fn one_marker_is_named() {
     let change = |moved: &mut [[MarkerDisplacement; 2]]| {

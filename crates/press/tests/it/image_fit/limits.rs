@@ -1,4 +1,4 @@
-//! Sensors of any size, presses that images can hardly resolve, and the names of errors.
+//! Image fits at their limits: sensors of any size, presses that images can hardly resolve, and the names of errors.
 
 use palpate_press::Rest;
 
@@ -6,11 +6,11 @@ use super::*;
 
 const MARKERS: usize = 81;
 const EXACT: [f64; 5] = [0.0; 5];
-/// True deviations of the sensor parameters: of both coordinates of the image centre, px, and of the pixels per radian,
-/// relative.
+/// True deviations of the sensor parameters from their nominal values: both disc depths, both coordinates of the image
+/// centre (px), and pixels per radian (relative).
 const DEPARTED: [f64; 5] = [0.0, 0.0, 0.3, -0.2, 0.005];
 
-/// A press on a sensor.
+/// A simulated press of a sensor.
 #[derive(Clone, Copy)]
 struct Press {
     /// Unit of length. The radius of the skin is 20 units.
@@ -21,7 +21,7 @@ struct Press {
     stated: f64,
     /// Curvature of the object, relative to the curvature of the sensor.
     object: f64,
-    /// Position of the contact along x, in units of length.
+    /// Position of the contact along x, in multiples of `unit`.
     x: f64,
     /// Indentation, as a share of the sensor's radius.
     depth: f64,
@@ -44,7 +44,8 @@ impl Press {
         }
     }
 
-    /// Images without noise, for these deviations of the sensor parameters and these displacements of the discs.
+    /// Images without noise. `common` contains the deviations of the sensor parameters, and `moved` the displacements
+    /// of the discs.
     fn seen(&self, common: &[f64; 5], moved: &[[MarkerDisplacement; 2]]) -> Vec<Option<Seen>> {
         let misalignments = &[[0.0; 2]; MARKERS];
         let sensor = SensorState {
