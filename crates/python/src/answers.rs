@@ -1,5 +1,5 @@
-//! Answers questions about sensors and their use by Monte Carlo simulation. Also scores the papers' claims, and
-//! explains words.
+//! Answers questions about sensors and their use, computed by Monte Carlo simulation. Also scores the papers' claims
+//! and explains words.
 
 mod answer_display;
 pub(crate) mod design;

@@ -1,4 +1,4 @@
-//! Converts the arrays of a call to rows of numbers.
+//! Converts the arrays in the arguments of a call to rows of numbers.
 
 use numpy::{
     PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
@@ -9,8 +9,8 @@ use pyo3::types::{PyFloat, PyList};
 
 use crate::error;
 
-/// Array of an argument, stored so that the last axis varies fastest. If the caller's array has this layout, its memory
-/// is used without a copy; otherwise the array is copied.
+/// Numbers of an array argument, in C order (the last axis varies fastest). If the caller's array has this order, it
+/// is used without a copy; otherwise it is copied.
 pub(crate) struct Numbers<'py> {
     name: &'static str,
     data: Data<'py>,
@@ -61,13 +61,13 @@ impl<'py> Numbers<'py> {
         }
     }
 
-    /// Rows of `D` numbers along the last axis. All other axes are combined into one axis, in their order.
+    /// Rows of `D` numbers along the last axis. All other axes are joined to one axis.
     pub(crate) fn rows<const D: usize>(&self) -> &[[f64; D]] {
         self.flat().as_chunks::<D>().0
     }
 
-    /// Number of sets of readings, if the array has an additional first axis for sets. Also the number of columns,
-    /// which must be one of `columns`.
+    /// Number of sets of readings, and number of columns. A two-dimensional array is a single set, for which the first
+    /// number is `None`. The number of columns must be one of `columns`.
     pub(crate) fn sets(&self, columns: &[usize], wanted: &str) -> PyResult<(Option<usize>, usize)> {
         match *self.shape() {
             [_, last] if columns.contains(&last) => Ok((None, last)),
@@ -76,8 +76,7 @@ impl<'py> Numbers<'py> {
         }
     }
 
-    /// Rows of the set of readings with the number `set`. If the array has no axis for sets, these are all rows of the
-    /// array.
+    /// Rows of one set of readings. If the array is a single set, all rows are returned.
     pub(crate) fn set<const D: usize>(&self, set: usize) -> &[[f64; D]] {
         match *self.shape() {
             [_, rows, _] => &self.rows()[set * rows..][..rows],
@@ -86,8 +85,8 @@ impl<'py> Numbers<'py> {
     }
 }
 
-/// Numbers and shape of a list of lists of floats, all of the same length; `None` for any other object. For short
-/// lists, this is faster than NumPy.
+/// Numbers and shape of a list of lists of floats; all inner lists must have the same length. `None` for any other
+/// object. For short lists, this is faster than NumPy.
 fn rows_of_lists(value: &Bound<'_, PyAny>) -> Option<(Vec<f64>, [usize; 2])> {
     let rows = value.cast_exact::<PyList>().ok()?;
     let mut numbers = Vec::new();
@@ -108,7 +107,7 @@ fn rows_of_lists(value: &Bound<'_, PyAny>) -> Option<(Vec<f64>, [usize; 2])> {
     (columns > 0).then_some((numbers, [rows.len(), columns]))
 }
 
-/// The array of doubles that NumPy makes from a value.
+/// Converts a value to an array of doubles with NumPy.
 fn converted<'py>(
     name: &'static str,
     value: &Bound<'py, PyAny>,
@@ -130,7 +129,7 @@ fn converted<'py>(
     Ok(array.map_err(refused)?.cast_into()?)
 }
 
-/// Converts an array to whole numbers that are not negative.
+/// Converts numbers to whole numbers. A negative or fractional number is an error.
 pub(crate) fn whole(numbers: &Numbers<'_>) -> PyResult<Vec<u64>> {
     let whole = |(place, &number): (usize, &f64)| {
         let is_whole = number >= 0.0 && number.fract() == 0.0 && number < 1e15;

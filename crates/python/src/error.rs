@@ -44,7 +44,7 @@ create_exception!(
     "The work on a study failed; the message states the reason."
 );
 
-/// Adds the exceptions to the module, with their attributes.
+/// Adds the exceptions to the Python module, and sets the default values of their attributes.
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     let base = py.get_type::<PalpateError>();
@@ -78,7 +78,7 @@ pub(crate) fn argument(
     error
 }
 
-/// Error in the shape of an argument, for example `points: must have shape (n, 3), has (30, 2)`.
+/// Exception for an argument of the wrong shape, for example `points: must have shape (n, 3), has (30, 2)`.
 pub(crate) fn shape(name: &str, wanted: &str, found: &[usize]) -> PyErr {
     let found: Vec<String> = found.iter().map(usize::to_string).collect();
     let found = match found.as_slice() {
@@ -89,27 +89,26 @@ pub(crate) fn shape(name: &str, wanted: &str, found: &[usize]) -> PyErr {
     argument(name, &[], None, message)
 }
 
-/// Settings whose argument in Python has another name. Each pair has the key of the setting and the name of the
-/// argument.
+/// Key of a setting, and the different name of its argument in Python.
 const RENAMED: [(&str, &str); 3] = [
     ("kind", "method"),
     ("from", "source"),
     ("normals", "tangent_normals"),
 ];
 
-/// Key of the setting that this argument states.
+/// Key of the setting that an argument states.
 pub(crate) fn key(argument: &str) -> &str {
     let renamed = RENAMED.iter().find(|(_, name)| *name == argument);
     renamed.map_or(argument, |(key, _)| key)
 }
 
-/// Argument that states the setting with this key.
+/// Name of the argument that states a setting.
 pub(crate) fn name(key: &str) -> &str {
     let renamed = RENAMED.iter().find(|(renamed, _)| *renamed == key);
     renamed.map_or(key, |(_, name)| name)
 }
 
-/// Message of an error of the library. Names of settings are replaced by names of arguments.
+/// Message of a library error, with the names of settings replaced by the names of arguments.
 pub(crate) fn text(error: &impl Display) -> String {
     rename_settings(&error.to_string(), |key| name(key).to_owned())
 }

@@ -1,4 +1,4 @@
-//! Defines the figures that functions of the package return.
+//! Defines the class of figures that functions of the package return.
 
 use pyo3::prelude::*;
 

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use crate::error;
 
-/// Frame of a camera, from the array of an argument; `srgb` states that its pixels are encoded by sRGB.
+/// Converts an array argument to a camera frame. `srgb` states whether the pixels are encoded by sRGB.
 pub(crate) fn frame(name: &str, value: &Bound<'_, PyAny>, srgb: bool) -> PyResult<Frame> {
     let numpy = get_array_module(value.py())?;
     let array = numpy.call_method1("ascontiguousarray", (value,))?;
@@ -31,7 +31,7 @@ pub(crate) fn frame(name: &str, value: &Bound<'_, PyAny>, srgb: bool) -> PyResul
     linear.ok_or_else(|| error::shape(name, "(h, w, 3)", array.shape()))
 }
 
-/// Pixels of an image as an array (h, w, 3) of uint8.
+/// Pixels of an image as an array of uint8 with the shape (height, width, 3).
 pub(crate) fn pixels(py: Python<'_>, picture: RgbImage) -> PyResult<Bound<'_, PyAny>> {
     let (width, height) = picture.dimensions();
     let bytes = PyArray1::from_vec(py, picture.into_raw());

@@ -1,4 +1,4 @@
-//! Defines results with named fields.
+//! Defines the results of functions, which have named fields.
 
 use std::sync::Arc;
 
@@ -12,28 +12,29 @@ use serde::Serialize;
 
 use crate::json::to_python;
 
-/// Value of the library from which a result computes its fields. A field is computed only when Python reads it.
+/// A value of the library that is shown to Python as a result with fields. A field is computed only when Python reads
+/// it.
 pub(crate) trait Made: Send + Sync {
-    /// Fields of the result as plain values, which the command line prints as JSON.
+    /// All fields of the result that the command line prints as JSON.
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>>;
 
-    /// Computes a field alone, if this takes much less time than computing all fields; otherwise returns `None`.
+    /// Computes one field without the others. Returns `None` if this is not much faster than computing all fields.
     fn alone(&self, _: &str) -> Option<Alone> {
         None
     }
 
-    /// Names of the fields that the JSON does not contain: arrays, tables and figures.
+    /// Names of the fields that are not part of the JSON: arrays, tables and figures.
     fn others(&self) -> &'static [&'static str] {
         &[]
     }
 
-    /// The field with this name, which is one of [`Self::others`].
+    /// Value of one of the fields in [`Self::others`].
     fn other<'py>(&self, _: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         Err(PyAttributeError::new_err(name.to_owned()))
     }
 }
 
-/// A number of the library with its standard deviation. Its fields `value` and `std` can be read alone.
+/// A number with its standard deviation. The fields `value` and `std` can be computed without the other fields.
 impl Made for Value {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, self)
@@ -57,7 +58,8 @@ pub(crate) enum Alone {
 /// Result with named fields.
 ///
 /// A field that is a table is a `Record` too. A list of numbers becomes an array of float64, with NaN for a missing
-/// number. `float(record)` is the field `value`. `record["name"]` returns the field with any name.
+/// number. `float(record)` is the field `value`. `record["name"]` returns any field, also if its name is not a valid
+/// attribute name.
 #[pyclass(subclass, frozen, module = "palpate")]
 pub(crate) struct Record {
     made: Option<Arc<dyn Made>>,
@@ -94,7 +96,7 @@ impl Record {
         }
     }
 
-    /// Record from a serialisable value.
+    /// Converts a serialisable value to a record.
     pub(crate) fn of<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
         field(to_python(py, value)?)
     }
@@ -107,7 +109,7 @@ impl Record {
         Ok(fields.bind(py))
     }
 
-    /// The field with this name.
+    /// Value of the field with this name; `None` if there is no such field.
     fn field<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         let value = match self.made.as_ref().and_then(|made| made.alone(name)) {
             Some(Alone::Number(number)) => return Ok(Some(number.into_pyobject(py)?)),
@@ -122,13 +124,13 @@ impl Record {
         value.map(field).transpose()
     }
 
-    /// Fields that the JSON does not contain and that are already computed.
+    /// Arrays, tables and figures that were already computed.
     fn made_arrays<'py>(&self, py: Python<'py>) -> &Bound<'py, PyDict> {
         let arrays = self.arrays.get_or_init(py, || PyDict::new(py).unbind());
         arrays.bind(py)
     }
 
-    /// One field that the JSON does not contain.
+    /// The array, table or figure with this name.
     fn array<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         if let Some(arrays) = self.arrays.get(py)
             && let Some(value) = arrays.bind(py).get_item(name)?
@@ -145,7 +147,7 @@ impl Record {
         }
     }
 
-    /// All fields that the JSON does not contain.
+    /// All arrays, tables and figures of the result.
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
         for name in self.made.iter().flat_map(|made| made.others()) {
             self.array(py, name)?;
@@ -172,7 +174,7 @@ impl Record {
         }
     }
 
-    /// The field with this name. The name may be the path of a field in a config.
+    /// Value of the field with this name. The name may be a path of a config, such as "scene.sensor.pitch".
     fn __getitem__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         match slf.get().field(slf.py(), name)? {
             Some(value) => Ok(value),
@@ -194,7 +196,7 @@ impl Record {
         slf.getattr("value")?.extract()
     }
 
-    /// The fields as dictionaries, lists, numbers and texts: the values that `palpate estimate` prints as JSON.
+    /// The fields as dictionaries, lists, numbers and texts, with the same values as the JSON of the command line.
     ///
     /// With `arrays=True`, the arrays, tables and figures are included.
     #[pyo3(signature = (*, arrays=false))]
@@ -263,12 +265,12 @@ fn no_field(record: &Bound<'_, Record>, name: &str) -> PyResult<String> {
     Ok(format!("{kind} has no field {name:?}"))
 }
 
-/// Warnings as a list of records.
+/// Converts warnings to a list of records.
 pub(crate) fn records(py: Python<'_>, warnings: &[Warning]) -> PyResult<Py<PyAny>> {
     Ok(field(to_python(py, &warnings)?)?.unbind())
 }
 
-/// Converts a number to a float, and None to NaN. Any other object gives `None`.
+/// Converts a Python number to a float, and None to NaN. Any other object gives `None`.
 pub(crate) fn number(item: &Bound<'_, PyAny>) -> Option<f64> {
     let is_number = item.is_instance_of::<PyFloat>() || item.is_instance_of::<PyInt>();
     match is_number && !item.is_instance_of::<PyBool>() {
@@ -277,8 +279,8 @@ pub(crate) fn number(item: &Bound<'_, PyAny>) -> Option<f64> {
     }
 }
 
-/// Converts a field for Python: a dict becomes a record, and a list of numbers becomes a NumPy array. Other lists are
-/// converted item by item; other values stay as they are.
+/// Converts a value to the form in which Python reads it. A dict becomes a record, and a list of numbers becomes a
+/// NumPy array. Other lists are converted item by item; other values stay as they are.
 fn field(value: Bound<'_, PyAny>) -> PyResult<Bound<'_, PyAny>> {
     let py = value.py();
     if let Ok(table) = value.cast_exact::<PyDict>() {
@@ -295,7 +297,7 @@ fn field(value: Bound<'_, PyAny>) -> PyResult<Bound<'_, PyAny>> {
     Ok(PyList::new(py, items)?.into_any())
 }
 
-/// Declares a class of results.
+/// Declares a Python class for one kind of result.
 macro_rules! record {
     ($name:ident, $doc:literal) => {
         #[doc = $doc]
@@ -303,7 +305,7 @@ macro_rules! record {
         pub(crate) struct $name;
 
         impl $name {
-            /// Makes a result from the fields of a record.
+            /// Converts a record to this class.
             pub(crate) fn of(
                 py: pyo3::Python<'_>,
                 record: $crate::record::Record,

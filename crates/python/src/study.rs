@@ -22,20 +22,20 @@ pub(crate) use results::Results;
 pub(crate) use runs::runner;
 pub(crate) use trace::Trace;
 
-/// Simulated study: a scene, axes that sweep fields of the scene, and plots of the results.
+/// Study of a simulated scene, with sweeps of the scene's fields and plots of the results.
 ///
 /// Parameters
 /// ----------
 /// source : str, dict or path
-///     Config as TOML text, as a dictionary with the same keys, or the path of a file. `palpate.schema()` has every key
-///     with its unit and its default.
+///     Config as TOML text, as a dictionary with the same keys, or as the path of a file. `palpate.schema()` describes
+///     every key, with its unit and its default.
 /// name : str, optional
-///     Name of a text or a dictionary, for messages; "study" by default.
+///     Name of the config in messages, if `source` is not a path; "study" by default.
 ///
 /// Raises
 /// ------
 /// ConfigError
-///     If a field is missing, unknown or out of its range. `path` names it.
+///     If a field is missing, unknown or out of its range. The attribute `path` of the error names the field.
 ///
 /// Examples
 /// --------
@@ -56,7 +56,7 @@ pub(crate) struct Study {
 }
 
 impl Study {
-    /// Study from the text of a config.
+    /// Parses the text of a config. `file` is its name in messages.
     pub(crate) fn of(file: String, text: String) -> PyResult<Self> {
         let study = config::parse(&file, &text).map_err(error::config)?;
         let study = Arc::new(study);
@@ -67,7 +67,7 @@ impl Study {
         &self.study
     }
 
-    /// The study with another number of trials and another seed.
+    /// Copy of the study with another number of trials and another seed, if they are given.
     pub(crate) fn with(&self, trials: Option<u64>, seed: Option<u64>) -> PyResult<palpate::Study> {
         let mut study = palpate::Study::clone(&self.study);
         if let Some(trials) = trials {
@@ -79,7 +79,7 @@ impl Study {
         Ok(study)
     }
 
-    /// Numbers of cells, sorted in ascending order and without duplicates.
+    /// Checks cell numbers. Returns them in ascending order and without duplicates.
     fn cells(&self, numbers: Vec<usize>) -> PyResult<Vec<usize>> {
         let count = self.study.cell_count();
         if let Some(place) = numbers.iter().position(|&number| number >= count) {
@@ -97,7 +97,7 @@ impl Study {
     }
 }
 
-/// Collects fields with their values from a dictionary and from keyword arguments.
+/// Collects pairs of path and value from a dictionary and from keyword arguments.
 fn fields(
     fields: Option<&Bound<'_, PyDict>>,
     more: Option<&Bound<'_, PyDict>>,
@@ -141,25 +141,26 @@ impl Study {
         &self.study.config.name
     }
 
-    /// Question that the study answers; may be empty.
+    /// The question that the study answers. It may be empty.
     #[getter]
     fn title(&self) -> &str {
         &self.study.config.title
     }
 
-    /// Unit of every length.
+    /// Unit of all lengths.
     #[getter]
     fn length_unit(&self) -> &'static str {
         self.study.config.length_unit.as_str()
     }
 
-    /// Number of cells, which are the combinations of the swept values.
+    /// Number of cells. A cell is one combination of the swept values.
     #[getter]
     fn cell_count(&self) -> usize {
         self.study.cell_count()
     }
 
-    /// Number of trials of all cells together. A cell without random numbers runs fewer trials.
+    /// Number of trials of all cells together. It is an upper limit, because a cell without random numbers runs only
+    /// one trial.
     #[getter]
     fn trials(&self) -> u64 {
         self.study.trials()
@@ -177,7 +178,7 @@ impl Study {
         &self.text
     }
 
-    /// Config with all defaults as TOML, as `palpate run` writes it to `run.toml`.
+    /// The config with all defaults as TOML text, as `palpate run` writes it to `run.toml`.
     #[getter]
     fn resolved(&self) -> String {
         palpate::resolved(&self.study)
@@ -188,7 +189,7 @@ impl Study {
         crate::json::to_python(py, &self.study.config)
     }
 
-    /// Swept values of a cell, by the paths of the fields.
+    /// Swept values of a cell, as a dictionary from paths to values.
     fn cell<'py>(&self, py: Python<'py>, number: usize) -> PyResult<Bound<'py, PyDict>> {
         let cell = self.study.cell(number).map_err(error::config)?;
         let values = PyDict::new(py);
@@ -201,10 +202,10 @@ impl Study {
         Ok(values)
     }
 
-    /// The study with some fields changed, each given by its path: `study.with_(**{"scene.sensor.pitch": 0.2},
-    /// trials=100)`.
+    /// Copy of the study with some fields changed. Each field is given by its path:
+    /// `study.with_(**{"scene.sensor.pitch": 0.2}, trials=100)`.
     ///
-    /// None removes a field. Raises ConfigError.
+    /// The value None removes a field. Raises ConfigError.
     #[pyo3(signature = (fields=None, /, **more))]
     fn with_(
         &self,
@@ -216,8 +217,9 @@ impl Study {
         Self::of(self.file.clone(), text.map_err(error::config)?)
     }
 
-    /// The study with one more axis for each path, with the values of a list: `study.sweep(**{"scene.sensor.pitch":
-    /// [0.1, 0.2, 0.5]})`. The cells are all combinations of the values of all axes. Raises ConfigError.
+    /// Copy of the study that also sweeps these fields. Each field is given by its path, with a list of values:
+    /// `study.sweep(**{"scene.sensor.pitch": [0.1, 0.2, 0.5]})`. The cells are all combinations of the values of all
+    /// swept fields. Raises ConfigError.
     #[pyo3(signature = (axes=None, /, **more))]
     fn sweep(
         &self,
@@ -229,14 +231,16 @@ impl Study {
         Self::of(self.file.clone(), text.map_err(error::config)?)
     }
 
-    /// Forecast of a run: cells, trials, models with reasons, and the approximate run time.
+    /// Forecasts a run: its cells, its trials, the models that it needs, and its approximate run time.
     ///
-    /// Returns a Record with `cells`, `checked`, `set_up`, `single`, `trials`, `seconds`, `threads` and `groups`. Each
-    /// group has the number of its `cells`, its `needs` (models with reasons), and the `rungs` (models that can compute
-    /// the true values) with errors and costs (s). `intervals` lists the measured coverage of 95 % intervals on similar
-    /// random scenes, each with the number of `cells` to which it applies: `family`, `beyond` (numbers outside its
-    /// ranges), `scenes`, `coverage95`, `lowest` (of one scene) and `holds`, or the reason why it is `not_tested`. The
-    /// run time is for `threads` threads; `progress` is called with numbers of cells. Raises ConfigError.
+    /// Returns a Record with `cells`, `checked`, `set_up`, `single`, `trials`, `seconds`, `threads`, `groups` and
+    /// `intervals`. Each group has the number of its `cells`, its `needs` (models with reasons), and its `rungs` (models
+    /// that can compute the true values, with their errors and computing times in s). Each entry of `intervals` is the
+    /// coverage of 95 % intervals that was measured in similar random scenes, with the number of `cells` to which it
+    /// applies. It has the name of the `family` of scenes, `beyond` (numbers outside the family's ranges), the number of
+    /// `scenes`, `coverage95`, `lowest` (the lowest coverage in one scene) and `holds`; or the reason `not_tested`.
+    ///
+    /// The run time is for `threads` threads. `progress` receives numbers of cells. Raises ConfigError.
     #[pyo3(signature = (*, threads=None, progress=None))]
     fn check<'py>(
         &self,
@@ -248,8 +252,8 @@ impl Study {
         Record::of(py, &check)
     }
 
-    /// The study with the number of trials and the model that fit a budget of time (s) or a target error, which is the
-    /// relative standard error of every rms error. Raises ConfigError, RunError.
+    /// Copy of the study with the number of trials and the model that fit a time budget (s) or a target error. The
+    /// target error is the largest allowed relative standard error of any rms error. Raises ConfigError, RunError.
     #[pyo3(signature = (*, budget=None, target_error=None, threads=None))]
     fn plan(
         &self,
@@ -267,9 +271,9 @@ impl Study {
     /// Parameters
     /// ----------
     /// trials, seed : int, optional
-    ///     Number of trials and seed. They replace the numbers in the study.
+    ///     Number of trials per cell, and seed. They replace the numbers in the study.
     /// threads : int, optional
-    ///     Number of threads; by default one per processor. No result depends on it.
+    ///     Number of threads; by default one per processor. The results do not depend on it.
     /// cells : sequence of int, optional
     ///     Numbers of the cells to run; by default all. The rows of the tables keep these numbers.
     /// trials_out : bool
@@ -286,9 +290,9 @@ impl Study {
     /// Raises
     /// ------
     /// ArgumentError
-    ///     For a cell that the study does not have.
+    ///     If the study does not have a cell with a number in `cells`.
     /// ConfigError
-    ///     If a cell makes no valid scene.
+    ///     If a cell does not describe a valid scene.
     #[pyo3(signature = (*, trials=None, seed=None, threads=None, cells=None, trials_out=false, progress=None))]
     #[allow(clippy::too_many_arguments)]
     fn run(
@@ -308,10 +312,10 @@ impl Study {
         Results::of(py, &study, found)
     }
 
-    /// Traces one trial of a cell: trial number `trial` with its noise, by default a trial without noise. Returns a
-    /// Trace.
+    /// Traces one trial of a cell: the trial with the number `trial` and its noise, by default a trial without noise.
+    /// Returns a Trace.
     ///
-    /// Raises ConfigError for a cell that the study does not have, and RunError if the trial ends early.
+    /// Raises ConfigError if the study does not have the cell, and RunError if the trial ends early.
     #[pyo3(signature = (cell=0, trial=None))]
     fn trace<'py>(
         &self,
@@ -322,7 +326,7 @@ impl Study {
         trace::follow(py, self.shared(), cell, trial)
     }
 
-    /// Flat pattern for cutting the sensor's skin: a Pattern. Raises ConfigError if there is none.
+    /// Flat pattern for cutting the sensor's skin, as a Pattern. Raises ConfigError if the sensor has no pattern.
     fn pattern<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         sensor::pattern_of(py, &self.study)
     }

@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 
 use crate::error;
 
-/// Makes a `palpate.Table` from CSV text, whose lengths are in the unit `unit`.
+/// Converts CSV text to a `palpate.Table`. Its lengths are in `unit`.
 pub(crate) fn table<'py>(
     py: Python<'py>,
     csv: &str,
@@ -37,7 +37,7 @@ pub(crate) fn table<'py>(
     class.call1((arrays, units, csv))
 }
 
-/// Makes a `palpate.Table` from rows, whose lengths are in the unit `unit`.
+/// Converts the rows of a table to a `palpate.Table`. Its lengths are in `unit`.
 pub(crate) fn table_of<'py>(
     py: Python<'py>,
     rows: &Table,

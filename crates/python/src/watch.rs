@@ -1,4 +1,4 @@
-//! Runs work without the interpreter's lock, so that Ctrl-C can stop it.
+//! Runs work without Python's interpreter lock, so that Ctrl-C can stop the work.
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::error;
 /// Time between two checks for signals, and between two calls of `progress`.
 const CHECK_INTERVAL: Duration = Duration::from_millis(40);
 
-/// State of running work: whether the work must stop, and how much of it is finished.
+/// State of running work: whether it must stop, and how much of it is done.
 #[derive(Default)]
 pub(crate) struct Watch {
     pub(crate) cancelled: AtomicBool,
@@ -23,7 +23,7 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Adds an amount of finished work.
+    /// Adds an amount of work that was done.
     pub(crate) fn add(&self, done: u64) {
         self.done.fetch_add(done, Ordering::Relaxed);
     }
@@ -32,8 +32,8 @@ impl Watch {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Sets the amount of finished work. If the work is cancelled, this function panics on purpose, because nothing
-    /// else would end the work.
+    /// Sets the total amount of work that is done. If the work is cancelled, this function panics on purpose, because
+    /// there is no other way to end the work.
     pub(crate) fn reach(&self, done: u64) {
         let before = self.reached.swap(done, Ordering::Relaxed);
         self.add(done.saturating_sub(before));
@@ -42,7 +42,7 @@ impl Watch {
         }
     }
 
-    /// Calls `progress` with the amount of work that was done since its last call.
+    /// Passes the amount of work that was done since the previous call to `progress`.
     fn call(&self, py: Python<'_>, progress: Option<&Py<PyAny>>) -> PyResult<()> {
         let done = self.done.swap(0, Ordering::Relaxed);
         match progress {
@@ -52,14 +52,13 @@ impl Watch {
     }
 }
 
-/// Longest time for which the call waits until cancelled work ends.
+/// Longest time to wait for the end of cancelled work, before the exception is raised.
 const PATIENCE: Duration = Duration::from_millis(60);
 
 /// Runs work on another thread, without the interpreter's lock. Meanwhile, this thread checks for signals and calls
-/// `progress`. After a signal, the work may continue for a while, until it checks whether it is cancelled.
+/// `progress`. After a signal, the work may continue for a short time, until it finds that it is cancelled.
 ///
-/// # Errors
-/// The exception that a signal or `progress` raises.
+/// # Errors The exception that the signal or `progress` raises.
 pub(crate) fn watched<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -99,10 +98,10 @@ pub(crate) fn watched<T: Send + 'static>(
     }
 }
 
-/// Largest number of threads of a call.
+/// Largest number of threads that one call uses.
 const MAX_THREADS: usize = 256;
 
-/// Number of threads from an argument.
+/// Converts the argument `threads`. The number 0 is an error.
 pub(crate) fn threads(threads: Option<usize>) -> PyResult<Option<NonZeroUsize>> {
     let number = threads.map(|threads| NonZeroUsize::new(threads.min(MAX_THREADS)));
     if number == Some(None) {
@@ -112,7 +111,8 @@ pub(crate) fn threads(threads: Option<usize>) -> PyResult<Option<NonZeroUsize>> 
     Ok(number.flatten())
 }
 
-/// Starts the threads for one call. The threads end with the call, so that a Python program may fork afterwards.
+/// Starts the threads for one call. They end with the call, because a Python program can fork only without other
+/// threads.
 pub(crate) fn pool(threads: Option<usize>) -> PyResult<ThreadPool> {
     let threads = self::threads(threads)?.map_or(0, NonZeroUsize::get);
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();

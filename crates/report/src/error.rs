@@ -60,7 +60,7 @@ pub enum ReportError {
         path: PathBuf,
         /// Name of the plot.
         plot: String,
-        /// The problem, and the value that causes it.
+        /// Exception for a wrong argument. It contains the position of the wrong number in the array, and this number.
         problem: String,
     },
     /// The drawing library reported an error.

@@ -1,4 +1,4 @@
-//! A study: the files that `palpate run` has written.
+//! Defines studies: their configs, plans and runs.
 
 use crate::records::Records;
 use crate::{Files, ReportError, Table};
@@ -171,9 +171,7 @@ impl Study {
         }
     }
 
-    /// Text at a dotted `path` of the config, in the cell of `row`. It is the swept value if the study sweeps the field
-    /// or a part of the scene that contains the field, otherwise the value in the config. `None` if the value is not a
-    /// text.
+    /// The config as TOML text, as it was given. Defaults are not included.
     pub(crate) fn text(&self, row: usize, path: &str) -> Option<&str> {
         match self.cells.axis(path) {
             Some(axis) => Some(axis.text(row)),

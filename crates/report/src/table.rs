@@ -1,4 +1,4 @@
-//! The table `cells.csv`, with one row per cell and quantity.
+//! Converts tables of results to Python tables, column by column.
 
 use crate::records::{Records, distinct};
 use crate::{Files, ReportError};

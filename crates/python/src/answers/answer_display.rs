@@ -1,4 +1,4 @@
-//! Makes the tables and figures of answers for Python.
+//! Converts the tables and figures of answers to Python objects.
 
 use palpate::{ReportError, Study, Table as Rows};
 use pyo3::prelude::*;

@@ -19,7 +19,7 @@ record!(
     "Values of one or several fields with which a study meets a target. The answer as a whole is right with a probability of 95 %.\n\nFields: those that `palpate design --json` prints: `answer`, a sentence; `columns`, one per combination of the grid, each with\n`at` (values by their paths: `column.at[\"scene.object.radius\"]`), `meets` and `misses`, lists of runs of the searched\nfield with `from` and `to`, `best` and `failing_end` with `value`, `statistic`, `std_error`, `failing` and `main_failure`,\n`narrowed` (ends of runs that new trials did not verify) and `ended` (\"known\", \"time\" or \"trials\"). If a single field is\nvaried, the fields of its only column are also fields of the answer. `best_that_meets` has values by their paths, or is\nNone; `grid`, `path`, `unit`, `target`, `max_failures`, `confidence` and `sought` repeat the question. `lines` are details\nin words, `table` is a Table of all trials, `runs` a Table of the runs that meet or miss the target, `figure` a Figure of\nthem."
 );
 
-/// Answer of `design`, together with the study to which it belongs.
+/// Answer of `design`, and the study for which it was computed.
 struct Found {
     region: Region,
     study: palpate::Study,
@@ -48,9 +48,10 @@ impl Made for Found {
 /// Finds values of fields with which all cells of a study meet a target, for example a pad pitch, a roll length or a
 /// camera.
 ///
-/// The search tries at least 16 values, brackets every change between meeting and missing the target, and verifies the
-/// answer with new trials. The answer as a whole is right with a probability of 95 %. Values between the tried values
-/// are not tested. If several fields are varied, one field is searched at each combination of the values of the others.
+/// The search tries at least 16 values. Wherever one value meets the target and the next one misses it, the search tries
+/// values in between. New trials verify the answer, which is right with a probability of 95 %. Values between the tried
+/// values are not tested. If several fields are varied, one of them is searched at each combination of the values of the
+/// other fields.
 ///
 /// Parameters
 /// ----------
@@ -70,10 +71,10 @@ impl Made for Found {
 /// max_failures : float
 ///     Largest share of the trials that may fail, above 0 and at most 1.
 /// gap : float
-///     Largest gap between a value that meets the target and the next value that misses it: a share of the value for
-///     fields with a logarithmic scale, otherwise of half the range.
+///     Largest gap between a value that meets the target and the next value that misses it. The gap is relative to the
+///     value if the range is divided by ratios, otherwise relative to half the range.
 /// most_trials : int
-///     Largest number of trials of a cell at one value.
+///     Largest number of trials of each cell at one tried value.
 /// budget : float, optional
 ///     Time limit of the search, s, by default 60. The scan and the verification are always completed. With None there is
 ///     no time limit, and the answer does not depend on the speed of the machine.
@@ -89,7 +90,7 @@ impl Made for Found {
 /// ArgumentError
 ///     For an invalid target, field or setting.
 /// ConfigError
-///     If a value of the field makes no valid scene.
+///     If the scene is not valid with one of the values.
 /// RunError
 ///     If the statistic has no value.
 ///

@@ -16,7 +16,7 @@ record!(
     "Probabilities that one trial of each of two objects puts their estimates in the right order, and the number of\ntrials that suffices.\n\nFields: those that `palpate distinguish --json` prints: `answer`, a sentence for every two neighbours; `groups`, each with\n`settings`, `objects` with the share of their trials that fail, `failing`, and the most frequent kind, `main_failure`, and `pairs`\nof `first`, `second`, `told_apart` (a probability, None if they are equal), `low95`, `high95` and `repeats`; `quantity` and `confidence`. `table` is a Table of all pairs, `figure` a Figure of them."
 );
 
-/// Answer of `distinguish`, together with the study to which it belongs.
+/// Answer of `distinguish`, and the study for which it was computed.
 struct Found {
     discrimination: palpate::Discrimination,
     study: palpate::Study,
@@ -43,8 +43,8 @@ impl Made for Found {
     }
 }
 
-/// Computes, for every two objects that a study sweeps, the probability that one trial of each puts their estimates in
-/// the right order. Also computes the number of trials that must be averaged for a reliable order.
+/// Computes how often single trials put the estimates of two objects in the right order. This is done for every pair of
+/// objects in a sweep. Also computes how many trials must be averaged for a reliable order.
 ///
 /// For the quantity "class" of a glide, two trials count as being in the right order if most points of both are
 /// classified correctly. A failed trial counts as wrong.
@@ -52,18 +52,18 @@ impl Made for Found {
 /// Parameters
 /// ----------
 /// study : Study
-///     Study that sweeps fields of `scene.object`, which define the objects. Other swept fields define groups of
-///     objects.
+///     Study that sweeps fields of `scene.object`. Each combination of their values is an object. Objects are compared
+///     only if all other swept fields have the same values.
 /// vary : dict, optional
-///     Fields of the object with lists of values, which replace the values in the study:
+///     Fields of the object, each with a list of values that replaces the value in the study:
 ///     `{"scene.object.radius": [20, 25, 30]}`.
 /// set : dict, optional
 ///     Fields with one value each. They replace the values and the sweeps of the study.
 /// quantity : str, optional
-///     Quantity whose estimates order the objects; by default "object_curvature" of a press, otherwise
+///     Quantity by whose estimates the objects are put in order; by default "object_curvature" of a press, otherwise
 ///     "mean_curvature".
 /// confidence : float
-///     Probability with which the mean of several trials must give the right order, above 0 and below 1.
+///     Required probability of the right order if the estimates of several trials are averaged, above 0 and below 1.
 /// trials, seed, threads
 ///     The same arguments as in `Study.run`. The results do not depend on the number of threads.
 /// progress : callable, optional
@@ -78,7 +78,7 @@ impl Made for Found {
 /// ArgumentError
 ///     If there are no two objects, for a quantity that the scene does not have, and for a confidence out of its range.
 /// ConfigError
-///     If a value of a field makes no valid scene.
+///     If the scene is not valid with one of the values.
 ///
 /// Examples
 /// --------

@@ -1,4 +1,4 @@
-//! Reads a question from the arguments of a call.
+//! Converts the arguments of a Python call to a question.
 
 use palpate::AnswerError;
 use palpate::config::{Varied, Vary};
@@ -9,7 +9,8 @@ use serde_json::Value as Json;
 use crate::error;
 use crate::json::{from_python, to_toml};
 
-/// Error of a question that has no answer. `quantity` is the name of the argument that states the quantity.
+/// Converts the error of an unanswerable question to an exception. `quantity` is the name of the argument that states
+/// the quantity.
 pub(super) fn unanswered(error: AnswerError, quantity: &str) -> PyErr {
     let message = error.to_string();
     let (argument, value) = match error {
@@ -25,12 +26,13 @@ pub(super) fn unanswered(error: AnswerError, quantity: &str) -> PyErr {
     error::argument(argument, &[], value, message)
 }
 
-/// Error in the argument that states the varied fields.
+/// Exception for a wrong value of the argument `vary`.
 pub(super) fn wrong(message: impl std::fmt::Display) -> PyErr {
     error::argument("vary", &[], None, format!("vary: {message}"))
 }
 
-/// The varied fields with their values. They are given as texts, as on the command line, or as a dictionary.
+/// Converts the argument `vary` to fields with their values. The argument is a dictionary, or texts as on the command
+/// line.
 pub(super) fn varied(vary: &Bound<'_, PyAny>) -> PyResult<Vec<Vary>> {
     let text = |text: &Bound<'_, PyString>| text.to_cow()?.parse::<Vary>().map_err(wrong);
     if let Ok(one) = vary.cast::<PyString>() {
@@ -60,7 +62,7 @@ pub(super) fn varied(vary: &Bound<'_, PyAny>) -> PyResult<Vec<Vary>> {
     }
 }
 
-/// Values of a varied field: a tuple is a range, a list has single values.
+/// Converts the values of a varied field. A tuple is a range, and a list contains single values.
 fn values_of(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Varied> {
     if let Ok(range) = values.cast::<PyTuple>() {
         let (from, to): (f64, f64) = range
@@ -90,7 +92,7 @@ pub(super) fn listed(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Option<V
     values.collect::<PyResult<_>>().map(Some)
 }
 
-/// Reads the fields that the argument `set` sets to one value each.
+/// Converts the argument `set` to fields with one value each.
 pub(super) fn set(set: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String, toml::Value)>> {
     let fields = set.into_iter().flat_map(|fields| fields.iter());
     let field = |(path, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {

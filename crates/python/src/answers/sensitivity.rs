@@ -16,7 +16,7 @@ record!(
     "Effects of the numeric fields of a scene on the rms error of a quantity, the largest first.\n\nFields: those that `palpate sensitivity --json` prints: `effects`, each with `field`, `value`, the two compared `values`,\ntheir `rms_errors`, `effect` (relative change of the error per relative change of the field), `effect_std` and `failures`;\n`skipped` fields with the reason `why`; `quantity`, `unit`, `trials` and `rms_error`. `table` is a Table of all effects, `figure` a Figure of the largest."
 );
 
-/// Answer of `sensitivity`, together with the study to which it belongs.
+/// Answer of `sensitivity`, and the study for which it was computed.
 struct Found {
     sensitivity: palpate::Sensitivity,
     study: palpate::Study,
@@ -42,7 +42,8 @@ impl Made for Found {
 
 /// Computes the effect of each numeric field of a study's scene on the rms error of a quantity.
 ///
-/// Each field is changed alone, with the same random numbers. If the study sweeps fields, its first cell is used.
+/// Only one field is changed at a time, and the random numbers stay the same. If the study sweeps fields, its first cell
+/// is used.
 ///
 /// Parameters
 /// ----------
@@ -57,8 +58,9 @@ impl Made for Found {
 /// trials : int
 ///     Number of trials at each value.
 /// seed, threads
-///     The same arguments as in `Study.run`. The results do not depend on the number of threads. progress : callable,
-/// optional Function that is called from time to time with the number of fields done since its last call.
+///     The same arguments as in `Study.run`. The results do not depend on the number of threads.
+/// progress : callable, optional
+///     Function that is called from time to time with the number of fields done since its last call.
 ///
 /// Returns
 /// -------
@@ -69,7 +71,7 @@ impl Made for Found {
 /// ArgumentError
 ///     For a quantity that the scene does not have, for a step out of its range, and if no trial has an error.
 /// ConfigError
-///     If a value of a field makes no valid scene.
+///     If the scene is not valid with one of the values.
 ///
 /// Examples
 /// --------

@@ -1,4 +1,4 @@
-//! Batches: many estimates of the same kind.
+//! Batches: estimates of the same kind for many sets of readings.
 
 use std::sync::Arc;
 
@@ -15,25 +15,25 @@ use crate::error;
 use crate::record::{Alone, Made, Record, number};
 use crate::watch::{pool, watched};
 
-/// Estimates of many sets of readings, in the order of the sets.
+/// Estimates for many sets of readings, in the order of the sets.
 ///
-/// A field of the batch combines the fields with this name of all estimates. Numbers become an array of float64, with
-/// NaN for an estimate without the number. Lists of equally many numbers become an array with one row per estimate. A
-/// unit is stored once, and everything else becomes a list. The field is None if no estimate has it. `batch[i]` is one
-/// estimate, or raises the error of its readings.
+/// `batch[i]` is the estimate for set i, or raises the error of its readings. Each field of an estimate is also a
+/// field of the batch, with the values of all estimates. Numbers become an array of float64, with NaN if an estimate
+/// has no number. Lists of numbers become an array with one row per estimate if they have the same length. The unit is
+/// stored once, and everything else becomes a list. The field is None if no estimate has it.
 #[pyclass(frozen, sequence, module = "palpate")]
 pub(crate) struct Batch {
-    /// For each set, the estimate, or the error if the set has no estimate.
+    /// For each set of readings, the estimate, or the error message if there is no estimate.
     estimates: Vec<Result<Member, String>>,
 }
 
-/// Function that makes the Python object of an estimate.
+/// Function that converts a record to the Python object of an estimate.
 type Class = fn(Python<'_>, Record) -> PyResult<Bound<'_, PyAny>>;
 
-/// Estimate of a batch.
+/// One estimate of a batch.
 enum Member {
-    /// Value of the library, the function that makes its Python object, and the object after Python has read it for the
-    /// first time.
+    /// Estimate of the library, the function that converts it to a Python object, and this object. The object is made
+    /// when Python reads it for the first time.
     Made(Arc<dyn Made>, Class, PyOnceLock<Py<Record>>),
     Restored(Py<Record>),
 }
@@ -62,7 +62,7 @@ impl Member {
     }
 }
 
-/// Makes a batch of estimates from sets of readings. Threads compute them without the interpreter's lock.
+/// Computes estimates for many sets of readings. They are computed on several threads, without the interpreter's lock.
 pub(super) fn batch<'py, R: Send + 'static, E: Made + 'static>(
     py: Python<'py>,
     sets: Vec<R>,
@@ -84,8 +84,7 @@ pub(super) fn batch<'py, R: Send + 'static, E: Made + 'static>(
     Ok(Bound::new(py, Batch { estimates })?.into_any())
 }
 
-/// Error in an array of readings. If the array has an axis for sets, the number of the set is the first index in the
-/// message.
+/// Adds the number of the set to an error in an array. `with_sets` names the arrays whose first axis counts the sets.
 pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> RecordedError {
     match error {
         RecordedError::Array {
@@ -103,8 +102,8 @@ pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> Re
     }
 }
 
-/// Combines one field of many estimates to one value. An entry of `all` is `None` if the estimate does not have the
-/// field.
+/// Combines the values that one field has in many estimates. An entry of `all` is `None` if the estimate does not have
+/// the field.
 fn stacked<'py>(py: Python<'py>, all: &[Option<Bound<'py, PyAny>>]) -> PyResult<Bound<'py, PyAny>> {
     let Some(first) = all.iter().flatten().find(|one| !one.is_none()) else {
         return Ok(py.None().into_bound(py));
@@ -149,7 +148,7 @@ fn row(value: &Bound<'_, PyAny>) -> Option<Vec<f64>> {
     list.iter().map(|item| number(&item)).collect()
 }
 
-/// Combines one field of many estimates to one value, without computing the other fields.
+/// Combines the values that one field has in many estimates. The other fields are not computed.
 fn of_alone(py: Python<'_>, all: Vec<Option<Alone>>) -> PyResult<Bound<'_, PyAny>> {
     let mut rows = Vec::with_capacity(all.len());
     let mut unit = None;
@@ -192,7 +191,7 @@ fn of_alone(py: Python<'_>, all: Vec<Option<Alone>>) -> PyResult<Bound<'_, PyAny
 }
 
 impl Batch {
-    /// Names of the fields.
+    /// Names of the fields of an estimate.
     fn names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         match self.estimates.iter().flatten().next() {
             Some(first) => Ok(first.fields(py)?.keys()),
@@ -200,7 +199,7 @@ impl Batch {
         }
     }
 
-    /// The field of all estimates with this name.
+    /// Values of one field in all estimates; `None` if no estimate has this field.
     fn field<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         let first = self.estimates.iter().flatten().next();
         if first.is_some_and(|first| first.alone(name).is_some()) {
@@ -249,7 +248,7 @@ impl Batch {
         }
     }
 
-    /// Error messages by the numbers of the sets that have no estimate.
+    /// Dictionary of error messages. The keys are the numbers of the sets that have no estimate.
     #[getter]
     fn errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let errors = PyDict::new(py);
@@ -282,7 +281,7 @@ impl Batch {
         Ok(names)
     }
 
-    /// The fields as a dictionary of arrays, lists and dictionaries.
+    /// The fields of the batch as a dictionary of arrays, lists and dictionaries.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let fields = PyDict::new(py);
         for name in self.names(py)? {

@@ -26,16 +26,16 @@ record!(
     "Curvature of a patch, from contacts of gliding fingers.\n\nFields: those that `palpate estimate glide` prints, for the middle of the patch: `gaussian_curvature`, `mean_curvature`,\n`k_min`, `k_max` (each with `value`, `std` or None, and `unit`), `position`, `normal`, `direction_of_min`,\n`direction_of_max` (arrays of 3), `shape_index`, `class_`, `class_probabilities`,\n`thresholds`, `noise`, `regions`, `p_value`, `effective_contacts`, `left_out` (rows from 1, with a reason) and `warnings`\n(each with `code`, `text` and `numbers`); for methods plane, sphere, cylinder and shape also `shape`, `radius` and\n`rms_misfit`; for one stroke `stroke`, and None as curvatures; `covariance`, (2, 2), of Gaussian and mean curvature, NaN where\nthe method states no uncertainty; and `map`: arrays (grid, grid), along the fingers' travel first, or (n,) at the\ncontacts that are not left out: `position`, `normal`, `direction_of_min`, `direction_of_max` with 3 numbers each, `gaussian_curvature`,\n`gaussian_curvature_std`, `mean_curvature`, `mean_curvature_std`, `k_min`, `k_max`, `shape_index`, `class_index` of\n`palpate.SHAPE_CLASSES`, `region` (-1: none) and `class_probabilities` with 8 numbers each."
 );
 
-/// A patch: the fitted surface and its curvatures. All other values are computed only when Python reads them.
+/// A patch: the fitted surface and its curvatures. All other results are computed only when Python reads them.
 struct Patch {
     fitted: GlideFitResult<'static>,
     curvatures: Vec<Curvature>,
     report: OnceLock<(recorded::GlideEstimate, GlideMap)>,
-    /// Shape of an array that has one number per point of the map.
+    /// Shape of the arrays with one number per point of the map.
     shape: Vec<usize>,
 }
 
-/// The map of a patch.
+/// The map of a patch: a result whose fields are arrays with one entry per point.
 struct Map(Arc<Patch>);
 
 impl Made for Arc<Patch> {
@@ -201,9 +201,9 @@ impl Map {
 /// Parameters
 /// ----------
 /// points : array, (n, 3)
-///     Positions of the contacts, length. The contacts of a finger are in the order of its path.
+///     Positions of the contacts, in `length_unit`. The contacts of a finger are in the order of its path.
 /// normals : array, (n, 3), optional
-///     Measured normals out of the object, of any length.
+///     Measured normals, which point out of the object. They need not be unit vectors.
 /// fingers : array, (n,), optional
 ///     Number (from 0) or name of the finger of each contact; by default all contacts belong to one finger.
 /// grid : int, optional
@@ -211,17 +211,19 @@ impl Map {
 /// at_contacts : bool
 ///     Whether the map has one point per contact, in the order of the contacts, instead of a grid.
 /// tip_radius : float, optional
-///     Radius of round fingertips, length, if `points` are not the contacts but the points that `reports` names.
+///     Radius of round fingertips, in `length_unit`. Needed if `points` are points of the fingertips instead of
+///     contacts.
 /// reports : str, optional
-///     Which point of the fingertips `points` are: "lowest-point" (the default, the point farthest against `outward`)
-///     or "centre".
+///     The point of each fingertip that `points` contains: "lowest-point" (the default, the point farthest against
+///     `outward`) or "centre". Only with `tip_radius`.
 /// outward : array, (3,), optional
-///     Direction out of the object, for contacts without normals and for lowest points; +z by default.
+///     Direction out of the object; +z by default. It is used for contacts without normals and for lowest points.
 /// gaussian_threshold, mean_threshold : float, optional
-///     Magnitudes below which a curvature counts as zero, 1/length² and 1/length; by default from the size of the
-///     patch.
+///     Magnitudes below which the Gaussian and the mean curvature count as zero, 1/length² and 1/length. By default,
+///     they are chosen from the size of the patch.
 /// inter_finger_distance : float, optional
-///     Unit of length of the settings of two-pass; by default the mean distance between neighbouring fingers.
+///     Length that is the unit of the settings of the method "two-pass"; by default the mean distance between
+///     neighbouring fingers.
 /// length_unit : str, optional
 ///     Unit of all lengths: "m", "cm", "mm", "um" or "unit", which is the default.
 /// like : Study, optional
@@ -230,7 +232,7 @@ impl Map {
 /// cell : int
 ///     Number of the study's cell, from 0.
 /// threads : int, optional
-///     Number of threads for a batch; by default one per processor.
+///     Number of threads that compute a batch; by default one per processor.
 #[doc = include_str!("glide_settings.txt")]
 ///
 /// Returns
@@ -244,7 +246,8 @@ impl Map {
 /// ArgumentError
 ///     If a shape is wrong, a number is not finite, or a setting is out of its range or has no effect on the method.
 /// ReadingsError
-///     If the contacts do not determine the patch: they are too few, on one line, or on a surface that is not a graph.
+///     If the contacts do not determine the patch: they are too few, they are on one line, or their surface is not the
+///     graph of a function.
 ///
 /// Source
 /// ------
@@ -309,7 +312,7 @@ pub(crate) fn estimate_glide<'py>(
     batch(py, all, threads, estimate, GlideEstimate::of)
 }
 
-/// Numbers of the fingers. If the fingers are given by name, each name gets a number.
+/// Converts the argument `fingers` to numbers. If fingers have names, each name gets a number.
 fn numbered(fingers: &Bound<'_, PyAny>) -> PyResult<Vec<u64>> {
     let numpy = fingers.py().import("numpy")?;
     let names = numpy.call_method1("asarray", (fingers,));

@@ -1,4 +1,4 @@
-//! Reads the options of an estimate from a study.
+//! Reads the options of an estimate from the study in the argument `like`.
 
 use palpate::config::{LengthUnit, StudyConfig};
 use palpate::recorded::StudyMismatch;
@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 use crate::error;
 use crate::study::Study;
 
-/// Options of an estimate, read from a cell of a study. Lengths are converted to the unit of the readings. If the
-/// readings have no stated unit, lengths keep the unit of the study.
+/// Options of an estimate, taken from a cell of a study. Lengths are converted to the unit of the readings. If this
+/// unit is not stated (`None`), lengths keep the unit of the study.
 pub(crate) fn like<T>(
     study: Option<&Bound<'_, Study>>,
     cell: usize,

@@ -31,26 +31,28 @@ impl Made for recorded::PressReport {
 /// Parameters
 /// ----------
 /// positions : array, (n, 2) or (n,)
-///     Positions of the markers on the skin at rest, length: (x, y) lies sqrt(x² + y²) along the skin from the apex,
-///     in the direction (x, y). One number for each marker is its signed position along a row through the apex.
+///     Positions of the markers along the skin at rest, in `length_unit`. The marker (x, y) is at the distance
+///     sqrt(x² + y²) from the apex, in the direction (x, y). If the array has one number per marker, the markers are
+///     in a row through the apex, and the number is the signed distance from the apex.
 /// displacements : array, (n,) or (n, 3)
-///     Inward displacement of each marker, length. Two more columns are the displacements along the skin: components
-///     along the axes at the apex, parallel-transported along the meridian to the marker.
+///     Inward displacement of each marker, in `length_unit`. The optional second and third columns are the
+///     displacements along the skin: components along the x and y axes at the apex, parallel-transported along the
+///     meridian to the marker.
 /// sensor_radius : float
-///     Radius of the skin, length; needed unless `like` states it.
+///     Radius of the skin, in `length_unit`; needed unless `like` states it.
 /// depth : float, optional
-///     Depth of the markers under the skin, length; 0 by default.
+///     Depth of the markers under the skin, in `length_unit`; 0 by default.
 /// indentation : float, optional
-///     Indentation, length, if it was measured by another sensor; by default it is fitted.
+///     Indentation, in `length_unit`, if another sensor measured it; by default it is fitted.
 /// indentation_std : float, optional
-///     Standard deviation of the indentation, length; by default 2 % of the indentation.
+///     Standard deviation of the indentation, in `length_unit`; by default 2 % of the indentation.
 /// normal_std, tangential_std : float, optional
-///     Standard deviations of the displacements inward and along the skin, length; by default estimated from the
-///     residuals.
+///     Standard deviations of the displacements inward and along the skin, in `length_unit`; by default estimated from
+///     the residuals.
 /// radial_scale : float, optional
 ///     Factor by which the positions are multiplied; 1 by default.
 /// young : float, optional
-///     Young's modulus of the soft body, force per length², for `force` and `peak_pressure`.
+///     Young's modulus of the soft body, force per length². The results `force` and `peak_pressure` need it.
 /// length_unit : str, optional
 ///     Unit of all lengths: "m", "cm", "mm", "um" or "unit", which is the default.
 /// like : Study, optional
@@ -58,7 +60,7 @@ impl Made for recorded::PressReport {
 /// cell : int
 ///     Number of the study's cell, from 0.
 /// threads : int, optional
-///     Number of threads for a batch; by default one per processor.
+///     Number of threads that compute a batch; by default one per processor.
 #[doc = include_str!("press_settings.txt")]
 ///
 /// Returns

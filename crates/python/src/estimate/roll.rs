@@ -62,34 +62,35 @@ impl Made for recorded::RollEstimate {
 /// Parameters
 /// ----------
 /// rotations : array, (n, 2) or (n, 3)
-///     Rotation vector of each of n >= 2 rolls in its first contact frame, rad: components about u, about v, and
-///     optionally about the normal, which does not move the contact. If the contact moves to +u, the rotation about v
-///     is negative.
+///     Rotation vector of each roll, rad; at least two rolls are needed. The components are about the axes u and v of
+///     the first contact, and optionally about the normal, which does not move the contact. If the contact moves to
+///     +u, the rotation about v is negative.
 /// shifts : array, (n, 2)
-///     Displacement of each contact on the probe along u and v, measured along a great circle, length. With `times`: the
-///     place of the contact at each sample, or the centre of the active pad if `pitch` is stated.
+///     Displacement of each contact on the probe along u and v, measured along a great circle, in `length_unit`. With
+///     `times`, the position of the contact at each sample, or the centre of the active pad if `pitch` is stated.
 /// times : array, (n,), optional
-///     Times of samples, s. Each row is then a sample of a roll, with the rotation since the start of its roll. A roll
-///     starts where the time does not increase.
+///     Times of samples, s. With `times`, each row is one sample of a roll, with the rotation since the start of its
+///     roll. A new roll starts where the time does not increase.
 /// probe_radius : float
-///     Radius of the probe, length; needed unless `like` states it.
+///     Radius of the probe, in `length_unit`; needed unless `like` states it.
 /// pitch : float, optional
-///     Pitch of the pads that read the shifts, length. It determines the standard deviations and, if a contact did not
-///     move, the upper bound on the object's radius.
+///     Pitch of the pads that read the shifts, in `length_unit`. It determines the standard deviations and, if a
+///     contact did not move, the upper bound on the object's radius.
 /// shift_std : float, optional
-///     Standard deviation of each component of a shift, length, for a sensor without pads.
+///     Standard deviation of each component of a shift, in `length_unit`, for a sensor without pads.
 /// rotation_std_rad : float, optional
 ///     Standard deviation of each component of a rotation, rad, from 0 to pi. Samples of a time series have independent
 ///     errors.
 /// relative_rotation_std : float, optional
-///     Standard deviation of each component of a rotation, as a fraction of it, from 0 to 1.
+///     Standard deviation of each component of a rotation, divided by this component, from 0 to 1.
 /// pad_layout : str, optional
 ///     Arrangement of the pads, for time series: "square", which is the default, or "hexagonal".
 /// start : array, (2,), optional
-///     Contact point at the start of every time series, in the coordinates of the pads, length; unknown by default.
+///     Contact point at the start of every time series, in the coordinates of the pads and in `length_unit`; unknown by
+///     default.
 /// method : str, optional
-///     "least-squares", which is the default and uses the ends of rolls, or a method for time series: "pad-edge",
-///     "trajectory" or "auto".
+///     "least-squares", the default, which uses only the start and the end of each roll; or a method for time series:
+///     "pad-edge", "trajectory" or "auto".
 /// length_unit : str, optional
 ///     Unit of all lengths: "m", "cm", "mm", "um" or "unit", which is the default.
 /// like : Study, optional
@@ -97,22 +98,22 @@ impl Made for recorded::RollEstimate {
 /// cell : int
 ///     Number of the study's cell, from 0.
 /// threads : int, optional
-///     Number of threads for a batch; by default one per processor.
+///     Number of threads that compute a batch; by default one per processor.
 ///
 /// Returns
 /// -------
 /// RollEstimate
 ///     For arrays of shape (m, n, 2), the result is a Batch of m estimates. If one of the arrays has the shape (n, 2),
 ///     all m sets share it.
-///     If no noise is stated, standard deviations follow from the residuals.
+///     If no noise is stated, the standard deviations are estimated from the residuals.
 ///
 /// Raises
 /// ------
 /// ArgumentError
-///     For a shape, a number that is not finite, or a setting out of its range.
+///     If an array has a wrong shape or a number that is not finite, or if a setting is out of its range.
 /// ReadingsError
-///     If the readings do not determine the curvature: rotations in one direction, contacts that did not move or
-///     moved against the roll, shifts of more than half way round the probe.
+///     If the readings do not determine the curvature: for example, all rotations have one direction, a contact did not
+///     move or moved against the roll, or a shift is longer than half the circumference of the probe.
 ///
 /// Source
 /// ------
@@ -186,11 +187,11 @@ pub(crate) fn estimate_roll<'py>(
     batch(py, all, threads, estimate, RollEstimate::of)
 }
 
-/// Settings, unit and options of one call of `estimate_roll`.
+/// Keyword arguments, length unit and options of one call of `estimate_roll`.
 type Call = (Py<PyDict>, Option<LengthUnit>, RollOptions);
 
-/// The last call that did not use `like`. It is stored because a loop over readings repeats the same settings, and
-/// parsing them takes longer than an estimate.
+/// The last call without the argument `like`. A loop over readings repeats the same settings, and parsing these
+/// settings takes longer than an estimate.
 static LAST: Mutex<Option<Call>> = Mutex::new(None);
 
 fn options<'py>(

@@ -9,8 +9,8 @@ use serde_json::{Map, Value as Json};
 
 use crate::error;
 
-/// Settings among the keyword arguments of a call, by their keys. The functions `tables` return the setting of the
-/// readings or of the estimator that has a given key.
+/// Settings among the keyword arguments of a call, by their keys. A function in `tables` returns the setting with a
+/// given key; one function is for the readings, the other for the estimator.
 pub(crate) fn given(
     arguments: Option<&Bound<'_, PyDict>>,
     tables: [fn(&str) -> Option<Setting>; 2],
@@ -66,7 +66,7 @@ fn number(name: &str, number: f64) -> PyResult<Json> {
     })
 }
 
-/// Parses the unit of lengths.
+/// Parses the argument `length_unit`.
 pub(crate) fn length_unit(name: Option<&str>) -> PyResult<Option<LengthUnit>> {
     let unit = |name: &str| {
         let unit = serde_json::from_value(Json::String(name.to_owned()));

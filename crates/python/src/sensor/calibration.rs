@@ -16,15 +16,14 @@ use crate::json::to_python;
 use crate::pixels::frame;
 use crate::record::records;
 
-/// Calibration of a sensor: the relation between the displacements of its markers and their hue, size and centroid in
-/// the frames.
+/// Calibration of a sensor: how the hue, size and centroid of a marker in the frames depend on its displacement.
 ///
 /// `Calibration(toml)` reads the text that `palpate sensor calibrate` writes. `summary` is a list of lines of text.
 #[pyclass(frozen, module = "palpate")]
 pub(crate) struct Calibration {
     pub(super) calibration: recorded::Calibration,
     pub(super) unit: LengthUnit,
-    /// The calibration in words, as a list of lines: slopes, standard errors, R² and residuals.
+    /// Lines of text that describe the calibration: slopes, standard errors, R² and residuals.
     #[pyo3(get)]
     summary: Vec<String>,
     /// Warnings, each with `code`, `text` and `numbers`.
@@ -63,13 +62,13 @@ impl Calibration {
         })
     }
 
-    /// Unit of the calibration's lengths.
+    /// Unit of all lengths in the calibration.
     #[getter]
     fn length_unit(&self) -> &'static str {
         self.unit.as_str()
     }
 
-    /// The calibration as TOML, which `palpate sensor track --calibration` reads.
+    /// The calibration as TOML text. `palpate sensor track --calibration` reads this text from a file.
     fn to_toml(&self) -> String {
         calibration_toml(&self.calibration, self.unit)
     }
@@ -115,13 +114,15 @@ fn source(name: &str) -> PyResult<NormalFrom> {
 /// Parameters
 /// ----------
 /// *tables : mapping of str to array, (n,)
-///     Each table has `normal_displacement` (length, inward) and `hue_turns`, `growth` (change of the logarithm of the
-///     marker's diameter) or both; or `tangential_displacement` (length) and `centroid_shift_px`; or all of these.
-///     `series` and `marker` may number the series and the markers. Other columns are ignored. A table may be a data frame.
+///     Each table has columns for displacements inward, for displacements along the skin, or for both. Inward:
+///     `normal_displacement` (in `length_unit`), with `hue_turns` or `growth` (change of the logarithm of the marker's
+///     diameter) or both. Along the skin: `tangential_displacement` (in `length_unit`), with `centroid_shift_px`. The
+///     optional columns `series` and `marker` number the series and the markers. Other columns are ignored. A table may
+///     be a data frame.
 /// source : str
-///     Source of the normal displacements: "hue", "size" or "both".
+///     Property of a marker from which its normal displacement is computed: "hue", "size" or "both".
 /// per_marker : bool
-///     Whether each marker with 3 or more displacements has its own slope.
+///     Whether to fit a separate slope for each marker that was measured at 3 or more displacements.
 /// length_unit : str, optional
 ///     Unit of all lengths: "m", "cm", "mm", "um" or "unit", which is the default.
 ///
@@ -132,7 +133,8 @@ fn source(name: &str) -> PyResult<NormalFrom> {
 /// Raises
 /// ------
 /// ArgumentError, ReadingsError
-///     For columns that are missing, of different lengths or not finite; for points that do not determine a slope.
+///     If columns are missing, have different lengths or contain numbers that are not finite; if the points do not
+///     determine a slope.
 ///
 /// Source
 /// ------
@@ -161,7 +163,7 @@ pub(crate) fn calibrate(
     Calibration::of(py, report)
 }
 
-/// Converts a table with columns to CSV. Every digit of the numbers is kept.
+/// Converts a table, given as a mapping of columns, to CSV. The numbers keep every digit.
 fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
     let py = table.py();
     let columns = py
@@ -203,22 +205,25 @@ fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
     Ok(rows.to_csv().into_bytes())
 }
 
-/// Calibrates against measured displacements, from frames.
+/// Calibrates hue, size and centroid of markers against measured displacements, from frames of a camera.
 ///
 /// Parameters
 /// ----------
 /// rest : array of uint8, (h, w, 3)
-///     Frame at rest, red, green and blue.
+///     Frame at rest, with the colours red, green and blue.
 /// pressed : sequence of such arrays
-///     Pressed frames. In each, the marker that changes most is the one under the contact.
+///     Pressed frames. In each frame, the marker that changes most must be the marker under the contact.
 /// normal, tangential : array, (k,), optional
-///     Displacement of that marker inward, and along the skin, in each of the k frames, length.
+///     Displacements of this marker in the k pressed frames, in `length_unit`: `normal` inward, `tangential` along the
+///     skin.
 /// px_per_rad : float, optional
-///     Focal length of the fisheye; by default the scale in the middle of the frames is used everywhere.
+///     Focal length of the fisheye lens, px per rad; by default, the scale in the middle of each frame applies to the
+///     whole frame.
 /// source, per_marker, length_unit
 ///     The same arguments as in `calibrate`.
 /// srgb : bool
-///     Whether the pixels are encoded by the curve of sRGB, as most cameras write them, instead of linear in the light.
+///     Whether the pixels are encoded by sRGB, as in images of most cameras. If false, pixel values are proportional to
+///     the light.
 ///
 /// Returns
 /// -------
@@ -227,7 +232,8 @@ fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
 /// Raises
 /// ------
 /// ArgumentError, ReadingsError
-///     For frames of different sizes, without markers or of another sensor; for points that do not determine a slope.
+///     If the frames have different sizes, show no markers or are of different sensors; if the points do not determine
+///     a slope.
 #[pyfunction]
 #[pyo3(signature = (rest, pressed, *, normal=None, tangential=None, px_per_rad=None, source="hue", per_marker=false,
     length_unit=None, srgb=false))]

@@ -26,7 +26,7 @@ impl CameraCalibration {
         Ok(Self { camera })
     }
 
-    /// Description of the camera in words.
+    /// Text that describes the camera.
     #[getter]
     fn summary(&self) -> String {
         self.camera.summary()
@@ -38,21 +38,23 @@ impl CameraCalibration {
         records(py, &self.camera.warnings)
     }
 
-    /// Unit of the camera's lengths.
+    /// Unit of all lengths of the camera.
     #[getter]
     fn length_unit(&self) -> &'static str {
         self.camera.length_unit.as_str()
     }
 
-    /// The camera as TOML, which `palpate sensor track --method image --calibration` reads.
+    /// The camera as TOML text. `palpate sensor track --method image --calibration` reads this text from a file.
     fn to_toml(&self) -> String {
         self.camera.to_toml()
     }
 
-    /// Dictionary of the camera: `place`, `turn_deg` and `px_per_rad` with `place_std`, `turn_std_deg` and
-    /// `px_per_rad_std`, `centre_px`, `covariance` (9 x 9: of the centre, px; of px per rad, as a share; of the
-    /// position; of the rotation, rad), `residuals_px` of the layout's markers, `residual_px`, `reduced_chi_squared`
-    /// and `warnings`.
+    /// The camera as a dictionary.
+    ///
+    /// The keys are `place` (position), `turn_deg` (rotation) and `px_per_rad` (scale), with the standard deviations
+    /// `place_std`, `turn_std_deg` and `px_per_rad_std`; `centre_px`; `covariance`, a 9 x 9 matrix of the centre (px),
+    /// the relative scale, the position and the rotation (rad); `residuals_px`, one per marker of the layout;
+    /// `residual_px`, `reduced_chi_squared` and `warnings`.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.camera)
     }
@@ -75,14 +77,15 @@ impl CameraCalibration {
 /// Parameters
 /// ----------
 /// rest : array of uint8, (h, w, 3)
-///     Frame at rest, red, green and blue.
+///     Frame at rest, with the colours red, green and blue.
 /// study : Study
-///     Study of a press before a camera. It states the layout, the discs, the frame's size and the nominal camera. The true
-///     camera may differ by a tenth of the sensor's radius and 5 degrees.
+///     Study of a press that a camera reads. It states the layout, the discs, the frame's size and the nominal camera.
+///     The position of the true camera may differ by a tenth of the sensor's radius, and its rotation by 5 degrees.
 /// cell : int
 ///     Number of the study's cell, from 0.
 /// srgb : bool
-///     Whether the pixels are encoded by the curve of sRGB, as most cameras write them, instead of linear in the light.
+///     Whether the pixels are encoded by sRGB, as in images of most cameras. If false, pixel values are proportional to
+///     the light.
 ///
 /// Returns
 /// -------
@@ -92,14 +95,14 @@ impl CameraCalibration {
 /// Raises
 /// ------
 /// ArgumentError
-///     For a frame of another shape.
+///     If `rest` does not have the shape (h, w, 3).
 /// ReadingsError
-///     For a study without a camera; for a frame of another size, without the layout's markers, in other colours, saturated
-///     or under-exposed, or in contradiction to the layout.
+///     If the study has no camera. If the frame has another size or other colours than the study states, does not show
+///     the markers of the layout, or is saturated or under-exposed.
 ///
 /// Source
 /// ------
-/// Least squares of centroid, hue and size of the markers, as `palpate sensor calibrate --rest`.
+/// Least-squares fit to the centroid, hue and size of the markers, as in `palpate sensor calibrate --rest`.
 #[pyfunction]
 #[pyo3(signature = (rest, study, *, cell=0, srgb=false))]
 pub(crate) fn calibrate_camera(

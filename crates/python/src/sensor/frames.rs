@@ -32,26 +32,29 @@ record!(
 /// Parameters
 /// ----------
 /// rest, pressed : array of uint8, (h, w, 3)
-///     Frames of one size, red, green and blue. The camera looks at the apex from the sensor's centre, through a fisheye
-///     with r = f angle, columns along x, rows against y.
+///     Frames of the same size, with the colours red, green and blue. The camera is in the sensor's centre and looks at
+///     the apex. Its fisheye lens maps an angle to the image radius r = f · angle. The columns of the image are along x,
+///     the rows against y.
 /// calibration : Calibration or CameraCalibration, optional
-///     All lengths are in the calibration's unit. A Calibration needs `sensor_radius` and `depth`, or `like`. A CameraCalibration is for
-///     `method="image"`: its camera, with its covariance, replaces the study's.
+///     A Calibration is for displacements; it needs `sensor_radius` and `depth`, or `like`. A CameraCalibration is for
+///     `method="image"`; its camera and covariance replace those of the study. All lengths are in the calibration's
+///     unit.
 /// px_per_rad : float, optional
-///     Focal length of the fisheye; by default the calibration's px per length times the markers' distance from the
-///     centre.
+///     Focal length f of the fisheye lens, px per rad. By default, it is the calibration's scale (px per length),
+///     multiplied by the distance of the markers from the centre.
 /// grid : int
-///     Points along each side of the field's grid, from 1 to 1000.
+///     Number of points along each side of the grid of the displacement field, from 1 to 1000.
 /// filter : float
-///     Standard deviation of the Gaussian that smooths the field, length along the skin.
+///     Standard deviation of the Gaussian that smooths the displacement field, a length along the skin.
 /// srgb : bool
-///     Whether the pixels are encoded by the curve of sRGB, as most cameras write them, instead of linear in the light.
+///     Whether the pixels are encoded by sRGB, as in images of most cameras. If false, pixel values are proportional to
+///     the light.
 /// like, cell
 ///     The same arguments as in `estimate_press`.
 /// **settings
 ///     All other arguments of `estimate_press` except `radial_scale`, `length_unit` and `threads`. `method="image"` fits
-///     centroid, hue and size of each marker in the frames, with the errors that the frames show: `like` states layout,
-///     discs, body, camera and noise.
+///     the press to the centroid, hue and size of each marker in the frames. It needs `like`, a study that states the
+///     layout, discs, soft body, camera and noise.
 ///
 /// Returns
 /// -------
@@ -60,11 +63,11 @@ record!(
 /// Raises
 /// ------
 /// ArgumentError
-///     For frames of another shape, and for invalid settings.
+///     If a frame does not have the shape (h, w, 3), or a setting is invalid.
 /// ReadingsError
-///     For frames of different sizes, without markers or of different sensors, and if the displacements show no press.
-///     With `method="image"` also for frames that differ from the stated layout, camera or colours, and for saturated or
-///     under-exposed frames.
+///     If the frames have different sizes, show no markers or are of different sensors, or if the displacements show no
+///     press. With `method="image"`, also if a frame contradicts the stated layout, camera or colours, or is saturated or
+///     under-exposed.
 ///
 /// Source
 /// ------

@@ -16,21 +16,22 @@ use crate::study::Study;
 /// Parameters
 /// ----------
 /// radius : float
-///     Radius of the skin, length.
+///     Radius of the skin, in `length_unit`.
 /// layout : str or dict
-///     "published", the 77 markers of the 2020 paper, or a table of kind "gores", "lattice", "grid", "line" or "radius", with the
-///     keys of `scene.probe.layout` of a study.
+///     "published" for the 77 markers of the 2020 paper; or a dictionary of kind "gores", "lattice", "grid", "line" or
+///     "radius", with the keys of `scene.probe.layout` in a study.
 /// marker_depth : float
-///     Depth of the markers under the skin, length.
+///     Depth of the markers under the skin, in `length_unit`.
 /// discs : dict, optional
-///     `magenta_diameter`, `yellow_diameter`, `separation` and `misalignment` of the discs of a marker, length.
+///     `magenta_diameter`, `yellow_diameter`, `separation` and `misalignment` of the two discs of each marker, in
+///     `length_unit`.
 /// length_unit : str
-///     Unit of all lengths; a pattern needs a metric one.
+///     Unit of all lengths. A cutting pattern needs a metric unit.
 ///
 /// Raises
 /// ------
 /// ConfigError
-///     For settings that make no valid sensor.
+///     If the settings do not describe a valid sensor.
 #[pyclass(frozen, module = "palpate")]
 pub(crate) struct Layout {
     study: Py<Study>,
@@ -69,14 +70,14 @@ impl Layout {
         Self::of(Py::new(py, Study::of("layout".to_owned(), text)?)?)
     }
 
-    /// Layout of the sensor in the first cell of a study.
+    /// Layout of the markers in the first cell of a study.
     #[staticmethod]
     fn of(study: Py<Study>) -> PyResult<Self> {
         marker_places(study.get().study()).map_err(error::config)?;
         Ok(Self { study })
     }
 
-    /// Positions of the markers along the skin, (n, 2), in the form that `estimate_press` accepts.
+    /// Positions of the markers along the skin, shape (n, 2), as `estimate_press` accepts them.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let places = marker_places(self.study.get().study()).map_err(error::config)?;
@@ -84,8 +85,8 @@ impl Layout {
         array(py, places.into_flattened(), &[markers, 2])
     }
 
-    /// Flat pattern for cutting the skin: a Pattern. Raises ConfigError if there are no gores, no discs or no metric
-    /// unit.
+    /// Flat pattern for cutting the skin, as a Pattern. Raises ConfigError if the layout has no gores, the markers have
+    /// no discs, or the length unit is not metric.
     fn pattern<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         pattern_of(py, self.study.get().study())
     }
@@ -106,17 +107,18 @@ impl Layout {
     }
 }
 
-/// Flat pattern for cutting a sensor's skin, as SVG text in millimetres; `study.pattern()` also has DXF and strains.
+/// Flat pattern for cutting a sensor's skin, as SVG text in millimetres. `study.pattern()` also returns DXF text and the
+/// strains.
 ///
 /// Parameters
 /// ----------
 /// sensor : Study or Layout
-///     Study of a press or a fingertip whose layout has gores and whose probe has discs; or a Layout with them.
+///     Study of a press or a fingertip, or a Layout. It must have gores and discs.
 ///
 /// Raises
 /// ------
 /// ConfigError
-///     If there is no such pattern.
+///     If the sensor has no gores or no discs.
 #[pyfunction]
 pub(crate) fn pattern(py: Python<'_>, sensor: &Bound<'_, PyAny>) -> PyResult<String> {
     let study = match sensor.cast::<Layout>() {

@@ -1,4 +1,4 @@
-//! Reads from the arguments of a call how the curvature of the pressed object is estimated from tracked markers.
+//! Reads from the arguments of `track` how the press is estimated: with a calibration, or by a fit to the frames.
 
 use palpate::recorded::{FrameReader, PictureOptions, PressOptions};
 use pyo3::prelude::*;
@@ -14,7 +14,8 @@ fn refused(argument: &str, message: impl Into<String>) -> PyErr {
     error::argument(argument, &[], None, message)
 }
 
-/// The method of estimation that a call states; `None` if the call states no method.
+/// Chooses how the pressed frame is evaluated: by a fit to its pixels, or with a calibration. `None` if the arguments
+/// state neither.
 pub(super) fn reader(
     calibration: Option<&Bound<'_, PyAny>>,
     px_per_rad: Option<f64>,

@@ -1,4 +1,4 @@
-//! Defines the results of a study.
+//! Defines the results of a run.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -22,39 +22,39 @@ const CELLS: &str = "cells.csv";
 const FAILURES: &str = "failures.csv";
 const MAP: &str = "map.csv";
 const WARNINGS: [&str; 2] = ["warnings.txt", "warnings.json"];
-/// File names of a trace.
+/// Names of the files with the trace of one trial.
 const PASS: [&str; 3] = ["trace.csv", "readings.csv", "markers.csv"];
 
 /// Results of a run of a study.
 #[pyclass(frozen, module = "palpate")]
 pub(crate) struct Results {
-    /// Contents of the files that the command line writes, by their names.
+    /// Contents of the files that the command line would write, by file name.
     files: BTreeMap<String, String>,
-    /// The study of the run.
+    /// The study that was run.
     #[pyo3(get)]
     study: Py<Study>,
-    /// Table with one row per cell and quantity. It has the swept values, the true value, and the mean, bias, errors
-    /// and quantiles of the estimates.
+    /// Table with one row per cell and quantity. Its columns are the swept values, the true value, and the mean, bias,
+    /// errors and quantiles of the estimates.
     #[pyo3(get)]
     cells: Py<PyAny>,
-    /// Table with the number of trials without an estimate, by cell and kind of failure.
+    /// Table with the number of failed trials, by cell and kind of failure.
     #[pyo3(get)]
     failures: Py<PyAny>,
-    /// Table of the maps of trial 0 of each cell; for a press, of the profiles. None unless the config's `outputs`
-    /// request it.
+    /// Table with the map of trial 0 of each cell; for a press, with its profile. None unless `outputs` in the config
+    /// requests maps.
     #[pyo3(get)]
     map: Option<Py<PyAny>>,
-    /// Table of all trials, with one row per observation or failure; None without `trials_out=True`.
+    /// Table of all trials, with one row per estimate or failure; None without `trials_out=True`.
     #[pyo3(get)]
     trials_out: Option<Py<PyAny>>,
-    /// Warnings, for example that the contact model or the estimator is not valid in a cell. Each has `code`, `text`
-    /// and `numbers`.
+    /// Warnings, for example that the contact model or the estimator is not valid in a cell. Each warning has `code`,
+    /// `text` and `numbers`.
     #[pyo3(get)]
     warnings: Py<PyAny>,
 }
 
 impl Results {
-    /// Results of a run.
+    /// Converts the results of a run, and the trace of one trial if there is one.
     pub(super) fn of(
         py: Python<'_>,
         study: &palpate::Study,
@@ -111,7 +111,7 @@ impl Results {
         &self.study.get().study().config
     }
 
-    /// The files that the command line would write, but in memory.
+    /// The files that the command line would write, in memory.
     pub(crate) fn in_memory(&self) -> Files {
         Files::in_memory(self.files.clone())
     }
@@ -119,8 +119,8 @@ impl Results {
 
 #[pymethods]
 impl Results {
-    /// Reads the results in a directory into which `palpate run` has written CSV files. Raises RunError for a file that
-    /// is missing or not a table, and ConfigError for an invalid config.
+    /// Reads results from a directory into which `palpate run` has written CSV files. Raises RunError if a file is
+    /// missing or is not a table, and ConfigError if the config is invalid.
     #[staticmethod]
     fn read(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
         let names = [CONFIG, CELLS, FAILURES, MAP].into_iter();
@@ -153,8 +153,8 @@ impl Results {
         plots.map(name).collect()
     }
 
-    /// Figures of all plots in the config, as `palpate plot` draws them; by default the error over the first swept field.
-    /// Raises RunError.
+    /// Figures of all plots in the config, as `palpate plot` draws them. Without plots in the config, one figure shows
+    /// the error over the first swept field. Raises RunError.
     #[getter]
     fn figures(&self, py: Python<'_>) -> PyResult<Vec<Figure>> {
         let files = self.in_memory();
@@ -163,7 +163,7 @@ impl Results {
         Ok(drawn.into_iter().map(Figure::from).collect())
     }
 
-    /// Table with the scores of the claims that the config lists: the `claims.csv` of `palpate report`. Raises
+    /// Table with the scores of the claims that the config lists, as in the `claims.csv` of `palpate report`. Raises
     /// RunError.
     #[getter]
     fn claims<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -171,8 +171,9 @@ impl Results {
         table_of(py, &claims_table(&score(&[study])), LengthUnit::Unit)
     }
 
-    /// Draws the plot of the config with this name, by default its first, or a plot from the keys of a `[[plot]]` table:
-    /// `results.plot(x="scene.sensor.pitch", y="relative_rms_error", quantity="radius")`.
+    /// Draws a plot of the config: the plot with this name, by default the first plot. With keyword arguments, draws a
+    /// new plot; they are the keys of a `[[plot]]` table: `results.plot(x="scene.sensor.pitch",
+    /// y="relative_rms_error", quantity="radius")`.
     ///
     /// Returns a Figure. Raises ConfigError, RunError.
     #[pyo3(signature = (name=None, **keys))]
@@ -213,7 +214,7 @@ impl Results {
         Ok(drawn.map_err(error::run)?.into())
     }
 
-    /// Traces one trial of a cell, like `Study.trace`.
+    /// Traces one trial of a cell, with the same arguments as `Study.trace`.
     #[pyo3(signature = (cell=0, trial=None))]
     fn trace<'py>(
         &self,
@@ -224,8 +225,8 @@ impl Results {
         follow(py, self.study.get().shared(), cell, trial)
     }
 
-    /// Contents of the files that `palpate run` writes, by their names, byte for byte. `trace` returns the frames of a
-    /// trial.
+    /// Contents of the files that `palpate run` would write, by file name. The frames of a traced trial are not
+    /// included; use `trace` for them.
     fn files(&self) -> BTreeMap<String, String> {
         self.files.clone()
     }

@@ -1,4 +1,4 @@
-//! Runs, checks and plans studies on other threads.
+//! Runs, checks and plans studies on other threads, so that Ctrl-C can stop the work.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -30,8 +30,8 @@ fn of_sweep(error: SweepError<palpate::ConfigError>) -> PyErr {
     }
 }
 
-/// Runs some cells of a study, by default all cells. Returns the results, and a trace of the first cell if the config
-/// requests one.
+/// Runs some cells of a study; `None` means all cells. Returns the results. If the config requests a trace, also
+/// returns the trace of the first cell.
 pub(super) fn run(
     py: Python<'_>,
     (study, cells): (Arc<Study>, Option<Vec<usize>>),
@@ -81,7 +81,8 @@ pub(super) fn check(
     check.map(|check| check.to_json()).map_err(of_sweep)
 }
 
-/// Text of the study, with the number of trials and the model that follow from a goal (budget or target error).
+/// Plans a study for a time budget, a target error, or both. Returns its config with the chosen number of trials and
+/// model.
 pub(super) fn plan(
     py: Python<'_>,
     study: Arc<Study>,
