@@ -29,8 +29,9 @@ pub const BATCH_SIZE: usize = 128;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
-    /// Sums of `g₁ d₁`, `g₂ d₂` and `g₂ d₁ + g₁ d₂` over the probes. Here `g = (−Δθ_y, Δθ_x)` is the drive of a probe,
-    /// made from its rotation. `d = Δp − R₁ g` is the deviation of its shift `Δp` from the shift on a plane.
+    /// Sums of `g₁ d₁`, `g₂ d₂` and `g₂ d₁ + g₁ d₂` over the probes. The drive `g = (−Δθ_y, Δθ_x)` of a probe is its
+    /// rotation vector, turned by 90° into the direction of rolling. `d = Δp − R₁ g` is the deviation of its shift `Δp`
+    /// from the shift on a plane.
     pub(crate) deviations: [f64; 3],
     /// Sum of the lengths of the shifts, length.
     pub(crate) lengths: f64,
@@ -40,7 +41,7 @@ pub struct Moments {
 /// sets of readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbeRotation {
-    /// Drive `g = (−Δθ_y, Δθ_x)` of the probe, made from its rotation, rad.
+    /// Drive `g = (−Δθ_y, Δθ_x)` of the probe, rad: its rotation vector, turned by 90° into the direction of rolling.
     drive: [f64; 2],
     /// Shift `R₁ g` of the contact if the object were a plane, length. R₁ is the radius of the probe and g its drive.
     flat: [f64; 2],

@@ -29,8 +29,8 @@ pub(crate) struct Law {
     pub(crate) added: f64,
     /// Covariance of the entries of `K₁ D` that is due to the noise of the shifts and to rounding.
     pub(crate) from_shifts: Symmetric3,
-    /// Covariance of the fitted entries of `K₁ D` that is due to the rotations' noise. It is the sum of these three
-    /// matrices, multiplied by the entries `uu`, `vv`, `uv` of `(K₁ B)²`, where B is the mobility.
+    /// Three matrices. Multiplied by the entries `uu`, `vv`, `uv` of `(K₁ B)²` and added, they give the covariance of
+    /// the entries of `K₁ D` that is due to the noise of the rotations. B is the mobility.
     pub(crate) from_rotations: [Symmetric3; 3],
 }
 

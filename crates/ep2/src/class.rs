@@ -46,9 +46,9 @@ impl Curvature {
     }
 
     /// The probability of each of the eight classes, in the order of [`ShapeClass::ALL`]. The errors of the Gaussian
-    /// curvature K and the mean curvature H are assumed to be normally distributed. `None` if the method states no
-    /// standard errors, or if numbers are beyond the range of doubles. A K above H² is impossible and is replaced by
-    /// H².
+    /// curvature K and the mean curvature H are assumed to be normally distributed. `None` if the method computes no
+    /// standard errors, or if numbers are beyond the range of doubles. A value of K above H² is impossible and is
+    /// replaced by H².
     pub fn class_probabilities(&self, thresholds: &ShapeThresholds) -> Option<[f64; 8]> {
         let uncertainty = self.uncertainty?;
         // Integrate over the mean curvature H. For each value of H, the Gaussian curvature K is normally distributed,

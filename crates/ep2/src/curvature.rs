@@ -12,7 +12,7 @@ pub(crate) const DERIVATIVES: usize = 5;
 /// Covariance of the derivatives (p, q, r, s, t) at several places, which are processed together.
 pub(crate) type JetCovariance = [[Lanes; DERIVATIVES]; DERIVATIVES];
 
-/// Gaussian and mean curvature at a place, convex positive.
+/// Gaussian and mean curvature at a place. The mean curvature is positive where the surface is convex.
 ///
 /// ```
 /// use palpate_ep2::{Curvature, SignClass};
@@ -34,8 +34,8 @@ pub struct Curvature {
     pub uncertainty: Option<Uncertainty>,
 }
 
-/// Gaussian and mean curvature at several ([`LANES`](crate::spline::LANES)) places, which are processed together;
-/// convex positive.
+/// Gaussian and mean curvature at several ([`LANES`](crate::spline::LANES)) places, which are processed together. The
+/// mean curvature is positive where the surface is convex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Curvatures {
     gaussian: Lanes,

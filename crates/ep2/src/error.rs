@@ -87,7 +87,7 @@ pub enum Ep2Error {
     Folded {
         /// Number of the contact with the largest angle, counted from 0.
         contact: usize,
-        /// Angle between the normal of this contact and the mean normal, degrees.
+        /// Largest angle between the normal of a contact and the mean normal, degrees.
         angle_deg: f64,
     },
     /// The points spread almost equally in all directions, as on a closed shape, so they have no mean plane.

@@ -1,5 +1,5 @@
-//! Fits planes, spheres and cylinders to contacts, by robust least squares, on any side of the object; and chooses
-//! among these shapes.
+//! Fits a plane, a sphere or a cylinder to contacts by robust least squares, and chooses the most probable of these
+//! shapes. The contacts may be on all sides of the object.
 
 mod cells;
 mod intervals;
@@ -122,7 +122,8 @@ impl Default for ShapeSettings {
 pub struct ShapeFit {
     /// The fitted shape.
     pub shape: Shape,
-    /// Probabilities of a plane, a sphere, a cylinder and no such shape; `None` if the shape was stated.
+    /// Probabilities of a plane, a sphere, a cylinder and none of these shapes, in this order; `None` if the shape was
+    /// stated.
     pub probabilities: Option<[f64; 4]>,
     /// Curvature, 1/length, > 0 if convex. For a sphere, it is the curvature in all directions; for a cylinder, it is
     /// the curvature across the axis.

@@ -33,9 +33,9 @@ pub struct CurvatureForm {
     pub k_vv: f64,
 }
 
-/// Limit for half of the difference between two estimated principal curvatures, in standard deviations. If the true
-/// curvatures are equal, noise alone exceeds this limit with a probability of 5 %. It is the square root of the 95 %
-/// quantile of χ² with 2 degrees of freedom.
+/// Two estimated principal curvatures differ significantly if half of their difference exceeds this number of standard
+/// deviations. If the true curvatures are equal, noise alone exceeds it with a probability of 5 %. The number is the
+/// square root of the 95 % quantile of χ² with 2 degrees of freedom.
 const SIGNIFICANT_SPREAD: f64 = 2.447_746_830_680_816;
 /// Standard deviation of an undetermined direction, which is uniform over half a turn: π/√12, rad.
 const UNKNOWN_DIRECTION_STD: f64 = 0.906_899_682_117_089_3;

@@ -37,9 +37,8 @@ pub trait Surface {
     /// The point of the chart with the parameters `at`, and its derivatives.
     ///
     /// # Errors
-    /// [`SurfaceError::OffDomain`] where the surface is not defined;
-    /// [`SurfaceError::ChartSingular`] where the chart does not reach: parameters that are not
-    /// finite, or beyond a pole.
+    /// [`SurfaceError::OffDomain`] where the surface is not defined; [`SurfaceError::ChartSingular`] if the parameters
+    /// are not finite, or if they are beyond a pole of the chart.
     fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError>;
 
     /// Normal and curvature at a point on (or very near) the surface, without a chart.

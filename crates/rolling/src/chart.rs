@@ -33,7 +33,7 @@ pub(crate) struct ChartForm<'a, S> {
 }
 
 impl<'a, S: Surface> ChartForm<'a, S> {
-    /// The system of equations, and its state at the contact `from`.
+    /// The system of equations for `motion`, and its state at the start, which is the contact `from`.
     pub(crate) fn new(
         bodies: &Bodies<'a, S>,
         from: &Contact,

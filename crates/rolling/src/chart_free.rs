@@ -40,7 +40,7 @@ pub(crate) struct ChartFree<'a, S, const READ: usize> {
 }
 
 impl<'a, S: Surface, const READ: usize> ChartFree<'a, S, READ> {
-    /// The system of equations, and its state at the contact `from`.
+    /// The system of equations for `motion`, and its state at the start, which is the contact `from`.
     pub(crate) fn new(
         bodies: &Bodies<'a, S>,
         from: &Contact,

@@ -7,8 +7,8 @@
 //! |---|---|---|
 //! | closed form | planes, spheres, dishes, cylinders; no spin | 1e-14 |
 //! | meridian | surfaces of revolution through the apex, ellipsoids and saddles along their axes; no spin or sliding | 1e-13 |
-//! | RK4 | all rolls | compared with a finer integration when it is chosen |
-//! | DOP853 | all rolls | its tolerance, or as for RK4 |
+//! | RK4 | all rolls | measured against a finer integration when the model is chosen |
+//! | DOP853 | all rolls | its tolerance, or measured as for RK4 |
 //!
 //! These errors are for one turn of the probe. They grow with the number of turns. If the bodies nearly conform, the
 //! errors are larger by the factor `(1/R₁ + |k|)/(1/R₁ + k)`. Here R₁ is the radius of the probe, and k is the smallest

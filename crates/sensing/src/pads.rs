@@ -256,8 +256,8 @@ impl Pads {
         }
     }
 
-    /// Centre of the active pad if the contact is at `place`. Both are displacements (length) from the pads' origin, in
-    /// the exponential map there, in which the edges of the pads are straight.
+    /// Centre of the active pad if the contact is at `place`. Both places are displacements (length) from the pads'
+    /// origin, by the exponential map at the origin. In this map, the edges of the pads are straight.
     ///
     /// # Errors
     /// [`BeyondPads`] if the contact is outside of the cap.

@@ -239,8 +239,8 @@ impl<'a> Search<'a> {
         deviances.fold(f64::INFINITY, f64::min)
     }
 
-    /// −2 ln(likelihood), with the quadric integrated out. If the variances are not stated, it is the value for the
-    /// best variance factor.
+    /// −2 ln(likelihood) of a smoothing weight, where the likelihood is integrated over all quadrics. If the variances
+    /// are not stated, the most probable variance factor is used.
     fn deviance(&self, sums: &Sums) -> f64 {
         let degrees = self.spectrum.equations - UNKNOWNS as f64;
         let misfit = if self.is_known {

@@ -4,7 +4,8 @@
 const LANES: usize = 4;
 /// Maximum number of rows of a block, chosen such that a block fits into the processor's cache.
 const MOST_ROWS: usize = 128;
-/// Sums of squares below this value are treated as zero. The entries of a row are relative to 1.
+/// Sums of squares below this value are treated as zero. The rows are scaled such that their largest entries are about
+/// 1.
 const VANISHING: f64 = 1e-280;
 
 /// Rows of a least-squares problem that start in the same column. The right-hand side is the last column.

@@ -9,7 +9,7 @@ use palpate_ep2::{
 use palpate_geometry::ShapeThresholds;
 use proptest::prelude::*;
 
-/// Any double; half of them have an ordinary magnitude.
+/// Random doubles: a sixth has any bit pattern, two thirds are between −2 and 2, and a sixth is between 1e-9 and 1e9.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => any::<u64>().prop_map(f64::from_bits),

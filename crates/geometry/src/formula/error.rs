@@ -7,8 +7,8 @@ use super::Formula;
 
 /// Error in the text of a formula or in its parameters.
 ///
-/// Displays the reason. If the error has a place in the formula, the formula follows, with a second line that marks the
-/// place:
+/// The displayed text begins with the reason. If the error has a place in the formula, the formula follows, with a
+/// second line that marks this place:
 ///
 /// ```text
 /// unknown name `kk` (did you mean `k`?)

@@ -1,5 +1,5 @@
-//! Closest points in cases that the tests of the laws do not contain: far away, inside the solid, and where several
-//! points are equally close.
+//! Closest points in cases that the general tests do not contain: far away, inside the solid, and where several points
+//! are equally close.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! One or more surfaces of each kind, with the data that the laws need.
+//! One or more surfaces of each kind, with the data that the tests of the mathematical laws need.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
