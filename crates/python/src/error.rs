@@ -68,7 +68,7 @@ pub(crate) fn argument(
     message: impl Into<String>,
 ) -> PyErr {
     let error = ArgumentError::new_err(message.into());
-    // Setting the attributes cannot fail, because the exception has its own dictionary.
+    // The exception has its own dictionary, so setting the attributes cannot fail.
     let _ = Python::attach(|py| {
         let own = error.value(py);
         own.setattr("argument", name)?;

@@ -223,7 +223,7 @@ impl Record {
             return Ok(false);
         };
         let [one, two] = [slf.get(), other.get()];
-        // A map has only arrays, which cannot be compared as a whole, so it equals only itself.
+        // A map consists of arrays only. Arrays cannot be compared as a whole, so a map equals only itself.
         if !is_same_kind || one.fields(py)?.is_empty() {
             return Ok(slf.is(other));
         }

@@ -194,7 +194,7 @@ impl Study {
         let cell = self.study.cell(number).map_err(error::config)?;
         let values = PyDict::new(py);
         for (path, text) in self.study.paths.iter().zip(&cell.coordinates) {
-            // The config contains the value as text, so parse it.
+            // The coordinates of a cell are stored as text, so parse the values.
             let value = serde_json::from_str(text);
             let value = value.unwrap_or_else(|_| serde_json::Value::String(text.clone()));
             values.set_item(path, to_python(py, &value)?)?;

@@ -92,7 +92,7 @@ pub(crate) fn watched<T: Send + 'static>(
     })?;
     match (done, worker.join()) {
         (Some(done), _) => watch.call(py, progress.as_ref()).map(|()| done),
-        // This case occurs if the work panics, because it then sends no result.
+        // If the work panics, it sends no result. Continue the panic in this thread.
         (None, Err(panic)) => std::panic::resume_unwind(panic),
         (None, Ok(_)) => Err(error::RunError::new_err("the work has no result")),
     }

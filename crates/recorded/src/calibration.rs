@@ -140,7 +140,8 @@ fn columns(header: &Header<'_>) -> Vec<Column> {
         columns.push(NORMAL);
     }
     columns.extend([HUE, GROWTH].into_iter().filter(|&column| has(column)));
-    // If the header has neither column, the hue is required, because it is the most common feature.
+    // If the header contains neither the hue nor the growth, the error demands the hue, because it is the most common
+    // feature.
     if !is_lateral && !has(HUE) && !has(GROWTH) {
         columns.push(HUE);
     }

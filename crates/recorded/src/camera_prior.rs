@@ -128,7 +128,8 @@ impl<'a> CameraPrior<'a> {
         let (own, found) = (numbers(&self.geometry), numbers(&geometry_of(at_rest)));
         let scales = scales(at_rest);
         let found_covariance = at_rest.covariance();
-        // Odd terms of the lens that the frame does not determine are not compared.
+        // Compare only the parameters that the frame determines. Odd terms of the lens that it does not determine come
+        // last and are left out.
         let count = found_covariance.nrows();
         let own_covariance = self.covariance().resize(count, count, 0.0);
         let std = |covariance: &DMatrix<f64>, entry: usize| {
@@ -141,8 +142,8 @@ impl<'a> CameraPrior<'a> {
         let is_alone = pull(worst) > MAX_PULL;
         let (name, unit) = NAMES[worst];
         let unit = unit.unwrap_or(self.unit);
-        // Round the two values in the warning to a tenth of their difference, because they could look equal after
-        // coarser rounding.
+        // The warning states both values. Round them to a tenth of their difference, because they could look equal
+        // after coarser rounding.
         let digit = 0.1 * (own[worst] - found[worst]);
         let with_std = |value: f64, std: f64| {
             let value = Number::known_to(value, digit);
@@ -165,8 +166,8 @@ impl<'a> CameraPrior<'a> {
         let apart = DVector::from_fn(count, |entry, _| {
             (own[entry] - found[entry]) / scales[entry]
         });
-        // Each parameter may agree with the frame although all parameters together contradict it, because they are
-        // correlated. Therefore a joint test follows.
+        // The parameters are correlated, so all together may contradict the frame although each single one agrees with
+        // it. Therefore test them jointly.
         let square = both
             .cholesky()
             .map(|factor| apart.dot(&factor.solve(&apart)));

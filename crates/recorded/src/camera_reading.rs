@@ -377,7 +377,7 @@ impl CameraReading {
 /// Source of the readings computed from two frames.
 fn source(frames: &FramePair, file: Option<String>) -> ReadingSource {
     file.map_or_else(ReadingSource::arrays, |name| {
-        // Line 1 of the file is the header.
+        // The markers are in the lines from 2 on, because line 1 of the file is the header.
         let lines = (2..frames.tracks.len() + 2).collect();
         ReadingSource::new(&name, lines)
     })

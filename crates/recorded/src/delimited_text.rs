@@ -99,7 +99,7 @@ impl<'a> DelimitedText<'a> {
         let (mut heading, mut is_after_gap) = (self.heading, false);
         let mut fields = StringRecord::new();
         let mut reader = reader(text, text.all, self.delimiter);
-        // Reading cannot fail: the text is valid UTF-8, and rows may have any number of fields.
+        // Reading a record cannot fail here: the text is valid UTF-8, and records may have any number of fields.
         while let Ok(true) = reader.read_record(&mut fields) {
             let start = fields
                 .position()
@@ -243,7 +243,8 @@ fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
     };
     let mut units: Vec<String> = row.iter().map(bare).collect();
     let is_unit = |text: &String| MEASURES.iter().any(|one| one.unit(text).is_some());
-    // Columns that palpate does not use may have units of other quantities, such as N.
+    // In a row of units, a column that palpate does not use may have any unit, such as N. So any short word is accepted
+    // as a unit.
     let is_word = |text: &String| text.len() <= 6 && text.parse::<f64>().is_err();
     let is_row = units.len() == columns && units.iter().any(is_unit) && units.iter().all(is_word);
     for unit in units.iter_mut().filter(|unit| *unit == "-") {

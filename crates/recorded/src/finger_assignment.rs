@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn contacts_without_jumps_are_of_one_finger() {
-        // In this example, the steps grow gradually. Therefore no limit separates long steps from short ones.
+        // The steps grow gradually, so no limit separates long steps from short ones.
         let (found, note) = fingers(&[0.0, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0]);
         assert_eq!(found, [0; 7]);
         assert!(note.contains("one finger"), "{note}");

@@ -92,7 +92,8 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
         |error: ImageError| file.error(format!("is a broken or truncated {name} image: {error}"));
     let scan = file.bytes.windows(2).rposition(|bytes| bytes == SCAN);
     let scan = &file.bytes[scan.unwrap_or_default()..];
-    // The decoder fills what is missing with grey.
+    // Check for the marker that ends a JPEG image. If the image is truncated, the decoder returns no error but fills
+    // the missing part with grey.
     if format == ImageFormat::Jpeg && !scan.windows(2).any(|bytes| bytes == END) {
         return Err(file.error("is a truncated JPEG image: the marker of its end is missing"));
     }

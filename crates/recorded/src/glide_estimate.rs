@@ -141,7 +141,7 @@ impl<'r> GlideFitResult<'r> {
                 let rows: Vec<usize> = rows.collect();
                 let contacts: Vec<Contact> = rows.iter().map(|&row| all[row]).collect();
                 let stroke = stroke_curvature(&contacts, &outward);
-                // If the contacts have normals and the shape is stated, a single stroke is enough to determine it.
+                // One stroke is enough if its contacts have normals and the shape is stated.
                 let is_determined = settings.shape.is_some() && recorded.has_normals();
                 let is_plane = settings.shape == Some(Shape::Plane);
                 let stroke = stroke.filter(|_| !is_determined && !is_plane);
@@ -291,7 +291,7 @@ impl<'r> GlideFitResult<'r> {
             Surface::Graph(graph) => (Some(&graph.1), Vec::new()),
             Surface::Shape(fit) => (None, shape_warnings(fit, unit)),
         };
-        // Only the method two-pass has a status, and this method states no uncertainty.
+        // The method two-pass is the only one that has a status, and it states no uncertainty.
         let is_unknown = self.centre.curvature.uncertainty.is_none()
             && of_graph.is_some_and(|graph| graph.fit.status.is_none());
         let unknown_noise = is_unknown.then(|| {

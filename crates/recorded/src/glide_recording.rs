@@ -114,8 +114,7 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> 
     let (columns, others): (Vec<Column>, Vec<Column>) = GLIDES.into_iter().partition(is_read);
     let sheet = ReadingTable::read(&table, &columns, &others)?;
     let mut contacts = Vec::with_capacity(sheet.source.lines.len());
-    // Finger numbers in the file may be arbitrary; here the fingers are numbered in the order in which they first
-    // appear.
+    // Finger numbers in the file may be arbitrary. Number the fingers anew, in the order in which they first appear.
     let mut indices = Fingers::default();
     for (line, numbers) in sheet.rows() {
         let (finger, numbers) = match names_fingers {

@@ -428,7 +428,7 @@ fn is_quaternion(heading: &Heading<'_>) -> bool {
 /// Whether a name in the file may denote the column. It must have a unit of the column's quantity or no unit. It must
 /// also contain all words of the column's name, or its quantity and axis.
 pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
-    // A component of a quaternion is not an angle.
+    // A component of a quaternion must not be proposed for a column that contains an angle.
     let is_angle =
         is_quaternion(heading) && (column.measure != Measure::Length || heading.part.is_some());
     let is_unit = |unit: &str| column.measure.unit(unit).is_some();
@@ -449,7 +449,7 @@ pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
     {
         return false;
     }
-    // Logs count rolls by other names.
+    // Some log files have a column that counts rolls, under one of these names. It may be used as the column `probe`.
     let is_probe = column.name == "probe"
         && words
             .iter()
@@ -466,7 +466,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         Some((quantity, axis)) => (quantity, axis),
         None => ("", column.stem()),
     };
-    // A number is an index here, although 1 is also the unit of plain numbers.
+    // Words that are units are removed. A number is kept, because it is an index here, although "1" is also a unit.
     let is_no_unit = |word: &&&str| {
         column.measure.unit(word).is_none() || words.len() == 1 || word.parse::<u8>().is_ok()
     };
@@ -483,13 +483,14 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         let is_start = |word: &&str| word.len() > 2 && quantity.starts_with(*word);
         rest.iter().any(is_start) || (quantity == "contact" && rest.contains(&"cop"))
     };
-    // On the probe, some call u and v x and y.
+    // Some authors call the axes u and v on the probe x and y.
     let other = match axis {
         "u" if says(quantity) => "x",
         "v" if says(quantity) => "y",
         axis => axis,
     };
-    // The words before the letter or the index denote the quantity.
+    // `letter` is what precedes the axis in the last word, for example `r` in `rx`. It is empty for a plain axis or an
+    // index.
     let letter = match last.strip_suffix(axis).or(last.strip_suffix(other)) {
         Some(letter) if letter.len() <= 1 => letter,
         _ if *last == index && !rest.is_empty() => "",
@@ -497,7 +498,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
     };
     let letters: &[&str] = match quantity {
         "" => {
-            // A single letter other than p denotes another quantity, not a position.
+            // A position may have the prefix p. Any other single letter denotes another quantity.
             let is_place = |word: &&str| word.len() > 1 || *word == "p";
             return !OTHERS.into_iter().any(says)
                 && rest.iter().all(is_place)

@@ -252,7 +252,7 @@ impl Scene<'_> {
         let is_layer = options.thickness().is_some();
         let large = large_contact(estimate, self.nominal.sphere.radius, is_layer);
         let in_row = |misfit: &Misfit| match *misfit {
-            // A poor fit needs no warning here, because there is a separate warning about the scatter of the markers.
+            // Omit the warning about a poor fit, because a separate warning reports the scatter of the markers.
             Misfit::PoorFit { .. } => None,
             Misfit::Outlier { reading, p_value } => Some(Misfit::Outlier {
                 reading: row(&reading)?,

@@ -133,13 +133,13 @@ fn columns(
     let is_scalar = |item: &Json| !item.is_array() && !item.is_object();
     let is_column = |value: &Json| match value {
         Json::Array(items) => items.iter().all(is_scalar),
-        // pandas writes a column as an object, in which the key of each value is the number of its row.
+        // pandas writes a column as an object, with the number of the row as the key of each value.
         Json::Object(items) => items
             .iter()
             .all(|(row, item)| row.parse::<u64>().is_ok() && is_scalar(item)),
         _ => false,
     };
-    // A short list may be a vector that belongs to a single row, unless the name of the list denotes a single axis.
+    // A long list is a column. A short list may instead be a vector in a single row, unless its name denotes one axis.
     let is_long = |value: &Json| value.as_array().map_or(0, Vec::len) > MAX_COMPONENTS;
     let is_of_axis = |name: &String| {
         let name = spelt(name);
@@ -228,7 +228,7 @@ impl<'a> Iterator for Elements<'a> {
         let line = self.line;
         self.line += element[..end].matches(self.text.end).count();
         self.start += skipped + end;
-        // A comma leads to the next element; behind the bracket there must be nothing.
+        // After an element, there must be a comma and another element, or the closing bracket and nothing else.
         match element[end..].starts_with(',') {
             true => self.start += 1,
             false if element[end..].starts_with(']') && element[end + 1..].trim().is_empty() => {

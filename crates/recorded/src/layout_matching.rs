@@ -234,7 +234,7 @@ impl Matched {
         let camera = optics.camera();
         let turn = pose.turn_rad();
         let terms = camera.lens().odd_terms().unwrap_or_default();
-        // The rows of the odd terms follow the rows of the other camera parameters.
+        // The covariance has nine rows for place, turn and scale of the camera, followed by a row for each odd term.
         let std_of_term = |at: usize| (nominal.stds[TERMS[at]] > 0.0).then(|| std(9 + at));
         Ok(CameraEstimate {
             length_unit,

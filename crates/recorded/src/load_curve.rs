@@ -154,8 +154,8 @@ pub fn estimate_force(
             pressed.len()
         ));
     }
-    // The indentation δ and the force F are divided by their largest values. Then F = q u with u = δ^(3/2); before the
-    // first touch, u = 0.
+    // Divide the indentation δ and the force F by their largest values. Then the Hertz law is F = q u with u = δ^(3/2).
+    // Before the first touch, u is 0.
     let scaled = curve.readings.iter().map(|[indentation, force]| {
         let depth = (indentation / deepest).max(0.0);
         [depth * depth.sqrt(), depth, force / strongest]
@@ -180,8 +180,8 @@ pub fn estimate_force(
     };
     let slope_std = std / information.sqrt();
 
-    // The exponent n follows from the derivative of q δ^n with respect to n. The part of this derivative that is
-    // proportional to δ^(3/2) is removed.
+    // The exponent n is fitted by the derivative of q δ^n with respect to n. The part of this derivative that is
+    // proportional to δ^(3/2) is removed, because it changes only q.
     let log = |[load, depth, _]: &[f64; 3]| match *depth > 0.0 {
         true => load * libm::log(*depth),
         false => 0.0,
@@ -195,7 +195,8 @@ pub fn estimate_force(
     let exponent_std = stated.unwrap_or(rest) / of_exponent.sqrt() / slope;
     let exponent = 1.5 + change / slope;
 
-    // Factor that converts F/(4/3 δ^(3/2)) from N per length^(3/2) to kPa √length.
+    // `per_kpa` converts F/δ^(3/2), in N per length^(3/2), to the stiffness in kPa √length. It contains the factor 4/3
+    // of the Hertz law.
     let per_kpa = 4.0 / 3.0 * 1e3 * metres * metres;
     let scale = strongest / per_kpa / deepest / deepest.sqrt();
     let [value, value_std] = [slope, slope_std].map(|one| one * scale);

@@ -141,7 +141,8 @@ pub(super) fn shape_warnings(fit: &ShapeFit, unit: LengthUnit) -> Vec<Warning> {
     ];
     let warning = |(code, text)| Warning::of(code, text);
     let mut warnings: Vec<Warning> = texts.into_iter().filter_map(warning).collect();
-    // If the user stated the shape, it is not compared with other shapes. Then only its goodness of fit is tested.
+    // If the user stated the shape, it was not compared with other shapes. Therefore only its goodness of fit is
+    // tested.
     if fit.probabilities.is_none() && fit.p_value < MIN_P_VALUE {
         let text = format!(
             "the contacts deviate from the {name} by {misfit} {unit} (rms), and not as noise does: they may be of another shape, and the intervals are not reliable"

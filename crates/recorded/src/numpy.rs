@@ -207,7 +207,8 @@ impl<'a> NumpyTable<'a> {
             ));
         }
         for element in 0..count {
-            // Indices of the element in each dimension after the first, the last of them running fastest.
+            // `indices` are the indices of this element in all dimensions after the first. The last index varies
+            // fastest.
             let mut rest = element;
             let mut indices = vec![0; within.len()];
             for (index, length) in indices.iter_mut().zip(within).rev() {
@@ -358,7 +359,7 @@ fn fields(text: &str) -> Result<Vec<(String, Scalar, usize)>, String> {
         .strip_prefix('[')
         .and_then(|rest| rest.split_once("],"));
     let mut fields = Vec::new();
-    // Splitting at quotation marks gives the names and the types at the odd indices.
+    // Split the list at quotation marks. The parts with odd indices are then the names and the types.
     let parts: Vec<&str> = list.map_or("", |(list, _)| list).split('\'').collect();
     for part in parts.get(1..).unwrap_or_default().chunks(4) {
         let [name, _, kind, after] = part else {

@@ -57,7 +57,7 @@ pub fn estimate_press(
     })?;
     let misfits = fit.misfits(&reading, &estimate).map_err(refused)?;
     let misfits: Vec<Misfit> = contradiction.into_iter().chain(misfits).collect();
-    // A contact that is too wide is an error only if no other warning names its cause.
+    // If another warning already states why the contact is too wide, the contact is not reported as an error.
     if misfits.is_empty() && estimate.only_marker.is_none() {
         estimate.within_object().map_err(refused)?;
     }
@@ -164,7 +164,7 @@ fn refused(
     let mut sizes: Vec<f64> = recorded.normal.iter().map(|one| one.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     let largest = sizes.last().copied().unwrap_or(0.0);
-    // Whether at least three displacements are larger than five times the median.
+    // Displacements are distinct if at least three of them exceed five times the median.
     let third = sizes.iter().rev().nth(2);
     let are_distinct = third.is_some_and(|third| *third > 5.0 * sizes[sizes.len() / 2]);
     let mut message = match error {

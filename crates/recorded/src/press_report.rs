@@ -121,7 +121,7 @@ impl PressReport {
         let value = |estimated, power| Value::of(&estimated, power, unit);
         let std = |std: f64| Value::bare(std, unit.as_str());
         let curvature = estimate.object_curvature();
-        // The radius is computed from the curvature of the best fit, because `object_curvature` is corrected for bias.
+        // The radius is the inverse of the curvature of the best fit, because `object_curvature` is corrected for bias.
         let most_likely = Estimated {
             value: estimate.most_likely_object_curvature(),
             ..curvature

@@ -67,7 +67,7 @@ impl ReadingTable {
         let mut labels = Labels::default();
         table.each(|record| {
             let (found, expected) = (record.fields.len(), table.header.len());
-            // A delimiter at the end of a row does not begin another field.
+            // A row may end in a delimiter. The empty field after it does not count.
             let is_ended = found == expected + 1 && record.fields[expected].is_empty();
             if found != expected && !is_ended {
                 let hint = match table.has_commas() && found > expected {
@@ -282,8 +282,7 @@ fn decimal_of(
     let mut odd: Option<(usize, usize, String)> = None;
     let mut sign = DecimalSign::default();
     table.each(|record| {
-        // Only rows with the correct number of fields are used here. Other rows are rejected later, when numbers are
-        // read.
+        // Rows with a wrong number of fields are ignored here. They are rejected later, when the numbers are read.
         let is_whole = record.fields.len() == table.header.len();
         for place in places.iter().filter(|_| is_whole) {
             let field = tidy(&record.fields[place.index]);

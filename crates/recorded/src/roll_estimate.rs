@@ -329,7 +329,8 @@ pub fn estimate_roll(
 
     if let Some(series) = estimate_of_series(&recorded, options, unit).map_err(fail)? {
         let mut estimate = series.estimate();
-        // Without noise, the residuals of exact readings do not show how far the curvature departs from the model.
+        // For exact readings, the method `trajectory` has no standard errors: the residuals do not show how far the
+        // curvature departs from the fitted terms.
         let has_error =
             series.method != "trajectory" || !has_pads || !options.series.noise.is_exact();
         if !has_error {
@@ -389,7 +390,8 @@ pub fn estimate_roll(
     let covariance = fitted.covariance(&estimate);
     let single_direction = single.map(|(angle, mut fitted)| {
         fitted.pop();
-        // Small rotations across the single direction are not readings of the curvature across it.
+        // Use only the fitted readings. The small rotations across the single direction do not determine the curvature
+        // across it.
         recorded.readings = fitted;
         DirectedCurvature::new(angle, &estimate, covariance.as_ref(), half_width, unit)
     });

@@ -138,7 +138,7 @@ impl RollRecording {
     pub(super) fn leave_out_copies(&mut self) -> Option<String> {
         let readings = &self.readings;
         let is_repeated = |(place, one)| readings[..place].contains(one);
-        // A few rolls are compared with each other directly, because building a hash table takes longer than the
+        // If there are only a few rolls, compare each with all others. Building a hash table would take longer than the
         // estimate.
         if readings.len() <= MAX_COMPARED && !readings.iter().enumerate().any(is_repeated) {
             return None;
@@ -236,7 +236,7 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
         }
     };
     let mut rolls: Vec<Roll> = Vec::new();
-    // Position of each probe, and its last time.
+    // For each probe: the index of its roll, and the time of its last row.
     let mut earlier: HashMap<u64, (usize, f64)> = HashMap::new();
     for (row, ((line, numbers), &probe)) in sheet.rows().zip(&probes).enumerate() {
         let numbers = &numbers[first..];

@@ -177,7 +177,8 @@ fn all_on_lattice(
     let is_hexagonal = *cell == PadCell::hexagonal(cell.pitch());
     let error_of = |place: &Vector2<f64>| {
         let pitches = (place - first.place) / cell.pitch();
-        // Hexagons lie in rows along u, which are half a pitch apart along u and √3/2 pitches along v.
+        // The rows of hexagonal pads lie along u. Neighbouring rows are √3/2 pitches apart along v, and are shifted by
+        // half a pitch along u.
         let [u, v] = match is_hexagonal {
             true => {
                 let row = pitches.y / (0.5 * 3.0_f64.sqrt());
@@ -188,7 +189,7 @@ fn all_on_lattice(
         (u - u.round()).abs().max((v - v.round()).abs())
     };
     for (roll, series) in readings.rolls.iter().enumerate() {
-        // The active pad rarely changes, so most samples repeat the place before.
+        // The active pad rarely changes. So check the place of a sample only if it differs from the previous one.
         let mut last = first.place;
         for sample in &series.samples {
             if sample.place != last && error_of(&sample.place) > MAX_PAD_ERROR {

@@ -68,7 +68,7 @@ impl RollEstimate {
         let principal = self.estimate.curvature.principal();
         let sharper = principal.k_min.abs().max(principal.k_max.abs());
         let std = rounding_std(self.options.probe_radius, sharper);
-        // A warning is given if the rounding error exceeds 1/1000 of the curvature.
+        // Warn if the rounding error exceeds 1/1000 of the curvature.
         (sharper < 1e3 * std).then(|| {
             format!(
                 "the object is too flat for double precision: the rounding error of a curvature \

@@ -41,7 +41,7 @@ pub(super) fn single_direction(
         let drive = drive(&(reading.rotation / largest));
         moment += drive * drive.transpose();
     }
-    // The ratio q of the eigenvalues determines the ratio q / (1 + q)² of the determinant to the square of the trace.
+    // If q is the ratio of the eigenvalues, the determinant divided by the squared trace is q/(1 + q)².
     const RATIO: f64 = MAX_SPREAD * MAX_SPREAD;
     let (trace, determinant) = (moment.trace(), moment.determinant());
     let is_single = determinant * (1.0 + RATIO) * (1.0 + RATIO) < RATIO * trace * trace;

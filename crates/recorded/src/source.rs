@@ -121,7 +121,7 @@ pub(super) const COPIES: &str =
 
 /// Indices of the readings that repeat all numbers of an earlier reading.
 pub(super) fn copies<const N: usize>(readings: impl Iterator<Item = [f64; N]>) -> Vec<usize> {
-    // The sum of −0 and 0 is 0, so −0 and 0 count as equal.
+    // Adding 0 converts −0 to 0, so that −0 and 0 have the same bits.
     let bits = |numbers: [f64; N]| numbers.map(|number| (number + 0.0).to_bits());
     let mut earlier = HashSet::new();
     let is_copy = |(place, numbers)| (!earlier.insert(bits(numbers))).then_some(place);

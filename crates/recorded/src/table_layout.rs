@@ -243,7 +243,7 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
         .iter()
         .enumerate()
         .map(|(place, column)| (place, self::words(column.stem())));
-    // The longest name that fits: `finger_1_normal_x` is a normal, not a position.
+    // Use the longest column name that fits: `finger_1_normal_x` is the x component of a normal, not the position x.
     let found = stems.filter_map(|(place, stem)| {
         let at = words.windows(stem.len()).rposition(|part| part == stem)?;
         Some((stem.len(), place, at))

@@ -237,7 +237,7 @@ impl<'a> TextTable<'a> {
                     .into_iter()
                     .chain(numbers())
                     .chain(shared);
-                // Fields that the header does not have remain, so that they are refused.
+                // Keep fields that exceed the header, so that the reader rejects the row.
                 let more = record.fields.iter().skip(header.len());
                 take(Record {
                     fields: &fields.chain(more).collect(),

@@ -86,6 +86,6 @@ impl Value {
 
 /// The number if it is finite, with 0 instead of −0.
 pub(super) fn finite(number: f64) -> Option<f64> {
-    // The sum of −0 and 0 is 0.
+    // Adding 0 converts −0 to 0.
     Some(number + 0.0).filter(|number| number.is_finite())
 }

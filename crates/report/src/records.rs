@@ -211,7 +211,7 @@ const LARGEST: f64 = 1e100;
 pub(crate) fn by_key<K: PartialEq, T>(items: impl IntoIterator<Item = (K, T)>) -> Vec<(K, Vec<T>)> {
     let mut groups: Vec<(K, Vec<T>)> = Vec::new();
     for (key, item) in items {
-        // Start the search at the last group, because items with the same key are mostly neighbours.
+        // Search from the last group, because items with the same key are mostly neighbours.
         match groups.iter_mut().rev().find(|(known, _)| *known == key) {
             Some((_, items)) => items.push(item),
             None => groups.push((key, vec![item])),

@@ -95,12 +95,11 @@ impl<S: Surface, const READ: usize> System<STATE> for ChartFree<'_, S, READ> {
         let y = x.cross(&object.gradient);
         let c = contact_velocity(self.probe_curvature, &object, &self.drive)?;
         let velocity = x * c.x + y * c.y;
-        // The component of the axis's derivative ẋ along the gradient is chosen such that the axis x stays tangent to
-        // the object.
+        // `x_dot` is the derivative of the axis x. Its component along the gradient keeps x tangent to the object.
         let per_square = 1.0 / object.steepness_squared;
         let x_dot = y * (self.spin * object.steepness * per_square)
             - object.gradient * (object.xx * per_square * c.x + object.xy * per_square * c.y);
-        // Half the angular velocity of the contact frame, in the probe's body frame.
+        // `h1` and `h2` are half the angular velocity of the contact frame, in the probe's body frame.
         let half = 0.5 * self.probe_curvature;
         let p = (
             c.x - self.sliding.x,

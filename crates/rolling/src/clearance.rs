@@ -115,13 +115,13 @@ impl Terrain {
         let mut starts = Vec::new();
         for (index, &[column, row]) in places.iter().enumerate() {
             let (height, square) = (heights[index], squares[index]);
-            // At the edge of the sampled window, this index may refer to a sample of another row. This does no harm,
-            // because samples at the edge of the window are too far from the centre to be used.
+            // Index of a neighbouring sample. At the edge of the sampled window, it may refer to a sample of another
+            // row. This does no harm, because samples at the edge are too far from the centre to be used.
             let beside =
                 |right: i64, down: i64| (index as i64 + right + down * side as i64) as usize;
             let mut around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down)));
             let is_nearer = |(right, down): (i64, i64)| {
-                // A neighbour without a sample does not count as nearer to the centre than the sample.
+                // If a neighbour has no sample, it does not prevent this sample from being the nearest one.
                 squares
                     .get(beside(right, down))
                     .is_none_or(|other| other.is_nan() || *other >= square)
@@ -225,14 +225,14 @@ impl Roller {
         let duration_s: f64 = motions.iter().map(|motion| motion.duration_s).sum();
         let mut before = self.sample(motions, 0.0, terrain, margin)?;
         let mut least = before.clearance;
-        // Samples that have not been compared with the sample before them yet. The next sample to compare is the last
-        // element.
+        // `ahead` is a stack of samples that have not been compared with their predecessor yet. Its last element is the
+        // next one in time.
         let mut ahead = vec![self.sample(motions, duration_s, terrain, margin)?];
         while let Some(after) = ahead.last().copied() {
             let way = after.way - before.way;
             let nearer = before.clearance.min(after.clearance) / radius;
-            // If the clearance is large, no finer samples are needed, because the clearance changes by at most the
-            // distance that the centre moves.
+            // The clearance changes by at most the distance that the centre moves. So if the clearance is larger, no
+            // samples are needed in between.
             let is_cut = way > LONGEST || (way > SHORTEST && nearer < way);
             let middle = 0.5 * (before.time_s + after.time_s);
             if is_cut && before.time_s < middle && middle < after.time_s {
@@ -261,8 +261,8 @@ impl Roller {
         for start in terrain.starts(self.object(), &centre, reach) {
             let Start { place, is_on_wall } = start;
             let descended = self.object().closest_point_from(&centre, place);
-            // If the start of the search is on a wall, the start itself is tested too. It is also tested if the search
-            // fails, for example between two points that are equally close.
+            // Also test the start of the search itself if it is on a wall, or if the search fails, for example between
+            // two points that are equally close.
             let itself = (is_on_wall || descended.is_err())
                 .then(|| self.object().contact_at(place.x, place.y));
             for closest in descended.into_iter().chain(itself.into_iter().flatten()) {

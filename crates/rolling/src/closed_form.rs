@@ -40,8 +40,8 @@ impl ClosedForm {
         let y_axis = from.y_axis();
         let displacement = from.x_axis * along.x + y_axis * along.y;
         let tilt = self.object * along;
-        // The angular velocity of the contact frame is normal × (x tilt.x + y tilt.y). It equals x tilt.y − y tilt.x,
-        // because the z axis of the frame points into the object.
+        // The angular velocity of the contact frame is normal × (x tilt.x + y tilt.y). This equals x tilt.y − y tilt.x,
+        // because the normal is −z: the z axis of the frame points into the object.
         let turn = from.x_axis * tilt.y - y_axis * tilt.x;
         let screw = Screw::new(turn);
         Contact {

@@ -146,8 +146,8 @@ impl Setting<'_> {
         {
             return (rung, self.closed_form_choice());
         }
-        // The meridian model is also correct if the motion is steady in the frame of the chart. On a meridian, which is
-        // a line of symmetry, both frames are equal.
+        // The meridian model is correct for motions that are steady in the contact frame or in the frame of the chart.
+        // On a meridian, which is a line of symmetry, both frames are equal.
         if tolerance >= MERIDIAN_ERROR
             && let Ok(rung) = self.meridian(rolls)
         {
@@ -160,7 +160,7 @@ impl Setting<'_> {
                          measured";
                     dop853(tolerance, chart, reason.to_owned(), Some(tolerance))
                 }
-                // The tolerance is divided by the number of turns, because errors add up along the path.
+                // Errors add up along the path. Therefore the tolerance is divided by the number of turns.
                 Unmeasured::TooLong => {
                     let reason = "no closed form; the rolls are too long to try other models";
                     let finer = finer(tolerance / rolls.turns().max(1.0));

@@ -177,8 +177,7 @@ impl Setting<'_> {
             if (4 * steps * motions) as f64 >= RELATIVE_COST * evaluations as f64 {
                 break;
             }
-            // An integration may fail because its steps are too long for the surface. Therefore more and shorter steps
-            // are tried.
+            // If the integration fails, its steps may be too long for the surface. Try more and shorter steps.
             let Ok(ends) = self.ends(rolls, rk4_method(steps), chart) else {
                 continue;
             };

@@ -102,8 +102,8 @@ impl MeridianRung {
         let point = section.at(t);
         let direction: Vector2<f64> = turn / theta;
         let outward = apex.x_axis * direction.x + apex.y_axis() * direction.y;
-        // The contact frame turns by the slope angle of the normal, about the tangent that is perpendicular to the
-        // meridian.
+        // The contact frame turns by the slope angle of the normal. The axis of this turn is the tangent perpendicular
+        // to the meridian.
         let [sin, cos] = point.normal;
         let along = outward * (1.0 - cos) + apex.normal * sin;
         Ok(Contact {
@@ -130,8 +130,8 @@ fn along_ellipse(a: f64, c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> 
         let excess = point.slope_rad + arc / radius - theta;
         let slope = point.slope_per_parameter + point.arc_per_parameter / radius;
         root.step(excess, excess / slope);
-        // Stop here: Newton's method converges quadratically, so the next correction would be smaller than the rounding
-        // errors.
+        // Newton's method converges quadratically. So after a correction this small, the next one would be below the
+        // rounding errors.
         if (root.at - t).abs() <= 1e-8 * t {
             return Some((root.at, arc + (root.at - t) * point.arc_per_parameter));
         }
@@ -161,7 +161,7 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
         let q = root.at;
         let ww = 1.0 + q * q;
         let w = ww.sqrt();
-        // The value of asinh q for the slope q, computed from the square root above.
+        // `asinh` is asinh q for the slope q, computed from w = √(1 + q²).
         let asinh = libm::log1p(q + q * q / (1.0 + w));
         let arc = 0.5 * (q * w + asinh);
         let excess = sign * libm::atan(q) + a * arc - theta;
@@ -169,8 +169,8 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
         let bend = q * (a / w - 2.0 * sign / (ww * ww));
         let newton = excess / slope;
         root.step(excess, newton / (1.0 - 0.5 * newton * bend / slope));
-        // Stop if the step is small: Halley's method converges cubically, so the next correction would be smaller than
-        // the rounding errors.
+        // Halley's method converges cubically. So after a step this small, the next correction would be below the
+        // rounding errors.
         let step = root.at - q;
         if step.abs() <= 3e-6 * q {
             let arc = arc + step * (w + 0.5 * step * q / w);
@@ -182,8 +182,8 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
 
 /// First estimate of the slope at which the probe has turned by `theta`.
 fn first_slope(sign: f64, a: f64, theta: f64) -> f64 {
-    // With σ = `sign` and the slope q, the equation of `along_parabola` has the series
-    // θ = (a + σ) q + (a/6 − σ/3) q³ + (σ/5 − a/40) q⁵ + …. The first terms of the inverse series give q.
+    // Let σ = `sign`, and let q be the slope. Then the equation of `along_parabola` is θ = (a + σ) q + (a/6 − σ/3) q³ +
+    // (σ/5 − a/40) q⁵ + …. The first terms of the inverse series give q.
     let rate = a + sign;
     let linear = theta / rate;
     let square = linear * linear;

@@ -32,8 +32,8 @@ impl Motion {
     pub fn rolling(direction_rad: f64, rate_rad_per_s: f64, duration_s: f64) -> Self {
         let (sin, cos) = sin_cos_exact(direction_rad);
         Self {
-            // Both signs are negative, because the second axis of the contact frame is y₁ = −n × x₁, where n is the
-            // object's normal.
+            // The second axis of the contact frame is y₁ = −n × x₁, where n is the object's normal. Therefore both
+            // signs are negative.
             angular_velocity: Vector3::new(-sin, -cos, 0.0) * rate_rad_per_s,
             sliding: Vector2::zeros(),
             duration_s,

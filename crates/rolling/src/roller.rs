@@ -278,7 +278,7 @@ impl Roller {
                 ..*motion
             }]);
             let next = match reached {
-                // If the path is so short that its squared length underflows to zero, the first estimate of the
+                // The path is so short that its squared length underflows to zero. Then the first estimate of the
                 // duration is exact.
                 Ok(contact) if contact.arc_length == 0.0 => return Ok(duration_s),
                 Ok(contact) => {
@@ -295,8 +295,8 @@ impl Roller {
                 Err(error) if matches!(error.fault, RollFault::TooManySteps { .. }) => {
                     return Err(error);
                 }
-                // The roll went beyond the point where it must end. Try a shorter roll, unless that point is already
-                // located within a relative error of 1e-9.
+                // The roll cannot last as long as `duration_s`. Try a shorter roll, unless the end is already located
+                // within a relative error of 1e-9.
                 Err(error) if duration_s - low < 1e-9 * duration_s => return Err(error),
                 Err(_) => {
                     high = duration_s;

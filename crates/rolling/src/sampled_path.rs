@@ -97,9 +97,10 @@ impl Roller {
         let shift = contact
             .shift_from(first, self.probe().radius())
             .displacement;
-        // The body axes of the probe equal the axes of the object at the first contact.
+        // At the first contact, the body axes of the probe are parallel to the axes of the object.
         let rotation = first.object_from_probe().inverse() * contact.object_from_probe();
-        // The quaternion of a small rotation has all digits of the angle, which the trace of its matrix has not.
+        // Convert the matrix to a quaternion, because a quaternion has all digits of a small angle. The trace of the
+        // matrix does not.
         let rotation = UnitQuaternion::from_rotation_matrix(&rotation);
         let turned = first.body_from_contact.inverse() * rotation.scaled_axis();
         Numbers::from([shift.x, shift.y, turned.x, turned.y, turned.z])
@@ -176,7 +177,8 @@ impl Roller {
         if nodes.contacts.len() <= MAX_INTERVALS {
             return Ok(nodes.interpolated(time_s));
         }
-        // The path has too much detail for an interpolation, so the contact rolls on from the node before.
+        // The path has too much detail for an interpolation. Therefore compute the roll from the previous node to this
+        // instant.
         let later = nodes.instants.partition_point(|instant| *instant <= time_s);
         let node = later.saturating_sub(1);
         let contact = self.over(
@@ -270,7 +272,8 @@ mod tests {
                 let error = (place.displacement - expected).norm();
                 assert!(error < 1e-10, "{time}: {place:?} {expected}");
                 let rolled: nalgebra::Vector2<f64> = cut.iter().map(Motion::rotation).sum();
-                // The axis of the rotation turns with the contact frame, so the two differ by a small share.
+                // The axis of the rotation turns with the contact frame. So the rotation differs slightly from the sum
+                // of the motions.
                 let error = (place.rotation.xy() - rolled).norm();
                 assert!(error < 0.05 * rolled.norm() + 1e-12, "{place:?} {rolled}");
             }

@@ -48,7 +48,7 @@ fn rolls_from_arrays_match_those_from_a_file() {
     let estimate = estimate_roll(readings, &options).unwrap();
     let of_file = estimate_roll(parse_roll(file(name)).unwrap(), &options).unwrap();
     assert_same_json(&estimate, &of_file);
-    // The third component is a rotation about the normal, which does not move the contact.
+    // A rotation about the normal (third component) does not move the contact, so it must not change the estimate.
     let spun: Vec<[f64; 3]> = rotations.iter().map(|[x, y]| [*x, *y, 0.7]).collect();
     let readings = RollRecording::new(&spun, &shifts, MM).unwrap();
     assert_same_json(&estimate_roll(readings, &options).unwrap(), &of_file);

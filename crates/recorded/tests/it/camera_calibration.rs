@@ -154,9 +154,9 @@ fn one_frame_locates_the_camera() {
             count += 1.0;
         }
         assert!(estimate.warnings.is_empty(), "{:?}", estimate.warnings);
-        // One or two markers are only partly in the frame.
+        // Of 77 markers, one or two are cut by the rim of the frame and not used.
         assert!(estimate.residuals_px.len() >= 75, "{estimate:?}");
-        // The estimates are within the prior standard deviations, which are 2 mm, 5 degrees and 10 %.
+        // The frame must determine the camera much better than the priors do, which are 2 mm, 5 degrees and 10 %.
         assert!(
             estimate.place_std.iter().all(|std| *std < 0.3),
             "{estimate:?}"
@@ -178,7 +178,7 @@ fn one_frame_locates_the_camera() {
         let variance = estimate.covariance[3][3];
         assert!((variance.sqrt() / estimate.place_std[0] - 1.0).abs() < 1e-12);
     }
-    // The sum contains seven correlated numbers for each of four frames.
+    // The limits are wide, because the sum contains only four frames with seven correlated numbers each.
     let spread = f64::sqrt(square / count);
     assert!((0.15..2.0).contains(&spread), "{spread}");
 }
@@ -308,7 +308,8 @@ fn markers_cut_by_the_rim_do_not_count_as_missing() {
 fn errors_name_unusable_frames() {
     let here = study(20.0);
     let truth = Truth::default();
-    // Angular distances between markers that are 1.5 times as large belong to another layout.
+    // On this study's sensor, the markers have other angular distances, by a factor of 1.5, than in the frame. So the
+    // frame must be rejected.
     let said = refused(truth.frame(1), &study(30.0));
     assert!(
         said.contains("another layout") || said.contains("contradicts"),

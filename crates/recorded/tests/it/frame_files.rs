@@ -74,7 +74,7 @@ fn codes_if_right(estimate: &serde_json::Value) -> Vec<&str> {
 fn jpeg_frames_of_the_field_give_the_curvature() {
     let frames = [REST, PRESSED].map(|bytes| frame(bytes).unwrap());
     codes_if_right(&estimate(frames.clone()));
-    // Frames of 4:3 show the same in their central square.
+    // Frames of the format 4:3 contain the same image in their central square.
     let wide = frames.clone().map(|frame| {
         let mut image = RgbImage::from_pixel(854, 640, image::Rgb([255; 3]));
         image::imageops::replace(&mut image, &frame.image, 107, 0);
@@ -125,7 +125,7 @@ fn frames_that_are_encoded_by_srgb_are_found_at_rest() {
     };
     let found = estimate([REST, PRESSED].map(encoded));
     assert!(codes_if_right(&found).contains(&"srgb-frames"));
-    // The same frames that are stated as encoded have no such warning.
+    // If the user states that the frames are encoded by sRGB, there is no such warning.
     let stated = estimate([REST, PRESSED].map(|bytes| encoded(bytes).linearised()));
     assert!(!codes_if_right(&stated).contains(&"srgb-frames"));
     assert_eq!(found["object_curvature"], stated["object_curvature"]);
@@ -133,7 +133,7 @@ fn frames_that_are_encoded_by_srgb_are_found_at_rest() {
 
 #[test]
 fn a_third_of_the_markers_may_be_dead() {
-    // The field shows 77 markers. Every third one is painted with the colour of the skin beside it.
+    // 77 markers are visible. Paint every third one with the colour of the skin beside it.
     let [rest, pressed] = [REST, PRESSED].map(|bytes| frame(bytes).unwrap());
     let tracked = track_frames(&rest, &pressed).unwrap();
     let dead: Vec<[f64; 2]> = (tracked.tracks.iter().skip(1).step_by(3))
@@ -192,7 +192,7 @@ fn frames_of_all_formats_have_the_same_pixels() {
             .unwrap_err()
             .contains("is not a PNG, JPEG, BMP, TIFF or WebP image")
     );
-    // Pixels that are encoded by sRGB are linear again.
+    // `linearised` must convert levels from sRGB to linear light.
     let mut image = RgbImage::new(3, 1);
     for (pixel, level) in image.pixels_mut().zip([0, 188, 255]) {
         pixel.0 = [level; 3];

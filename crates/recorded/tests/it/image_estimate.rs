@@ -200,7 +200,7 @@ fn errors_name_unusable_frames() {
         &pressed,
         &["rest.png: shows ", " of the 77 markers"],
     );
-    // A few missing markers do not prevent an estimate but cause a warning.
+    // If a few markers are missing, there is an estimate with a warning.
     let report = estimate(&[without_markers(&rest, 5), pressed], &options).expect("an estimate");
     let warning = report["warnings"][0]["text"].as_str().expect("a warning");
     assert!(

@@ -60,7 +60,7 @@ fn exact_forces_determine_the_radius() {
     close("exponent", 1.5);
     assert!((number(&found["object_curvature"]["value"]) - 1.0 / 80.0).abs() < 1e-12);
     assert_eq!(found["warnings"], Value::Array(Vec::new()));
-    // The same load curve in other units.
+    // The same load curve, with indentations in m and forces in mN, must give the same curvature.
     let rows = (1..=20).map(|step| {
         let indentation = 0.1 * f64::from(step);
         format!("{},{}\n", 1e-3 * indentation, 1e3 * hertz(indentation))
@@ -122,8 +122,7 @@ fn other_laws_have_warnings() {
         let found = estimate(&table(force), options).unwrap();
         found["warnings"][0]["code"].as_str().map(str::to_owned)
     };
-    // The first of these two curves is the force of a flat punch, and the second is the force of a contact that is too
-    // wide.
+    // These two curves must cause warnings: the force of a flat punch, and the force of a contact that is too wide.
     let punch = |indentation: f64| 3.0 * indentation;
     assert_eq!(code(&punch, &OPTIONS).as_deref(), Some("other-body"));
     let stiff = LoadOptions {

@@ -58,7 +58,7 @@ fn lost_rolls_are_left_out_and_named() {
                 .contains("probe 2, row 3, is left out: lost")
         );
     }
-    // More than a fifth of the rolls is an error.
+    // If more than a fifth of the rolls have lost readings, there is no estimate.
     let many = [1, 3, 4].map(|roll| (roll, [0.0; 2]));
     let error = estimate(log(8, 0.03, 0.0, &many)).unwrap_err();
     assert!(
@@ -71,7 +71,8 @@ fn lost_rolls_are_left_out_and_named() {
 
 #[test]
 fn coarse_pads_may_report_zero() {
-    // A roll moves the contact by 3.6 mm. Along one axis, pads of 4 mm may report 0 or 4 mm.
+    // A roll moves the contact by 3.6 mm. With pads of 4 mm, a reading of 0 along one axis is therefore possible, and
+    // is not a lost reading.
     for pitch in [2.0, 4.0] {
         let found = estimate(log(24, 0.0, pitch, &[])).unwrap();
         assert_eq!(found["left_out"], Value::Array(vec![]), "{pitch}");

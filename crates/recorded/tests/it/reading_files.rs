@@ -138,7 +138,7 @@ fn quaternions_are_rotations() {
         "probe,pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w,shift_u_mm,shift_v_mm",
         |q| q.map(|part| -part),
     );
-    // These columns form a quaternion, although only the last letters of their four names show this.
+    // These columns must be recognised as a quaternion, although only the last letters of their names show this.
     let lettered = [
         "rotation.x,rotation.y,rotation.z,rotation.w",
         "rx,ry,rz,rw",
@@ -188,7 +188,8 @@ fn unusable_quaternions_are_refused() {
         quaternions(header, |q| q).replace("\n1,", "\n0,"),
         "probe 0 occurs twice",
     );
-    // In its proposals, the message never assigns a component of a quaternion to a component of a rotation vector.
+    // The message proposes columns. It must not propose a component of a quaternion as a component of a rotation
+    // vector.
     let hint = roll_of(quaternions(
         "probe,qx,qy,qz,real,shift_u_mm,shift_v_mm",
         |q| q,

@@ -152,7 +152,8 @@ fn the_same_rolls_in_each_form_have_one_estimate() {
             same(found, &series);
         }
     }
-    // Rotations whose axes are those of the world, of a probe that a quarter turn about its normal rotated before.
+    // The rotations are stated in the axes of the world. Before the roll, the probe was turned by a quarter turn about
+    // its normal, so its axes differ from those of the world.
     let quarter = UnitQuaternion::from_scaled_axis(Vector3::z() * std::f64::consts::FRAC_PI_2);
     let header = "probe,time_s,qx,qy,qz,qw,contact_u_mm,contact_v_mm";
     let series = table(header, Some(quarter), |rotation| {
@@ -173,7 +174,7 @@ fn rolls_of_the_field_have_their_answer() {
     let (_, hint) = error.split_once("setting `columns` '").unwrap();
     let hint = hint.split_once('\'').unwrap().0;
     assert_eq!(hint, "contact_u=cop_x,contact_v=cop_y,probe=trial");
-    // The log has the places in metres, which no name states.
+    // The columns of the log are in metres, but their names do not state this. So rename them.
     let in_metres = hint.replace("cop_x", "cop_x_m").replace("cop_y", "cop_y_m");
     let form = Form {
         length_unit: Some(LengthUnit::Mm),
@@ -233,7 +234,8 @@ fn unusable_rotations_are_refused_with_line_and_value() {
         let error = roll(&table, "", None).unwrap_err();
         assert!(error.contains(words), "{words}: {error}");
     }
-    // Where rolls do not show which component is the scalar part, the message names both orders, and each is read.
+    // Nothing in these readings shows which component is the scalar part. So the message proposes both orders, and each
+    // proposal must work.
     let two =
         "probe,q0,q1,q2,q3,shift_u_mm,shift_v_mm\n0,0.7,0.1,0.1,0.7,1,0\n1,0.7,0.1,-0.1,0.7,0,1\n";
     let error = roll(two, "", None).unwrap_err();
@@ -241,7 +243,8 @@ fn unusable_rotations_are_refused_with_line_and_value() {
         error.contains("'qx=q1,qy=q2,qz=q3,qw=q0' or 'qx=q0,qy=q1,qz=q2,qw=q3'"),
         "{error}"
     );
-    // A series with shifts is read when they are named as places.
+    // A time series needs columns of places. The message proposes to use the columns of shifts as places, and this
+    // proposal must work.
     let header = "probe,time_s,qx,qy,qz,qw,shift_u_mm,shift_v_mm";
     let series = table(header, Some(UnitQuaternion::identity()), quaternion);
     let error = roll(&series, "", None).unwrap_err();

@@ -102,7 +102,8 @@ fn files_of_other_programs_hold_the_same_contacts() {
         let found = glide(&contents, "").unwrap_or_else(|error| panic!("{error}: {contents}"));
         assert_eq!(found, expected, "{contents}");
     }
-    // Arrays have no unit, and their columns another order or names of two words.
+    // The columns of these arrays have no unit. They are in another order, or their names consist of two words. The
+    // setting that the message proposes must read them.
     let hinted = |contents: &[u8]| {
         let error = glide(contents, "").unwrap_err();
         glide(contents, hint(&error)).unwrap()
@@ -235,7 +236,7 @@ fn wide_tables_hold_several_fingers() {
         glide(short, "").unwrap_err(),
         "r:2: 9 fields; the header has 10"
     );
-    // Commanded and measured places are not two fingers.
+    // These are a commanded and a measured place of one finger. They must not be read as two fingers.
     let header = repeated(
         &|finger, column| format!("{finger}_{column}"),
         ["set", "real", "x"],

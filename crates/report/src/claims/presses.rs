@@ -28,8 +28,8 @@ fn gaussian_profile() -> Claim {
             && is_kind(row, "scene.model", "half-space")
     })
     .rows(|row| row.statistic("mean"))
-    // R² depends on these two fields: the layout of the samples determines their weights, and the estimator determines
-    // which samples are fitted.
+    // Name the fields on which R² depends: the layout of the samples determines their weights, and the estimator
+    // determines which samples are fitted.
     .named(|row| row.swept(&["scene.probe.layout", ESTIMATOR]))
     .bound(Between(0.95, 0.97))
     .in_one()

@@ -81,8 +81,8 @@ fn relative_curvature() -> Claim {
         .only(size, AtMost(5.0))
         .bound(AtMost(2.0))
         .says("it is {range} × the noise for R₂ ≤ 5 R₁")
-        // Uniform noise within ±noise has the standard deviation noise/√3. The mean of four probes per direction halves
-        // it, so the predicted error contains the factor 1/√12.
+        // Uniform noise within ±noise has the standard deviation noise/√3. Four probes per direction are averaged,
+        // which halves it. So the predicted error contains the factor 1/√12.
         .rows(|row| Some(rms_error(row)? * 12f64.sqrt() / (noise(row)? * (1.0 + size(row)?))))
         .when(has_eight_uniform_probes)
         .only(noise, AtMost(0.01))
@@ -133,8 +133,7 @@ fn length_on_sphere() -> Claim {
     .reports("the rolls are {range} rad long")
 }
 
-// ---- Paraboloids z = −c r² are compared at equal arc lengths. This function returns c in units of 1/R₁, where R₁ is
-// the radius of the probe.
+// ---- Paraboloids z = −c r² at equal arc lengths
 
 fn c(row: &Row<'_>) -> Option<f64> {
     Some(row.number("scene.object.c")? * probe_radius(row)?)

@@ -388,8 +388,8 @@ mod tests {
         let line = StraightLine::through(&readings(&bent, 0.0)).unwrap();
         assert!((line.slope - 1.0).abs() < 1e-15);
         assert!((line.r_squared - 0.75).abs() < 1e-15);
-        // Scatter with the variance 8/9 of each reading adds 3 · 8/9 = 24/9 to two sums of squares. The sum of the
-        // residuals becomes 30/9, and the total sum Syy becomes 48/9, so R² = 1 − 30/48.
+        // If each reading scatters with the variance 8/9, the sum of squared residuals grows by 3 · 8/9 = 24/9 to 30/9.
+        // The total sum Syy grows by the same amount to 48/9, so R² = 1 − 30/48.
         let line = StraightLine::through(&readings(&bent, (8.0_f64 / 9.0).sqrt())).unwrap();
         assert!((line.r_squared - 0.375).abs() < 1e-15);
     }

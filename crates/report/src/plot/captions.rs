@@ -20,8 +20,8 @@ pub(crate) fn full_value(axis: &Axis, value: &str) -> String {
     match (axis.header.as_str(), number::finite(value)) {
         ("quantity", _) => label::quantity(value),
         (_, Some(_)) => format!("{} {}", field.words, field.value(value)),
-        // The name of an object or estimator, or a label of several words, is clear by itself. Other words are preceded
-        // by the name of the field.
+        // The name of an object or an estimator, or a label of several words, is clear by itself. Before any other
+        // word, print the name of the field.
         ("scene.object" | "scene.estimator", None) => value.to_owned(),
         (_, None) if !value.contains(' ') => format!("{} {value}", field.words),
         (_, None) => value.to_owned(),

@@ -208,7 +208,7 @@ impl MapLayout {
             let below = lines.get(at + 1).map_or(&[][..], |next| &next.panels);
             let mut deep = false;
             for (order, (map, title)) in line.panels.iter().zip(&titles).enumerate() {
-                // A panel has labels along x only if no panel is below it. Only the first panel of a row has labels
+                // Only the lowest panel of a column has labels along x, and only the first panel of a row has labels
                 // along y.
                 let is_lowest = below.iter().all(|next| next.column != map.column);
                 deep |= is_lowest;
@@ -264,8 +264,8 @@ fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
     let corner = |(i, j): (usize, usize)| (x[i], y[j]);
     let classes = if map.is_truth { truth } else { estimated };
     let reach = [panel.x_range(), panel.y_range()].map(|range| OVERLAP * (range.end - range.start));
-    // The rectangles are drawn in the order of increasing x and y, so that each covers the overlap of the one before
-    // it.
+    // Neighbouring rectangles overlap. Draw them in the order of increasing x and y, so that each covers the overlap of
+    // the previous one.
     panel.draw_series(bands(*side, classes).into_iter().map(|band| {
         let (x, y) = corner((band.x.1, band.y.1));
         let corners = [corner((band.x.0, band.y.0)), (x + reach[0], y + reach[1])];

@@ -123,7 +123,7 @@ fn key(surfaces: &[Surface<'_>]) -> Key {
 /// Draws a square around each point. Distant squares are drawn first, so that near squares cover the distant squares.
 fn draw(space: &Space<'_>, surface: &Surface<'_>) -> Drawn {
     let side = surface.map.side;
-    // The position of a corner is the mean of the points around it.
+    // Each corner of a square is the mean of the points around it.
     let corner = |i: usize, j: usize| -> Vector {
         let near = |at: usize| [at.saturating_sub(1), at.min(side - 1)];
         let mut sum = [0.0; 3];

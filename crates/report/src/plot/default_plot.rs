@@ -66,7 +66,7 @@ pub(crate) fn plot(study: &Study) -> Result<Option<PlotConfig>, ReportError> {
     let header = |place: usize| axes.get(place).map(|axis| axis.header.clone());
     let values = fixed.into_iter();
     let values = values.map(|(axis, value)| (axis.header.clone(), toml::Value::String(value)));
-    // Parse a plot that has only the required keys. The other keys then have their default values.
+    // Parse a plot that has only the required keys. This sets all other keys to their default values.
     let file = study.run_toml().display().to_string();
     let mut plots = config::plots(&file, "[[plot]]\nx = \"\"\ny = \"mean\"\n")?;
     Ok(plots.pop().map(|empty| PlotConfig {

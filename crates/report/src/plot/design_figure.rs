@@ -217,7 +217,7 @@ fn curve_plot(field: &FieldAxis, curve: &DesignCurve) -> Plot {
     let is_log = least > 0.0 && most / least > MIN_LOG_RATIO;
     let spacings = [field.spacing(), Spacing::log(is_log)];
     let factors = [field.factor(), curve.statistic.factor];
-    // The ends of error bars that are far below all points do not extend a logarithmic axis.
+    // On a logarithmic axis, an error bar may reach far below all points. Such an end does not extend the axis.
     let bars = points().flat_map(|point| normal(point.y, point.std));
     let ys = values()
         .chain(bars)

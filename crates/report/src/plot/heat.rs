@@ -138,7 +138,7 @@ pub fn heat_figure(heat: &Heat) -> Result<Figure, ReportError> {
 /// Draws a panel whose squares start at the upper left `corner`. Returns the position of the lower edge of its labels.
 fn draw(panel: &HeatPanel, sheet: &Sheet, corner: Point, side: i32) -> Drawn<i32> {
     let mut names = panel.names.clone();
-    // Next to small squares, only some of the names fit.
+    // If the squares are smaller than the text, only some of the names fit beside them.
     let every = (LINE as usize).div_ceil(side as usize);
     for (place, name) in names.iter_mut().enumerate() {
         if place % every > 0 {

@@ -126,7 +126,7 @@ impl<'a> Lines<'a> {
                     places.iter().copied().fold(f64::INFINITY, f64::min),
                     places.iter().copied().fold(f64::NEG_INFINITY, f64::max),
                 ];
-                // The end of a bar that is far beyond all points does not enlarge the range of the axis.
+                // If an error bar ends far beyond all points, its end does not extend the axis.
                 let is_near = |end: &f64| match self.spacing[axis] {
                     Spacing::Log => (0.5 * least..=2.0 * most).contains(end),
                     Spacing::Linear => (least - (most - least)..=2.0 * most - least).contains(end),

@@ -51,7 +51,7 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let x = Scale::around(Spacing::Log, rungs().map(|rung| rung.cost)).with_ticks(8);
     let y = Scale::around(Spacing::Log, rungs().map(drawn_error));
     let y = y.with_ticks(5).without_minor();
-    // The text consists of the quantity of the error, followed by remarks about it.
+    // `error_of` names the quantity of the error, followed by remarks. They are separated by semicolons.
     let mut parts = ladder.error_of.split("; ");
     let error_of = parts.next().unwrap_or_default();
     let remarks = parts.map(|remark| phrases::sentence(&[], remark));
@@ -86,7 +86,7 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let left = EDGE + y.widest() + TICK_GAP;
     let size = (WIDTH - EDGE - left, PANEL_HEIGHT);
     sheet::figure(words, WIDTH, |sheet| {
-        // If each family has only one model, the label of the point replaces an entry in the key.
+        // If each family has only one model, the points have labels, so no key is needed.
         if (2..choices).contains(&families.len()) {
             sheet.key(SAMPLE, &key)?;
         }
@@ -104,7 +104,7 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
             front(sheet, &mut place.panel(sheet, &x, &y)?, scene, style_of)?;
             sheet.top += PANEL_HEIGHT + 42;
         }
-        // Space for the tick labels of the last panel.
+        // Leave space for the tick labels of the last panel.
         sheet.top += TICK_GAP + LINE - 36;
         let label = format!("cost of {} ({unit})", ladder.evaluation);
         let place = (left + size.0 / 2, sheet.top + TEXT / 2);
@@ -219,8 +219,8 @@ fn family(name: &str) -> String {
     });
     let mut kept = kept.zip(name.split(", "));
     let first = kept.next().map_or(String::new(), |(words, _)| words);
-    // Drop those other parts of the model's name that are settings, that is, parts that begin with a number or contain
-    // `=`.
+    // Except for its first part, drop the parts of the name that are settings. These parts begin with a number or
+    // contain `=`.
     let others = kept.filter(|(words, part)| !words.is_empty() && !part.contains('='));
     let others = others.map(|(words, _)| words);
     std::iter::once(first)

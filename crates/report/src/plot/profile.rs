@@ -170,7 +170,7 @@ impl<'a> Axes<'a> {
                 all.push(Series { name, label, style });
             }
         }
-        // If the series differ on one axis with few values, the colour of a value is the same in every plot of the
+        // If the series differ in only one field with few values, use the same colour for a value in all plots of the
         // study.
         if let [axis] = self.names.as_slice()
             && axis.values().len() <= PLAIN

@@ -195,7 +195,8 @@ impl<'a> Selection<'a> {
             ];
             points.entry(point).or_default().push(row);
         }
-        // A row in which the statistic on x is undefined is not drawn as a point, so it need not be unique.
+        // At most one row may belong to each point. Rows in which the statistic on x is undefined are not drawn, so
+        // they are not checked.
         let real = |point: &[String; 3]| matches!(self.x, Column::Axis(_)) || !point[2].is_empty();
         let mut crowded = points.into_iter().filter(|(_, rows)| rows.len() > 1);
         let Some((point, rows)) = crowded.find(|(point, _)| real(point)) else {

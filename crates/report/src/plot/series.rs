@@ -234,7 +234,7 @@ impl Plot {
             let label = if at == 0 { mark.label.as_str() } else { "" };
             mark.draw(label, content, panel)?;
         }
-        // Names have no order, so no line joins their values.
+        // If x has names instead of numbers, do not join their values by lines, because names have no order.
         for line in &content.lines {
             if line.dashed || !self.x.is_named() {
                 self.stroke(line, panel)?;
@@ -274,7 +274,8 @@ impl Plot {
 
     fn stroke(&self, line: &Line, panel: &mut Panel<'_>) -> Drawn {
         let style = line.style.colour.stroke_width(STROKE);
-        // If there are also dashed lines, the solid lines are pale, so that both are visible where they coincide.
+        // If a solid line and a dashed line coincide, both must be visible. Therefore the solid lines are pale if there
+        // are dashed lines.
         let behind = pale(line.style.colour).stroke_width(STROKE);
         for run in &line.runs {
             match run.as_slice() {

@@ -91,7 +91,8 @@ impl View {
             [0.0, 0.0, 0.0, 1.0],
         ];
         let [wide, deep, high] = self.sides.map(|side| side as i32);
-        // Plotters draws the labels on the side of an axis that faces away from the middle of this area.
+        // Plotters draws the labels of an axis on the side that faces away from the middle of the drawing area. So this
+        // area determines the side.
         let area = (sheet.area.clone()).shrink((0, sheet.top), (WIDTH, self.high));
         let mut space =
             ChartBuilder::on(&area).build_cartesian_3d(x.clone(), z.clone(), y.clone())?;

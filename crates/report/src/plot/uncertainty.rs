@@ -46,8 +46,8 @@ pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]
                     mean,
                 )
         }
-        // For a share, the squared error at a place is 0 or 1, so the mean square error is the share of wrongly
-        // classified places. Therefore the standard error of the share is the standard error of the mean square.
+        // For a share of correctly classified places, the squared error at a place is 0 or 1. So the mean square error
+        // is the share of wrong places, and has the same standard error.
         Statistic::Mean | Statistic::Bias if is_share => {
             2.0 * of(Statistic::RmsError)? * of(Statistic::RmsErrorStd)?
         }
@@ -115,7 +115,8 @@ fn of_share(share: f64, count: f64) -> Option<[f64; 2]> {
         .max(0.0)
         .sqrt();
     let [low, high] = [middle - half, middle + half].map(|end| end / (1.0 + squared));
-    // Clamp the ends so that the interval contains the share, because rounding errors could exclude the share.
+    // Rounding errors could move an end of the interval beyond the share itself. Clamp the ends, so that the interval
+    // contains the share.
     Some([low.clamp(0.0, share), high.clamp(share, 1.0)])
 }
 
@@ -169,7 +170,7 @@ mod tests {
         let found = |statistic| found("mean_curvature", &errors, statistic);
         is(found(S::RmsError), 0.5, 1.96 * 0.02);
         is(found(S::RelativeRmsError), 5.0, 1.96 * 0.2);
-        // The standard error is √(0.5² − 0.4²)/√100 = 0.03.
+        // The standard error of the mean absolute error is √(0.5² − 0.4²)/√100 = 0.03.
         is(found(S::MeanAbsError), 0.4, 1.96 * 0.03);
         is(found(S::RelativeMeanAbsError), 4.0, 1.96 * 0.3);
         is(found(S::Mean), 2.0, 1.96 * 0.05);
@@ -189,8 +190,8 @@ mod tests {
     #[test]
     fn shares_stay_shares() {
         use Statistic as S;
-        // If the share of correct places is p, the mean square error is 1 − p. The standard error of the mean square
-        // error is twice the rms error, multiplied by the standard error of the rms error.
+        // If p is the share of correct places, the mean square error is 1 − p. Its standard error is twice the rms
+        // error times the standard error of the rms error.
         let right = [(S::Mean, 0.91), (S::RmsError, 0.3), (S::RmsErrorStd, 0.01)];
         is(found("class", &right, S::Mean), 0.91, 1.96 * 0.006);
         let all = found("class", &[(S::Coverage95, 1.0)], S::Coverage95).unwrap();

@@ -19,8 +19,8 @@ fn claim_1_differs_if_the_error_does_not_grow_or_the_prediction_fails() {
         cells.study(&config("sphere", "claims = [1]"))
     };
     differs(&table(|_| 0.1), &["0 of 2 steps"]);
-    // The claim differs here although the error grows in both steps to a lower relative curvature: the rms error is 1.1
-    // times the predicted rms error.
+    // The error grows in both steps to a lower relative curvature. But it is 1.1 times as large as predicted, so the
+    // claim differs.
     differs(
         &table(|r| 0.011 * (1.0 + r) / 12f64.sqrt()),
         &["1.1 × the predicted"],
@@ -185,7 +185,8 @@ fn pad_claims_differ_for_the_opposite() {
     differs(&scores[1], &["in 0 of 24"]);
     let study = pads("claims = [8]", |_, _, _| 0.26);
     differs(&study, &["26 % (random offsets"]);
-    // If the shortest roll has no error, the ratio of the errors of the longest and the shortest roll is undefined.
+    // The claim uses the ratio of the errors of the longest and the shortest roll. If the error of the shortest roll is
+    // 0, the ratio is undefined.
     let study = pads("claims = [7]", |pitch, radius, rate| {
         if rate < 0.15 && radius == 1.0 {
             0.0

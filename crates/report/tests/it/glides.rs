@@ -42,8 +42,8 @@ pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> S
                     failures,
                 } = made(surface, noise, method);
                 let (true_gaussian, true_mean) = match surface {
-                    // If the true values vary over the patch, the table does not contain them, and the shape of the
-                    // object follows from the config.
+                    // The true curvature of these surfaces varies over the patch, so the table contains no true value.
+                    // Claims then use the shape of the object in the config.
                     "sphere" | "saddle" => ("", ""),
                     _ => ("0", "0.1"),
                 };

@@ -129,7 +129,7 @@ fn classes_are_drawn_on_the_fitted_surface() {
         &made(&plot, &both.replace(",0,ridge", ",inf,ridge")),
         &["z_mm", "inf"],
     );
-    // The surfaces may have any size and slope, and one may have only a single point.
+    // A surface may have any size and slope, and may even consist of a single point.
     for height in ["1e-300", "-5e99", "0.25"] {
         let text = drawn(&made(
             &plot,

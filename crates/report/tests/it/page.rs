@@ -39,7 +39,7 @@ fn the_page_is_complete_and_loads_nothing() {
     ] {
         assert!(html.contains(part), "{part}");
     }
-    // One plot is stated in a config, and one is the default plot of the study without a `[[plot]]`.
+    // The page has two figures: one config states a plot, and the study without a `[[plot]]` has a default plot.
     assert_eq!(html.matches("<svg").count(), 2);
     for part in ["<script", "<link", "<img", "@import", "url(", "<b>", "src="] {
         assert!(!html.contains(part), "{part}");

@@ -29,8 +29,8 @@ fn claim_9_compares_the_fits() {
         })
     };
     holds(&table(3.0, 3.0), &["at 5 % noise the rms error of K falls"]);
-    // One of the four ratios of errors is 3 and the others are 1. Their geometric mean is the fourth root of 3, which
-    // is 1.32.
+    // One of the four ratios of errors is 3, and the others are 1. So their geometric mean is the fourth root of 3,
+    // which is 1.32.
     differs(
         &table(3.0, 1.0),
         &["1.32 (two-pass)", "by 1 to 3 with two-pass"],
@@ -53,7 +53,7 @@ fn claim_10_is_about_the_worst_surface() {
                     failures,
                     ..GOOD
                 },
-                // The claim does not use these rows of the table.
+                // The claim must ignore rows with more noise, and rows of the first pass alone.
                 (_, 0.1, _) | (_, _, "first pass") => Made { share: 0.1, ..GOOD },
                 _ => GOOD,
             }

@@ -22,7 +22,7 @@ fn a_study_without_plots_gets_the_default_plot() {
         }
         cells.study(&config("sphere", ""))
     };
-    // Fields that vary together count as one field; fields that do not vary do not count.
+    // Two fields that vary together are drawn as one. Fields that do not vary are not drawn.
     let together = table(
         "scene.object.radius_cm,scene.probe.radius_cm,scene.object.s,scene.motion.duration_s",
         &[
@@ -42,7 +42,7 @@ fn a_study_without_plots_gets_the_default_plot() {
         ],
     );
     assert!(!svg.contains("probe radius"));
-    // A third field is shown as several panels, and a fourth field only at its first value.
+    // A third varied field is drawn as several panels. A fourth varied field is drawn only at its first value.
     let places: Vec<(String, f64)> = (0..16)
         .map(|cell| {
             let [a, b, c, d] = [8, 4, 2, 1].map(|bit| 1 + (cell & bit) / bit);
@@ -65,7 +65,7 @@ fn a_study_without_plots_gets_the_default_plot() {
             "For object radius 1 cm: 100 trials per point.",
         ],
     );
-    // If the table contains no error, the plot shows the mean. A study with only one cell has no plot.
+    // If the table contains no error, the default plot shows the mean. A study with only one cell has no default plot.
     let mut cells = Cells::new("scene.object.radius_cm");
     for radius in ["1", "2"] {
         cells.push(
@@ -82,7 +82,7 @@ fn a_study_without_plots_gets_the_default_plot() {
     );
     let one = table("scene.object.radius_cm", &[("1", 0.1)]);
     assert!(figures(&one).unwrap().is_empty());
-    // Labels along x are shown unchanged.
+    // If the swept values are labels, they appear unchanged along x.
     let named = table("scene.object", &[("egg", 0.1), ("ball", 0.9)]);
     shows(&drawn(&named), &["egg", "ball"]);
 }
@@ -144,7 +144,7 @@ fn unknown_names_are_refused_with_similar_ones() {
             with("marks = [{ axis = \"y\", value = 0, label = \"\" }]"),
             &["the mark at y = 0 is exactly 0"],
         ),
-        // A valid plot that precedes an invalid plot is not drawn either.
+        // If one plot is invalid, no plot is drawn, not even a valid plot before it.
         (
             with("[[plot]]\nx = \"truth\"\ny = \"nothing\""),
             &["plot-2", "nothing"],

@@ -127,8 +127,8 @@ fn bad_tables_are_refused() {
             trace("y_mm\n", "y_um\n"),
             &["trace.csv", "no column \"tangential_y_mm\""],
         ),
-        // In the first case, a reading is at a position without a marker; in the second case, two readings are at the
-        // position of one marker.
+        // Each marker needs exactly one reading. The first table has a reading at a place without a marker, and the
+        // second has two readings at the same marker.
         (readings("0,-4,", "0,-4.1,"), &once_each),
         (readings("0,-4,", "-4,0,"), &once_each),
     ] {

@@ -22,7 +22,8 @@ fn lines(hue: impl Fn(usize, f64) -> Numbers, centroid: impl Fn(usize, f64) -> f
         for depth in [0.4, 0.8, 1.2] {
             for shift in [0.0, 0.5, 1.0] {
                 let place = format!("{object},{depth},{shift}");
-                // The hue of a marker that is shifted along the skin must not affect the result.
+                // Claims about the hue must use only markers that are not shifted, so the hues of shifted markers are
+                // made absurd.
                 let wild = mean(100.0 * shift);
                 let read = if shift == 0.0 { hue(at, depth) } else { wild };
                 cells.push_of(&place, "hue_change,1/mm", read, "");
@@ -68,8 +69,8 @@ fn claim_14_differs_for_bent_or_scattered_lines() {
         }
     };
     differs(&of_lines(&lines(straight, sagging)), &["shifts is 0.98"]);
-    // The sum of squares of the means is 0.0002, and the scatter adds 3 × 0.005² to it. The line explains only the
-    // first part, so R² = 0.73.
+    // Without scatter, the means would lie on a line and have the sum of squares 0.0002. The scatter adds 3 × 0.005² to
+    // this sum, so R² is only 0.73.
     let scattered = |_: usize, depth: f64| Numbers {
         std: Some(0.005),
         ..mean(0.025 * depth)

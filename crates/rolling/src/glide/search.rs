@@ -37,7 +37,7 @@ const SILHOUETTE: f64 = 1e-3;
 /// radius 0.45, at angles between those of the first ring.
 const PLACES: [[f64; 2]; 16] = {
     let [outer, outer_diagonal] = [0.85, 0.85 * FRAC_1_SQRT_2];
-    // 0.45 times the cosine and the sine of 22.5°.
+    // These are 0.45 cos 22.5° and 0.45 sin 22.5°.
     let [inner, inner_aside] = [0.415_745_789_6, 0.172_207_544_6];
     [
         [outer, 0.0],
@@ -80,8 +80,8 @@ impl<S: Surface> Search<'_, S> {
     /// The contact that the tip meets first.
     pub(super) fn contact(&self) -> Result<Foot, GlideError> {
         palpate_statistics::work::searched(1);
-        // The choice among several contacts must not depend on the tolerance. Therefore, if the tip may fit at several
-        // contacts, the error of the first contact is limited to the distance by which contacts are distinguished.
+        // If the object is rugged, the tip may fit at several contacts. The choice among them must not depend on the
+        // tolerance, so the tolerance is at most the distance by which contacts are distinguished.
         let tolerance = if self.rugged {
             self.tolerance.min(TOUCHING)
         } else {
@@ -145,7 +145,7 @@ impl<S: Surface> Search<'_, S> {
                 return Ok(foot);
             }
             if close {
-                // Because of rounding errors, at most one more step can reduce the miss.
+                // The miss is already close to the rounding errors, so at most one more step can reduce it.
                 let next = self.descend(&foot, &miss, &step, 1);
                 return Ok(next.map_or(foot, |(next, _)| next));
             }
@@ -244,8 +244,7 @@ impl<S: Surface> Search<'_, S> {
         };
         let hidden = relief.summit() - height(&best);
         if hidden > TOUCHING * self.radius + 8.0 * f64::EPSILON * relief.summit().abs() {
-            // No contact was found at the highest place of the grid. Therefore this place is at an edge of the object
-            // or on a spike.
+            // The highest place of the grid has no contact, so it is at an edge of the object or on a spike.
             Err(match first {
                 Err(edge @ GlideError::Surface(_)) => edge,
                 _ => self.no_convergence(hidden),

@@ -157,8 +157,8 @@ impl Foot {
         let (aside, ahead) = (along.dot(miss), self.uphill.dot(miss));
         let CurvatureForm { k_uu, k_uv, k_vv } = self.curvature;
         let (level, twist, steep) = (1.0 + radius * k_uu, radius * k_uv, 1.0 + radius * k_vv);
-        // The projection onto the xy plane multiplies lengths up the slope by n_z, the vertical component of the
-        // normal.
+        // In the projection onto the xy plane, lengths up the slope are shorter by the factor n_z, the vertical
+        // component of the normal. Dividing by it gives the lengths on the slope.
         let lengthened = if twist == 0.0 {
             0.0
         } else {

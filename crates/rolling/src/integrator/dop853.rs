@@ -83,7 +83,7 @@ impl Dop853 {
             evaluations += 11;
             let tried = stages(system, &y, h, &mut slopes);
             let (end, square_error) = end_of_step(&y, h, &slopes, &weights);
-            // Square of the ratio of the error to the tolerance.
+            // `excess` is the square of the error divided by the tolerance.
             let excess = square_error / (self.tolerance * self.tolerance);
             let fault = match tried {
                 Err(fault) => Some(fault),
@@ -110,7 +110,8 @@ impl Dop853 {
                             continue;
                         }
                         Err(fault) => {
-                            // Return to the last valid state. Its slope was overwritten, so compute it again.
+                            // The step failed, so the integration ends at the last valid state. The slope at this state
+                            // was overwritten, so compute it again.
                             evaluations += 1;
                             system
                                 .derivative(&y, &mut slopes[0])
@@ -237,7 +238,7 @@ fn square<const N: usize>(slope: &[f64; N], weights: &[f64; N], h: f64) -> f64 {
         .sum()
 }
 
-// The constant Aj contains the weights of the earlier slopes in stage j. Weights that are zero are left out.
+// The constant Aj contains the weights of the earlier slopes in stage j. Zero weights are left out.
 const A2: [f64; 1] = [0.0526001519587677318785587544488];
 const A3: [f64; 2] = [
     0.0197250569845378994544595329183,

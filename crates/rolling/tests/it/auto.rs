@@ -51,7 +51,7 @@ fn scene(kind: usize, numbers: &mut Numbers) -> Scene {
         2 => (plane(), on(size)),
         3 => (cylinder(size, 360.0 * aside[0]), on(size)),
         4 => (ellipsoid(size, size * spread, 1.3 * size), on(size)),
-        // The roll passes through the apex, or beside it.
+        // For this and the next surface, the contact starts at the apex; for others, beside it.
         5 => (ellipsoid(size, size, size * spread), (0.0, 0.0)),
         6 => (paraboloid(0.5 / size), (0.0, 0.0)),
         7 => (paraboloid(-0.45 / (1.0 + size)), on(1.0)),
@@ -132,7 +132,7 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
         let taken = roller
             .measure(&[roller.choice().model], FREE, rolls)
             .remove(0);
-        // A roll that leaves the object is skipped, because it has no error.
+        // Skip a roll that leaves the object, because it has no error.
         let Ok(err) = taken.outcome else { continue };
         judged += 1;
         let what = format!("{:?} {} {:e}", scene.object, taken.name, scene.tolerance);
@@ -186,7 +186,8 @@ fn long_rolls_are_not_rolled_to_choose_how() {
             assert!(choice.reason.contains("too long"), "{choice:?}");
         }
     }
-    // A model that is chosen without a measurement of its error also meets the tolerance.
+    // For long rolls, a model is chosen without measuring its error. Its error must nevertheless be within the
+    // tolerance.
     let rolls = turns(100.0);
     let rolls = Rolls::exact(&rolls);
     let roller = start(100.0, 1e-6);

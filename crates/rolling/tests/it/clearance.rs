@@ -90,7 +90,8 @@ fn overlap(roller: &Roller, motion: &Motion) -> f64 {
         };
         let (mut middle, mut half) = (centre.xy().coords, radius);
         let mut best = f64::NEG_INFINITY;
-        // Each round uses a finer grid around the deepest point of overlap in the previous round.
+        // Search for the deepest overlap on grids. Each grid is finer and lies around the best point of the previous
+        // one.
         for lines in [90, 12, 12, 12, 12, 12] {
             let spacing = 2.0 * half / f64::from(lines);
             let from = middle;
@@ -204,8 +205,8 @@ fn steep_steps_and_paths_that_close_are_checked() {
             assert!(along_x(&step(far + 0.9), 0.3, 0.0).is_ok(), "{steep} {far}");
         }
     }
-    // If the spin is as fast as the roll, the path is a circle of radius 1 through the origin. The object has steps at
-    // y = ±2.6.
+    // With a spin as fast as the roll, the path is a circle of radius 1 through the origin, so the probe hits the
+    // object's steps at y = ±2.6.
     let tau = std::f64::consts::TAU;
     let fault = along_x("1.5*(1+tanh(20*(y^2-6.76)))", tau, tau).unwrap_err();
     assert!(matches!(fault, RollFault::Overlapping { .. }), "{fault}");

@@ -30,8 +30,8 @@ fn a_dish_as_tight_as_the_probe_conforms() {
             "{error}"
         );
     }
-    // In a dish that is slightly wider than the probe, the path length is `θ/(1/R₁ − 1/R₂)`. Here θ is the roll angle,
-    // and R₁ and R₂ are the radii of probe and dish. The length is one radius in this test.
+    // In a dish that is slightly wider than the probe, the path length is θ/(1/R₁ − 1/R₂). Here θ is the roll angle, R₁
+    // = 1 is the radius of the probe, and R₂ that of the dish. The angle is chosen such that the length is 1.
     for gap in [1.0, 1e-6, 1e-12] {
         let radius = 1.0 + gap;
         let motion = Motion::rolling(0.0, 1.0, (radius - 1.0) / radius);
@@ -56,7 +56,7 @@ fn conforming_on_the_way_is_located() {
         "{error}"
     );
     // The roll ends where the curvature κ is −1, that is, where 2 cos(2x) = (1 + sin²(2x))^{3/2}. Near this point, the
-    // speed of the contact grows without limit, so its position has only half as many correct digits as the time.
+    // speed of the contact grows without limit. So the position has only half as many correct digits as the time.
     let x = error.on_object.x;
     let curvature = 2.0 * libm::cos(2.0 * x) / libm::pow(1.0 + libm::sin(2.0 * x).powi(2), 1.5);
     assert!(

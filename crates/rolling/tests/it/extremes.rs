@@ -38,7 +38,8 @@ const CHARTS: [Chart; 3] = [
 
 #[test]
 fn a_start_on_a_wall_facing_x() {
-    // The projection of +x onto the tangent plane is zero, so the axis x₁ of the contact frame starts along +y.
+    // On these walls, the normal is parallel to x, so +x has no projection onto the tangent plane. Therefore the axis
+    // x₁ of the contact frame is +y.
     for (object, place) in [
         (sphere(2.0), (2.0, 0.0)),
         (ellipsoid(2.0, 3.0, 1.0), (2.0, 0.0)),
@@ -109,7 +110,7 @@ fn spinning_and_sliding_on_the_spot() {
                 object.name()
             );
         }
-        // The probe slips on the spot: it slides back as fast as it rolls, so the contact on the object does not move.
+        // The probe slides back as fast as it rolls, so the contact on the object does not move.
         let slide = Motion {
             sliding: Vector2::new(0.1, -0.2),
             ..still
@@ -196,7 +197,7 @@ fn rolls_of_any_length_on_a_sphere_and_a_plane() {
             let shift = roller.shift(&[motion]).unwrap();
             let path = theta / (1.0 + curvature);
             assert_relative_eq!(shift.arc_length, path, max_relative = 1e-14);
-            // Length of the path that remains after whole turns of the probe.
+            // `rest` is the length of the path that remains after whole turns of the probe.
             let rest = path - (path / TAU).round() * TAU;
             assert_abs_diff_eq!(shift.displacement.x, rest, epsilon = blur.min(1e-14 * path));
         }
@@ -281,8 +282,8 @@ fn meridians_from_flat_to_sharp() {
         (1e-3, 0.1, 0.09980039920556497),
         (1e12, 0.1, 5.0251382208526555e-14),
         (1e12, 3.0, 1.4292040914425157),
-        // A bowl whose radius of curvature is only a little larger than the probe's radius amplifies errors. On a long
-        // path, the relative error of the length equals the relative error of the angle.
+        // In the first case, the radius of curvature of the bowl is only slightly larger than the probe's radius, which
+        // amplifies errors. In the second case, the path is long, so the relative errors of length and angle are equal.
         (-0.4999995, 0.1, 0.650654102346358),
         (0.5, 1e9, 999999998.429226),
     ] {

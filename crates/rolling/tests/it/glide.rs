@@ -115,8 +115,8 @@ fn a_torus_is_touched_towards_its_core() {
 
 #[test]
 fn paraboloids_saddles_and_ellipsoids_on_a_line_of_symmetry() {
-    // In the section z = f(w), the contact of a tip of radius r above x has the coordinate w with w − r f'/√(1 + f'²) =
-    // x.
+    // The section of the object is z = f(w). A tip of radius r whose centre is above x touches it at the w for which w
+    // − r f'/√(1 + f'²) = x.
     let solve = |slope: &dyn Fn(f64) -> f64, radius: f64, x: f64| {
         bisect(x - 2.0 * radius, x + 2.0 * radius, |w| {
             w - radius * slope(w) / (1.0 + slope(w).powi(2)).sqrt() - x
@@ -316,7 +316,7 @@ fn contacts_lost_and_domains_left() {
         assert_eq!(error(&object, 0.5, 1.000_001 * rim, 0.0), "contact-lost");
         assert_eq!(error(&object, 0.5, 9.0 * rim, 0.0), "contact-lost");
     }
-    // This position is just inside of the rim of the object, but rounding moves its contact to the equator.
+    // This position is just inside of the rim of the object. But because of rounding, its contact is on the equator.
     let near_rim = 1.875_f64.next_down();
     assert_eq!(error(&sphere(0.375), 1.5, near_rim, 0.0), "contact-lost");
     assert!(touch(&ellipsoid(3.0, 2.0, 1.0), 0.5, 0.0, 2.499).is_ok());

@@ -226,7 +226,7 @@ fn rolling_back_returns() {
             let end = roller.roll(&[there, back]).unwrap();
             let moved = (end.on_object - roller.first_contact().on_object).norm();
             let turned = end.object_from_probe().matrix() - Matrix3::identity();
-            // The bound is the sum of two tolerances, because each of the two rolls may have an error as large as its
+            // The rolls there and back may each have an error as large as the tolerance, so the bound is twice the
             // tolerance.
             let off = moved.max(turned.norm());
             assert!(off < 2.0 * tolerance, "{}: {off:e}", object.name());
@@ -251,7 +251,7 @@ fn motions_beyond_a_closed_form_or_a_meridian_are_integrated() {
         (paraboloid(1.0), Model::Meridian),
         (ellipsoid(2.0, 2.0, 1.0), Model::Meridian),
     ] {
-        // The model was chosen for rolling without spin and sliding, and is now used for other motions.
+        // The model was chosen for rolling without spin and sliding. Here it is used for other motions.
         let quick = roller(1.0, &object, (0.0, 0.0), model, rolling);
         let integrated = roller(1.0, &object, (0.0, 0.0), DOP853, rolling);
         for motions in [
@@ -369,7 +369,7 @@ fn auto_meets_its_tolerance_and_takes_the_cheapest() {
 #[test]
 fn meridians_of_flat_and_of_long_spheroids() {
     // The roll angle is θ = α + s/R₁, with the slope angle α, the arc length s and the probe's radius R₁. The arc
-    // length is computed by the trapezoidal rule, which is exact for a full period of a smooth function.
+    // length is computed by the trapezoidal rule, because this rule is exact for a full period of a smooth function.
     let quarter = |a: f64, c: f64| {
         let nodes = 200_000;
         let width = std::f64::consts::FRAC_PI_2 / f64::from(nodes);
