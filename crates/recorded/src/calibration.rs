@@ -59,12 +59,14 @@ const SHIFT: Column = CALIBRATIONS[4];
 const SERIES: Column = CALIBRATIONS[5];
 const MARKER: Column = CALIBRATIONS[6];
 
-/// Largest change of hue, turns. Larger changes are ambiguous, because hues that differ by a whole turn are equal.
+/// Largest change of hue, turns. A larger change would be ambiguous, because hues that differ by a whole turn are
+/// equal.
 const MAX_TURN: f64 = 0.5;
 
-/// Reads a table of stated displacements and measured changes: `normal_displacement` with `hue_turns`, `growth` (change
-/// of the logarithm of the marker's diameter) or both, `tangential_displacement` with `centroid_shift_px`, or all of
-/// these. The columns `series` and `marker` are optional.
+/// Reads a table of stated displacements and measured changes of a marker's image. For normal displacements, the
+/// columns are `normal_displacement`, and `hue_turns`, `growth` (change of the logarithm of the marker's diameter) or
+/// both. For tangential displacements, they are `tangential_displacement` and `centroid_shift_px`. A table may contain
+/// both kinds. The columns `series` and `marker` are optional.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
@@ -154,20 +156,21 @@ fn columns(header: &Header<'_>) -> Vec<Column> {
 pub struct KnownDisplacements {
     /// Inward displacements, length; `None` if they are not stated.
     pub normal: Option<Vec<f64>>,
-    /// Displacements along the skin, length, whatever their direction; `None` if they are not stated.
+    /// Displacements along the skin, length; `None` if they are not stated. Only their magnitudes are used.
     pub tangential: Option<Vec<f64>>,
     /// Feature from which normal displacements are computed. If normal displacements are stated, the marker with the
     /// largest change of this feature is taken as the marker under the contact.
     pub from: NormalFrom,
-    /// Pixels per radian of the camera; with `None`, shifts in px are not corrected for the lens.
+    /// Scale of the camera, pixels per radian. If it is `None`, shifts in px are not corrected for the lens.
     pub px_per_rad: Option<f64>,
 }
 
 /// Calibration points measured in frames, and the number of markers in the frame at rest.
 ///
 /// # Errors
-/// [`RecordedError::Readings`] if a frame has no markers, has another size or comes from another sensor, if there are
-/// fewer displacements than pressed frames, and if the scale of the camera is invalid.
+/// [`RecordedError::Readings`] if a frame has no markers, has another size than the frame at rest or comes from another
+/// sensor. The same error if there are fewer displacements than pressed frames, or if the scale of the camera is
+/// invalid.
 pub fn frame_calibration_points(
     rest: &Frame,
     pressed: &[Frame],
@@ -233,7 +236,7 @@ pub fn frame_calibration_points(
     Ok((points, markers))
 }
 
-/// A calibration point that was measured in a frame and therefore has no line in a file.
+/// A calibration point that was measured in frames. It has no series and no line in a file.
 const fn located<P>(point: P) -> Located<P> {
     Located {
         point,
@@ -254,8 +257,8 @@ fn strength(change: &Change, known: &KnownDisplacements) -> f64 {
 /// Calibrates a sensor by a fit to the points of all files together.
 ///
 /// # Errors
-/// [`RecordedError::Line`] if one point is wrong; otherwise [`RecordedError::Readings`] if the files contradict each
-/// other or the options, or if the points determine no slope.
+/// [`RecordedError::Line`] if a point of a file is wrong. [`RecordedError::Readings`] if the files contradict each
+/// other or the options, or if the points do not determine a slope.
 pub fn calibrate(
     points: &[CalibrationPoints],
     options: &CalibrateOptions,
@@ -288,8 +291,8 @@ pub fn calibrate(
     })
 }
 
-/// Number of points that repeat an earlier point: the larger of the numbers for normal and for tangential points. For a
-/// kind of which less than half of the points are repeated, the number is 0.
+/// Number of points that repeat an earlier point. Normal and tangential points are counted separately, and the larger
+/// number is returned. If less than half of the points of a kind are repeated, the number for this kind is 0.
 fn copies(normal: &Pooled<'_, NormalPoint>, lateral: &Pooled<'_, LateralPoint>) -> usize {
     let of_normal = normal.copies(|point| {
         let marker = point.marker.map_or(0.0, |marker| marker as f64);
@@ -322,7 +325,7 @@ fn agreed_unit(
     Ok(stated.map(|(unit, _)| unit).unwrap_or_default())
 }
 
-/// Returns an error for a file that lacks a column of the feature `from`.
+/// Returns an error if a file lacks a column that the setting `from` needs.
 fn check_features(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), RecordedError> {
     for one in points.iter().filter(|one| !one.normal.is_empty()) {
         let missing = match from {
@@ -357,8 +360,8 @@ impl<'a, P: Copy + 'a> Pooled<'a, P> {
         Self { points, sources }
     }
 
-    /// Number of points, without the points at rest, whose `numbers` repeat an earlier point of the same series; 0 if
-    /// less than half of all points are repeated. A point counts as at rest if its first four numbers are 0.
+    /// Number of points whose `numbers` repeat an earlier point of the same series. Points at rest are not counted; a
+    /// point is at rest if its first four numbers are 0. The result is 0 if less than half of all points are repeated.
     fn copies(&self, numbers: impl Fn(&P) -> [f64; 5]) -> usize {
         let all = self.points.iter().zip(&self.sources);
         let moved = all.filter_map(|(point, (_, series, _))| {
@@ -375,8 +378,8 @@ impl<'a, P: Copy + 'a> Pooled<'a, P> {
         }
     }
 
-    /// Result of `fit` for each series, in the order in which the series first appear; empty if there is only one
-    /// series.
+    /// Calls `fit` with the points of each series. Returns the name and the result of each series, in the order in
+    /// which the series first appear. The list is empty if there is only one series.
     fn series(
         &self,
         fit: impl Fn(&[P]) -> Result<Fitted, CalibrationError>,
@@ -405,7 +408,7 @@ impl<'a, P: Copy + 'a> Pooled<'a, P> {
         series.iter().map(fitted).collect()
     }
 
-    /// Converts the error of a fit to an error that states the file and the line of the wrong point.
+    /// Converts the error of a fit to an error that states the file and, if a point is wrong, the line of this point.
     fn refused(&self, all: &[CalibrationPoints], error: &CalibrationError) -> RecordedError {
         if let CalibrationError::NotFinite { point } = error
             && let Some((file, _, Some(line))) = self.sources.get(*point)

@@ -39,7 +39,7 @@ struct NormalPart {
     from: NormalFrom,
     hue_weight: f64,
     nearness_weight: f64,
-    /// Smallest and largest displacement among the points that were fitted.
+    /// Smallest and largest stated displacement among the fitted points.
     range: [f64; 2],
     per_marker: bool,
     line: Line,

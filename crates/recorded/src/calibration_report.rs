@@ -8,25 +8,26 @@ use super::source::COPIES;
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
-/// A calibration of all points, and straight lines that were fitted to each series separately.
+/// A calibration that was fitted to all points, and for each series the straight lines that were fitted to the series
+/// alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationReport {
     /// The calibration fitted to all points together.
     pub calibration: Calibration,
     /// Unit of all lengths of the calibration.
     pub length_unit: LengthUnit,
-    /// Name of each series and the lines of its normal displacement; empty if there is only one series.
+    /// Name of each series and its lines for normal displacements; empty if there is only one series.
     pub(super) normal: Vec<(String, Result<Fitted, CalibrationError>)>,
-    /// Name of each series and the lines of its tangential displacement; empty if there is only one series.
+    /// Name of each series and its lines for tangential displacements; empty if there is only one series.
     pub(super) lateral: Vec<(String, Result<Fitted, CalibrationError>)>,
     /// Number of points that repeat an earlier point exactly; 0 if less than half of the points are repeated.
     pub(super) copies: usize,
 }
 
-/// The two straight lines (signal against displacement) that were fitted to the same points.
+/// Two straight lines (signal against displacement) that were fitted to the same points: without and with an intercept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fitted {
-    /// Line through the state at rest, without an intercept. Displacements are computed from this line.
+    /// Line without an intercept, so that the signal is 0 at rest. Displacements are computed from this line.
     through_rest: Line,
     /// Line with an intercept, which the 2020 paper uses; `None` if it could not be fitted.
     with_intercept: Option<Line>,
@@ -52,7 +53,8 @@ impl Fitted {
 /// warning.
 const MAX_RESIDUAL: f64 = 0.1;
 
-/// Largest accepted increase of R² if the fitted line may have an intercept. A larger increase causes a warning.
+/// Largest accepted increase of R² if the fitted line has an intercept instead of none. A larger increase causes a
+/// warning.
 const MAX_GAIN_OF_INTERCEPT: f64 = 0.3;
 
 /// Largest accepted relative difference between the slopes of the series. A larger difference causes a warning.

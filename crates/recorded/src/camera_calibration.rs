@@ -12,22 +12,25 @@ use super::layout_matching::Matched;
 use super::nominal_sensor::{NominalSensor, TERM_STDS};
 use super::study_options::press_of;
 
-/// Smallest green level of the background with which a frame can be used; the maximum is 255.
+/// Smallest accepted green level of a frame's background; the largest level is 255. Frames with a darker background are
+/// rejected.
 const MIN_GROUND: u8 = 40;
-/// Largest share of saturated pixels (green level 255) in the centre of a frame with which it can be used.
+/// Largest accepted share of saturated pixels (green level 255) in the centre of a frame. Frames with a larger share
+/// are rejected.
 const MAX_SATURATED: f64 = 0.5;
 /// An odd term of the lens counts as determined by the frame if the ratio of its standard error to its prior standard
 /// deviation is at most this value.
 const MAX_TERM_SHARE: f64 = 0.5;
 
-/// Fits a camera to the markers of a frame at rest. The study (or grid point of a study) must be a press with a camera;
-/// it states the layout, the discs, the frame size, the lens and the nominal camera pose. The odd terms of the lens, k3
-/// and k5, are fitted only if the frame determines them, that is, if their standard errors are at most half of their
-/// prior standard deviations. Otherwise, the values of the study are used for k5, or for both terms.
+/// Fits a camera to the markers of a frame at rest. The study (or grid point of a study) must be a press with a camera.
+/// It states the layout, the discs, the frame size, the lens and the nominal camera pose. The odd terms of the lens, k3
+/// and k5, are fitted only if the frame determines them: their standard errors must be at most half of their prior
+/// standard deviations. Otherwise k5, or both terms, have the values of the study.
 ///
 /// # Errors
-/// [`RecordedError::Readings`] if the study has no camera, or if the frame has another size or other colours, lacks
-/// markers of the layout, is saturated or under-exposed, or contradicts the layout. The message states the numbers.
+/// [`RecordedError::Readings`] in these cases: the study has no camera; the frame has another size or other colours
+/// than the study states, lacks markers of the layout, is saturated or under-exposed, or contradicts the layout. The
+/// message states the values.
 pub fn calibrate_camera(
     rest: &Frame,
     study: &StudyConfig,
@@ -93,12 +96,12 @@ impl MarkersAtRest {
     }
 }
 
-/// Smallest accepted quality of JPEG frames. Intervals from frames with lower qualities are wrong, or such frames
-/// contradict the layout.
+/// Smallest accepted quality of JPEG frames. Frames with a lower quality contradict the layout, or their intervals are
+/// wrong.
 const MIN_JPEG_QUALITY: f64 = 92.0;
 
-/// Returns an error for a frame that has another size than the camera, that is compressed too much, or that is too dark or
-/// too bright to distinguish colours.
+/// Returns an error if a frame has another size than the camera, is compressed too much, or is too dark or too bright
+/// to distinguish colours.
 pub(super) fn usable(frame: &Frame, camera: &CameraConfig) -> Result<(), String> {
     let (width, height) = frame.image.dimensions();
     if width != camera.size_px || height != camera.size_px {

@@ -25,18 +25,18 @@ pub struct CameraEstimate {
     pub turn_deg: [f64; 3],
     /// Standard errors of the camera's rotation `turn_deg`, degrees.
     pub turn_std_deg: [f64; 3],
-    /// Focal length f of the fisheye lens, px per radian: a ray at the angle θ to the camera's axis meets the image at
-    /// f (θ + k3 θ³ + k5 θ⁵) px from the image centre.
+    /// Focal length f of the fisheye lens, px per radian. A ray at the angle θ to the camera's axis meets the image at
+    /// the distance f (θ + k3 θ³ + k5 θ⁵) px from the image centre.
     pub px_per_rad: f64,
     /// Standard error of `px_per_rad`.
     pub px_per_rad_std: f64,
-    /// Coefficient k3 of the lens; the study's value if the frame does not determine it.
+    /// Coefficient k3 of the lens. If the frame does not determine it, it is the study's value.
     #[serde(default)]
     pub k3: f64,
     /// Standard error of `k3`; `None` if the frame does not determine k3.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub k3_std: Option<f64>,
-    /// Coefficient k5 of the lens; the study's value if the frame does not determine it.
+    /// Coefficient k5 of the lens. If the frame does not determine it, it is the study's value.
     #[serde(default)]
     pub k5: f64,
     /// Standard error of `k5`; `None` if the frame does not determine k5.
@@ -52,7 +52,7 @@ pub struct CameraEstimate {
     pub residual_px: f64,
     /// Residual of each marker of the layout that was found in the frame.
     pub residuals_px: Vec<Residual>,
-    /// χ² of the fit per degree of freedom: about 1 if the model is right.
+    /// χ² of the fit per degree of freedom. It is about 1 if the model is right.
     pub reduced_chi_squared: f64,
     /// Warnings about the estimated camera.
     pub warnings: Vec<Warning>,
@@ -112,9 +112,9 @@ pub struct Residual {
 /// Reads a camera from a file that [`CameraEstimate::to_toml`] wrote.
 ///
 /// # Errors
-/// [`RecordedError::File`] if the file is a calibration of displacements, if a field is missing or does not exist in
-/// this format, if a number is not finite, if the scale or a standard error is not positive, or if the matrix is no
-/// covariance or contradicts the standard errors.
+/// [`RecordedError::File`] if the file is a calibration of displacements instead of a camera. The same error if a field
+/// is missing or unknown, if a number is not finite, if the scale or a standard error is not positive, or if the matrix
+/// is no covariance or contradicts the standard errors.
 pub fn parse_camera(file: &RecordedFile) -> Result<CameraEstimate, RecordedError> {
     let text =
         file.text("a camera is needed, as `sensor calibrate` writes it from a frame at rest")?;
@@ -141,7 +141,8 @@ pub(super) fn is_camera(text: &str) -> bool {
 }
 
 /// Largest accepted relative difference between a stated standard error and the standard error that follows from the
-/// covariance. Small differences occur, because the covariance divides `px_per_rad` by a slightly different scale.
+/// covariance. Small differences occur, because `px_per_rad` in the covariance is relative to a slightly different
+/// scale.
 const ROUNDING: f64 = 0.1;
 
 fn check(camera: &CameraEstimate) -> Result<(), String> {

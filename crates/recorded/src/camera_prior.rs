@@ -1,4 +1,4 @@
-//! Camera parameters and their uncertainty before frames are fitted.
+//! The camera's parameters and their uncertainty, as they are known before frames are fitted.
 
 use nalgebra::{DMatrix, DVector};
 use palpate_chromatouch::{Departure, OddTerms};
@@ -13,13 +13,14 @@ use super::nominal_sensor::{CameraGeometry, NominalSensor};
 use super::press_options::PictureOptions;
 use palpate_estimators::departure_stds;
 
-/// Largest accepted difference between a camera parameter in the prior and its estimate from the frame at rest, in
-/// standard deviations. A single larger difference is enough for a warning.
+/// Largest accepted difference between the prior and the estimate from the frame at rest, for a single camera
+/// parameter, in standard deviations. A larger difference causes a warning.
 const MAX_PULL: f64 = 6.0;
-/// Joint χ² of all parameters above which the camera contradicts the frame.
+/// Largest accepted joint χ² of the differences of all camera parameters. If it is larger, the camera contradicts the
+/// frame, which is an error.
 const MAX_CHI_SQUARED: f64 = 200.0;
-/// Joint χ² of 9, 10 and 11 parameters above which a warning is given. If the camera is correct, χ² exceeds it with a
-/// probability of 1/10,000.
+/// Joint χ² of 9, 10 or 11 camera parameters above which there is a warning. For a correct camera, χ² exceeds this
+/// value with a probability of 1/10,000.
 const WARNING_CHI_SQUARED: [f64; 3] = [33.7, 35.6, 37.4];
 /// Number of camera parameters without the two odd terms of the lens, which a frame may not determine.
 const WITHOUT_TERMS: usize = 9;
@@ -45,8 +46,8 @@ pub(super) struct CameraPrior<'a> {
     pub(super) geometry: CameraGeometry,
     /// Prior standard deviation of each sensor parameter, in the order of the entries of a `Departure`.
     pub(super) stds: [f64; Departure::NUMBERS],
-    /// Differences of the camera's parameters from their nominal values, with their joint covariance from a
-    /// calibration; `None` without a calibration.
+    /// Joint prior of the camera's parameters from a calibration, as differences from their nominal values with a
+    /// covariance. `None` without a calibration.
     pub(super) departure_prior: Option<DeparturePrior>,
     /// Name of the calibration file; `None` if the camera is the study's.
     file: Option<&'a str>,
@@ -119,7 +120,7 @@ impl<'a> CameraPrior<'a> {
     ///
     /// # Errors
     /// [`RecordedError::Readings`] if the difference is too large. The message states the parameter with the largest
-    /// difference, and its two values.
+    /// difference, and both values of this parameter.
     pub(super) fn other_camera(
         &self,
         at_rest: &CameraEstimate,
@@ -197,7 +198,7 @@ impl<'a> CameraPrior<'a> {
         )
     }
 
-    /// Covariance of the differences of the camera's parameters from their nominal values.
+    /// Covariance of the camera's parameters, as differences from their nominal values.
     fn covariance(&self) -> DMatrix<f64> {
         match &self.departure_prior {
             Some(prior) => prior.covariance.clone(),

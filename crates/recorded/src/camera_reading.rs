@@ -1,5 +1,5 @@
-//! Displacements of markers from two frames of a camera sensor. A press is estimated from the displacements or from the
-//! images.
+//! Computes the displacements of markers from two frames of a camera sensor. The press is estimated from these
+//! displacements or from the images themselves.
 
 use std::collections::BTreeMap;
 
@@ -29,10 +29,10 @@ pub enum FrameReader {
     Displacements {
         /// The calibration of the sensor.
         calibration: Box<Calibration>,
-        /// Unit of all lengths, also of the lengths in the calibration.
+        /// Unit of all lengths, including the lengths in the calibration.
         unit: LengthUnit,
-        /// Scale of the camera, pixels per radian. With `None`, it is the calibration's pixels per length, multiplied
-        /// by the markers' distance from the centre of the sensor.
+        /// Scale of the camera, pixels per radian. If it is `None`, the scale is computed from the calibration: its
+        /// pixels per length, multiplied by the distance of the markers from the centre of the sensor.
         px_per_rad: Option<f64>,
         /// Options of the estimate.
         options: Box<PressOptions>,
@@ -48,7 +48,7 @@ pub struct FrameReading {
     pub readings: Table,
     /// Table of the displacements, interpolated at the points of a regular grid.
     pub field: Table,
-    /// Estimate of the press, or the error if there is none.
+    /// Estimate of the press, or the reason why there is none.
     pub estimate: Result<TrackedPress, RecordedError>,
     /// Unit of all lengths.
     pub unit: LengthUnit,
@@ -62,9 +62,9 @@ impl FrameReader {
     ///
     /// # Errors
     /// [`RecordedError::Readings`] if the calibration is for another sensor or lacks normal displacements, if the
-    /// camera's scale is not given, if no marker was tracked, and if `filter_std` is negative or infinite. A fit to the
-    /// frames also fails if the frames have another size, layout, colour or camera, are under-exposed or saturated, or
-    /// do not determine the press.
+    /// camera's scale is not given, if no marker was tracked, or if `filter_std` is negative or infinite. If the press
+    /// is fitted to the images, this error also occurs in these cases: the frames have another size, layout, colour or
+    /// camera than the study, are under-exposed or saturated, or do not determine the press.
     pub fn read(
         &self,
         frames: [&Frame; 2],
@@ -102,14 +102,15 @@ impl FrameReader {
     }
 }
 
-/// Displacements of the markers, with the press that was fitted to their images.
+/// Displacements of the markers, and the press. Both are computed by a fit to the images.
 type ImageReading = (CameraReading, TrackedPress);
 
-/// Scatter of the markers at rest above which frames are also read as if their pixels were encoded by sRGB. Linear
-/// frames that are read as encoded, or encoded ones that are read as linear, scatter more than 100.
+/// Scatter of the markers at rest above which the frames may be encoded by sRGB, although they were read as linear.
+/// They are then read again with linearised pixels. If frames are read with the wrong encoding, the scatter exceeds
+/// 100.
 const MAX_LINEAR_SCATTER: f64 = 10.0;
 
-/// Factor by which the markers at rest scatter more than the noise explains; infinite without an estimate.
+/// Scatter of the markers at rest: ratio of their residuals to the noise. It is infinite without an estimate.
 fn scatter_at_rest(read: &Result<ImageReading, RecordedError>) -> f64 {
     let Ok((_, press)) = read else {
         return f64::INFINITY;
@@ -119,8 +120,8 @@ fn scatter_at_rest(read: &Result<ImageReading, RecordedError>) -> f64 {
     scatter.map_or(1.0, |warning| warning.numbers["ratio"])
 }
 
-/// The estimate from the frames with linearised pixels, if the markers at rest then fit the sensor, and did not before.
-/// `scatter` is their scatter before.
+/// Linearises the pixels of both frames and estimates the press again. Returns the estimate if the markers at rest now
+/// fit the sensor and did not fit it before. `scatter` is the scatter of the markers at rest before.
 fn linearised(
     frames: [&Frame; 2],
     options: &PictureOptions,
@@ -159,8 +160,8 @@ fn slope_share(calibration: &Calibration) -> f64 {
         .unwrap_or(0.0)
 }
 
-/// Largest accepted ratio of the stated to the calibrated scale of a camera, and of its inverse. A larger ratio causes
-/// a warning.
+/// Largest accepted ratio between the stated and the calibrated scale of a camera, whichever is larger. A larger ratio
+/// causes a warning.
 const MAX_SCALE_RATIO: f64 = 1.25;
 
 /// Displacements of the tracked markers.
@@ -190,9 +191,9 @@ pub struct TrackedPress {
 }
 
 impl CameraReading {
-    /// Converts the changes of tracked markers to displacements by a calibration. `px_per_rad` is the camera's scale;
-    /// with `None`, it is the calibration's px per length times the markers' distance from the centre of the sensor.
-    /// `file` is the name of the readings in messages; `None` if the readings are not in a file.
+    /// Converts the changes of tracked markers to displacements by a calibration. `px_per_rad` is the camera's scale.
+    /// If it is `None`, the scale is the calibration's px per length, multiplied by the markers' distance from the
+    /// centre of the sensor. `file` is the name of the readings in messages; `None` if the readings are not in a file.
     fn read(
         frames: &FramePair,
         (calibration, unit): (&Calibration, LengthUnit),
@@ -260,8 +261,8 @@ impl CameraReading {
         })
     }
 
-    /// Readings with displacements that another method computed, in the order of the tracks. `radius` is the radius of
-    /// the skin.
+    /// Readings with displacements that were computed by a fit to the images, in the order of the tracks. `radius` is
+    /// the radius of the skin.
     pub(super) fn of(
         frames: &FramePair,
         displaced: &[Displaced],
@@ -297,8 +298,8 @@ impl CameraReading {
         misfit_warning(misfit, &self.source, self.unit)
     }
 
-    /// Adds the tracking counts, the markers' outward displacement and the warnings about the frames to the report of
-    /// the object.
+    /// Combines the report of the object with the tracking counts, the outward displacement of the markers and the
+    /// warnings about the frames.
     pub(super) fn tracked_press(&self, mut object: PressReport) -> TrackedPress {
         object.warnings.extend(self.warnings.iter().cloned());
         let outward = self.field.outward().filter(|_| self.has_tangential);
@@ -310,8 +311,9 @@ impl CameraReading {
         }
     }
 
-    /// Displacements on a grid over the bounding rectangle of the markers, without the points outside of the markers'
-    /// convex hull. They are filtered by a Gaussian with the standard deviation `filter_std`, length along the skin.
+    /// Displacements on a grid over the bounding rectangle of the markers. Grid points outside of the markers' convex
+    /// hull are omitted. The displacements are filtered by a Gaussian with the standard deviation `filter_std`, length
+    /// along the skin.
     fn grid(&self, grid: usize, filter_std: f64) -> Result<Table, RecordedError> {
         let smooth = self.field.smoothed(filter_std / self.radius);
         let smooth = smooth.map_err(|error| self.source.fail(error.to_string()))?;
@@ -343,7 +345,7 @@ impl CameraReading {
         displaced.place.map(|angle| self.radius * angle)
     }
 
-    /// Returns a warning if the standard error of the calibrated slope exceeds the estimator's setting `gain_std`.
+    /// Returns a warning if the relative standard error of the calibrated slope exceeds the setting `gain_std`.
     fn gain(&self, options: &PressOptions) -> Option<Warning> {
         let stated = options.estimator.priors().gain_std?;
         (self.slope_share > MAX_SLOPE_SHARE.max(stated)).then(|| {

@@ -25,7 +25,7 @@ pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
 /// Detects the decimal sign of the numbers in a table.
 #[derive(Debug, Default)]
 pub(super) struct DecimalSign {
-    /// The first number in the table whose comma can only be a decimal comma; `None` if there is none.
+    /// The first number in the table with a comma that can only be a decimal comma; `None` if there is none.
     comma: Option<String>,
     /// The first number in the table with a decimal point; `None` if there is none.
     point: Option<String>,
@@ -42,8 +42,8 @@ impl DecimalSign {
         first.get_or_insert_with(|| text.to_owned());
     }
 
-    /// The decimal sign of the table. Returns an error if it is ambiguous. The message of the error quotes `odd`, a
-    /// number in the table with a comma.
+    /// The decimal sign of the table. Returns an error if the decimal sign is ambiguous. The message quotes `odd`, a
+    /// number of the table that contains a comma.
     pub(super) fn decimal(&self, odd: &str) -> Result<Decimal, String> {
         match (&self.comma, &self.point) {
             (Some(_), None) => Ok(Decimal::Comma),

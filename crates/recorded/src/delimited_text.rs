@@ -8,14 +8,14 @@ use super::header::bracketed;
 use super::table_format::Delimiter;
 use super::text_table::{Record, RowResult, Text};
 
-/// Number of rows from which the delimiter is recognised if the header is not enough.
+/// Largest number of rows that are read to find the delimiter, if the header does not determine it.
 const DECIDING_ROWS: usize = 100;
 
 /// A table in which a delimiter separates the fields of a line, such as a CSV file.
 pub(super) struct DelimitedText<'a> {
     pub(super) text: Text<'a>,
     pub(super) delimiter: Delimiter,
-    /// Number of lines before the readings: the names of the columns, and their units.
+    /// Number of lines before the readings: the line with the names of the columns and, if present, a line with units.
     heading: usize,
 }
 
@@ -86,8 +86,8 @@ impl<'a> DelimitedText<'a> {
         Ok(())
     }
 
-    /// Calls `take` for every row that is not blank. Each row is one line, because quotation marks that are still open
-    /// at the end of a line were rejected before.
+    /// Calls `take` for every row that is not blank. Each row is one line, because tables with a quotation mark that is
+    /// still open at the end of a line were rejected before.
     pub(super) fn rows(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         let text = self.text;
         if self.delimiter == Delimiter::Space {
@@ -131,16 +131,16 @@ impl<'a> DelimitedText<'a> {
     }
 }
 
-/// Whether a first line holds numbers instead of names. Whole numbers that count the columns from 0 are names: pandas
-/// writes them for arrays.
+/// Whether a first line holds numbers instead of names. The whole numbers 0, 1, 2, … are names, because pandas writes
+/// them as the names of an array's columns.
 fn has_numbers(fields: &StringRecord) -> bool {
     let mut numbers = fields.iter().map(|field| tidy(field).parse::<f64>());
     let counts = |(field, column): (&str, usize)| tidy(field).parse() == Ok(column);
     !fields.iter().zip(0..).all(counts) && numbers.all(|number| number.is_ok())
 }
 
-/// Names in a header. NumPy writes the header as it is given, so that commas may separate the names above numbers that
-/// are separated by spaces.
+/// Names in a header. NumPy writes the header text without changes, so commas may separate the names while spaces
+/// separate the numbers below.
 fn names(text: Text<'_>, line: &str, delimiter: Delimiter) -> StringRecord {
     match delimiter {
         Delimiter::Space if line.contains(',') => split(text, line, Delimiter::Comma),
@@ -253,7 +253,8 @@ fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
     is_row.then_some(units)
 }
 
-/// Number of the first line (counted from 1) with a quotation mark that does not belong to a pair around a field.
+/// Number (from 1) of the first line with an unpaired quotation mark. Quotation marks are paired if they surround a
+/// field.
 fn unclosed_quote(text: Text<'_>, delimiter: Delimiter) -> Option<usize> {
     #[derive(PartialEq)]
     enum At {

@@ -23,13 +23,13 @@ pub enum RecordedError {
         /// Description of the problem, with the column and the value.
         message: String,
     },
-    /// An array of readings is wrong: its length, or a number in it.
+    /// An array of readings is wrong: either its length or a number in it.
     #[error("{array}{}: {message}", brackets(index))]
     Array {
         /// Name of the argument with the array.
         array: &'static str,
-        /// Row of the wrong number, and its column if there are several columns, counted from 0; empty if the array as
-        /// a whole is wrong.
+        /// Index of the wrong number in the array, counted from 0: its row and, if there are several columns, its
+        /// column. The list is empty if the array as a whole is wrong.
         index: Vec<usize>,
         /// The wrong number; `None` if the array as a whole is wrong.
         value: Option<f64>,
@@ -64,8 +64,8 @@ impl RecordedError {
     }
 }
 
-/// Adds a reference to `palpate explain` to a message, except to messages about invalid settings, which need no
-/// explanation.
+/// Adds a reference to `palpate explain` to a message. A message about an invalid setting is not changed, because it
+/// needs no explanation.
 pub(super) fn explained(message: String, kind: &str) -> String {
     match kind {
         "bad-setting" => message,

@@ -54,7 +54,7 @@ impl RecordedFile {
         Ok(Self::new(name, bytes))
     }
 
-    /// The same file with `form` as the form of its table.
+    /// The same file, with the statement that its table has the form `form`.
     #[must_use]
     pub fn written(self, form: Form) -> Self {
         Self { form, ..self }
@@ -72,7 +72,8 @@ impl RecordedFile {
         RecordedError::line(&self.name, line, message)
     }
 
-    /// The file's UTF-8 text without the byte order mark. For an empty file, the error states what is `needed`.
+    /// The file's UTF-8 text, without the byte order mark. If the file is empty, the error states `needed`, the
+    /// expected contents.
     pub(super) fn text(&self, needed: &str) -> Result<&str, RecordedError> {
         let bytes = self.bytes.as_slice();
         let text = self.utf8(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes))?;

@@ -3,16 +3,17 @@
 use nalgebra::Point3;
 use palpate_statistics::Number;
 
-/// Smallest length of a step that may lead from one finger to the next, relative to the median length of all steps.
+/// Smallest length of a step that may lead from one finger to the next, as a multiple of the median length of all
+/// steps.
 const MIN_JUMP: f64 = 3.0;
 /// Smallest accepted ratio of the shortest step between two fingers to the longest step within a finger.
 const MIN_JUMP_RATIO: f64 = 1.5;
-/// Advice for messages, for the case that contacts are assigned to the wrong fingers.
+/// Advice that ends a message, in case the contacts were assigned to the wrong fingers.
 const REMEDY: &str = "separate the fingers by blank lines or add a column `finger`";
 
-/// Returns the finger of each contact, and a note on how the fingers were determined. If the file has blank lines
-/// (before the rows `after_gaps`), they separate the fingers. Otherwise, steps that are much longer than all other
-/// steps separate the fingers.
+/// Returns the finger of each contact, and a note on how the fingers were determined. If the file has blank lines, they
+/// separate the fingers; `after_gaps` contains the rows that follow a blank line. Otherwise, the fingers are separated
+/// by steps that are much longer than all other steps.
 pub(super) fn assign_fingers(
     places: &[Point3<f64>],
     after_gaps: &[usize],

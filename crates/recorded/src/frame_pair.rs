@@ -37,12 +37,12 @@ const FORMATS: [(ImageFormat, &str); 5] = [
     (ImageFormat::WebP, "WebP"),
 ];
 
-/// Markers of a JPEG file: the start of the last scan and the end of the image.
+/// Byte sequences in a JPEG file: the marker of a scan and the marker of the image's end.
 const SCAN: &[u8] = b"\xff\xda";
 const END: &[u8] = b"\xff\xd9";
 
 impl Frame {
-    /// The frame with its pixels linear in the light, if they are encoded by the curve of sRGB.
+    /// The frame with pixels that are linear in the light, converted from pixels that are encoded by the sRGB curve.
     #[must_use]
     pub fn linearised(mut self) -> Self {
         let linear = |level: u8| {
@@ -60,7 +60,7 @@ impl Frame {
         self
     }
 
-    /// The square in the middle of the frame, whose side is the shorter one of the frame.
+    /// The square in the middle of the frame. Its side is the shorter side of the frame.
     #[must_use]
     pub fn central_square(self) -> Self {
         let (width, height) = self.image.dimensions();
@@ -74,12 +74,12 @@ impl Frame {
     }
 }
 
-/// Decodes a frame as 8-bit RGB. Images with 16 bits, grey levels or a palette are converted. An alpha channel is
-/// allowed if no pixel is transparent, because transparent pixels have no colour.
+/// Decodes a frame as 8-bit RGB. Images with 16 bits, grey levels or a palette are converted. Transparent pixels are an
+/// error, because they have no colour. An alpha channel without transparent pixels is allowed.
 ///
 /// # Errors
-/// [`RecordedError::File`] if the file is no PNG, JPEG, BMP, TIFF or WebP image, or is broken, truncated, larger than 8192
-/// px to a side, or transparent.
+/// [`RecordedError::File`] if the file is no PNG, JPEG, BMP, TIFF or WebP image, if it is broken or truncated, if a
+/// side is longer than 8192 px, or if a pixel is transparent.
 pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
     if file.bytes.is_empty() {
         return Err(file.error("is empty; an image is needed"));
@@ -125,10 +125,11 @@ pub fn parse_frame(file: &RecordedFile) -> Result<Frame, RecordedError> {
     })
 }
 
-/// Sum of the quantisation table of the luminance at quality 50 (ITU-T T.81, table K.1).
+/// Sum of the entries of the standard luminance quantisation table, which belongs to quality 50 (ITU-T T.81, table
+/// K.1).
 const LUMINANCE_AT_50: f64 = 3688.0;
 
-/// Quality of a JPEG file on the scale of libjpeg, computed from its quantisation table of the luminance.
+/// Quality of a JPEG file on the scale of libjpeg, computed from the luminance quantisation table of the file.
 fn jpeg_quality(bytes: &[u8]) -> Option<f64> {
     let mut rest = bytes.get(2..)?;
     loop {
@@ -183,12 +184,13 @@ pub struct TrackCounts {
     pub cut_at_rest: usize,
 }
 
-/// Largest accepted share of markers that were not found again. A larger share causes a warning.
+/// Largest accepted share of markers that were lost, that is, not found in the pressed frame. A larger share causes a
+/// warning.
 const MAX_LOST: f64 = 0.1;
 
 impl TrackCounts {
-    /// Whether so many markers of the frame at rest were found in the pressed frame that both frames can come from the
-    /// same sensor.
+    /// Whether enough markers of the frame at rest were found in the pressed frame. If not, the frames come from
+    /// different sensors.
     const fn are_of_one_sensor(&self) -> bool {
         2 * self.tracked >= self.at_rest
     }
@@ -209,15 +211,15 @@ impl TrackCounts {
     }
 }
 
-/// Smallest median shift of the markers, px, for the warning that all markers moved in the same way.
+/// Smallest median shift of the markers, px, that causes the warning that all markers moved in the same way.
 const MIN_COMMON_PX: f64 = 0.5;
-/// Smallest ratio of the median shift of the markers to the scatter around it, for the warning that all markers moved
-/// in the same way.
+/// Smallest ratio between the median shift of the markers and the scatter of the shifts that causes the warning that
+/// all markers moved in the same way.
 const MIN_COMMON_RATIO: f64 = 2.5;
-/// Smallest number of markers from which a motion common to all markers is computed.
+/// Smallest number of markers for which a common motion is computed.
 const MIN_MARKERS: usize = 8;
 
-/// Difference of green levels (of 255) that is drawn in the full colour in a difference image.
+/// Difference of green levels (0 to 255) that has the full colour in a difference image.
 const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
 
 /// Finds the markers in a frame.
@@ -356,8 +358,8 @@ impl FramePair {
         self.tracks.iter().filter_map(Track::change)
     }
 
-    /// The median shift of the markers, and the distance between neighbouring markers; `None` unless the shift exceeds
-    /// a quarter of the distance.
+    /// The median shift of the markers and the median distance between neighbouring markers. `None` unless the shift is
+    /// larger than a quarter of the distance.
     fn moved_together(&self) -> Option<(f64, f64)> {
         let shifts = self.changes().map(|change| {
             let [x, y] = change.shift_px;
@@ -417,8 +419,8 @@ impl FramePair {
         })
     }
 
-    /// Change of the logarithm of the diameter of the marker whose size changed most. `None` unless this marker shrank
-    /// by more than the scatter of the other markers; the two frames may then be swapped.
+    /// Change of the logarithm of the diameter for the marker whose size changed most. `None` unless this marker shrank
+    /// clearly more than the other markers changed. If it did, the two frames may be swapped.
     fn swapped(&self) -> Option<f64> {
         let (_, growth) = self.strongest(|track| Some(track.change()?.growth))?;
         let scatter = median(self.changes().map(|change| change.growth.abs()))?;

@@ -30,8 +30,8 @@ use palpate_study::{Unit, Warning};
 /// Estimates the curvature of a patch from recorded contacts.
 ///
 /// # Errors
-/// [`RecordedError::Line`] if one contact is wrong; otherwise [`RecordedError::Readings`] if the options contradict the
-/// file, or if the contacts do not determine the patch.
+/// [`RecordedError::Line`] if a contact is wrong. [`RecordedError::Readings`] if the options contradict the file, or if
+/// the contacts do not determine the patch.
 pub fn estimate_glide(
     recorded: &GlideRecording,
     options: &GlideOptions,
@@ -57,20 +57,22 @@ pub struct GlideFitResult<'r> {
     limits_from: &'static str,
 }
 
-/// Contacts without outliers. For round fingertips, they are computed from the stated points of the tips.
+/// The contacts that are fitted, without outliers. If the file states points of round fingertips, the contacts are
+/// computed from these points.
 #[derive(Clone, Debug)]
 struct UsedContacts {
     contacts: Vec<Contact>,
-    /// Row number in the recording of each contact, counted from 0.
+    /// For each contact, its row in the recording, counted from 0.
     rows: Vec<usize>,
     outliers: Vec<Outlier>,
     readings: EffectiveReadings,
 }
 
-/// With more contacts than this number, the bias of a spline on simple shapes may be larger than its noise.
+/// If there are more contacts than this number and the object has a simple shape, the bias of a spline may be larger
+/// than its noise.
 const MANY_CONTACTS: usize = 60;
 
-/// The fitted surface: a graph over a patch, or a simple shape.
+/// The fitted surface: either a graph (height over a patch) or a simple shape.
 #[derive(Clone, Debug)]
 enum Surface {
     Graph(Box<(GlideFit, IndependentFit)>),
@@ -81,7 +83,7 @@ impl<'r> GlideFitResult<'r> {
     /// Fits the surface to the recorded contacts.
     ///
     /// # Errors
-    /// The errors of [`estimate_glide`], except the error of a map that exceeds the range of doubles.
+    /// The errors of [`estimate_glide`], without the errors of the map, which is computed later.
     pub fn new(
         recorded: Cow<'r, GlideRecording>,
         given: &GlideOptions,
@@ -183,7 +185,7 @@ impl<'r> GlideFitResult<'r> {
         refused(&self.recorded, error)
     }
 
-    /// Points of the surface at the contacts that are used, or on the grid.
+    /// Points of the fitted surface: one for each fitted contact, or one for each grid point.
     fn points(&self, at_contacts: bool) -> Result<Vec<MapPoint>, RecordedError> {
         let (contacts, side) = (&self.used.contacts, self.options.grid);
         let places = contacts.iter().map(|contact| contact.position);
@@ -226,7 +228,7 @@ impl<'r> GlideFitResult<'r> {
         }
     }
 
-    /// Thresholds below which curvatures count as zero.
+    /// Thresholds for curvatures: a smaller curvature counts as zero.
     pub fn thresholds(&self) -> &ShapeThresholds {
         &self.limits
     }
@@ -258,7 +260,8 @@ impl<'r> GlideFitResult<'r> {
         Ok((estimate, map))
     }
 
-    /// Goodness of fit and misfits of a graph, by rows of the recording; and, if there are none, the reason.
+    /// Goodness of fit and misfits of a fitted graph; outliers are stated by their row in the recording. If the test is
+    /// impossible, the second result is the reason.
     fn misfit(&self) -> (MisfitTest, Option<String>) {
         let Surface::Graph(graph) = &self.surface else {
             return Default::default();
@@ -338,7 +341,7 @@ impl<'r> GlideFitResult<'r> {
             .collect()
     }
 
-    /// The estimate, with `regions` of equal class.
+    /// The report of the estimate. `regions` contains the connected parts of the map that have the same class.
     fn report(&self, regions: &Regions) -> GlideEstimate {
         let (recorded, options, centre) = (&self.recorded, &self.options, &self.centre);
         let (limits, unit, is_open) = (&self.limits, self.unit, self.is_open());
@@ -435,8 +438,8 @@ impl<'r> GlideFitResult<'r> {
     }
 }
 
-/// The options with the position noise as a length. A noise stated as a fraction is multiplied by the stated distance
-/// between fingers or, without one, by the measured distance.
+/// The options, with the position noise as a length. A noise that is stated as a fraction is multiplied by the distance
+/// between fingers. This distance is the stated one or, if it is not stated, the measured one.
 fn with_length_noise(
     recorded: &GlideRecording,
     contacts: &[Contact],
@@ -460,11 +463,11 @@ fn with_length_noise(
     Ok(options)
 }
 
-/// Reason for which the distance between fingers cannot be computed.
+/// Text for messages: why the distance between fingers cannot be computed.
 const ONE_FINGER: &str = "all contacts belong to one finger, so there is no distance between \
      fingers";
 
-/// Converts the error of a fit to an error that states the line of the wrong contact, if a contact caused it.
+/// Converts the error of a fit. If a single contact caused it, the new error states the line of this contact.
 fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedError {
     let contact = match error {
         Ep2Error::NotFinite { contact }
@@ -487,7 +490,7 @@ fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedError {
     }
 }
 
-/// The same error, with the row number in the recording instead of the index of the contact.
+/// The same error, in which the index of the contact is replaced by its row in the recording.
 fn of_row(error: Ep2Error, rows: &[usize]) -> Ep2Error {
     match error {
         Ep2Error::Folded { contact, angle_deg } => Ep2Error::Folded {
@@ -498,7 +501,8 @@ fn of_row(error: Ep2Error, rows: &[usize]) -> Ep2Error {
     }
 }
 
-/// Converts the error of a fit. If the contacts form a single stroke, the message states the curvature along it.
+/// Converts the error of a fit. If the contacts form a single stroke, the message states the curvature along the
+/// stroke.
 fn stroke_refused(
     recorded: &GlideRecording,
     error: &Ep2Error,
@@ -550,15 +554,15 @@ fn remedied(error: &Ep2Error, fingers: usize) -> String {
     }
 }
 
-/// The thresholds of the 1996 paper (0.005 and 0.03 for a patch of 3 × 3), scaled to a patch with these side lengths by
-/// their mean. `None` if they exceed the range of doubles.
+/// The thresholds of the 1996 paper (0.005 and 0.03 for a patch of 3 × 3), scaled to a patch with the side lengths `u`
+/// and `v`. The scale is the mean of the side lengths. `None` if the thresholds exceed the range of doubles.
 fn of_size([u, v]: [f64; 2]) -> Option<ShapeThresholds> {
     let paper_units = 3.0 / (0.5 * u + 0.5 * v);
     ShapeThresholds::new(0.005 * paper_units * paper_units, 0.03 * paper_units).ok()
 }
 
-/// Standard errors of the principal curvatures H ∓ √(H² − K), to first order; `None` if the two curvatures cannot be
-/// distinguished, or if the method states no uncertainty.
+/// Standard errors of the principal curvatures H ∓ √(H² − K), to first order. H is the mean curvature, and K the
+/// Gaussian curvature. `None` if the two curvatures cannot be distinguished, or if the method states no uncertainty.
 fn principal_stds(curvature: &Curvature) -> [Option<f64>; 2] {
     let Some(uncertainty) = curvature.uncertainty else {
         return [None; 2];

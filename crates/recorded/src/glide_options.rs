@@ -10,11 +10,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 
-/// Point of a round fingertip whose position the readings state instead of the contact's position.
+/// Point of a round fingertip whose position is in the readings, instead of the position of the contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TipReports {
-    /// The point of the tip that lies farthest in the direction opposite to setting `outward`.
+    /// The point of the tip that lies farthest in the direction opposite to the setting `outward`.
     #[default]
     LowestPoint,
     /// The centre of the spherical tip.
@@ -34,26 +34,25 @@ pub struct GlideOptions {
     /// Number of grid points along each side, for the regions and the map.
     #[schemars(extend("minimum" = 1, "maximum" = 1000))]
     pub grid: usize,
-    /// Whether the map has one point per contact that is used, in the order of the contacts, instead of the grid
-    /// points.
+    /// Whether the map has one point per fitted contact, in the order of the contacts, instead of the grid points.
     #[serde(skip)]
     pub map_at_contacts: bool,
-    /// Radius of round fingertips, in the readings' length unit. State it if the positions are not contacts but the
-    /// point of the tip that setting `reports` names. The contacts are then computed from the normals or, without
+    /// Radius of round fingertips, in the readings' length unit. State it if the positions are not contacts but points
+    /// of the fingertips (see setting `reports`). The contacts are then computed from the normals or, if there are no
     /// normals, from a first fit.
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub tip_radius: Option<f64>,
-    /// Point of round fingertips whose positions the readings state; lowest-point by default.
+    /// Point of round fingertips whose position is in the readings; lowest-point by default.
     pub reports: Option<TipReports>,
-    /// Direction that points out of the object. It is used for readings without normals, for which only its side of the
-    /// patch matters, and for lowest points.
+    /// Direction that points out of the object. It is used for readings without normals and for lowest points. For
+    /// readings without normals, it only matters on which side of the patch the direction points.
     pub outward: [f64; 3],
-    /// Magnitude of the Gaussian curvature below which it counts as zero, 1/length²; at least the square of the mean
-    /// threshold. By default, it is computed from the size of the patch.
+    /// Threshold of the Gaussian curvature, 1/length². If its magnitude is smaller, it counts as zero. The threshold
+    /// must be at least the square of the mean threshold. By default, it is computed from the size of the patch.
     #[schemars(extend("minimum" = 0))]
     pub gaussian_threshold: Option<f64>,
-    /// Magnitude of the mean curvature below which it counts as zero, 1/length. By default, it is computed from the
-    /// size of the patch.
+    /// Threshold of the mean curvature, 1/length. If its magnitude is smaller, it counts as zero. By default, the
+    /// threshold is computed from the size of the patch.
     #[schemars(extend("minimum" = 0))]
     pub mean_threshold: Option<f64>,
     /// Distance between fingers, in the readings' length unit. Settings of two-pass, and position noise stated as a
@@ -148,7 +147,7 @@ impl GlideOptions {
         Ok(options)
     }
 
-    /// The thresholds that the options state, below which curvatures count as zero; `None` if none are stated.
+    /// The stated thresholds of the curvatures; `None` if none are stated.
     pub(super) fn thresholds(&self) -> Result<Option<ShapeThresholds>, SettingError> {
         let both = self.gaussian_threshold.zip(self.mean_threshold);
         let thresholds = both.map(|(gaussian, mean)| ShapeThresholds::new(gaussian, mean));
@@ -169,7 +168,7 @@ impl GlideOptions {
     }
 }
 
-/// The direction with these components, divided by the largest absolute value of a component.
+/// The direction `components`, scaled such that the largest absolute value of a component is 1.
 fn direction(components: [f64; 3]) -> Result<[f64; 3], SettingError> {
     let largest = components
         .iter()

@@ -31,9 +31,9 @@ pub struct GlideRecording {
 }
 
 impl GlideRecording {
-    /// Contacts at `points` with the outward `normals`, which may have any length. `fingers` states the number of the
-    /// finger of each contact; without it, all contacts belong to one finger. The contacts of a finger must be in the
-    /// order of the finger's path. Lengths are in `unit`.
+    /// Contacts at `points` with the outward `normals`, which may have any length. `fingers` contains the number of the
+    /// finger of each contact. If it is `None`, all contacts belong to one finger. The contacts of a finger must be in
+    /// the order of the finger's path. Lengths are in `unit`.
     ///
     /// ```
     /// use palpate_recorded::GlideRecording;
@@ -84,7 +84,8 @@ impl GlideRecording {
     }
 }
 
-/// Index of each finger by its number in the readings. Indices follow the order in which the numbers first appear.
+/// Maps the number of a finger in the readings to its index. Indices follow the order in which the numbers first
+/// appear.
 #[derive(Default)]
 struct Fingers(HashMap<u64, usize>);
 
@@ -155,8 +156,8 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideRecording, RecordedError> 
     })
 }
 
-/// The places of the contacts, with each gross outlier at the place before it, so that lost readings do not separate
-/// fingers.
+/// The positions of the contacts, for the search for steps between fingers. A gross outlier gets the position of the
+/// previous contact, so that lost readings do not separate fingers.
 fn with_outliers_moved(contacts: &[Contact]) -> Vec<Point3<f64>> {
     let mut places: Vec<_> = contacts.iter().map(|contact| contact.position).collect();
     if let Ok(sound) = SoundContacts::new(contacts) {

@@ -15,7 +15,7 @@ use palpate_estimators::{map_table, push_map_point};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Column, Unit, Warning};
 
-/// Thresholds below which curvatures count as zero.
+/// Thresholds of the curvatures. A smaller curvature counts as zero.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Thresholds {
     pub(super) gaussian: Value,
@@ -29,7 +29,8 @@ pub(super) struct Thresholds {
 pub(super) struct PatchNoise {
     /// Standard deviation of the positions along the normal of the surface.
     pub(super) position_std: Value,
-    /// Standard deviation of a normal's tilt about each tangent, degrees; `null` if the contacts have no normals.
+    /// Standard deviation of the tilt of a normal about each of the two tangents, degrees; `null` if the contacts have
+    /// no normals.
     pub(super) normal_std_deg: Option<f64>,
 }
 
@@ -42,10 +43,11 @@ pub(super) struct PatchRegion {
     pub(super) area: Value,
     pub(super) gaussian_curvature: Value,
     pub(super) mean_curvature: Value,
-    /// Mean direction of the largest curvature in the region, over its points; the opposite direction is equivalent.
-    /// `null` if there is none.
+    /// Direction of the largest curvature, averaged over the points of the region. The opposite direction is
+    /// equivalent. `null` if the region has no such direction.
     pub(super) direction_of_max: Option<[f64; 3]>,
-    /// Degree to which the points of the region have the same direction `direction_of_max`, from 0 to 1.
+    /// Agreement of the directions at the points of the region, from 0 (all different) to 1 (all equal to
+    /// `direction_of_max`).
     pub(super) coherence: f64,
 }
 
@@ -58,7 +60,7 @@ pub(super) enum GlideRadius {
     OfShape(Option<Value>),
 }
 
-/// Output of the command `estimate glide`. Curvature, class and directions are those in the middle of the patch.
+/// Output of the command `estimate glide`. Curvature, class and directions are for the middle of the patch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GlideEstimate {
     pub(super) format_version: u32,
@@ -69,7 +71,7 @@ pub struct GlideEstimate {
     pub(super) length_unit: &'static str,
     /// Position of the middle of the patch, on the fitted surface.
     pub(super) position: [f64; 3],
-    /// Unit normal in the middle of the patch, out of the object.
+    /// Unit normal in the middle of the patch. It points out of the object.
     pub(super) normal: [f64; 3],
     pub(super) gaussian_curvature: Value,
     pub(super) mean_curvature: Value,
@@ -83,17 +85,18 @@ pub struct GlideEstimate {
     pub(super) direction_of_max: [f64; 3],
     /// Shape index, from −1 (a cup) to 1 (a cap); `null` if the surface is flat.
     pub(super) shape_index: Option<f64>,
-    /// Class of the surface. For a single stroke, it is `null`, like `sign_class` and the values of curvatures.
+    /// Class of the surface. If the contacts form a single stroke, it is `null`; so are `sign_class` and the
+    /// curvatures.
     pub(super) class: Option<&'static str>,
     /// Probability of each class; `null` if the method states no uncertainty.
     pub(super) class_probabilities: Option<BTreeMap<&'static str, f64>>,
-    /// Class by the signs of the estimated curvatures, without their uncertainty.
+    /// Class that follows from the signs of the estimated curvatures, without regard to their uncertainty.
     pub(super) sign_class: Option<&'static str>,
     pub(super) thresholds: Thresholds,
     /// Noise of the contacts; `null` if the method does not estimate noise.
     pub(super) noise: Option<PatchNoise>,
-    /// Whether the method two-pass reached the sums of squares that it aims at; `null` for other methods. If it did not
-    /// reach them (`knots-exhausted`, `unsettled`), do not use the curvatures.
+    /// Whether the method two-pass reached its target, which is a given sum of squares in each pass; `null` for other
+    /// methods. If it did not reach the target (`knots-exhausted`, `unsettled`), do not use the curvatures.
     pub(super) status: Option<&'static str>,
     /// Effective degrees of freedom of the fit.
     pub(super) effective_unknowns: f64,
@@ -102,20 +105,22 @@ pub struct GlideEstimate {
     /// Connected parts of the map in which all points have the same class, the largest first.
     pub(super) regions: Vec<PatchRegion>,
     /// P-value of the goodness of fit: the probability that noise of the stated size causes a worse fit if the model is
-    /// right. `null` if the noise is estimated, and for the method two-pass.
+    /// right. `null` if the noise is estimated instead of stated, and for the method two-pass.
     pub(super) p_value: Option<f64>,
-    /// Number of independent contacts. Repeated contacts, rests of a finger and correlated noise reduce it.
+    /// Effective number of independent contacts. It is reduced by repeated contacts, by rests of a finger, and by
+    /// correlated noise.
     pub(super) effective_contacts: f64,
     /// Number of contacts after repeated contacts and contacts of a resting finger were merged.
     pub(super) distinct_contacts: usize,
-    /// Number of consecutive positions that count as one independent position, because their noise is correlated.
+    /// Number of consecutive contacts that together count as one independent contact, because their noise is
+    /// correlated.
     pub(super) correlated_contacts: f64,
     /// Contacts that are not used in the fit.
     pub(super) left_out: Vec<LeftOut>,
     /// Curvature along the stroke, if there is only one stroke.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) stroke: Option<StrokeReport>,
-    /// Size and position of the shape, for methods that fit a shape.
+    /// Size and position of the fitted shape; `null` unless the method fits a shape.
     #[serde(flatten)]
     pub(super) shape: Option<ShapeReport>,
     /// Warnings: contradictions between the contacts and the model, each with its p-value, and likely mistakes.
@@ -125,8 +130,9 @@ pub struct GlideEstimate {
 }
 
 impl GlideEstimate {
-    /// Covariance of the Gaussian and the mean curvature in the middle of the patch. Its entries have the units
-    /// 1/length⁴, 1/length³ and 1/length². `None` if the method states no uncertainty.
+    /// Covariance matrix of the Gaussian and the mean curvature in the middle of the patch. The unit is 1/length⁴ for
+    /// the variance of the Gaussian curvature, 1/length² for the variance of the mean curvature, and 1/length³ for
+    /// their covariance. `None` if the method states no uncertainty.
     pub fn covariance(&self) -> Option<[[f64; 2]; 2]> {
         self.covariance
     }
@@ -135,20 +141,21 @@ impl GlideEstimate {
 /// Map of the estimated curvature, on a grid over the patch or at the contacts.
 #[derive(Clone, Debug)]
 pub struct GlideMap {
-    /// The map's points: the contacts, or a grid whose slowest index runs along the fingers' path.
+    /// The points of the map: one per contact, or the points of a grid. In a grid, the slowest index runs along the
+    /// fingers' path.
     pub points: Vec<MapPoint>,
     /// Index of the region of each point; `None` for a map at the contacts.
     pub regions: Option<Vec<usize>>,
     pub(super) thresholds: ShapeThresholds,
     pub(super) unit: LengthUnit,
-    /// Columns of the readings that palpate does not use, one row per contact, for a map at the contacts.
+    /// For a map at the contacts: the columns of the readings that palpate does not use, one row per contact.
     pub(super) extras: ExtraColumns,
 }
 
 impl GlideMap {
-    /// The map as CSV, one row per point. A map at the contacts has no column of regions, and its last columns are
-    /// those of the readings that palpate does not use. Such a column gets the prefix `readings_` if the map already
-    /// has a column with its name.
+    /// The map as CSV, one row per point. A map at the contacts has no column of regions. Its last columns are copied
+    /// from the readings: all columns that palpate does not use. If the map already has a column with the same name,
+    /// the copied column gets the prefix `readings_`.
     pub fn to_csv(&self) -> String {
         let mut map = map_table(self.unit, false);
         for (place, point) in self.points.iter().enumerate() {
@@ -190,7 +197,7 @@ impl PatchRegion {
     }
 }
 
-/// The vector's components, with 0 instead of −0.
+/// The components of a vector. Negative zeros are replaced by 0.
 pub(super) fn tidy(vector: &Vector3<f64>) -> [f64; 3] {
     [vector.x, vector.y, vector.z].map(|number| number + 0.0)
 }

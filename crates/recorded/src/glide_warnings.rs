@@ -11,14 +11,14 @@ use super::glide_options::GlideOptions;
 use super::misfit_warning::ReadingWords;
 use super::source::ReadingSource;
 
-/// Largest accepted ratio of the stated to the measured distance between fingers, and of its inverse. A larger ratio
-/// causes a warning.
+/// Largest accepted ratio between the stated and the measured distance between fingers, whichever is larger. A larger
+/// ratio causes a warning.
 const MAX_SPACING_RATIO: f64 = 3.0;
 
-/// A contact may be an outlier if its distance from its nearest neighbour is larger than that of every other contact by
-/// at least this factor. Then a warning is given.
+/// Ratio of distances from which there is a warning about an outlier. It compares the largest distance of a contact
+/// from its nearest neighbour with the second largest.
 const MAX_DISTANCE_RATIO: f64 = 3.0;
-/// Largest number of contacts for which the distances between contacts are compared.
+/// Largest number of contacts for which the search for a distant contact is made, because it compares all pairs.
 const MAX_COMPARED: usize = 3000;
 
 /// Warning if the stated distance between fingers differs from the distance measured in the readings.
@@ -65,12 +65,13 @@ pub(super) fn distant(
     })
 }
 
-/// Largest accepted ratio of the estimated to the stated noise, and of its inverse. A larger ratio causes a warning,
-/// because the intervals are wrong.
+/// Largest accepted ratio between the estimated and the stated noise, whichever is larger. A larger ratio causes a
+/// warning, because the intervals are then wrong.
 const MAX_NOISE_RATIO: f64 = 1.5;
 
-/// Warnings if the stated noise of the contacts differs from the noise that the same method estimates. `ratios` are the
-/// standard deviations of the patch's positions and normals, divided by the standard deviations of one contact.
+/// Warnings if the stated noise of the contacts differs from the noise that the same method estimates. `ratios`
+/// contains two ratios, for positions and for normals: the standard deviation in the patch, divided by the standard
+/// deviation of a single contact.
 pub(super) fn stated_noise(
     patch: &Patch,
     estimator: &GlideEstimatorConfig,
@@ -121,7 +122,7 @@ pub(super) fn stated_noise(
     .collect()
 }
 
-/// Warnings about misfits. If the normals are wrong, outliers are not reported, because wrong normals cause them.
+/// Warnings about misfits. If the normals are wrong, outliers are not reported, because the wrong normals cause them.
 pub(super) fn misfit_warnings(
     misfits: &[Misfit],
     are_normals_wrong: bool,
@@ -138,7 +139,8 @@ pub(super) fn misfit_warnings(
     })
 }
 
-/// Largest deviation of a normal's length from 1 that rounding or noise of its components can explain.
+/// Largest accepted deviation of a normal's length from 1. Rounding or noise of the components can explain smaller
+/// deviations.
 const MAX_LENGTH_ERROR: f64 = 0.1;
 
 /// Warnings about likely mistakes in the normals of contacts.
@@ -169,15 +171,16 @@ const MIN_CONTACTS: usize = 8;
 /// evenly spaced selection of them is used.
 const MAX_CONTACTS: usize = 2000;
 
-/// Smallest factor by which the fit's error must decrease if components of the normals are swapped or reversed. Only
-/// then a warning is given.
+/// Smallest decrease, as a factor, of the fit's error by a change of the normals (swapped or reversed components) that
+/// causes a warning.
 const MIN_RATIO: f64 = 2.0;
 
 /// Largest error of a quadric fit for which contacts and normals count as consistent.
 const MAX_ERROR: f64 = 0.1;
 
-/// Likely mistake of signs or columns in the normals, as text. It is reported if a quadric through the contacts fits
-/// the normals much better after a change of their components.
+/// Text about a likely mistake in the normals: swapped columns or a wrong sign. The normals are compared with a quadric
+/// surface that is fitted to the contacts. A mistake is likely if a change of the normals' components improves this fit
+/// clearly.
 pub(super) fn directions(contacts: &[Contact]) -> Option<String> {
     let has_normals = contacts.iter().all(|contact| contact.normal.is_some());
     if !has_normals || contacts.len() < MIN_CONTACTS {
@@ -201,8 +204,8 @@ pub(super) fn directions(contacts: &[Contact]) -> Option<String> {
     })
 }
 
-/// Geometric mean of the errors of the height and of both slopes about a quadric fitted to the contacts, after the
-/// normals are multiplied by `change`; infinite if there is no quadric.
+/// Error of a quadric surface that is fitted to the contacts, after the normals are multiplied by `change`. It is the
+/// geometric mean of the error of the height and the errors of both slopes. It is infinite if the fit is impossible.
 fn fit_error(contacts: &[Contact], change: &Matrix3<f64>) -> f64 {
     let changed = contacts.iter().map(|contact| Contact {
         normal: contact.normal.map(|normal| change * normal),
@@ -220,8 +223,8 @@ fn fit_error(contacts: &[Contact], change: &Matrix3<f64>) -> f64 {
     error.unwrap_or(f64::INFINITY)
 }
 
-/// Possible mistakes in the normals: two components are swapped, or the sign of one component is reversed. The common
-/// sign of all components does not matter.
+/// Changes of the normals that correct a possible mistake: two components are swapped, or the sign of one component is
+/// reversed. A reversed sign of all components is not a mistake.
 fn changes() -> [(Matrix3<f64>, &'static str); 6] {
     let signs = |x, y, z| Matrix3::from_diagonal(&Vector3::new(x, y, z));
     let swap = |one: usize, other: usize| {

@@ -13,8 +13,8 @@ pub(super) struct Heading<'a> {
     base: String,
     /// The unit in brackets; `None` if the name has none.
     bracket: Option<&'a str>,
-    /// Component of a quaternion that this column contains, if its name shows this (`quat_x`) or if the file has all
-    /// four columns (`rx` to `rw`).
+    /// Component of a quaternion that this column contains. It is recognised by its name (`quat_x`), or because the
+    /// file has all four columns `rx` to `rw`.
     part: Option<Column>,
 }
 
@@ -90,8 +90,8 @@ impl<'a> Header<'a> {
         self.headings[index].name
     }
 
-    /// Whether the file has the column, under palpate's name or a name that the user assigned, even if its unit does
-    /// not exist.
+    /// Whether the file has the column `column`, under palpate's name or under a name that the user assigned. The unit
+    /// is not checked.
     pub(super) fn has(&self, column: &Column) -> bool {
         !matches!(self.place(column), Ok(None))
     }
@@ -111,8 +111,8 @@ impl<'a> Header<'a> {
             .map(|heading| heading.name)
     }
 
-    /// Text for the setting `columns` that assigns the file's names of `columns` to `others`, as pairs of names
-    /// separated by commas.
+    /// Value for the setting `columns`, as pairs of names separated by commas. It assigns the file's names of the
+    /// columns `columns` to the columns `others` instead.
     pub(super) fn pairs(&self, columns: &[Column], others: &[Column]) -> String {
         let pairs = columns.iter().zip(others).filter_map(|(column, other)| {
             let place = self.place(column).ok().flatten()?;
@@ -121,15 +121,15 @@ impl<'a> Header<'a> {
         pairs.collect::<Vec<_>>().join(",")
     }
 
-    /// Whether the user assigned a name in the file to one of `columns`.
+    /// Whether the user assigned a name in the file to at least one of `columns`.
     pub(super) fn is_assigned(&self, columns: &[Column]) -> bool {
         columns.iter().any(|column| self.assigned(column).is_some())
     }
 
     /// Places of the columns in the file.
     ///
-    /// If columns are missing, the error lists them, the columns of the file, and the option with which they can be
-    /// assigned.
+    /// If columns are missing, the message lists the missing columns and the columns of the file. It proposes a value
+    /// of the setting `columns`, which assigns names in the file to missing columns.
     pub(super) fn places(&self, columns: &[Column], may: &[Column]) -> Result<Vec<Place>, String> {
         let found: Result<Vec<Option<Place>>, String> =
             columns.iter().map(|column| self.place(column)).collect();
@@ -145,8 +145,8 @@ impl<'a> Header<'a> {
         }
     }
 
-    /// For a column with an assigned name: the key of the user's assignment, the assigned name, and the unit in the
-    /// key.
+    /// The user's assignment for a column: its key, the assigned name in the file, and the unit in the key. `None` if
+    /// the user assigned no name.
     fn assigned(&self, column: &Column) -> Option<(&'a str, &'a str, Option<ColumnUnit>)> {
         self.names.iter().find_map(|(key, name)| {
             let unit = column.is_named(&spelt(key))?;
@@ -161,7 +161,7 @@ impl<'a> Header<'a> {
         }
     }
 
-    /// Place of a column that has palpate's name in the file; `None` if there is none.
+    /// Place of a column that has palpate's name in the file; `None` if the file has no such column.
     fn own_place(&self, column: &Column) -> Result<Option<Place>, String> {
         let is_assigned = |heading: &Heading<'_>| {
             let mut names = self.names.values();
@@ -320,7 +320,7 @@ impl<'a> Header<'a> {
         message
     }
 
-    /// Names of the file that are not read.
+    /// Indices of the columns in the file that palpate does not read.
     fn free(&self, places: &[Place]) -> Vec<usize> {
         let is_free = |index: &usize| {
             let mut taken = places.iter();
@@ -329,8 +329,8 @@ impl<'a> Header<'a> {
         (0..self.headings.len()).filter(is_free).collect()
     }
 
-    /// Note for the user if names in the file resemble optional columns that were not read. It contains the setting
-    /// with which palpate reads these columns.
+    /// Note for the user: some columns that were not read have names that resemble optional columns. The note contains
+    /// the value of the setting `columns` with which palpate reads them. `None` if there are no such columns.
     pub(super) fn unread(&self, may: &[Column], places: &[Place]) -> Option<String> {
         let pairs = self.optional(may, &mut self.free(places));
         (!pairs.is_empty()).then(|| {
@@ -339,7 +339,8 @@ impl<'a> Header<'a> {
         })
     }
 
-    /// Pairs of names for optional columns, if free names are similar to all columns of a quantity.
+    /// Assignments for optional columns, as pairs of names. A quantity is assigned only if each of its columns has a
+    /// similar unused name in the file.
     fn optional(&self, may: &[Column], free: &mut Vec<usize>) -> Vec<String> {
         let quantity = |column: &Column| match column.stem().rsplit_once('_') {
             Some((quantity, axis)) if axis.len() == 1 => quantity,
@@ -376,8 +377,8 @@ impl<'a> Header<'a> {
     }
 }
 
-/// Whether the unit of such a column may be missing. Lengths then have the unit of other columns or of an option. Times
-/// need no unit, because they are only compared with each other.
+/// Whether the unit of a column with this measure may be missing. Lengths then have the unit of other columns or of a
+/// setting. Times need no unit, because they are only compared with each other.
 const fn has_no_need(measure: Measure) -> bool {
     matches!(measure, Measure::Length | Measure::Time | Measure::Plain)
 }
@@ -425,8 +426,8 @@ fn is_quaternion(heading: &Heading<'_>) -> bool {
     heading.part.is_some() || heading.base.contains("quat") || matches!(number, Some(Ok(0..=4)))
 }
 
-/// Whether a name in the file may denote the column. It must have a unit of the column's quantity or no unit. It must
-/// also contain all words of the column's name, or its quantity and axis.
+/// Whether a name in the file may mean the column `column`. The name must have no unit, or a unit of the column's
+/// quantity. It must also contain all words of the column's name, or the column's quantity and axis.
 pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
     // A component of a quaternion must not be proposed for a column that contains an angle.
     let is_angle =
@@ -459,8 +460,9 @@ pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
         || is_of_axis(column, &words)
 }
 
-/// Whether a name in the file denotes the same quantity and axis as the column, by its letters or by its index. For
-/// example, `px` and `position.0` are an x coordinate, `rx` is a rotation about x, and `du` and `u` are shifts.
+/// Whether a name in the file means the quantity and the axis of the column `column`. The axis may be a letter or an
+/// index. For example, `px` and `position.0` are an x coordinate, `rx` is a rotation about x, and `du` and `u` are
+/// shifts.
 fn is_of_axis(column: &Column, words: &[&str]) -> bool {
     let (quantity, axis) = match column.stem().rsplit_once('_') {
         Some((quantity, axis)) => (quantity, axis),

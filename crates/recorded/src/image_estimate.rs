@@ -20,30 +20,31 @@ use super::press_options::PictureOptions;
 use super::press_report::{PressReport, Row};
 use super::press_warnings::{indentation_check, large_contact, left_out, stated_indentation};
 
-/// Warning text: uneven light and blur of the images may cause other warnings.
+/// Warning text for images with uneven light or blur.
 const BLEMISHED: &str = "the effects of `light_at_rim` and `blur_px` are corrected for markers at \
      rest; they change when markers move, which may cause other warnings";
 
-/// Factor by which all uncertainties of JPEG frames are multiplied. The compression changes all markers in a similar way, so
-/// its errors do not average out. With a factor of 2, 19 of 20 intervals from frames of quality 92 and 95 contained the true
-/// curvature, but only 6 of 12 from frames with subsampled colours; at 1.5 times that width, all contain it.
+/// Factor by which all uncertainties of JPEG frames are multiplied. The compression changes all markers in a similar
+/// way, so its errors do not average out. The factor was found by experiments. With a factor of 2, the true curvature
+/// was in 19 of 20 intervals from frames of quality 92 and 95, but only in 6 of 12 intervals from frames with
+/// subsampled colours. With a factor of 3, it was in all intervals.
 const JPEG_FACTOR: f64 = 3.0;
-/// Warning text: JPEG frames.
+/// Warning text for JPEG frames.
 const OF_JPEG: &str = "the frames are compressed as JPEG, which changes all markers in a similar way, so all \
      uncertainties are tripled; a format without loss, such as PNG, avoids this";
 
-/// Estimates the curvature of an object from a frame at rest and a pressed frame; also returns the displacements of the
+/// Estimates the curvature of an object from a frame at rest and a pressed frame, and computes the displacements of the
 /// markers. The markers at rest are matched with the layout, and a press is fitted to the centroid, hue and size of
 /// each tracked marker. The errors of these features are those that the tracker states. `tracked` is the tracking
 /// result of the two frames. `file` is the name of the readings in messages; `None` if the readings are not in a file.
 ///
-/// If the markers scatter more than these errors explain, the uncertainties are multiplied by the same factor, and a
-/// warning is given. Misfits, p-value and reduced χ² of a press are computed with the errors that explain the scatter
-/// at rest.
+/// If the scatter of the markers is larger than these errors explain, all uncertainties are multiplied by the same
+/// factor, and a warning states this. Misfits, p-value and reduced χ² of a press are computed with the errors that
+/// explain the scatter at rest.
 ///
 /// # Errors
-/// [`RecordedError::Readings`] if the frames have another size, layout or other colours, are under-exposed or
-/// saturated, or do not determine the press, and if the frame at rest contradicts the camera.
+/// [`RecordedError::Readings`] if the frames have another size, layout or colours than the study, are under-exposed or
+/// saturated, or do not determine the press. The same error if the frame at rest contradicts the camera.
 pub(super) fn estimate_images(
     [rest, press]: [&Frame; 2],
     tracked: &FramePair,
@@ -124,8 +125,8 @@ struct Matched {
 }
 
 impl Matched {
-    /// The first tracks belong to the markers at rest, in the same order. Therefore the indices of these markers are
-    /// also the indices of their tracks.
+    /// Builds the match. The first tracks belong to the markers at rest, in the same order, so the index of a marker at
+    /// rest is also the index of its track.
     fn of(tracks: Vec<Option<usize>>, tracked: &FramePair) -> Self {
         let is_tracked = |marker: &usize| {
             let track = tracks[*marker].and_then(|track| tracked.tracks.get(track));
@@ -164,7 +165,8 @@ impl Scene<'_> {
         }
     }
 
-    /// Converts the error of a fit. If the markers scatter at rest, the message names this scatter as a possible cause.
+    /// Converts the error of a fit. If the scatter of the markers at rest is large, the message names it as a possible
+    /// cause.
     fn refused(&self, error: &PressError, scatter: f64) -> RecordedError {
         let [rest, pressed] = self.frames;
         let message = match error {
@@ -180,8 +182,8 @@ impl Scene<'_> {
         RecordedError::readings(&pressed.file, explained(message, error.name()))
     }
 
-    /// Displacements of the markers, midway between their two discs: the displacement of the fitted press, plus the
-    /// residual displacement computed from each marker's own image.
+    /// Displacement of each marker, midway between its two discs. It is the displacement in the fitted press, plus a
+    /// residual displacement that is computed from the image of this marker alone.
     fn displacements(
         &self,
         scaled: &ScaledFit,
@@ -291,18 +293,19 @@ impl Scene<'_> {
 struct ScaledFit {
     method: ImageEstimator,
     pictures: MarkerImages,
-    /// The estimate. For its goodness of fit, the stated errors are only multiplied by the scatter at rest.
+    /// The estimate. Its goodness of fit is computed with the stated errors multiplied by the scatter at rest only.
     estimate: PressEstimate,
-    /// Contradictions between the images and the model. For these tests, the stated errors are only multiplied by the
-    /// scatter at rest.
+    /// Contradictions between the images and the model. The tests use the stated errors multiplied by the scatter at
+    /// rest only.
     misfits: Vec<Misfit>,
-    /// Scatter of the markers at rest and pressed, which is a factor relative to the stated errors; 1 if the stated
-    /// errors explain the residuals.
+    /// Scatter at rest, and scatter in the press. The scatter is the factor on the stated errors that explains the
+    /// residuals; 1 if the stated errors are large enough.
     scatter: [f64; 2],
 }
 
 impl ScaledFit {
-    /// Fits the press to the markers at rest and pressed. All errors are multiplied by `of_jpeg`.
+    /// Fits the press to the markers at rest and pressed. All stated errors are multiplied by `of_jpeg`, which is above
+    /// 1 for JPEG frames.
     ///
     /// # Errors
     /// The error of the fit, together with the scatter at rest.
@@ -354,7 +357,7 @@ impl ScaledFit {
         })
     }
 
-    /// Compares a stated indentation with the indentation that is estimated from the same images alone.
+    /// Compares a stated indentation with the indentation that is estimated from the images alone.
     fn check_indentation(
         &self,
         indentation: Option<Measured>,
@@ -390,7 +393,7 @@ impl ScaledFit {
     }
 }
 
-/// Question about the possible cause, for the warning that markers scatter at rest.
+/// Question in the warning about scatter at rest. It names a possible cause.
 const OF_REST: &str = "do the camera and the discs match the sensor?";
 
 fn scattered(frame: &Frame, scatter: f64) -> String {

@@ -1,4 +1,4 @@
-//! Tables of JSON: an object per line, a list of objects or rows, or an object with a list per column.
+//! Tables in JSON: one object per line, a list of objects or of rows, or an object with one list per column.
 
 use std::collections::HashMap;
 
@@ -72,8 +72,8 @@ impl<'a> JsonTable<'a> {
         }
     }
 
-    /// Text of each row's object, with a number for messages: the line of the object or, if the whole list is written
-    /// in one line, the index of the object from 1.
+    /// Text of each row, with a number for messages. The number is the line of the row or, if the whole list is in one
+    /// line, the index of the row, counted from 1.
     fn objects(&self) -> Box<dyn Iterator<Item = (&'a str, usize)> + 'a> {
         match self.rows {
             Rows::Lines(text) => Box::new(text.rows_after(0)),
@@ -174,7 +174,8 @@ fn columns(
     Ok(Some((names, columns)))
 }
 
-/// Elements of a list in JSON, as text with the line where each begins. Whether each is sound JSON is not checked here.
+/// Elements of a JSON list: the text of each element, with the line in which it begins. The elements themselves are not
+/// parsed here.
 struct Elements<'a> {
     text: Text<'a>,
     /// Byte index in the text at which the next element begins.
@@ -245,7 +246,7 @@ impl<'a> Iterator for Elements<'a> {
     }
 }
 
-/// Names and values of an object or a list; nested names are joined by points: `position.0`.
+/// Names and values of a JSON object or list. Nested names are joined by points, as in `position.0`.
 fn pairs(
     file: &RecordedFile,
     line: usize,
@@ -287,7 +288,7 @@ fn flatten(name: &str, value: &Json, pairs: &mut Vec<(String, String)>) {
     }
 }
 
-/// A value as text; none for `null`.
+/// A JSON value as text; empty for `null`.
 fn scalar(value: &Json) -> String {
     match value {
         Json::Null => String::new(),

@@ -12,7 +12,7 @@ use super::camera_file::{CameraEstimate, Residual};
 use super::nominal_sensor::{NominalSensor, TERMS};
 use palpate_estimators::{ImageModel, marker_image};
 
-/// Largest accepted deviation of a disc parameter from its nominal value, in prior standard deviations.
+/// Largest accepted difference between a disc parameter and its nominal value, in prior standard deviations.
 const MAX_DEPARTURE: f64 = 6.0;
 /// Indices of the disc parameters in a [`Departure`], and their names in messages.
 const DISCS: [(usize, &str); 10] = [
@@ -31,26 +31,26 @@ const DISCS: [(usize, &str); 10] = [
 pub(super) const CAMERA: [usize; 11] = [4, 5, 6, 7, 8, 9, 10, 11, 12, TERMS[0], TERMS[1]];
 /// Number of rough matching rounds before the final round.
 const ROUNDS: usize = 4;
-/// Standard deviations of a marker's image in the first, rough fits, in which the misalignments of the discs are
-/// unknown: of the two centroid coordinates, px; of the hue, turns; of the logarithm of the size.
+/// Standard deviations of a marker's image in the rough fits, in which the misalignments of the discs are still
+/// unknown: both centroid coordinates (px), hue (turns), and logarithm of the size.
 const ROUGH_STDS: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
-/// Smallest share of the layout's markers that must be found, and largest share of other markers: in the final round, and
-/// in the rough rounds.
+/// Smallest share of the layout's markers that must be found, and largest share of found markers that are not in the
+/// layout. The first constant is for the final round, the second for the rough rounds.
 const SHARES: [f64; 2] = [0.66, 0.2];
 const ROUGH_SHARES: [f64; 2] = [0.5, 0.5];
-/// Largest accepted median difference between measured and nominal hues, turns.
+/// Largest accepted median difference between measured and nominal hues of the markers, turns.
 const MAX_HUE_DIFFERENCE: f64 = 0.06;
-/// Reduced χ² above which the frame contradicts the layout.
+/// Largest accepted reduced χ². If it is larger, the frame contradicts the layout.
 pub(super) const CONTRADICTION: f64 = 25.0;
 /// If the reduced χ² of the fit is above this value, the uncertainties are multiplied by the square root of the reduced
 /// χ².
 const MAX_REDUCED_CHI_SQUARED: f64 = 1.5;
-/// Further start values of the camera's height in the fit. They are differences from the nominal height, in prior
-/// standard deviations.
+/// Start values of the camera's height that are tried in addition to the nominal height. They are differences from the
+/// nominal height, in prior standard deviations.
 const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// Index of the camera's height in a [`Departure`].
 const HEIGHT: usize = 9;
-/// Possible causes, for the message that the layout is not found in a frame.
+/// Possible causes, for the message that a frame does not contain the layout.
 const CAUSES: &str = "is it from another layout or camera, are its pixels encoded by sRGB (setting `srgb`), does the camera differ from `place`, `turn_deg` and `field_deg` of the study's `scene.sensor`, or are its discs misaligned by more than `scene.probe.discs.misalignment`?";
 /// Maximum number of fits. Each fit starts at the result of the previous fit.
 const MAX_FITS: usize = 12;
@@ -72,8 +72,8 @@ pub(super) struct Matched {
 
 impl Matched {
     /// Matches the markers, starting from the nominal optics and from higher and lower camera positions. Returns the
-    /// best match with its optics. Several heights are tried, because scale and lens can compensate a wrong height, so
-    /// that a fit ends in a local minimum.
+    /// best match with its optics. Several heights are tried, because a wrong scale and lens can compensate a wrong
+    /// height, and a fit may then end in a local minimum.
     pub(super) fn of(
         nominal: &NominalSensor<'_>,
         optics: &Optics,
@@ -98,7 +98,7 @@ impl Matched {
             })
     }
 
-    /// Matches the markers in several rough rounds and a last round, starting from `optics`.
+    /// Matches the markers in several rough rounds and a final round, starting from `optics`.
     fn about(
         nominal: &NominalSensor<'_>,
         optics: Optics,
