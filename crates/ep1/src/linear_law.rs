@@ -29,8 +29,8 @@ pub(crate) struct Law {
     pub(crate) added: f64,
     /// Covariance of the entries of `K₁ D` that is due to the noise of the shifts and to rounding.
     pub(crate) from_shifts: Symmetric3,
-    /// Three matrices. Multiplied by the entries `uu`, `vv`, `uv` of `(K₁ B)²` and added, they give the covariance of
-    /// the entries of `K₁ D` that is due to the noise of the rotations. B is the mobility.
+    /// Three matrices. They are multiplied by the entries `uu`, `vv`, `uv` of `(K₁ B)²` and added, where B is the
+    /// mobility. The sum is the covariance of the entries of `K₁ D` that is due to the noise of the rotations.
     pub(crate) from_rotations: [Symmetric3; 3],
 }
 
@@ -134,8 +134,8 @@ impl Law {
             .plus(&self.from_rotations, &travel.square())
     }
 
-    /// Standard errors of K_uu, K_vv, the Gaussian and the mean curvature, in units of `unit` = `K₁ / det²`, where
-    /// `det` is the determinant of `travel` = `K₁ B`.
+    /// Standard errors of K_uu, K_vv, the Gaussian and the mean curvature. They are in units of `unit` = `K₁ / det²`,
+    /// where `det` is the determinant of `travel` = `K₁ B`.
     ///
     /// The residual of a probe is `e − B δg` for the shift error `e` and the rotation error `δg`. Therefore the
     /// covariance of B is linear in `B²`, and `δK₂ = −K_rel δB K_rel`. A quantity with the gradient `G` with respect to
@@ -173,9 +173,9 @@ impl Law {
     }
 }
 
-/// Derivatives of the object's curvatures K_uu, K_vv and K_uv with respect to the entries `uu`, `vv`, `uv` of `K₁ B`,
-/// where K₁ is the probe's curvature and B the mobility. The results are the derivatives multiplied by `−det²/K₁`,
-/// where `det` is the determinant of `K₁ B`.
+/// Derivatives of the object's curvatures K_uu, K_vv and K_uv with respect to the entries `uu`, `vv`, `uv` of `K₁ B`.
+/// Here K₁ is the probe's curvature and B the mobility. The results are the derivatives multiplied by `−det²/K₁`, where
+/// `det` is the determinant of `K₁ B`.
 #[inline(always)]
 pub(crate) fn gradients(travel: &Symmetric) -> [[f64; 3]; 3] {
     // `w` is the relative curvature of object and probe, in units of K₁ / det.

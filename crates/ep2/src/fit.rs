@@ -51,8 +51,8 @@ pub struct Fit {
     /// Effective degrees of freedom of the fit: the trace of the linear map from the observations to the fitted values.
     pub effective_unknowns: f64,
     /// Status of the smoothing splines, if the method uses any. If a spline did not reach its required sum of squares,
-    /// it is the status of the first such spline, and the curvature is useless. Otherwise it is the status of the last
-    /// spline.
+    /// the curvature is useless, and the status is that of the first such spline. Otherwise it is the status of the
+    /// last spline.
     pub status: Option<Status>,
 }
 
@@ -105,7 +105,7 @@ impl Fit {
 
     /// Gaussian and mean curvature at the point where the line through `world` along the patch's normal meets the
     /// surface. For exact contacts on a paraboloid, the error at its apex is at most 1e-11 of the larger principal
-    /// curvature, both for a quadric and for a penalised spline.
+    /// curvature. This bound is valid for a quadric and for a penalised spline.
     ///
     /// # Errors
     /// [`Ep2Error::OutOfRange`] if the curvature is beyond the range of doubles.

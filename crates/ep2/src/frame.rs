@@ -7,13 +7,13 @@ use nalgebra::{Matrix3, Point3, Rotation3, SymmetricEigen, Vector3};
 use crate::patch::FingerMap;
 use crate::{Contact, Ep2Error};
 
-/// A spread across a line or a plane counts as rounding error if its ratio to the spread along the line or plane is
-/// below this value.
+/// Ratio of two spreads of contacts: across a line or plane, and along it. If the ratio is below this value, the spread
+/// across counts as rounding error.
 const ROUNDING: f64 = 1e-12;
 /// Normals have no mean direction if the length of their mean is below this value.
 const LEAST_MEAN_NORMAL: f64 = 0.1;
-/// Points have no mean plane if the ratio of their spread across their principal plane to the smaller spread within it
-/// is above this value.
+/// Points have no mean plane if they spread across their principal plane almost as much as within it. This is the
+/// largest accepted ratio of the spread across the plane to the smaller spread within it.
 const MOST_SPREAD_ACROSS: f64 = 0.7;
 /// An outward direction determines a side of the patch's plane only if its angle to the plane is at least this value,
 /// rad. Noise of the contacts rotates the plane by a similar angle.
@@ -21,8 +21,8 @@ const LEAST_SIDE_RAD: f64 = 0.02;
 /// A patch counts as elongated if the ratio of its spreads along and across exceeds this value. Its sides are then
 /// parallel to the principal directions of the spread.
 const LONG: f64 = 1.15;
-/// The fingers have a common direction of travel only if the ratio of the contacts' scatter along this direction to
-/// their scatter across it exceeds this value.
+/// Smallest ratio of the contacts' scatter along a direction to their scatter across it, for which the fingers have a
+/// common direction of travel.
 const LEAST_TRAVEL: f64 = 2.0;
 
 /// The frame of a patch. Its w axis is the mean normal (without normals, the normal of the principal plane). Its u axis

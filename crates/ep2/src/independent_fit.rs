@@ -20,8 +20,8 @@ const MIN_MEANS: usize = 8;
 /// ratio of the root-mean-square distances of the contacts from the two surfaces. If the ratio is larger, the surface
 /// through the means is too smooth.
 const MAX_RESIDUAL_RATIO: f64 = 2.0;
-/// The fit is repeated with means over more contacts if the correlation length of its residuals exceeds the assumed
-/// length by more than this factor.
+/// Compares the correlation length of the residuals with the length that the fit assumed. If it is larger by more than
+/// this factor, the fit is repeated with means over more contacts.
 const MAX_GROWTH: f64 = 1.3;
 
 /// Largest number of contacts in a fit. Larger logs are replaced by means of consecutive contacts, whose errors across a
@@ -118,9 +118,9 @@ impl IndependentFit {
     }
 
     /// Increases the standard errors if the contacts lie on a plane, a sphere or a cylinder. Afterwards, the curvature
-    /// of this shape is within one standard error of the estimate. The reason is that on these shapes the bias of the
-    /// fitted surface can exceed the effect of the noise if there are many contacts. Fits that are based on an implicit
-    /// quadric do not change.
+    /// of this shape is within one standard error of the estimate. On these shapes, the bias of the fitted surface can
+    /// exceed the effect of the noise if there are many contacts. Fits that are based on an implicit quadric do not
+    /// change.
     ///
     /// # Errors
     /// The errors of [`Fit::centre`].

@@ -123,14 +123,14 @@ pub struct Patch {
 }
 
 impl Patch {
-    /// Checks the contacts and transforms them to the frame of their patch, so that the patch's orientation, position
+    /// Checks the contacts and transforms them to the frame of their patch. Therefore the patch's orientation, position
     /// and size do not affect the fit.
     ///
     /// If the contacts have no normals, `outward` determines which side of the patch is outside of the object.
     ///
     /// # Errors
-    /// [`Ep2Error`] if a number is invalid, if there are fewer than three contacts, if they lie on one point or on one
-    /// line, or if the patch is not a graph over its mean plane.
+    /// [`Ep2Error`] if a number is invalid, or if there are fewer than three contacts. It is also an error if the
+    /// contacts lie on one point or on one line, or if the patch is not a graph over its mean plane.
     pub fn new(contacts: &[Contact], outward: &Vector3<f64>) -> Result<Self, Ep2Error> {
         if contacts.len() < 3 {
             let with_normal = contacts.iter().filter(|one| one.normal.is_some()).count();

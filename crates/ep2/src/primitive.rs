@@ -130,8 +130,9 @@ pub struct ShapeFit {
     pub curvature: SizeEstimate,
     /// Radius of the object, length. Its interval has no upper bound if the curvature may be 0.
     pub radius: SizeEstimate,
-    /// Position of the shape: the centre of a sphere, the point of a cylinder's axis nearest to the contacts, or the
-    /// point of a plane nearest to the middle of the contacts. `None` if the contacts do not determine the size.
+    /// Position of the shape. For a sphere, it is the centre; for a cylinder, the point of the axis nearest to the
+    /// contacts; for a plane, its point nearest to the middle of the contacts. `None` if the contacts do not determine
+    /// the size.
     pub place: Option<Point3<f64>>,
     /// Standard errors of the coordinates of `place`.
     pub place_std: Option<[f64; 3]>,

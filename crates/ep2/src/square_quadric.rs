@@ -82,7 +82,7 @@ pub(crate) fn rms_second_derivative(series: &[f64; UNKNOWNS]) -> f64 {
 }
 
 /// A quadric over the square, and the noise that was estimated from the contacts' distances to it. In general it is the
-/// graph of an implicit quadric, z = Q(a, b) + m z²/2, which can be a sphere, an ellipsoid or a cylinder.
+/// graph of an implicit quadric, z = Q(a, b) + m z²/2. This can be a sphere, an ellipsoid or a cylinder.
 #[derive(Clone, Debug)]
 pub(crate) struct SquareQuadric {
     unknowns: Row,

@@ -31,9 +31,9 @@ pub enum Passes {
 
 /// The method of the 1996 paper.
 ///
-/// First, a smoothing spline is fitted to the contacts. Then a second spline is fitted to three points per contact: the
-/// point of the first spline at the contact, and the points one step to each side on the tangent line that is
-/// perpendicular to the fingers' travel (u in the patch's frame).
+/// First, a smoothing spline is fitted to the contacts. Then a second spline is fitted to three points per contact. One
+/// is the point of the first spline at the contact. The other two are one step to each side of it on a tangent line.
+/// This line is perpendicular to the fingers' travel (u in the patch's frame).
 ///
 /// The settings use a unit of length, which by default is the distance between fingers. Residuals and the tangent step
 /// are in this unit. The sum of `weight`² · `residual`² is compared with the smoothing sums. Weights of the contacts

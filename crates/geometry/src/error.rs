@@ -28,8 +28,8 @@ pub enum SurfaceError {
         /// Second parameter of the chart.
         v: f64,
     },
-    /// Several points of the surface are equally close to the query point, for example if the query point is the centre
-    /// of a sphere or lies on the axis of a cylinder.
+    /// Several points of the surface are equally close to the query point. An example is a query point at the centre of
+    /// a sphere or on the axis of a cylinder.
     #[error(
         "no single closest point to ({x}, {y}, {z})",
         x = Number(*x), y = Number(*y), z = Number(*z)

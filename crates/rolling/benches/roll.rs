@@ -1,5 +1,5 @@
-//! Measures the computing time of the models that compute rolls. A long roll (6 rad) is computed with an error of at
-//! most 1e-12, and a short roll (0.1 rad) with an error of at most 1e-13.
+//! Measures the computing time of the models that compute rolls. The error may be at most 1e-12 for a long roll (6
+//! rad), and at most 1e-13 for a short roll (0.1 rad).
 //!
 //! Before an integrator is timed, its error is checked against the bound of the case. Each integrator uses the largest
 //! tolerance that meets this bound.

@@ -19,8 +19,8 @@ use crate::integrator::System;
 use crate::roller::Bodies;
 use crate::{Contact, HeldAxis, Motion};
 
-/// Number of state components: `u₁, v₁, u₂, v₂`, the contact angle ψ, the angle φ from the probe's Gauss frame to the
-/// frame in which the motion is steady, and the arc length of the path.
+/// Number of state components. They are `u₁, v₁, u₂, v₂`, the contact angle ψ, an angle φ, and the arc length of the
+/// path. φ is the angle from the probe's Gauss frame to the frame in which the motion is steady.
 pub(crate) const STATE: usize = 7;
 
 pub(crate) struct ChartForm<'a, S> {

@@ -110,8 +110,8 @@ impl Roller {
     /// without noise.
     ///
     /// # Errors
-    /// [`InvalidRoll`] if there is no first contact, if the bodies conform there, if the tolerance is out of range, or
-    /// if the model that the user has set cannot compute the rolls.
+    /// [`InvalidRoll`] if there is no first contact, if the bodies conform there, or if the tolerance is out of range.
+    /// It is also an error if the model that the user has set cannot compute the rolls.
     pub fn new(
         probe: Probe,
         object: Shape,

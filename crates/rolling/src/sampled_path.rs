@@ -27,8 +27,8 @@ pub struct PathPoint {
 /// Displacement and rotation vector of a [`PathPoint`].
 type Numbers = SVector<f64, 5>;
 
-/// The contacts of one motion at the Chebyshev nodes `t_j = T (1 − cos(π j/n))/2` of its duration T, where n is the
-/// number of intervals.
+/// The contacts of one motion at the Chebyshev nodes of its duration T. With n intervals, the nodes are `t_j = T (1 −
+/// cos(π j/n))/2`.
 #[derive(Default)]
 struct Nodes {
     instants: Vec<f64>,

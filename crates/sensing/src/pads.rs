@@ -211,7 +211,8 @@ impl Pads {
     ///
     /// On a square grid, the largest error is half a pitch along each axis if the first contact is centred, and
     /// otherwise one pitch. On hexagons, it is 0.58 pitches for each end that is not centred. On a uniform lattice, it
-    /// is 1.05 pitches for each end that is not centred, multiplied by θ/sin θ if the contact is at the angle θ.
+    /// is 1.05 pitches for each end that is not centred. For a contact at the angle θ, this last bound is multiplied by
+    /// θ/sin θ.
     ///
     /// # Errors
     /// [`BeyondPads`] if the contact is outside of the cap.

@@ -140,7 +140,7 @@ impl Equations {
         }
     }
 
-    /// Effective degrees of freedom that are fitted to heights and to slopes. `inverse` is the matrix (A + λP)⁻¹, where
+    /// Effective degrees of freedom that are fitted to heights and to slopes. `inverse` is the matrix (A + λP)⁻¹. Here
     /// A is the matrix of the normal equations, P the penalty matrix and λ the smoothing weight.
     pub(super) fn effective_unknowns(
         &self,

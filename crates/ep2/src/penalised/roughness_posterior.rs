@@ -39,8 +39,8 @@ const LOG_AMPLITUDE_STEP: f64 = 0.5;
 /// real surface depends on place and direction, unlike that of a sample of the process. Therefore the contacts
 /// determine the roughness of a real surface less accurately.
 const LIKELIHOOD_POWER: f64 = 0.5;
-/// A combination of length and amplitude is omitted from the average if the logarithm of its probability, relative to
-/// the most probable combination, is below this value.
+/// Some combinations of length and amplitude are omitted from the average. This is the smallest logarithm of the ratio
+/// of a combination's probability to the largest probability for which the combination is used.
 const MIN_LOG_PROBABILITY: f64 = -7.0;
 /// Largest ratio of the information in the equations to the information in the prior at the expected amplitude. With a
 /// larger ratio, rounding errors would dominate.

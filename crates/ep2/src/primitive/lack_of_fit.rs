@@ -13,8 +13,8 @@ use crate::effective_readings::correlation_time;
 
 /// Largest degree of the polynomial in the contacts' coordinates that describes the smooth deviation.
 const MAX_DEGREE: usize = 4;
-/// A patch counts as a graph over its plane if the cosine of the angle between each normal and the mean normal exceeds
-/// this value, which corresponds to 72 degrees.
+/// A patch counts as a graph over its plane if all normals are within 72 degrees of the mean normal. This is the cosine
+/// of that angle.
 const MIN_GRAPH_COSINE: f64 = 0.3;
 /// A column of the equations is skipped if it is almost a linear combination of the earlier columns: the independent
 /// share of its squared length is at most this value.

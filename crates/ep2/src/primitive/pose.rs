@@ -1,9 +1,9 @@
 //! Position and size of a plane, a sphere or a cylinder, with the distances of contacts from it.
 //!
 //! Let q = p − o, where p is the position of a contact and o is a point of the surface. n is the normal at o, a is the
-//! axis of a cylinder, and k is the curvature. With f = k |q|²/2 + q·n, where |q|² is replaced by |q|² − (q·a)² for a
-//! cylinder, the signed distance is d = 2 f / (1 + √(1 + 2 k f)). This formula is exact. It is smooth at k = 0, where
-//! the shape is a plane (Marshall, Lukacs and Martin 2001).
+//! axis of a cylinder, and k is the curvature. With f = k |q|²/2 + q·n, the signed distance is d = 2 f / (1 + √(1 + 2 k
+//! f)). For a cylinder, |q|² is replaced by |q|² − (q·a)². This formula is exact. It is smooth at k = 0, where the
+//! shape is a plane (Marshall, Lukacs and Martin 2001).
 
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
 

@@ -37,8 +37,8 @@ const SUBSETS: u64 = 60;
 const SUBSET_SIZE: usize = 8;
 /// Number of iterations of the fit to a subset.
 const SUBSET_ITERATIONS: usize = 15;
-/// A fit that starts from a subset replaces the fit that starts from all contacts only if its median distance and its
-/// variance are below this multiple of those of the other fit.
+/// Compares a fit that starts from a subset with the fit that starts from all contacts. The former is used only if its
+/// median distance and its variance are smaller by at least this factor.
 const MAX_MEDIAN_SHARE: f64 = 0.75;
 /// Number of times that a fit is repeated with a new selection of contacts.
 const GROWTH_ITERATIONS: usize = 10;
@@ -69,7 +69,7 @@ pub(super) struct Solution {
 /// Weights of distances and normals in the sum of squares.
 ///
 /// An error of a position along the surface changes the expected normal by k times the error. Therefore, normals have
-/// the variance σ_n² + β k² with β = c σ_p²/2, where c is 2 for a sphere and 1 for a cylinder. If the variance were
+/// the variance σ_n² + β k² with β = c σ_p²/2. Here c is 2 for a sphere and 1 for a cylinder. If the variance were
 /// constant, the fit would reduce k in order to reduce the sum of squares.
 #[derive(Clone, Copy, Debug)]
 struct Weights {

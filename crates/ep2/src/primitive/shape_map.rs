@@ -5,8 +5,8 @@ use nalgebra::{Point3, Vector3};
 use super::pose::Pose;
 use crate::{Contact, Curvature, MapPoint, Shape, ShapeFit, Uncertainty};
 
-/// Limits the extent of a map. The cosine of the angle between the normal at a contact and the normal in the middle of
-/// the contacts is assumed to be at least this value.
+/// Limits the extent of a map. The normal at a contact and the normal in the middle of the contacts form an angle. Its
+/// cosine is assumed to be at least this value.
 const MIN_COSINE: f64 = 0.2;
 
 impl ShapeFit {

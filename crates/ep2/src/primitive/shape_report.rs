@@ -12,8 +12,8 @@ use crate::effective_readings::EffectiveReadings;
 /// If the mean of the shape's unit normals at the contacts is shorter than this value, the object counts as touched all
 /// around. It is then assumed to be convex.
 const MIN_MEAN_NORMAL: f64 = 0.5;
-/// The outward direction determines the outside only if the cosine of its angle to the mean normal is at least this
-/// value, as an absolute value.
+/// Smallest absolute cosine of the angle between the outward direction and the mean normal for which the direction
+/// determines the outside.
 const MIN_OUTWARD_COSINE: f64 = 0.1;
 
 impl ShapeSettings {

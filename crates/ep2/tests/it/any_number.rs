@@ -90,9 +90,9 @@ fn methods(number: f64) -> [Box<dyn Method>; 4] {
     ]
 }
 
-/// How much the numbers of a map point contradict each other. The result is the largest deviation of the Gaussian and
-/// the mean curvature from the values that follow from the principal curvatures, and of the axes from an orthonormal
-/// frame.
+/// How much the numbers of a map point contradict each other. The Gaussian and the mean curvature are compared with the
+/// values that follow from the principal curvatures. The axes are compared with an orthonormal frame. The result is the
+/// largest deviation.
 fn inconsistency(point: &MapPoint) -> f64 {
     let (least, most) = (point.k_min, point.k_max);
     let scale = least.abs().max(most.abs()).max(f64::MIN_POSITIVE);

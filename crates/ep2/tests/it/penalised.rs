@@ -150,8 +150,8 @@ fn most_classes_are_correct_at_the_noise_of_the_paper() {
     }
 }
 
-/// Share of grid points and trials in which the true Gaussian curvature is within 1.96 standard errors of its estimate,
-/// and the same share for the mean curvature.
+/// Two shares of all grid points and trials: those in which the true Gaussian curvature is within 1.96 standard errors
+/// of its estimate, and the same for the mean curvature.
 fn coverage(
     surface: impl Fn(f64, f64) -> Truth + Copy,
     contacts: impl Fn(u64) -> Vec<Contact>,

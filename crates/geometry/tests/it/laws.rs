@@ -81,8 +81,8 @@ impl<'a, S: Surface> Place<'a, S> {
         assert!(is_in_solid(self.geometry.point - step));
     }
 
-    /// Checks the equations M = Eᵀ J, K = Eᵀ N M⁻¹ and T = yᵀ X M⁻¹ of the metric M, the curvature form K and the
-    /// torsion form T. E contains the axes x and y of the Gauss frame. The derivatives J of the point, N of the normal
+    /// Checks the equations M = Eᵀ J, K = Eᵀ N M⁻¹ and T = yᵀ X M⁻¹. M is the metric, K the curvature form and T the
+    /// torsion form. E contains the axes x and y of the Gauss frame. The derivatives J of the point, N of the normal
     /// and X of the axis x are computed by finite differences.
     fn the_forms_are_those_of_the_chart(&self) {
         let [unit_u, unit_v] = self.specimen.unit;

@@ -33,8 +33,8 @@ const FOLD: f64 = 1e-3;
 /// silhouette.
 const SILHOUETTE: f64 = 1e-3;
 
-/// Places under a tip, in radii from its centre: eight places on a ring of radius 0.85, and eight places on a ring of
-/// radius 0.45, at angles between those of the first ring.
+/// Places under a tip, in radii from its centre. Eight places are on a ring of radius 0.85. The other eight are on a
+/// ring of radius 0.45, at angles between those of the first ring.
 const PLACES: [[f64; 2]; 16] = {
     let [outer, outer_diagonal] = [0.85, 0.85 * FRAC_1_SQRT_2];
     // These are 0.45 cos 22.5° and 0.45 sin 22.5°.

@@ -130,7 +130,7 @@ impl TouchRung {
 /// The surface on which the centre of a round tip moves. For planes, spheres, dishes and cylinders, it is a surface of
 /// the same type as the object.
 ///
-/// The tip's centre lies on a sphere or cylinder of radius `R + r`, or in a dish of radius `R − r`, where R is the
+/// The tip's centre lies on a sphere or cylinder of radius `R + r`, or in a dish of radius `R − r`. Here R is the
 /// radius of the object and r the radius of the tip. The contact is on the line from the tip's centre to the object's
 /// centre or axis. In the xy plane, the distance of the contact from this centre or axis is `R/(R ± r)` times the
 /// distance of the tip's centre.

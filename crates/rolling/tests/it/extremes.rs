@@ -271,9 +271,9 @@ fn charts_end_at_poles_and_chart_free_rolls_do_not() {
     }
 }
 
-/// Compares the model with numbers that mpmath computed with 60 digits. On the paraboloid `z = −c r²`, a probe of
-/// radius 1 has turned by `θ = α + s`, and the arc length s satisfies `4 c s = q √(1 + q²) + asinh q`. Here α is the
-/// slope angle and q = tan α is the slope.
+/// Compares the model with numbers that mpmath computed with 60 digits. A probe of radius 1 rolls from the apex of the
+/// paraboloid `z = −c r²`. At the slope angle α and the arc length s, it has turned by `θ = α + s`. With the slope q =
+/// tan α, the arc length satisfies `4 c s = q √(1 + q²) + asinh q`.
 #[test]
 fn meridians_from_flat_to_sharp() {
     for (c, theta, arc) in [
