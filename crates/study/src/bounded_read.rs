@@ -6,8 +6,8 @@ use std::path::Path;
 
 /// Number of bytes in a MiB.
 const MIB: u64 = 1 << 20;
-/// Largest number of MiB that is read from a pipe or a device. The size of a pipe or a device is not known before
-/// reading, so reading needs this limit.
+/// Largest number of MiB that is read from a pipe or a device. This limit is needed because the size of a pipe or a
+/// device is unknown before it is read.
 const MAX_STREAM_MIB: u64 = 256;
 
 /// Reads a file of at most `most_mib` MiB. If the path is a pipe or a device, at most 256 MiB are read.

@@ -1,15 +1,16 @@
-//! Reads the configs of studies: from a TOML text to validated cells.
+//! Reads the configs of studies: converts a TOML text to validated cells. A cell is one combination of the values that
+//! the study sweeps.
 //!
 //! A config is read in four steps, each in its own file:
 //!
 //! 1. `tree`: the text is parsed to a tree of values. Errors state a path in this tree; `error` finds the position of
 //!    this path in the text.
-//! 2. `sweep`, `grid`: all combinations of the values of the `[[sweep]]` axes are formed. A cell is the tree with one
-//!    combination of values.
+//! 2. `sweep`, `grid`: all combinations of the values of the `[[sweep]]` axes are formed. For each cell, its values are
+//!    inserted into the tree.
 //! 3. `validate`: each cell's tree is validated by the JSON Schema of the config ([`schema()`]), which alone defines
-//!    keys, types, kinds and limits. If all swept values are plain (numbers, words or truth values), only the first
-//!    cell is validated completely, and each other swept value alone. In a study with many cells, only the cells of a
-//!    `sample` are checked.
+//!    keys, types, kinds and limits. If all swept values are plain (numbers, words or truth values), only the tree of
+//!    the first cell is validated. The other swept values are then validated one by one. In a study with many cells,
+//!    only a sample of the cells is checked (`sample`).
 //! 4. serde converts the tree to a [`StudyConfig`], and the few rules that involve several fields are checked.
 //!
 //! Every failure is a [`ConfigError`] with file, line, column, field and an excerpt.

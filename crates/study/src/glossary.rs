@@ -1,4 +1,4 @@
-//! Explains the terms that palpate prints or accepts.
+//! The glossary: explanations of the terms that palpate prints or accepts.
 
 use crate::quantity::Quantity;
 use crate::readings::spelt;
@@ -9,11 +9,11 @@ use crate::statistic::Statistic;
 pub struct Term {
     /// The term, as palpate prints it.
     pub name: &'static str,
-    /// Meaning of the term, in sentences; for a failure, also a remedy.
+    /// Meaning of the term, in sentences. For a failure, it also states what the user can do.
     pub meaning: &'static str,
 }
 
-/// Terms of one subject.
+/// A subject of the glossary, with its terms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Subject {
     /// Name of the subject.
@@ -24,8 +24,8 @@ pub struct Subject {
 
 macro_rules! subjects {
     ($($title:literal { $($name:literal: $meaning:literal;)* })*) => {
-        /// All terms by subject, except quantities and statistics, whose meanings are in [`Quantity`] and
-        /// [`Statistic`].
+        /// All terms, sorted by subject. Quantities and statistics are missing here, because their meanings are in
+        /// [`Quantity`] and [`Statistic`].
         pub const SUBJECTS: &[Subject] = &[$(Subject {
             title: $title,
             terms: &[$(Term { name: $name, meaning: $meaning }),*],
@@ -293,8 +293,8 @@ subjects! {
     }
 }
 
-/// Returns the term, quantity or statistic with this name. Upper and lower case count as equal, and so do hyphens,
-/// underscores and spaces.
+/// Returns the term, quantity or statistic with this name; `None` if there is none. Case does not matter, and hyphens,
+/// underscores and spaces count as equal.
 ///
 /// ```
 /// use palpate_study::glossary::meaning;

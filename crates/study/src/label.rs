@@ -3,8 +3,8 @@
 use crate::number;
 use crate::quantity::Quantity;
 
-/// Label of a column: its words, its unit in the usual notation, and the factor from the numbers in the table to the
-/// displayed numbers (shares are displayed in percent).
+/// Label of a column: its words, its unit in the usual notation, and a factor. Numbers of the table are multiplied by
+/// the factor before they are displayed, because shares are displayed in percent.
 ///
 /// ```
 /// use palpate_study::Label;
@@ -19,12 +19,12 @@ pub struct Label {
     pub words: String,
     /// The unit in the usual notation; empty for a pure number.
     pub unit: String,
-    /// Factor from the numbers in the table to the displayed numbers.
+    /// Factor by which numbers of the table are multiplied before they are displayed.
     pub factor: f64,
 }
 
 impl Label {
-    /// Label of numbers that are displayed unchanged; `unit` is in the usual notation.
+    /// A label for numbers that are displayed as in the table. `unit` is in the usual notation, such as `1/cm²`.
     pub fn in_unit(words: impl Into<String>, unit: &str) -> Self {
         Self {
             words: words.into(),
@@ -33,8 +33,8 @@ impl Label {
         }
     }
 
-    /// Label of shares that are displayed in percent; `unit` is a percent sign, optionally with its reference, such as
-    /// `% of the IFD`.
+    /// A label for shares, which are displayed in percent. `unit` is a percent sign, or a percent sign with its
+    /// reference, such as `% of the IFD`.
     pub fn in_percent(words: impl Into<String>, unit: &str) -> Self {
         Self {
             words: words.into(),
@@ -43,13 +43,13 @@ impl Label {
         }
     }
 
-    /// Words and unit together, as in the label of an axis.
+    /// Words and unit together, as an axis shows them.
     pub fn text(&self) -> String {
         with_unit(&self.words, &self.unit)
     }
 
-    /// A value of the table in the displayed form, with its unit: a share of `0.05` becomes `5 %`. Text stays
-    /// unchanged.
+    /// A value of the table as it is displayed, with its unit: a share of `0.05` becomes `5 %`. Texts that are not
+    /// numbers stay unchanged.
     pub fn value(&self, text: &str) -> String {
         let bare = self.bare_value(text);
         match self.unit.as_str() {
@@ -60,7 +60,7 @@ impl Label {
         }
     }
 
-    /// A value of the table in the displayed form, without its unit.
+    /// A value of the table as it is displayed, without its unit.
     pub fn bare_value(&self, text: &str) -> String {
         number::finite(text).map_or_else(
             || text.to_owned(),
@@ -69,7 +69,7 @@ impl Label {
     }
 }
 
-/// Name in words of the quantity `name`. For an unknown name, this is the name with spaces instead of underscores.
+/// The name of a quantity in words. For an unknown quantity, underscores in `name` are replaced by spaces.
 ///
 /// ```
 /// use palpate_study::label;
@@ -85,7 +85,7 @@ pub fn quantity(name: &str) -> String {
     )
 }
 
-/// Units with which a header may end: alone (`_cm`), squared (`_cm2`), inverse (`_per_cm`) or in a ratio
+/// Units that may be at the end of a header: alone (`_cm`), squared (`_cm2`), inverse (`_per_cm`) or in a ratio
 /// (`_rad_per_s`).
 const UNITS: [&str; 10] = ["m", "cm", "mm", "um", "unit", "rad", "deg", "s", "hz", "px"];
 
@@ -114,8 +114,8 @@ pub fn split_unit(header: &str) -> (&str, &str) {
     (header, "")
 }
 
-/// A unit in the usual notation: `per_cm2` becomes `1/cm²`, `rad_per_s` becomes `rad/s`, `turn` becomes `turns`. Empty
-/// for a pure number.
+/// Converts a unit from a header to the usual notation: `per_cm2` becomes `1/cm²`, `rad_per_s` becomes `rad/s`, `turn`
+/// becomes `turns`. The result is empty for a pure number.
 pub fn spoken_unit(text: &str) -> String {
     let text = text.trim();
     if text.is_empty() || text == "1" || text == "-" {

@@ -4,8 +4,7 @@ use std::fmt;
 
 use palpate_statistics::Number;
 
-/// The shortest text that parses to the same number; tables contain this text. A negative zero is written without its
-/// sign.
+/// The shortest text that parses to the same number, as in tables. A negative zero is written without its sign.
 ///
 /// ```
 /// use palpate_study::number;
@@ -20,7 +19,7 @@ pub fn shortest(value: f64) -> String {
     Shortest(value).to_string()
 }
 
-/// A number that `Display` formats like [`shortest`].
+/// A number that `Display` writes in the form of [`shortest`].
 ///
 /// ```
 /// assert_eq!(format!("{}", palpate_study::number::Shortest(-0.0)), "0");
@@ -34,8 +33,8 @@ impl fmt::Display for Shortest {
     }
 }
 
-/// The shortest text that parses to the same number. Numbers whose magnitude is at least 1e16 or below 1e-4 have an
-/// exponent.
+/// The shortest text that parses to the same number. It has an exponent if the number's magnitude is at least 1e16 or
+/// below 1e-4.
 pub fn exact(value: f64) -> String {
     Number(value).to_string()
 }
@@ -45,8 +44,8 @@ pub fn rounded(value: f64) -> String {
     significant(value, 6)
 }
 
-/// A number as text for people, with at most `digits` significant digits and without trailing zeros. Numbers whose
-/// magnitude is at least 1e6 or below 1e-4 have a power of ten.
+/// A number as text for people, with at most `digits` significant digits and without trailing zeros. If the number's
+/// magnitude is at least 1e6 or below 1e-4, the text contains a power of ten.
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -70,7 +69,7 @@ fn trimmed(text: &str) -> &str {
     }
 }
 
-/// An integer in superscript characters: `-3` becomes `⁻³`.
+/// An integer in superscript digits: `-3` becomes `⁻³`.
 pub fn superscript(exponent: i32) -> String {
     let digits = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let raise = |c: char| c.to_digit(10).map_or('⁻', |digit| digits[digit as usize]);
@@ -90,7 +89,7 @@ pub fn grouped(count: u64) -> String {
     grouped
 }
 
-/// Parses a finite number.
+/// Parses a finite number; `None` for other texts.
 pub fn finite(text: &str) -> Option<f64> {
     let number: f64 = text.trim().parse().ok()?;
     number.is_finite().then_some(number)

@@ -24,11 +24,11 @@ pub enum Unit {
     LengthSquared,
     /// Pure number, without a unit.
     One,
-    /// Degree of an angle.
+    /// Degree, for angles.
     Degree,
     /// Newton.
     Newton,
-    /// Turn of the hue circle, that is, a hue difference as a fraction of the full circle.
+    /// Full circle of hues. A hue difference is stated as a fraction of it.
     Turn,
     /// Pixel.
     Pixel,
@@ -37,7 +37,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// Name of the unit as in the column `unit`: `cm`, `1/cm`, `1/cm^2`.
+    /// Name of the unit, as in the column `unit` of a table: `cm`, `1/cm`, `1/cm^2`.
     pub fn of(self, length: LengthUnit) -> &'static str {
         let of_length = |m, cm, mm, um, unit| match length {
             LengthUnit::M => m,
@@ -61,24 +61,19 @@ impl Unit {
     }
 }
 
-/// Origin of the values of a quantity: estimated, measured or a share.
+/// How a trial determines a quantity: as an estimate, as a measured number or as a share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QuantityKind {
-    /// Estimate from readings, which has an error.
+    /// Estimated from readings, so the value has an error.
     Estimated,
-    /// Value that is measured or counted. Such a value is not an estimate, so its mean is not called a mean estimate.
+    /// Measured or counted. Such a value is not an estimate, so its mean is not called a mean estimate.
     Measured,
-    /// Share of points of a patch, from 0 to 1, at which an estimate is correct.
+    /// Share of the points of a patch at which an estimate is correct, from 0 to 1.
     Share,
 }
 
-/// Quantity of a study. `cells.csv` has one row per cell and quantity.
+/// A quantity that the trials of a study determine. `cells.csv` has one row for each cell and quantity.
 ///
-/// ```
-/// use palpate_study::{Quantity, QuantityKind};
-///
-/// let area = Quantity::named("marker_area").ok_or("a quantity")?;
-/// assert_eq!((area, area.kind), (Quantity::MARKER_AREA, QuantityKind::Measured));
 /// # Ok::<(), &str>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,11 +82,11 @@ pub struct Quantity {
     pub name: &'static str,
     /// Unit of the quantity.
     pub unit: Unit,
-    /// Origin of the quantity's values.
+    /// How a trial determines the quantity.
     pub kind: QuantityKind,
     /// Name of the quantity in words, as figures show it.
     pub words: &'static str,
-    /// Meaning of the quantity, in one sentence.
+    /// Meaning of the quantity, in one or two sentences.
     pub meaning: &'static str,
     /// Kinds of scenes that have this quantity.
     pub scenes: &'static [&'static str],
@@ -126,7 +121,7 @@ quantities! {
     GAUSSIAN_CURVATURE = "gaussian_curvature", "Gaussian curvature", PerLengthSquared, Estimated, &["roll", "glide"];
     /// Mean curvature of the object.
     MEAN_CURVATURE = "mean_curvature", "mean curvature", PerLength, Estimated, &["roll", "glide"];
-    /// Mean length of the contact's paths on the probe.
+    /// Mean length of the contact's path on the probe, over all rolls.
     ARC_LENGTH = "arc_length", "arc length", Length, Estimated, &["roll"];
     /// Shape class at a point of the patch: 1 if the class is right, otherwise 0.
     CLASS = "class", "share classified correctly", One, Share, &["glide"];
@@ -136,7 +131,7 @@ quantities! {
     EFFECTIVE_RADIUS = "effective_radius", "effective radius", Length, Estimated, &["press"];
     /// Curvature of the pressed object, positive if it is convex.
     OBJECT_CURVATURE = "object_curvature", "object curvature", PerLength, Estimated, &["press"];
-    /// Distance by which sensor and object approach each other after their first touch.
+    /// Distance by which the sensor and the object approach each other after their first touch.
     INDENTATION = "indentation", "indentation", Length, Estimated, &["press"];
     /// Radius of the circle of contact.
     CONTACT_RADIUS = "contact_radius", "contact radius", Length, Estimated, &["press"];
@@ -146,44 +141,44 @@ quantities! {
     NORMAL_DISPLACEMENT = "normal_displacement", "normal displacement", Length, Estimated, &["press"];
     /// Component of a marker's displacement along the skin, as the camera sensor reads it.
     TANGENTIAL_DISPLACEMENT = "tangential_displacement", "tangential displacement", Length, Estimated, &["press"];
-    /// Change of the hue of the summed light of the marker under the contact.
+    /// Change in the hue of the summed light of the marker under the contact.
     HUE_CHANGE = "hue_change", "hue change", Turn, Measured, &["press"];
-    /// Change of the mean of the pixels' hues over the marker under the contact.
+    /// Change in the mean hue of the pixels of the marker under the contact.
     MEAN_HUE_CHANGE = "mean_hue_change", "change of the mean hue", Turn, Measured, &["press"];
-    /// Length of the shift of the centroid of the marker under the contact, in the image.
+    /// Distance in the image by which the centroid of the marker under the contact moves.
     CENTROID_SHIFT = "centroid_shift", "centroid shift", Pixel, Measured, &["press"];
     /// Number of markers that were tracked.
     MARKERS_TRACKED = "markers_tracked", "markers tracked", One, Measured, &["press"];
     /// Number of markers that the tracker matched with a wrong marker.
     WRONG_MATCHES = "wrong_matches", "wrong matches", One, Measured, &["press"];
-    /// Number of pixels that were computed to render the frames of a press.
+    /// Number of pixels that are computed to render the frames of one press.
     PIXELS = "pixels", "pixels evaluated per press", One, Measured, &["press"];
-    /// Radius of the pressed object, negative if it is concave.
+    /// Radius of the pressed object; negative if the object is concave.
     OBJECT_RADIUS = "object_radius", "object radius", Length, Estimated, &["press"];
-    /// Larger principal curvature of the object at the contact, positive where convex.
+    /// Larger principal curvature of the object at the contact. It is positive if the object is convex.
     PRINCIPAL_CURVATURE_MAX = "principal_curvature_max", "larger principal curvature", PerLength, Estimated, &["press"];
-    /// Smaller principal curvature of the object at the contact.
+    /// Smaller principal curvature of the object at the contact. It is positive if the object is convex.
     PRINCIPAL_CURVATURE_MIN = "principal_curvature_min", "smaller principal curvature", PerLength, Estimated, &["press"];
-    /// Direction of the smaller principal curvature, such as the axis of a cylinder, from the x axis at the contact.
+    /// Angle from the x axis at the contact to the direction of the smaller principal curvature (a cylinder's axis).
     AXIS_DEG = "axis_deg", "axis of the object", Degree, Estimated, &["press"];
     /// Force between the sensor and the object.
     FORCE = "force", "force", Newton, Estimated, &["press"];
-    /// Largest strain of the skin when it is folded from its flat pattern.
+    /// Largest strain of the skin when it is folded from flat pieces to a sphere.
     GREATEST_FOLD_STRAIN = "greatest_fold_strain", "greatest strain of folding", One, Measured, &["fingertip"];
-    /// Root mean square of the strain of the skin when it is folded from its flat pattern.
+    /// Root mean square of the strain of the skin when it is folded from flat pieces to a sphere.
     RMS_FOLD_STRAIN = "rms_fold_strain", "rms strain of folding", One, Measured, &["fingertip"];
     /// Area of the larger disc of a marker in the image.
     MARKER_AREA = "marker_area", "image area of a marker", PixelSquared, Measured, &["fingertip"];
 }
 
 impl Quantity {
-    /// If this quantity is a radius, returns the curvature whose inverse it is; otherwise `None`. If the trials do not
+    /// If this quantity is a radius, the curvature of which it is the inverse; otherwise `None`. If the trials do not
     /// determine the sign of the curvature, the radius has quantiles, but no mean and no standard deviation.
     pub fn inverse_of(self) -> Option<Self> {
         (self == Self::OBJECT_RADIUS).then_some(Self::OBJECT_CURVATURE)
     }
 
-    /// The quantity with this name, if there is one.
+    /// The quantity with this name; `None` if there is none.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|one| one.name == name)
     }

@@ -12,37 +12,37 @@ use crate::quantity::Unit;
 pub enum Measure {
     /// Length.
     Length,
-    /// Angle, converted to radians.
+    /// An angle. Its values are converted to radians.
     Angle,
-    /// Time, converted to seconds.
+    /// A time. Its values are converted to seconds.
     Time,
-    /// Difference of hue, converted to turns of the hue circle.
+    /// A hue difference. Its values are converted to turns, that is, fractions of the hue circle.
     Turn,
-    /// Length in an image, px.
+    /// A length in an image, in pixels.
     Pixel,
-    /// Force, read in newtons.
+    /// A force, in newtons.
     Force,
-    /// Number or direction without a unit.
+    /// A number or a direction without a unit.
     Plain,
 }
 
 /// Unit of the numbers in a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ColumnUnit {
-    /// A length unit of studies.
+    /// A length unit that studies may use.
     Length(LengthUnit),
     /// Inch, 25.4 mm.
     Inch,
     /// Nanometre.
     Nanometre,
-    /// Another unit, with the factor that converts it to the base unit of the measure (rad, s or turn).
+    /// A unit that studies do not use, with the factor that converts it to the base unit of the physical quantity (rad,
+    /// s or turn).
     Factor(f64),
 }
 
 impl ColumnUnit {
-    /// Factor that converts this unit to the unit `length`. For a unit that is not a length, this is the factor to the
-    /// base unit of the measure. Returns `None` if one of the units is the unspecified length `unit` and the other unit
-    /// is metric.
+    /// Factor that converts this unit to the unit `length` or, if this unit is not a length, to the base unit of its
+    /// physical quantity. `None` if one unit is the unspecified length `unit` and the other is metric.
     pub fn to(self, length: LengthUnit) -> Option<f64> {
         let of_metres = |metres: f64| LengthUnit::M.to(length).map(|factor| factor * metres);
         match self {
@@ -53,7 +53,7 @@ impl ColumnUnit {
         }
     }
 
-    /// Default length unit of the output for readings in this unit. For readings in inches, this is the millimetre.
+    /// Length unit of the output by default, for readings in this unit. For readings in inches, it is the millimetre.
     pub fn nearest(self) -> Option<LengthUnit> {
         match self {
             Self::Length(unit) => Some(unit),
@@ -75,7 +75,7 @@ impl ColumnUnit {
 }
 
 impl Measure {
-    /// Parses a unit of this measure, ignoring case; `None` if the measure has no such unit.
+    /// Parses a unit of this physical quantity, ignoring case; `None` if the text is no such unit.
     pub fn unit(self, text: &str) -> Option<ColumnUnit> {
         use ColumnUnit::{Factor, Inch, Length, Nanometre};
         let text = text.trim().to_lowercase();
@@ -123,7 +123,7 @@ impl Measure {
         }
     }
 
-    /// Unit at the end of the column names of this measure; `None` if the names contain no unit.
+    /// Unit with which the names of columns of this physical quantity end; `None` if they do not end with a unit.
     const fn in_name(self) -> Option<&'static str> {
         match self {
             Self::Length | Self::Plain => None,
@@ -157,8 +157,9 @@ impl Column {
             .unwrap_or(self.name)
     }
 
-    /// Compares the name of a file's column with the name of this column. `name` has the form of [`spelt`]. Returns
-    /// `None` if they differ, otherwise the unit at the end of `name`, if it has one: `x`, `x_mm`, `rotation_x_deg`.
+    /// Compares the name of a column in a file with the name of this column. `name` has the form that [`spelt`]
+    /// returns. If the names agree, the result is the unit with which `name` ends, if any: `x`, `x_mm`,
+    /// `rotation_x_deg`. `None` if they do not agree.
     pub fn is_named(&self, name: &str) -> Option<Option<ColumnUnit>> {
         if QUATERNION.contains(self) {
             return (quaternion_part(name)? == *self).then_some(None);
@@ -184,7 +185,7 @@ pub fn spelt(name: &str) -> String {
     words.join("_").to_lowercase()
 }
 
-/// Columns of tables with readings of rolls, one row per probe.
+/// Columns of readings of rolls, with one row per probe.
 pub const ROLLS: [Column; 5] = [
     Column::of("probe", Measure::Plain),
     Column::of("rotation_x_rad", Measure::Angle),
@@ -193,7 +194,7 @@ pub const ROLLS: [Column; 5] = [
     Column::of("shift_v", Measure::Length),
 ];
 
-/// Columns for a rotation that is given as a unit quaternion instead of a rotation vector; `qw` is the scalar part.
+/// Columns of a unit quaternion, which replace the columns of a rotation vector. `qw` is the scalar part.
 pub const QUATERNION: [Column; 4] = [
     Column::of("qx", Measure::Plain),
     Column::of("qy", Measure::Plain),
@@ -201,7 +202,7 @@ pub const QUATERNION: [Column; 4] = [
     Column::of("qw", Measure::Plain),
 ];
 
-/// Columns of a rotation matrix, row by row: its columns are the axes of the probe.
+/// Columns of a rotation matrix, row by row. The columns of this matrix are the axes of the probe.
 pub const MATRIX: [Column; 9] = [
     Column::of("r11", Measure::Plain),
     Column::of("r12", Measure::Plain),
@@ -214,7 +215,7 @@ pub const MATRIX: [Column; 9] = [
     Column::of("r33", Measure::Plain),
 ];
 
-/// Columns of a rotation about a unit axis.
+/// Columns of a rotation that is given by a unit axis and an angle.
 pub const AXIS_ANGLE: [Column; 4] = [
     Column::of("axis_x", Measure::Plain),
     Column::of("axis_y", Measure::Plain),
@@ -222,21 +223,21 @@ pub const AXIS_ANGLE: [Column; 4] = [
     Column::of("angle_rad", Measure::Angle),
 ];
 
-/// Columns of a rotation vector; the last may be missing.
+/// Columns of a rotation vector. The last column may be missing.
 pub const ROTATION_VECTOR: [Column; 3] = [
     ROLLS[1],
     ROLLS[2],
     Column::of("rotation_z_rad", Measure::Angle),
 ];
 
-/// Columns of the place of the contact on the probe, in a time series per roll.
+/// Columns of the contact's position on the probe, in a time series of a roll.
 pub const CONTACTS: [Column; 2] = [
     Column::of("contact_u", Measure::Length),
     Column::of("contact_v", Measure::Length),
 ];
 
-/// The quaternion column that a name refers to: `qx`, `quat_x`, `pose_orientation_x`. The name has the form of
-/// [`spelt`].
+/// The column of [`QUATERNION`] that a name refers to: `qx`, `quat_x`, `pose_orientation_x`. The name has the form that
+/// [`spelt`] returns.
 pub fn quaternion_part(name: &str) -> Option<Column> {
     let is_quaternion = |prefix: &str| {
         let word = prefix.trim_end_matches('_').rsplit('_').next();
@@ -249,7 +250,7 @@ pub fn quaternion_part(name: &str) -> Option<Column> {
     })
 }
 
-/// Columns of tables with readings of rolls that contain a time series for each probe.
+/// Columns of readings of rolls, if the readings of each probe are a time series.
 pub const ROLL_SERIES: [Column; 6] = [
     Column::of("probe", Measure::Plain),
     Column::of("t_s", Measure::Time),
@@ -259,7 +260,7 @@ pub const ROLL_SERIES: [Column; 6] = [
     Column::of("pad_v", Measure::Length),
 ];
 
-/// Columns of tables with readings of glides, one row per contact. The last three columns may be missing.
+/// Columns of readings of glides, with one row per contact. The last three columns may be missing.
 pub const GLIDES: [Column; 7] = [
     Column::of("finger", Measure::Plain),
     Column::of("x", Measure::Length),
@@ -270,7 +271,7 @@ pub const GLIDES: [Column; 7] = [
     Column::of("normal_z", Measure::Plain),
 ];
 
-/// Columns of tables with readings of presses, one row per marker. The last two columns may be missing.
+/// Columns of readings of presses, with one row per marker. The last two columns may be missing.
 pub const PRESSES: [Column; 5] = [
     Column::of("x", Measure::Length),
     Column::of("y", Measure::Length),
@@ -279,13 +280,13 @@ pub const PRESSES: [Column; 5] = [
     Column::of("tangential_y", Measure::Length),
 ];
 
-/// Columns of a press whose markers lie on a line through the apex, one row per marker.
+/// Columns of readings of a press whose markers lie on a line through the apex, with one row per marker.
 pub const PRESS_ROW: [Column; 2] = [
     Column::of("radial_position", Measure::Length),
     Column::of("normal_displacement", Measure::Length),
 ];
 
-/// Columns of a load curve.
+/// Columns of a load curve: the forces and indentations of a press.
 pub const LOADS: [Column; 2] = [
     Column::of("indentation", Measure::Length),
     Column::of("force_n", Measure::Force),
@@ -329,15 +330,14 @@ pub fn columns_of(kind: &str) -> Vec<Column> {
     columns
 }
 
-/// Map from palpate's names of columns to the names of these columns in a file. Palpate's name may have a unit, such as
-/// `x_mm`.
+/// Names of columns in a file, by palpate's names. Palpate's name may end with a unit, such as `x_mm`.
 pub type ColumnNames = BTreeMap<String, String>;
 
-/// Reason why the names of columns are invalid.
+/// Reason why a table of column names ([`ColumnNames`]) is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct ColumnNamesError {
-    /// Key of the table of column names that is invalid.
+    /// The invalid key of the table.
     pub key: String,
     /// Description of the problem.
     pub message: String,
@@ -346,8 +346,8 @@ pub struct ColumnNamesError {
 /// Checks the column names that a study or an option states for a file.
 ///
 /// # Errors
-/// [`ColumnNamesError`] for a key that is not in `columns`, for an empty name, for two keys that mean the same column,
-/// and for two columns with the same name.
+/// [`ColumnNamesError`] for a key that is not in `columns`, for an empty name, for two keys that refer to the same
+/// column, and for two keys with the same name.
 pub fn check_names(names: &ColumnNames, columns: &[Column]) -> Result<(), ColumnNamesError> {
     let fault = |key: &str, message: String| {
         let key = key.to_owned();
@@ -385,7 +385,7 @@ pub fn check_names(names: &ColumnNames, columns: &[Column]) -> Result<(), Column
     Ok(())
 }
 
-/// The column that `key` names, with or without a unit.
+/// The column to which `key` refers, with or without a unit at its end.
 pub fn of_key<'a>(key: &str, columns: &'a [Column]) -> Option<&'a Column> {
     let key = spelt(key);
     columns
@@ -393,8 +393,8 @@ pub fn of_key<'a>(key: &str, columns: &'a [Column]) -> Option<&'a Column> {
         .find(|column| column.is_named(&key).is_some())
 }
 
-/// Table of roll readings with the columns [`ROLLS`], one row per probe. A row has the rotation of the probe (`Δθ_x`,
-/// `Δθ_y`) and the shift of the contact (`Δp_u`, `Δp_v`).
+/// Table of roll readings with the columns [`ROLLS`] and one row per probe. A row contains the rotation of the probe
+/// (`Δθ_x`, `Δθ_y`) and the displacement of the contact on the probe (`Δp_u`, `Δp_v`).
 pub fn roll_readings_table(
     readings: impl IntoIterator<Item = [f64; 4]>,
     unit: LengthUnit,
@@ -410,8 +410,9 @@ pub fn roll_readings_table(
     table
 }
 
-/// Table of time series of rolls, one row per sample: the number of the probe, the time, the rotation vector, and the
-/// place of the contact or of the active pad. The rotation about the normal is a column if `spins`.
+/// Table of rolls that are recorded as time series, with one row per sample. A row contains the number of the probe,
+/// the time, the rotation vector, and the position of the contact or of the active pad. The rotation about the normal
+/// is included if `spins` is true.
 pub fn roll_series_table(
     samples: impl IntoIterator<Item = (usize, f64, [f64; 3], [f64; 2])>,
     spins: bool,

@@ -3,7 +3,7 @@
 use crate::label::{self, Label, spoken_unit};
 use crate::quantity::{Quantity, QuantityKind};
 
-/// Statistic of a quantity over the trials of a cell. The variants are in the order of the columns of `cells.csv`.
+/// A statistic of a quantity over the trials of a cell. The variants are in the order of the columns of `cells.csv`.
 ///
 /// ```
 /// use palpate_study::Statistic;
@@ -29,8 +29,8 @@ pub enum Statistic {
     Bias,
     /// Root mean square of the errors.
     RmsError,
-    /// Standard error of the rms error, that is, the standard deviation of the rms error between repeated runs with the
-    /// same number of trials.
+    /// Standard error of the rms error. If the study were repeated with other random numbers, the rms error would vary
+    /// with about this standard deviation.
     RmsErrorStd,
     /// Mean of the absolute errors.
     MeanAbsError,
@@ -38,8 +38,8 @@ pub enum Statistic {
     RelativeRmsError,
     /// Mean of the absolute errors, divided by the true value.
     RelativeMeanAbsError,
-    /// 5 % quantile of the estimates. It is computed from a histogram with 128 bins per octave of the error, so its
-    /// distance from the true value is accurate to 0.4 %. Tables show only the digits that this accuracy supports.
+    /// 5 % quantile of the estimates. It is computed from a histogram of the errors with 128 bins per factor of two, so
+    /// its distance from the true value is accurate to 0.4 %. Tables show no more digits than this accuracy supports.
     Q05,
     /// Median of the estimates, with the same accuracy as `Q05`.
     Q50,
@@ -53,12 +53,13 @@ pub enum Statistic {
     Coverage80,
     /// Share of the estimator's 95 % intervals that contain the true value.
     Coverage95,
-    /// Cramér–Rao bound on the standard deviation. Only presses have this bound.
+    /// Cramér–Rao bound: the smallest standard deviation that an unbiased estimator can have. Only presses have this
+    /// bound.
     StdBound,
 }
 
 impl Statistic {
-    /// Statistics that every `cells.csv` has, in the order of its columns.
+    /// All statistics, in the order of the columns of `cells.csv`.
     pub const ALL: [Self; 18] = [
         Self::Truth,
         Self::Trials,
@@ -179,7 +180,7 @@ impl Statistic {
         matches!(self, Self::RelativeRmsError | Self::RelativeMeanAbsError)
     }
 
-    /// Short name, for a legend that already states the quantity.
+    /// Short name of the statistic, for a legend of a figure that states the quantity elsewhere.
     pub fn short(self) -> &'static str {
         match self {
             Self::Truth => "true value",
@@ -194,7 +195,7 @@ impl Statistic {
         }
     }
 
-    /// Name of the statistic in words. The name of the quantity replaces `{}`.
+    /// Name of the statistic in words. In this text, `{}` is replaced by the name of the quantity.
     const fn words(self) -> &'static str {
         match self {
             Self::Truth => "true {}",
@@ -240,8 +241,8 @@ impl Statistic {
         all.into_iter().find(|statistic| statistic.name() == name)
     }
 
-    /// Label of a statistic for one or more quantities. All quantities are of the same kind as the first quantity.
-    /// Their unit is `unit`, written as in the column `unit`.
+    /// Label of a statistic for one or more quantities. All quantities must be of the same kind as the first one and
+    /// have the same `unit`, which is written as in the column `unit`.
     pub fn label(self, quantities: &[&str], unit: &str) -> Label {
         let first = quantities.first().and_then(|name| Quantity::named(name));
         let is_measured = first.is_some_and(|first| first.kind != QuantityKind::Estimated);

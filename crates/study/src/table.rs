@@ -12,11 +12,12 @@ use crate::quantity::Unit;
 /// Column of a table: its name, and the unit and type of its values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// Name in the table's header. The name ends with the unit of the column, unless the numbers have no unit or each
+    /// Name in the table's header. It ends with the unit of the column, except if the column has no unit, or if each
     /// row has its own unit.
     pub name: String,
-    /// Unit of all numbers of the column: `1` for pure numbers; [`Column::UNIT_OF_ROW`] if each row has its own unit.
-    /// `None` for texts, and for parameters of a formula, because the unit of a parameter depends on the formula.
+    /// Unit of all numbers in the column, or `1` for pure numbers. If each row states its own unit, this is
+    /// [`Column::UNIT_OF_ROW`]. `None` for texts, and for the parameters of a formula, whose units depend on the
+    /// formula.
     pub unit: Option<String>,
     /// Type of the values.
     pub values: ColumnType,
@@ -29,14 +30,14 @@ pub enum ColumnType {
     Number,
     /// Whole numbers.
     Whole,
-    /// Whole numbers that are not negative: counts, and numbers of cells and trials.
+    /// Whole numbers that are not negative: counts, and numbers that identify cells or trials.
     Count,
     /// Texts.
     Text,
 }
 
 impl Column {
-    /// Value of [`Column::unit`] for a column whose unit each row states in the column `unit`.
+    /// Value of [`Column::unit`] for a column in which each row has its own unit. The column `unit` states this unit.
     pub const UNIT_OF_ROW: &'static str = "column unit";
 
     fn new(name: &str, unit: Option<&str>, values: ColumnType) -> Self {
@@ -47,18 +48,17 @@ impl Column {
         }
     }
 
-    /// Column of numbers. `unit` is not a length; it is `1` for pure numbers.
+    /// A column of numbers that are not lengths. The unit of pure numbers is `1`.
     pub fn number(name: &str, unit: &str) -> Self {
         Self::new(name, Some(unit), ColumnType::Number)
     }
 
-    /// Columns of pure numbers.
+    /// Columns of numbers without a unit.
     pub fn pure<const N: usize>(names: [&str; N]) -> [Self; N] {
         names.map(|name| Self::number(name, "1"))
     }
 
-    /// Columns of lengths or curvatures. The unit is appended to the names of the columns: `x_mm`,
-    /// `mean_curvature_per_mm`.
+    /// Columns of lengths or curvatures. The unit is appended to each name: `x_mm`, `mean_curvature_per_mm`.
     pub fn in_length<const N: usize>(
         names: [&str; N],
         unit: Unit,
@@ -69,7 +69,7 @@ impl Column {
         names.map(|name| Self::number(&format!("{name}_{ending}"), unit))
     }
 
-    /// Column of counts, or of numbers that identify cells, trials or similar things.
+    /// A column of counts, or of numbers that identify cells, trials or other things.
     pub fn count(name: &str) -> Self {
         Self::new(name, Some("1"), ColumnType::Count)
     }
@@ -81,7 +81,7 @@ impl Column {
 }
 
 impl From<String> for Column {
-    /// Column with this name. The column may contain numbers or texts, and its unit is unknown.
+    /// A column of unknown unit, which may contain numbers or texts.
     fn from(name: String) -> Self {
         Self::new(&name, None, ColumnType::Number)
     }
@@ -105,15 +105,15 @@ impl Table {
         }
     }
 
-    /// Adds a row that begins with the whole number `index`. The other numbers are written in the shortest form that
-    /// parses to the same number.
+    /// Adds a row that begins with the whole number `index`. The other numbers are written in their shortest form,
+    /// which parses to the same number.
     pub fn push(&mut self, index: usize, numbers: impl IntoIterator<Item = f64>) {
         let index = std::iter::once(index.to_string());
         self.rows
             .push(index.chain(numbers.into_iter().map(shortest)).collect());
     }
 
-    /// Adds a row of numbers, written in the shortest form that parses to the same number.
+    /// Adds a row of numbers. They are written in their shortest form, which parses to the same number.
     pub fn push_numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {
         self.rows.push(numbers.into_iter().map(shortest).collect());
     }
@@ -139,7 +139,7 @@ pub fn header(columns: &[Column]) -> String {
     text
 }
 
-/// Adds a row with its line break to a CSV text.
+/// Adds a row to a CSV text, with a line break at its end.
 pub fn push_row(text: &mut String, row: &[String]) {
     for (place, field) in row.iter().enumerate() {
         if place > 0 {
@@ -150,7 +150,7 @@ pub fn push_row(text: &mut String, row: &[String]) {
     text.push('\n');
 }
 
-/// Reader of the rows of a CSV table that palpate wrote. In such a table, all lines have the same number of fields.
+/// Reads the rows of a CSV table that palpate wrote. All lines of such a table have the same number of fields.
 pub struct Rows<R> {
     reader: Reader<R>,
     record: StringRecord,
@@ -207,17 +207,18 @@ fn push_field(text: &mut String, field: &str) {
     }
 }
 
-/// A map: a table with one point per row and the curvature at this point. It is filled field by field.
+/// A map, that is, a table of the curvatures at the points of a patch, with one row per point. The rows are filled
+/// field by field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapTable {
     /// The finished rows of the map.
     pub table: Table,
-    /// Fields of the last row so far; the row is added to the table when it is complete.
+    /// The fields of the unfinished row. The row is added to the table when it is complete.
     row: Vec<String>,
 }
 
 impl MapTable {
-    /// Makes an empty map with these columns.
+    /// Creates an empty map with these columns.
     pub fn new(columns: impl IntoIterator<Item = Column>) -> Self {
         Self {
             table: Table::new(columns),

@@ -1,4 +1,4 @@
-//! Targets of `palpate design`: a limit for a statistic of a quantity.
+//! Targets of `palpate design`. A target is a limit for a statistic of a quantity.
 
 use std::fmt;
 use std::str::FromStr;
@@ -13,8 +13,9 @@ use crate::statistic::Statistic;
 /// Target: a limit for a statistic of a quantity over the trials, for example `relative_rms_error(mean_curvature) <=
 /// 0.05`.
 ///
-/// Statistics and quantities have their names in `cells.csv`. The default quantity is the first quantity of the scene.
-/// The limit of a share may be in percent. A limit above 1 must be in percent, because a plain 5 may mean 5 % or 500 %.
+/// Statistics and quantities have the same names as in `cells.csv`. Without a quantity, the first quantity of the scene
+/// is used. The limit of a share may be written in percent. A limit above 1 must be written in percent, because 5
+/// without a percent sign could mean 5 % or 500 %.
 ///
 /// ```
 /// use palpate_study::{Bound, Quantity, Statistic, Target};
@@ -64,7 +65,7 @@ pub enum TargetError {
         /// Statistics that can be targets.
         known: Vec<&'static str>,
     },
-    /// The statistic cannot be a target. The second text is the reason.
+    /// This statistic cannot be a target. The first text is its name, the second is the reason.
     #[error("{0} is no target: {1}")]
     NoTarget(&'static str, &'static str),
     /// No quantity has this name.

@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// Message that a result may be wrong. `Display` writes it as one line for a terminal.
+/// A message that a result may be wrong. `Display` writes it as one line for a terminal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Warning {
@@ -13,12 +13,13 @@ pub struct Warning {
     pub code: String,
     /// The message, in one sentence.
     pub text: String,
-    /// Numbers on which the warning is based, by name. Lengths are in the unit of the study or of the readings.
+    /// Numbers on which the warning is based, with their names. Lengths are in the unit of the study or of the
+    /// readings.
     pub numbers: BTreeMap<String, f64>,
 }
 
 impl Warning {
-    /// Makes a warning with this code and text, and with the numbers on which it is based.
+    /// Creates a warning from its code, its text, and the numbers on which it is based.
     pub fn new(
         code: &str,
         text: impl Into<String>,

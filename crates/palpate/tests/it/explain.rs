@@ -27,7 +27,7 @@ fn words_are_explained() {
         ("u", "First tangent direction"),
         (
             "Encoder",
-            "scene.noise.encoder\n  Quantisation of the measured rotation",
+            "scene.noise.encoder\n  Rounding of the measured rotation",
         ),
         (
             "radius",

@@ -1,4 +1,4 @@
-//! Builds and changes configs from code, without a text file.
+//! Creates and changes configs from code, without a text file.
 
 use serde_json::Value as Json;
 use toml::Value as Toml;
@@ -8,23 +8,8 @@ use super::load::Study;
 use super::schema::alternatives;
 use super::tree;
 
-/// Makes the text of a config from a table. Keys with the value `null` are omitted.
+/// Converts a JSON table to the text of a config. Keys with the value `null` are omitted.
 ///
-/// ```
-/// use palpate_study::config::{of_json, parse};
-///
-/// let config = serde_json::json!({
-///     "name": "roll-on-a-ball",
-///     "scene": {
-///         "kind": "roll",
-///         "probe": { "kind": "sphere", "radius": 1.0 },
-///         "object": { "kind": "sphere", "radius": 4.0 },
-///         "motion": { "rate_rad_per_s": 0.1, "duration_s": 1.0 },
-///         "sensor": null,
-///     },
-/// });
-/// let study = parse("study", &of_json("study", &config)?)?;
-/// assert_eq!(study.config.name, "roll-on-a-ball");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -37,9 +22,10 @@ pub fn of_json(file: &str, config: &Json) -> Result<String, ConfigError> {
     }
 }
 
-/// Sets fields of a config, and returns the text of the changed config. A path consists of keys and indices joined by
-/// dots; `null` removes a field. Fields that are alternatives to a changed field are removed, for example `duration_s`
-/// if `arc_length` is set. Fields and values are validated only when the returned text is parsed.
+/// Sets fields of a config, and returns the text of the changed config. The path of a field consists of keys and
+/// indices joined by dots. The value `null` removes a field. Fields that state the same quantity as a changed field are
+/// removed, for example `duration_s` if `arc_length` is set. Fields and values are validated only when the returned
+/// text is parsed.
 ///
 /// ```
 /// use palpate_study::config::with_fields;
@@ -80,15 +66,9 @@ pub fn with_fields(
     to_text(file, &config)
 }
 
-/// Adds a sweep axis for each of the fields `axes` with its values, and returns the text of the changed config.
+/// Adds a sweep axis for each field in `axes`, and returns the text of the changed config. `axes` contains the path and
+/// the values of each field.
 ///
-/// ```
-/// use palpate_study::config::with_axes;
-///
-/// let radii = ("scene.object.radius".to_owned(), serde_json::json!([20.0, 40.0]));
-/// let text = with_axes("study", "name = \"balls\"\n", &[radii])?;
-/// let axis = "[[sweep]]\npath = \"scene.object.radius\"\nvalues = [20.0, 40.0]\n";
-/// assert_eq!(text, format!("name = \"balls\"\n\n{axis}"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

@@ -1,4 +1,4 @@
-//! Output of configs with their defaults, as they are saved with the results.
+//! Writes configs together with their defaults, in the form that is saved with the results.
 
 use super::schema::{SCHEMA, variant};
 use super::study::{SceneConfig, StudyConfig};
@@ -6,10 +6,11 @@ use super::sweep::SweepConfig;
 use super::{tree, validate};
 use toml::Value;
 
-/// A config as TOML text, including its defaults. Parsing the text returns the same config.
+/// The config as TOML text, including all defaults. Parsing the text returns the same config.
 ///
-/// The default of `directions_deg` is omitted if the config states `rolls` instead. If a sweep varies a `kind`, the keys of this table that equal their defaults are omitted, because another kind may not
-/// have them.
+/// The default of `directions_deg` is omitted if the config states `rolls` instead. If a sweep varies the `kind` of a
+/// table, those keys of the table that have their default values are omitted, because other kinds may not have these
+/// keys.
 ///
 /// ```
 /// use palpate_study::config::{parse, to_toml};
@@ -50,7 +51,7 @@ pub fn to_toml(config: &StudyConfig) -> String {
         .map_or_else(String::new, toml::Table::to_string)
 }
 
-/// Removes keys from the table at a path if their values equal their defaults.
+/// Removes all keys that have their default values from the table at a path.
 fn drop_defaults(config: &mut Value, path: &str) {
     let schema = validate::at(&SCHEMA, config, path);
     let table = tree::at_mut(config, path).and_then(Value::as_table_mut);

@@ -51,7 +51,7 @@ impl ConfigError {
         }
     }
 
-    /// An error in a field that has no position in the text.
+    /// An error in a field, without the position of the field in the text.
     pub(super) fn of_field(file: &str, path: &str, message: impl Into<String>) -> Self {
         Self {
             path: path.into(),
@@ -59,7 +59,7 @@ impl ConfigError {
         }
     }
 
-    /// Adds the number of the cell and its swept values to the message of the error.
+    /// Adds the number of a cell and the swept values of this cell to the error message.
     pub(super) fn in_cell(mut self, cell: usize, coordinates: &str) -> Self {
         let indent = " ".repeat(
             self.details
@@ -83,16 +83,16 @@ impl ConfigError {
     }
 }
 
-/// A problem in a field whose position in the text is not determined yet.
+/// A problem in a field. Its position in the text is determined later.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fault {
     /// Path of the field.
     pub(super) path: String,
     pub(super) message: String,
-    /// Path of the value that the excerpt of the config in the message shows: the field itself, or the swept value that
-    /// sets the field.
+    /// Path of the value that the message shows in an excerpt of the config. It is the field itself, or the swept value
+    /// that sets the field.
     pub(super) location: String,
-    /// Whether the excerpt of the config in the message shows the key of the field instead of its value.
+    /// Whether the excerpt in the message marks the key of the field instead of its value.
     pub(super) is_key: bool,
     /// Position of a syntax error, as a byte range.
     pub(super) span: Option<Span>,
@@ -109,7 +109,7 @@ impl Fault {
         }
     }
 
-    /// Fault of a key that is not allowed.
+    /// The fault which reports that a key is not allowed.
     pub(super) fn of_key(key: &str, message: impl Into<String>) -> Self {
         Self {
             is_key: true,
@@ -117,7 +117,8 @@ impl Fault {
         }
     }
 
-    /// Returns the fault with a key or an index in front of its path and of its location.
+    /// Puts a key or an index in front of the fault's path and location, because the fault was found in a part of a
+    /// larger table.
     pub(super) fn under(self, key: impl std::fmt::Display) -> Self {
         let join = |path: &str| match path {
             "" => key.to_string(),
@@ -130,7 +131,7 @@ impl Fault {
         }
     }
 
-    /// Returns the fault with its location restricted to a part of the field.
+    /// Restricts the fault's location to a part of the field, given by its path within the field.
     pub(super) fn at(self, part: impl std::fmt::Display) -> Self {
         let location = match self.location.as_str() {
             "" => part.to_string(),
@@ -140,12 +141,12 @@ impl Fault {
     }
 }
 
-/// A config's file name and text.
+/// File name and text of a config.
 #[derive(Debug, Clone)]
 pub(super) struct Source {
     pub(super) file: String,
     pub(super) text: String,
-    /// Whether the text is the content of the file. Only then are line numbers meaningful.
+    /// Whether the text is the content of the file. If it is not, line numbers would be meaningless.
     is_written: bool,
 }
 
@@ -153,7 +154,7 @@ pub(super) struct Source {
 const EXCERPT: usize = 120;
 
 impl Source {
-    /// Stores a text, without a byte order mark at its start.
+    /// Stores a text. A byte order mark at its start is removed.
     pub(super) fn new(file: &str, text: &str) -> Self {
         Self {
             file: file.into(),
@@ -192,8 +193,8 @@ impl Source {
         }
     }
 
-    /// Byte range of the value at a path, or of its key. If a part of the path does not exist, this is the range of the
-    /// innermost existing value on the path. `None` if this is the whole text.
+    /// Byte range of the value at a path, or of its key. If the path does not exist completely, this is the range of
+    /// the innermost value on the path that exists. `None` if no part of the path exists.
     pub(super) fn locate(&self, path: &str, is_key: bool) -> Option<Span> {
         let root = DeValue::Table(DeTable::parse(&self.text).ok()?.into_inner());
         let (mut node, mut rest) = (&root, path);
@@ -224,8 +225,8 @@ impl Source {
         key_span.filter(|_| is_key).or(span)
     }
 
-    /// Returns the position as `file:line:column`, and the line of text with carets under the span. Line and column (in
-    /// characters) are counted from 1.
+    /// Returns two texts: the position as `file:line:column`, and the line itself with carets under the span. Line and
+    /// column (in characters) are counted from 1.
     fn show(&self, span: &Span) -> (String, String) {
         let text = &self.text;
         let start = text.floor_char_boundary(span.start);
@@ -271,14 +272,14 @@ impl Source {
     }
 }
 
-/// A problem in a field of a config, without its position in the text.
+/// A problem in a field of a config. The position of the field in the text is not known here.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldError {
     /// Path of the field, such as `scene.object.radius`.
     pub path: String,
     /// Description of the problem.
     pub message: String,
-    /// Byte range of the wrong part, if the value of the field is a text.
+    /// Byte range of the wrong part within the field's text; `None` if the whole field is wrong.
     pub part: Option<Range<usize>>,
 }
 

@@ -1,4 +1,4 @@
-//! Errors about a study, with their position in its text.
+//! Errors about a study that state a position in the config's text.
 
 use super::error::{ConfigError, Fault, Span};
 use super::load::Study;
@@ -7,8 +7,9 @@ use std::ops::Range;
 
 impl Study {
     /// Error in a field of a cell that is found only when the config is used, for example a pitch that is larger than
-    /// the probe. Its position in the text is the position of the field. If a sweep sets the field, it is the position
-    /// in the sweep; if the field is missing, it is the position of the nearest parent.
+    /// the probe. The error states the position of the field. If a sweep sets the field, it states the position of the
+    /// swept value. If the field is missing in the text, it states the position of the table that would contain the
+    /// field.
     pub fn error_at(&self, cell: usize, path: &str, message: impl Into<String>) -> ConfigError {
         self.error_within(cell, path, None, message.into())
     }
@@ -19,7 +20,8 @@ impl Study {
         self.source.error(Fault::new(message).under(path))
     }
 
-    /// Error in a part of a text field, for example an unknown name in a formula. `part` is a byte range of the text.
+    /// Error in a part of a field whose value is a text, for example an unknown name in a formula. `part` is a byte
+    /// range of this text.
     pub fn error_in_text(
         &self,
         cell: usize,
@@ -47,7 +49,8 @@ impl Study {
         }
     }
 
-    /// Position of a part of a string in the config's text; `None` if the string contains escapes.
+    /// Position in the config's text of a part of a string. `None` if the string contains escapes, because the
+    /// positions then differ.
     fn part_of(&self, cell: usize, path: &str, location: &str, part: Range<usize>) -> Option<Span> {
         let span = self.source.locate(location, false)?;
         let (tree, _) = self.grid.tree(cell);

@@ -1,4 +1,4 @@
-//! Labels of swept fields (words and units), made from the headers of their columns.
+//! Labels of swept fields (words and units), computed from the headers of their columns.
 
 use super::schema::{SCHEMA, fields_at, variants};
 use super::{LengthUnit, schema};
@@ -41,7 +41,7 @@ impl Label {
     }
 }
 
-/// Words for a field that is displayed in the unit of its column's header. `segments` are the keys of the field's path.
+/// Words for a field whose unit is the unit in its column's header. `segments` are the keys of the field's path.
 fn plain(segments: &[&str]) -> String {
     match segments {
         ["noise", "wrong markers", "count"] => "wrong markers".to_owned(),
@@ -92,9 +92,9 @@ fn plain(segments: &[&str]) -> String {
     }
 }
 
-/// Name of a swept field without its unit, and its unit as written in the header of its column. The schema of configs
-/// states which ending is a unit. If no field has such a column, the form of the header determines the unit
-/// ([`split_unit`]).
+/// Splits the header of a swept field's column into the field's name and its unit. The schema of configs determines
+/// which ending of a header is a unit. For a header that belongs to no field of the schema, the form of the header
+/// determines the unit ([`split_unit`]).
 ///
 /// ```
 /// use palpate_study::config::field;
@@ -135,7 +135,7 @@ fn in_schema(header: &str) -> Option<(&str, &str)> {
 /// Units with which keys of configs may end.
 const IN_KEYS: [&str; 6] = ["rad_per_s", "rad", "deg", "s", "hz", "px"];
 
-/// Whether the schema defines the name of a field. The result is `false` if the author of the config chooses the name
+/// Whether the schema defines the name of a field. The result is `false` if the author of the config chose the name
 /// (parameters of a formula), and `None` if there is no such field.
 fn known(keys: &[&str]) -> Option<bool> {
     if !fields_at(&SCHEMA, keys).is_empty() {

@@ -1,4 +1,4 @@
-//! Paths of the fields of a config, and the meaning of shortened paths.
+//! Paths of the fields of a config, and short forms of these paths.
 
 use super::error::ConfigError;
 use super::load::Study;
@@ -9,8 +9,8 @@ use serde_json::Value as Json;
 use toml::Value;
 
 impl Study {
-    /// Path of the field that a name refers to. The name is the whole path, or the last keys of the path if no other
-    /// field ends with these keys.
+    /// Path of the field that a name refers to. The name is the whole path or its last keys. The last keys suffice if
+    /// no other path ends with them.
     ///
     /// ```
     /// use palpate_study::config::parse;
@@ -68,8 +68,8 @@ impl Study {
     }
 }
 
-/// Paths of all fields of a scene, either of the kinds that the tree states or of all kinds. If the tree does not
-/// contain a table, the fields of all its kinds are listed.
+/// Paths of all fields that the scene can have with the kinds in `tree`, or with any kinds if `in_any_kind` is true. If
+/// a table is missing in `tree`, the fields of all kinds of this table are listed.
 fn paths(tree: &Value, in_any_kind: bool) -> Vec<String> {
     fn visit(schema: &Json, node: Option<&Value>, path: &str, any: bool, found: &mut Vec<String>) {
         let kind = node.and_then(|node| node.get("kind")?.as_str());
@@ -137,8 +137,8 @@ fn unknown_key(tree: &Value, table: &str, key: &str) -> String {
     }
 }
 
-/// Message for a path that does not lead to a field of the tree. It states the first key that does not exist, and the
-/// keys that exist in its table.
+/// Message for a path that does not lead to a field. It states the first key of the path that does not exist, and the
+/// keys that exist in its place. `None` if the path leads to a field.
 pub(super) fn unknown_path(tree: &Value, path: &str) -> Option<String> {
     let exists = |path: &str| {
         let keys: Vec<&str> = path.split('.').collect();
@@ -152,8 +152,8 @@ pub(super) fn unknown_path(tree: &Value, path: &str) -> Option<String> {
     (!keys.is_empty()).then(|| unknown_key(tree, table, key))
 }
 
-/// Message for a single key that no field has. The message lists fields with a similar key, the most similar first. If
-/// no key is similar, it lists the tables of the scene.
+/// Message for a key that no field has. It lists the fields with the most similar keys or, if no key is similar, the
+/// tables of the scene.
 fn unknown_name(tree: &Value, name: &str) -> String {
     const MAX_SIMILAR: usize = 5;
     const MIN_SIMILARITY: f64 = 0.8;

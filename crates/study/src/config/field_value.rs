@@ -1,4 +1,5 @@
-//! Converts the values of `--set` and `--vary`: numbers get the unit of their field, and tables get a label.
+//! Converts the values of `--set` and `--vary`: numbers with a unit are converted to the unit of their field, and
+//! tables get a label.
 
 use super::error::ConfigError;
 use super::load::Study;
@@ -25,7 +26,8 @@ pub(super) fn measure(text: &str) -> Option<(f64, &str)> {
     found.filter(|(number, _)| number.is_finite())
 }
 
-/// Unit of a field: the unit of a physical quantity, with the text before and after it (such as `1/` in `1/mm`).
+/// Unit of a field: a power of the unit of a physical quantity. `around` is the text before and after it, such as `/`
+/// and `^2` in `/mm^2`.
 struct FieldUnit {
     measure: Measure,
     around: [&'static str; 2],
@@ -62,7 +64,8 @@ impl FieldUnit {
         })
     }
 
-    /// Factor from `unit` to the unit of the field. `length` is the unit of lengths in the config.
+    /// Factor that converts a number in `unit` to the unit of the field; `None` if the units do not match. `length` is
+    /// the unit of lengths in the config.
     fn factor_from(&self, unit: &str, length: LengthUnit) -> Option<f64> {
         let [before, after] = self.around;
         let unit = unit.strip_prefix(before)?.strip_suffix(after)?;
@@ -135,8 +138,8 @@ impl Study {
         Ok(Vary { path, values })
     }
 
-    /// Path of the field that a name refers to, and its values in the unit of the field. A table without a label
-    /// receives a label.
+    /// Path of the field that a name refers to, and the given values in the unit of this field. A table without a label
+    /// gets one.
     ///
     /// # Errors
     /// The same errors as [`Study::resolve`].
@@ -159,7 +162,8 @@ impl Study {
         }
     }
 
-    /// Converts several fields with one value each, as [`Study::resolve_values`] does for one field.
+    /// Converts the names and values of several fields in the same way as [`Study::resolve_values`]. Each field has one
+    /// value.
     ///
     /// # Errors
     /// The same errors as [`Study::resolve`].
@@ -226,7 +230,8 @@ impl Study {
     }
 }
 
-/// Adds a label to a table. The label is the table's kind, or the table's text if another value has the same kind.
+/// Adds a label to a table, because result tables show the label instead of the table. The label is the kind of the
+/// table. If another value has the same kind, it is the text of the table.
 fn labelled(table: &toml::Table, values: &[Toml]) -> Toml {
     let mut table = table.clone();
     if !table.contains_key("label") {

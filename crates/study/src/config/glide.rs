@@ -8,7 +8,7 @@ use super::number_default::{number, whole};
 use super::object::ObjectConfig;
 use super::roll::PadLayout;
 
-/// Fingers slide over an object in parallel vertical planes.
+/// Fingers slide over an object, each in its own vertical plane. The planes are parallel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GlideConfig {
@@ -16,11 +16,11 @@ pub struct GlideConfig {
     pub probe: FingertipConfig,
     /// The surface that is explored.
     pub object: ObjectConfig,
-    /// Position of the middle of the patch: x and y in the object's frame. By default the origin of the frame, or the
-    /// top of the object.
+    /// Position of the middle of the patch: x and y in the object's frame. The default is x = y = 0; on a torus, it is
+    /// a point at the top of the tube.
     #[schemars(extend("x-unit" = "length"))]
     pub object_contact: Option<[f64; 2]>,
-    /// Paths of the fingers and contacts along them.
+    /// Paths of the fingers, and the contacts along these paths.
     pub motion: GlideMotionConfig,
     /// The model that computes the contacts.
     #[serde(default)]
@@ -28,13 +28,13 @@ pub struct GlideConfig {
     /// The sensor that reads the contacts.
     #[serde(default)]
     pub sensor: GlideSensorConfig,
-    /// Errors of the readings.
+    /// Errors of the sensor's readings.
     #[serde(default)]
     pub noise: GlideNoiseConfig,
-    /// The estimator of the patch.
+    /// The estimator of the patch's surface and curvature.
     #[serde(default)]
     pub estimator: GlideEstimatorConfig,
-    /// Points at which estimates are compared with the true values.
+    /// Points of the patch at which estimates are compared with the true values.
     pub evaluate: EvaluateConfig,
 }
 
@@ -71,9 +71,9 @@ impl GlideConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum FingertipConfig {
-    /// A point, which is also the contact point.
+    /// A point. It touches the object at its own position.
     Point {},
-    /// A ball. If it touches a slope, its contact point is not its lowest point.
+    /// A ball. On a slope, its contact point is not its lowest point.
     Sphere {
         /// Radius of the ball.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
@@ -81,15 +81,15 @@ pub enum FingertipConfig {
     },
 }
 
-/// Paths of the fingers and contacts along them. Each finger goes along +x in a plane of constant y.
+/// Paths of the fingers, and the contacts along these paths. Each finger moves along +x in a plane of constant y.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GlideMotionConfig {
     /// y coordinates of the planes of the fingers, relative to the middle of the patch.
     #[schemars(extend("minItems" = 1, "x-unit" = "length"))]
     pub finger_positions: Vec<f64>,
-    /// Distance between neighbouring fingers. Noise may be stated as a fraction of it, and it is the unit of the
-    /// settings of the estimator two-pass.
+    /// Distance between neighbouring fingers. The position noise may be stated as a fraction of this distance. It is
+    /// also the unit of length in the settings of the estimator two-pass.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub inter_finger_distance: f64,
     /// Distance between the first and the last contact of each finger, along x.
@@ -114,7 +114,8 @@ pub enum GlideModelConfig {
     /// The closed form of the contact point. It exists for point tips, and for round tips on planes, spheres, dishes
     /// and cylinders.
     ClosedForm {},
-    /// Newton's method on the surface that is offset from the object by the radius of a round tip.
+    /// Newton's method for a round tip. It finds the centre of the tip on the surface that is offset from the object by
+    /// the tip's radius.
     Newton {
         /// Largest error of a contact's position, relative to the tip's radius.
         #[serde(default = "tolerance")]
@@ -148,8 +149,9 @@ pub enum GlideSensorConfig {
         #[serde(default)]
         reports: Reports,
     },
-    /// An array of pads around the lowest point of a round tip. The pad nearest to the contact reports its own centre.
-    /// The direction from the tip's centre to this pad determines the contact and the normal, so both are quantised.
+    /// An array of pads around the lowest point of a round tip. The pad nearest to the contact reports its own centre
+    /// instead of the contact point. The direction from the tip's centre to this pad is used as the normal. Therefore,
+    /// contact points and normals have only as many different values as there are pads.
     Pads {
         /// Distance between neighbouring pads.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
@@ -157,7 +159,7 @@ pub enum GlideSensorConfig {
         /// Arrangement of the pads on the tip.
         #[serde(default)]
         layout: PadLayout,
-        /// Polar angle of the outermost pad, from the middle of the array.
+        /// Angle between the outermost pad and the middle of the array, seen from the tip's centre.
         #[serde(default = "number::<90>")]
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
         cap_deg: f64,
@@ -187,9 +189,9 @@ pub enum Reports {
     /// The contact point, which may be anywhere on the tip.
     #[default]
     Contact,
-    /// The lowest point of the tip. The estimator computes the contact point from the lowest point, the tip's radius
-    /// and the normal. The normal is the sensed normal or, without sensed normals, the normal of a first fit to the
-    /// tips' centres.
+    /// The lowest point of the tip. From this point, the estimator computes the contact point with the tip's radius and
+    /// a normal. The normal is sensed or, if the sensor reports no normals, it comes from a first fit to the tips'
+    /// centres.
     LowestPoint,
 }
 
@@ -203,16 +205,16 @@ pub struct GlideNoiseConfig {
     pub normal: Option<NormalNoise>,
 }
 
-/// Error of each coordinate of a contact, drawn independently.
+/// Error of a contact's coordinates. The error of each coordinate is drawn independently.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PositionNoise {
     /// Gaussian with mean 0.
     Gaussian {
-        /// The standard deviation as a fraction of the inter-finger distance. State either this or `std`.
+        /// Standard deviation as a fraction of the inter-finger distance. State either this or `std`.
         #[schemars(extend("minimum" = 0, "x-instead-of" = ["std"]))]
         fraction_of_ifd: Option<f64>,
-        /// The standard deviation. State either this or `fraction_of_ifd`.
+        /// Standard deviation. State either this or `fraction_of_ifd`.
         #[schemars(extend("minimum" = 0, "x-unit" = "length", "x-instead-of" = ["fraction_of_ifd"]))]
         std: Option<f64>,
         /// Coordinates of the contact that have the error.
@@ -248,7 +250,7 @@ pub enum NoiseAxis {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum NormalNoise {
-    /// The normal is tilted by Gaussian angles about two perpendicular tangents.
+    /// Gaussian angles that tilt the normal about two perpendicular tangents.
     Gaussian {
         /// Standard deviation of each of the two angles.
         #[schemars(extend("minimum" = 0, "maximum" = 180))]
@@ -257,7 +259,7 @@ pub enum NormalNoise {
 }
 
 /// Points at which estimates are compared with the true values (a square grid around the middle of the patch), and
-/// thresholds below which curvatures count as zero.
+/// thresholds below which a curvature counts as zero when points are classified.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EvaluateConfig {
@@ -265,13 +267,14 @@ pub struct EvaluateConfig {
     #[serde(default = "whole::<30>")]
     #[schemars(extend("minimum" = 1, "maximum" = 1000))]
     pub grid: u32,
-    /// Half the side of the square, in x and y.
+    /// Half the side length of the square grid.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub half_width: f64,
-    /// Threshold below which the Gaussian curvature counts as zero; at least the square of `mean_threshold`.
+    /// Absolute Gaussian curvature below which a point counts as having zero Gaussian curvature; at least the square of
+    /// `mean_threshold`.
     #[schemars(extend("minimum" = 0, "x-unit" = "1/length^2"))]
     pub gaussian_threshold: f64,
-    /// Threshold below which the mean curvature counts as zero.
+    /// Absolute mean curvature below which a point counts as having zero mean curvature.
     #[schemars(extend("minimum" = 0, "x-unit" = "1/length"))]
     pub mean_threshold: f64,
 }

@@ -5,20 +5,21 @@ use serde::{Deserialize, Serialize};
 
 use super::number_default::{number, whole};
 
-/// The estimator of the patch.
+/// The estimator of the patch's surface and curvature.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum GlideEstimatorConfig {
-    /// One bicubic spline through heights and slopes, with a penalty on its third derivatives.
+    /// One bicubic spline, fitted to heights and slopes. A penalty on its third derivatives makes it smooth.
     Penalised {
-        /// Number of intervals of the spline along each side. By default, it is chosen from the number of contacts.
+        /// Number of knot intervals of the spline along each side of the patch. By default, it is chosen from the
+        /// number of contacts.
         #[schemars(extend("minimum" = 1, "maximum" = 24))]
         intervals: Option<u32>,
         /// Method that chooses the weight of the penalty.
         #[serde(default)]
         criterion: CriterionName,
-        /// Factor on the effective degrees of freedom of the spline in robust cross validation; 1 gives plain cross
-        /// validation. A larger factor gives a smoother surface. Only the criterion robust-gcv has this setting.
+        /// Factor on the effective degrees of freedom of the spline in robust cross validation. A larger factor gives a
+        /// smoother surface; 1 gives plain cross validation. Only the criterion robust-gcv has this setting.
         #[serde(default = "gamma")]
         #[schemars(extend("minimum" = 1, "maximum" = 100))]
         gamma: f64,
@@ -26,8 +27,8 @@ pub enum GlideEstimatorConfig {
         #[serde(flatten)]
         noise: StatedNoise,
     },
-    /// The method of the 1996 paper: a first smoothing spline, then a second smoothing spline that also uses the
-    /// tangents of the first. Lengths are in units of the inter-finger distance.
+    /// The method of the 1996 paper: two smoothing splines are fitted one after the other. The second spline also uses
+    /// the tangents of the first. In the settings of this method, lengths are in units of the inter-finger distance.
     TwoPass {
         /// Degree of the first spline in both directions.
         #[serde(default = "whole::<2>")]
@@ -37,43 +38,44 @@ pub enum GlideEstimatorConfig {
         #[serde(default = "whole::<3>")]
         #[schemars(extend("minimum" = 1, "maximum" = 5))]
         second_degree: u32,
-        /// Weight by which all residuals are multiplied.
+        /// Factor by which all residuals are multiplied before they are squared.
         #[serde(default = "number::<100>")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         weight: f64,
-        /// Target for the sum of squared weighted residuals of the first spline.
+        /// Smoothing limit of the first spline: the largest sum of squared weighted residuals.
         #[serde(default = "number::<1000>")]
         #[schemars(extend("minimum" = 0))]
         smoothing: f64,
-        /// Target for the sum of squared weighted residuals of the second spline.
+        /// Smoothing limit of the second spline: the largest sum of squared weighted residuals.
         #[serde(default = "number::<1000>")]
         #[schemars(extend("minimum" = 0))]
         second_smoothing: f64,
-        /// Distance between a contact and each of the two points that are added on its tangent, one on either side.
+        /// Distance between a contact and the two points that are added on its tangent. One point is added on each side
+        /// of the contact.
         #[serde(default = "twentieth")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tangent_step: f64,
         /// Source of the normals from which the tangents are computed.
         #[serde(default)]
         normals: NormalsOf,
-        /// Number of splines that are fitted in sequence. With 1, the second spline is omitted.
+        /// Number of splines that are fitted one after the other. With 1, only the first spline is fitted.
         #[serde(default = "whole::<2>")]
         #[schemars(extend("minimum" = 1, "maximum" = 2))]
         passes: u32,
     },
     /// A quadric, fitted by weighted least squares.
     Quadric(StatedNoise),
-    /// A plane, without outliers.
+    /// A plane, fitted without outliers.
     Plane(StatedNoise),
-    /// A sphere touched on any side, without outliers.
+    /// A sphere, fitted without outliers. The contacts may be on any side of the sphere.
     Sphere(StatedNoise),
-    /// A circular cylinder touched on any side, without outliers.
+    /// A circular cylinder, fitted without outliers. The contacts may be on any side of the cylinder.
     Cylinder(StatedNoise),
-    /// The most probable of plane, sphere and cylinder, or none of these.
+    /// The most probable of four answers: a plane, a sphere, a cylinder, or none of these shapes.
     Shape(StatedNoise),
 }
 
-/// Noise of the contacts, if the user states it. Otherwise, the estimator estimates it.
+/// Noise of the contacts that the user states. If it is not stated, the estimator computes it from the contacts.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StatedNoise {
@@ -98,7 +100,7 @@ fn twentieth() -> f64 {
 }
 
 impl GlideEstimatorConfig {
-    /// Checks the rules that involve several settings. The error is a message.
+    /// Checks the rules that involve several settings.
     ///
     /// # Errors
     /// A message, if `gamma` is stated with a criterion that does not use it.
@@ -115,7 +117,7 @@ impl GlideEstimatorConfig {
         }
     }
 
-    /// Stated noise; `None` for an estimator that does not use it.
+    /// The settings for the stated noise; `None` for an estimator that does not use the noise.
     const fn noise(&mut self) -> Option<&mut StatedNoise> {
         match self {
             Self::Penalised { noise, .. }
@@ -128,8 +130,8 @@ impl GlideEstimatorConfig {
         }
     }
 
-    /// The estimator with a position noise in length units. A position noise that is a fraction of the inter-finger
-    /// distance is converted.
+    /// The estimator with its position noise as a length. If the noise is stated as a fraction of the inter-finger
+    /// distance, it is converted.
     #[must_use]
     pub fn with_length_noise(mut self, inter_finger_distance: f64) -> Self {
         if let Some(noise) = self.noise()
@@ -140,15 +142,15 @@ impl GlideEstimatorConfig {
         self
     }
 
-    /// Splits the estimator into the estimator without its stated noise, and this noise: the standard deviation of
-    /// positions (a length) and of normals.
+    /// Separates the stated noise from the estimator. Returns the estimator without its stated noise, and the standard
+    /// deviations of positions (a length) and of normals (degrees).
     #[must_use]
     pub fn without_noise(mut self) -> (Self, [Option<f64>; 2]) {
         let stated = self.noise().map(std::mem::take).unwrap_or_default();
         (self, [stated.position_std, stated.normal_std_deg])
     }
 
-    /// Noise of positions as a fraction of the inter-finger distance, if it is stated in this form.
+    /// Position noise as a fraction of the inter-finger distance; `None` unless it is stated in this form.
     pub fn position_fraction_of_ifd(&self) -> Option<f64> {
         self.clone().noise()?.position_fraction_of_ifd
     }
@@ -182,7 +184,7 @@ impl Default for GlideEstimatorConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum CriterionName {
-    /// Generalised cross validation in which each unknown counts `gamma` times.
+    /// Generalised cross validation in which each effective degree of freedom counts `gamma` times.
     #[default]
     RobustGcv,
     /// Generalised cross validation.
@@ -195,7 +197,7 @@ pub enum CriterionName {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NormalsOf {
-    /// The normals of the readings. If the readings have no normals, the normals of the first spline.
+    /// The normals of the readings. For readings without normals, the normals of the first spline.
     #[default]
     Measured,
     /// The normals of the first spline.

@@ -1,4 +1,5 @@
-//! The cells of a study: all combinations of the rows of its sweep axes. The first axis varies slowest.
+//! The cells of a study. A cell combines one row of each sweep axis, and all combinations of rows are cells. The row of
+//! the first axis changes slowest.
 
 use super::config_builder;
 use super::error::Fault;
@@ -10,7 +11,7 @@ use super::validate::{self, kinds_with};
 use serde_json::json;
 use toml::Value;
 
-/// The tree of the config without its `sweep` and `plot` sections, and the sweep axes.
+/// The tree of the config without its `sweep` and `plot` sections, together with the sweep axes.
 #[derive(Debug, Clone)]
 pub(super) struct Grid {
     pub(super) base: Value,
@@ -19,7 +20,7 @@ pub(super) struct Grid {
     pub(super) replaced: Vec<Replaced>,
 }
 
-/// A field of the config that states the same quantity as a swept field in another way.
+/// A field of the config that a swept field replaces, because both state the same quantity.
 #[derive(Debug, Clone)]
 pub(super) struct Replaced {
     pub(super) path: String,
@@ -29,8 +30,8 @@ pub(super) struct Replaced {
 }
 
 impl Grid {
-    /// Makes the grid of cells from the config `base` and the axes of its sweeps. If a field is swept, the alternatives
-    /// of this field are removed from the config, except for those that are also swept.
+    /// Creates the grid from the config `base` and its sweep axes. If a field is swept, the fields that state the same
+    /// quantity in another way are removed from `base`, unless they are swept too.
     pub(super) fn new(mut base: Value, axes: Vec<Axis>) -> Self {
         let mut replaced = Vec::new();
         let targets = || axes.iter().flat_map(|axis| &axis.targets);
@@ -68,7 +69,7 @@ impl Grid {
         rows.flat_map(|(axis, row)| axis.targets.iter().zip(axis.row(row).into_owned()))
     }
 
-    /// For each axis, the index of its row in a cell.
+    /// For each axis, the index of the row that a cell uses.
     pub(super) fn rows_of(&self, cell: usize) -> Vec<usize> {
         let mut faster = self.cells();
         let row = |axis: &Axis| {
@@ -84,7 +85,7 @@ impl Grid {
         axes.fold(0, |cell, (axis, row)| cell * axis.len() + row)
     }
 
-    /// The swept values of a cell as texts, as results show them.
+    /// The swept values of a cell, as texts in the form of the results.
     pub(super) fn coordinates(&self, cell: usize) -> Vec<String> {
         self.settings(cell)
             .map(|(_, setting)| setting.text().into_owned())
@@ -107,8 +108,7 @@ impl Grid {
         })
     }
 
-    /// The tree of a cell. If a swept path does not exist, the tree is incomplete, and the returned fault states the
-    /// reason.
+    /// The tree of a cell. If a swept path does not exist, the tree is incomplete, and the returned fault states why.
     pub(super) fn tree(&self, cell: usize) -> (Value, Option<Fault>) {
         let mut tree = self.base.clone();
         // Set the kinds first, because the kind of a table decides which other fields the table has.
@@ -130,8 +130,8 @@ impl Grid {
         (tree, None)
     }
 
-    /// Sets the location of a fault in a field of a cell: the position in the config or, if a sweep states the value,
-    /// in the sweep.
+    /// Sets the location of a fault in a field of a cell. If a sweep sets the field, the location is the swept value in
+    /// the `sweep` section, otherwise the field in the scene.
     pub(super) fn in_text(&self, cell: usize, mut fault: Fault) -> Fault {
         let path = fault.location.clone();
         for (axis, row) in self.axes.iter().zip(self.rows_of(cell)) {
@@ -151,7 +151,8 @@ impl Grid {
         fault
     }
 
-    /// Whether no swept value is a table, a list or a `kind`. Each value can then be validated alone.
+    /// Whether no swept value is a table, a list or a `kind`. If so, the values of different fields can be validated
+    /// independently.
     pub(super) fn has_plain_values(&self) -> bool {
         let mut targets = self.targets();
         let is_plain =
@@ -164,9 +165,9 @@ impl Grid {
     }
 }
 
-/// Adds the tables and lists that contain a swept field but are missing in the config. An added table or list has its
-/// default value. Without a default, it is empty, or has only the key `kind` if a single kind has the swept field. The
-/// error states the value that prevents adding the table.
+/// Adds the tables and lists that would contain a swept field but are missing in the config. An added table or list has
+/// its default value, if it has one. Otherwise it is empty; if only one kind has the swept field, it contains this
+/// kind. The error names the value in the config that prevents adding the table.
 fn add_parents(root: &mut Value, path: &str) -> Result<(), String> {
     for (end, _) in path.match_indices('.') {
         let parent = &path[..end];
@@ -220,7 +221,8 @@ fn add_parents(root: &mut Value, path: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Message for a key that only another kind of its table has; `None` if no kind has the key.
+/// Message for a key that the kind of its table does not have, but that other kinds have; `None` if no kind has the
+/// key.
 fn other_kind(root: &Value, path: &str) -> Option<String> {
     let (above, key) = path.rsplit_once('.')?;
     let kinds = kinds_with(

@@ -1,10 +1,10 @@
-//! Reads and writes lengths that may be infinite. The numbers of JSON are finite, so an infinite length is the text
-//! "inf". TOML accepts `inf` and the text.
+//! Reads and writes lengths that may be infinite. In JSON, numbers are finite, so an infinite length is the text "inf".
+//! In TOML, both `inf` and "inf" are accepted.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value as Json;
 
-/// A length in the form of a config.
+/// The two forms of a length in a config: a number, or the text "inf".
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum Form {
@@ -27,7 +27,7 @@ impl From<f64> for Form {
     }
 }
 
-/// A number as JSON: "inf" if it is infinite.
+/// The number as a JSON value, which is "inf" if the number is infinite.
 pub fn json_number(number: f64) -> Json {
     serde_json::to_value(Form::from(number)).unwrap_or_default()
 }

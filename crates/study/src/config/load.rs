@@ -1,4 +1,4 @@
-//! Reads a study: from a file or a text to validated cells.
+//! Reads a study from a file or a text, and validates its cells.
 
 use super::error::{ConfigError, Fault, Source};
 use super::grid::Grid;
@@ -21,11 +21,11 @@ use toml::Value;
 /// Largest size of a config, MiB.
 const MAX_MIB: u64 = 16;
 
-/// A study: a valid config. In a large study, only the cells in [`Study::sample`] were validated.
+/// A study, read from a valid config. In a study with many cells, only the cells in [`Study::sample`] were validated.
 #[derive(Debug, Clone)]
 pub struct Study {
     /// The config of the first cell with all defaults, together with the sweeps and plots of the study, as in
-    /// `run.toml`. It describes the same cells as the original config.
+    /// `run.toml`. It defines the same cells as the original config.
     pub config: StudyConfig,
     /// The swept fields, in the order of the config.
     pub paths: Vec<String>,
@@ -34,18 +34,18 @@ pub struct Study {
     pub(super) source: Source,
     pub(super) grid: Grid,
     sample: Vec<usize>,
-    /// Whether every swept value is a number, a word or a truth value. Each value can then be validated alone, and a
-    /// cell need not be validated again when it is made.
+    /// Whether every swept value is a number, a word or a truth value. If so, the values were validated one by one, and
+    /// a cell need not be validated again.
     has_plain_values: bool,
-    /// Whether palpate wrote the config. In such a config, the scene states the first value of every swept field.
+    /// Whether palpate wrote the config. In such a config, the scene contains the first value of every swept field.
     is_resolved: bool,
 }
 
-/// A grid point: one combination of the swept values.
+/// A grid point of the study: one combination of the swept values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// The swept values in the form of the result tables, one per column: labels for tables, and numbers in their
-    /// shortest form.
+    /// The swept values as the result tables show them, one text per column. A table is shown as its label, a number in
+    /// its shortest form.
     pub coordinates: Vec<String>,
     /// The config with the swept values inserted, without sweeps and plots.
     pub config: StudyConfig,
@@ -83,7 +83,7 @@ pub fn load(path: &Path) -> Result<Study, ConfigError> {
     }
 }
 
-/// Reads a study from a text. Errors use `file` as the file name of the text.
+/// Reads a study from a text. Error messages name `file` as the file of the text.
 ///
 /// ```
 /// use palpate_study::config::parse;
@@ -111,7 +111,7 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
     read(Source::new(file, text))
 }
 
-/// Reads a study from a config's text, as [`parse`] does.
+/// Reads a study from the text of a config, in the same way as [`parse`].
 pub(super) fn read(source: Source) -> Result<Study, ConfigError> {
     let faulty = |fault| source.error(fault);
     let mut base = tree::parse(&source.text).map_err(faulty)?;
@@ -198,14 +198,14 @@ fn check_version(version: &Value) -> Result<(), Fault> {
     Err(Fault::new(message))
 }
 
-/// Rejects names of columns that the readings of the scene do not have.
+/// Rejects column names (`columns`) for columns that the readings of the scene do not have.
 fn check_columns(config: &StudyConfig) -> Result<(), Fault> {
     let columns = columns_of(config.scene.kind());
     check_names(&config.columns, &columns)
         .map_err(|error| Fault::new(error.message).under(error.key).under("columns"))
 }
 
-/// Rejects settings for the number of trials that contradict the stopping rule.
+/// Rejects a number of trials that contradicts the stopping rule (`stop`).
 fn check_stop(base: &Value, axes: &[Axis]) -> Result<(), Fault> {
     let number = |path: &str| tree::at(base, path).and_then(as_number);
     if base.get("stop").is_none() {
@@ -234,8 +234,8 @@ fn check_stop(base: &Value, axes: &[Axis]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Validates every row of every axis against the limits of the axis's fields. During the check of an axis, all other
-/// axes have their first rows.
+/// Validates the rows of all sweep axes, one axis after the other. For each row, the values of the axis's fields are
+/// validated; if one is invalid, the error is that of the cell with this row and the first rows of all other axes.
 fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
     let (first, _) = grid.tree(0);
     for (place, axis) in grid.axes.iter().enumerate() {
@@ -262,7 +262,7 @@ fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
     Ok(())
 }
 
-/// Reads only the plots of a study's config. Errors use `file` as the file name of the text.
+/// Reads only the plots of a study's config. Error messages name `file` as the file of the text.
 ///
 /// ```
 /// use palpate_study::config::{PlotKind, plots};
@@ -288,8 +288,8 @@ pub fn plots(file: &str, text: &str) -> Result<Vec<PlotConfig>, ConfigError> {
     read().map_err(|fault| source.error(fault))
 }
 
-/// Removes the list of tables `key` from a config, and returns it as TOML and as parsed values; empty if the config has
-/// no such list.
+/// Removes the list of tables `key` from a config. Returns the list as TOML and as parsed values. Both are empty if the
+/// config has no such list.
 fn section<T: DeserializeOwned>(base: &mut Value, key: &str) -> Result<(Value, Vec<T>), Fault> {
     let written = tree::take(base, key).unwrap_or_else(|| Value::Array(Vec::new()));
     let schema = &SCHEMA["properties"][key];
@@ -298,7 +298,7 @@ fn section<T: DeserializeOwned>(base: &mut Value, key: &str) -> Result<(Value, V
     Ok((written, read))
 }
 
-/// Config of a cell, if it is valid.
+/// Creates and validates the config of a cell.
 fn checked(source: &Source, grid: &Grid, cell: usize) -> Result<StudyConfig, ConfigError> {
     let (tree, fault) = grid.tree(cell);
     // A misspelt key in the config itself may be the reason why a sweep path does not exist, so its error has priority.
@@ -318,7 +318,7 @@ fn checked(source: &Source, grid: &Grid, cell: usize) -> Result<StudyConfig, Con
     })
 }
 
-/// Validates and reads the tree of a cell. The tree has no sweeps and no plots.
+/// Validates the tree of a cell, which has no sweeps and no plots, and converts it to a config.
 fn check(tree: &Value) -> Result<StudyConfig, Fault> {
     validate::validate(&SCHEMA, tree)?;
     let config: StudyConfig = deserialise(tree)?;
@@ -327,8 +327,8 @@ fn check(tree: &Value) -> Result<StudyConfig, Fault> {
     Ok(config)
 }
 
-/// Config of a cell. If all swept values are plain and already validated, only the rules that involve several fields
-/// are checked.
+/// Config of a cell. If all swept values are plain, they were validated before, so only the rules that involve several
+/// fields are checked.
 fn cell_config(
     source: &Source,
     grid: &Grid,
@@ -343,7 +343,8 @@ fn cell_config(
     plain.map_or_else(|| checked(source, grid, number), Ok)
 }
 
-/// Deserialises a validated tree. Tracking the path of an error costs time, so it starts after an error.
+/// Deserialises a validated tree. The path of an error is tracked only in a second attempt, because tracking costs
+/// time.
 fn deserialise<T: DeserializeOwned>(tree: &Value) -> Result<T, Fault> {
     T::deserialize(tree.clone()).or_else(|_| {
         serde_path_to_error::deserialize(tree.clone()).map_err(|error| Fault {
@@ -362,12 +363,12 @@ impl Study {
         }
     }
 
-    /// Name of the file from which the study was read, as in error messages.
+    /// Name of the study's file, for error messages.
     pub(crate) fn file(&self) -> &str {
         &self.source.file
     }
 
-    /// Tree of the first cell. The tree does not contain swept fields whose path does not exist.
+    /// Tree of the first cell. Swept fields whose path does not exist are missing in the tree.
     pub(super) fn first_tree(&self) -> Value {
         self.grid.tree(0).0
     }
@@ -377,7 +378,7 @@ impl Study {
         self.grid.cells()
     }
 
-    /// Cell with this number, counted from 0; the first axis varies slowest. The cell is computed in each call.
+    /// Cell with this number, counted from 0. The first axis varies slowest. Each call computes the cell again.
     ///
     /// # Errors
     /// [`ConfigError`] if the study has no cell with this number, or if the cell is not in the [sample](Self::sample)
@@ -402,7 +403,7 @@ impl Study {
         })
     }
 
-    /// Number of trials that the config states for a cell. This function does not compute the cell.
+    /// Number of trials that the config states for a cell. The cell itself is not computed, so this is fast.
     pub fn trials_of(&self, cell: usize) -> u64 {
         let swept = self.grid.axis("trials").and_then(|(axis, place)| {
             let faster = self.grid.axes.iter().rev();
@@ -413,7 +414,7 @@ impl Study {
         swept.map_or(self.config.trials, |trials| trials as u64)
     }
 
-    /// Type of the values that a swept field has in all cells. `place` is the index of the field in
+    /// Type of a swept field's values: the type that fits its values in all cells. `place` is the index of the field in
     /// [paths](Self::paths).
     ///
     /// ```
@@ -454,15 +455,15 @@ impl Study {
         }
     }
 
-    /// Numbers of the cells that were checked, in ascending order. A study of up to 10,000 cells is checked completely;
-    /// of a larger study, a sample. Each swept value was checked in at least one cell.
+    /// Numbers of the cells that were validated, in ascending order. In a study of up to 10,000 cells, these are all
+    /// cells. In a larger study, they are a sample.
     pub fn sample(&self) -> &[usize] {
         &self.sample
     }
 
-    /// Numbers of some cells that pass `filters`, which are paths of swept fields with the allowed texts. These cells
-    /// combine each row of one axis with the first rows of the other axes. A filter that no row of an axis passes is
-    /// ignored.
+    /// Numbers of some cells that pass `filters`. A filter consists of the path of a swept field and the texts of its
+    /// allowed values. For each axis, the returned cells combine the allowed rows of this axis with the first allowed
+    /// rows of all other axes. If no row of an axis passes the filters, they are ignored for this axis.
     pub fn star(&self, filters: &[(&str, Vec<String>)]) -> Vec<usize> {
         let rows = |axis: &Axis| {
             let mut targets = axis.targets.iter();
@@ -487,8 +488,8 @@ impl Study {
         sample::star(&self.grid, &rows)
     }
 
-    /// Number of trials that the config states for all cells together; the largest `u64` if the number is larger. A
-    /// cell without random numbers runs only one trial.
+    /// Number of trials of all cells together, as the config states it; at most the largest `u64`. Cells without random
+    /// numbers run only one trial each, which is not considered here.
     pub fn trials(&self) -> u64 {
         let cells = self.cell_count() as u64;
         let Some((axis, place)) = self.grid.axis("trials") else {
@@ -501,13 +502,13 @@ impl Study {
         sum.saturating_mul(cells / axis.len() as u64)
     }
 
-    /// Valid cells in the order of their numbers. Each cell is computed when it is needed.
+    /// All valid cells, in ascending order of their numbers. Each cell is computed when the iterator reaches it.
     pub fn cells(&self) -> impl Iterator<Item = Cell> + '_ {
         (0..self.cell_count()).filter_map(|number| self.cell(number).ok())
     }
 
-    /// Paths of swept fields that the config also sets, each with a note that the sweep replaces the stated value. The
-    /// list is empty for a config that palpate wrote.
+    /// Paths of fields that the config states although a sweep sets them. Each path comes with a note that the sweep
+    /// replaces the stated value. The list is empty for a config that palpate wrote.
     pub fn swept_over(&self) -> Vec<(String, String)> {
         const MOST_VALUES: usize = 8;
         let note = |(axis, place): (&Axis, usize), path: &str, written: &Value| {

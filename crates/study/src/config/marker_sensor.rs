@@ -11,7 +11,8 @@ use super::number_default::{number, whole};
 pub enum PressProbeConfig {
     /// A soft sphere with markers under its skin, or a flat soft pad.
     MarkerSphere {
-        /// Radius of the skin; `inf` for a flat pad. A flat pad has no camera, and its markers have a layout in x and y.
+        /// Radius of the skin; `inf` for a flat pad. A flat pad has no camera, and its layout must place the markers in
+        /// x and y.
         #[serde(with = "super::infinite_length")]
         #[schemars(with = "f64", extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-infinite" = true))]
         radius: f64,
@@ -19,13 +20,14 @@ pub enum PressProbeConfig {
         /// mean depth of the discs.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
         marker_depth: f64,
-        /// Positions of the markers along the skin.
+        /// Positions of the markers along the skin: a named layout or a table.
         #[serde(default)]
         layout: LayoutConfig,
-        /// The two discs of each marker. A camera images only these discs.
+        /// The two coloured discs that form each marker. A camera sees only these discs, so a sensor with a camera
+        /// needs them.
         discs: Option<DiscsConfig>,
-        /// Number of steps from the apex to the equator in the outline of a gore. The gores are the flat pieces into
-        /// which the skin is cut.
+        /// Number of steps from the apex to the equator with which the outline of a gore is computed. Gores are the
+        /// flat pieces from which the skin is made.
         #[serde(default = "whole::<24>")]
         #[schemars(extend("minimum" = 1, "maximum" = 1000))]
         outline_samples: u32,
@@ -42,11 +44,11 @@ pub struct DiscsConfig {
     /// Diameter of the yellow disc.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub yellow_diameter: f64,
-    /// Distance between the two discs along the normal; `marker_depth` is midway.
+    /// Distance between the two discs along the normal. `marker_depth` is the depth of the point midway between them.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub separation: f64,
-    /// Disc that is nearer to the camera.
+    /// The disc of a marker that is nearer to the camera.
     #[serde(default, skip_serializing_if = "DiscColour::is_magenta")]
     pub inner: DiscColour,
     /// Largest offset between the two discs of a marker along the skin, as a share of the yellow diameter. The offsets
@@ -54,13 +56,13 @@ pub struct DiscsConfig {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub misalignment: f64,
-    /// Share of the skin's strain that the discs follow: 0 for rigid discs, 1 for discs as soft as the skin. They stay circles
-    /// with the strained area, and their misalignment strains with the skin. By default the skin's strain is not modelled. Only for
-    /// an incompressible skin.
+    /// Share of the skin's strain that the discs follow: 0 for rigid discs, 1 for discs as soft as the skin. A strained
+    /// disc stays a circle, but its area changes. The misalignment of the discs strains with the skin. By default,
+    /// strain of the discs is not simulated. Only for an incompressible skin.
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub strain: Option<f64>,
-    /// Share of the skin's strain that the yellow disc follows; by default that of `strain`, which is then of the magenta disc
-    /// alone.
+    /// Share of the skin's strain that the yellow discs follow. The default is `strain`. If this key is stated,
+    /// `strain` applies only to the magenta discs.
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub yellow_strain: Option<f64>,
 }
@@ -73,11 +75,11 @@ impl DiscsConfig {
     }
 }
 
-/// Disc of a marker.
+/// Colour of a marker's disc.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum DiscColour {
-    /// The magenta one.
+    /// The magenta disc.
     #[default]
     Magenta,
     /// The yellow one.
@@ -98,7 +100,7 @@ impl DiscColour {
 pub enum LayoutConfig {
     /// The name of a layout.
     Named(NamedLayout),
-    /// A layout that a table describes.
+    /// A table that describes a layout.
     Table(LayoutTable),
 }
 
@@ -112,23 +114,24 @@ impl Default for LayoutConfig {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NamedLayout {
-    /// The 77 markers of the 2020 paper: one marker at the apex, and in each of 4 gores rows of 1, 3, 3, 5 and 7
-    /// markers, 11.9° apart.
+    /// The 77 markers of the 2020 paper. One marker is at the apex. Each of 4 gores has rows of 1, 3, 3, 5 and 7
+    /// markers, and neighbouring rows are 11.9° apart.
     Published,
 }
 
-/// A layout that a table describes.
+/// A table that describes a layout.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum LayoutTable {
-    /// A marker at the apex, and rows of markers in each of several equal gores.
+    /// A marker at the apex, and equal rows of markers in each of several gores. Gores are the flat pieces from which
+    /// the skin is made.
     Gores {
         /// Number of gores around the apex.
         #[schemars(extend("minimum" = 1))]
         gores: u32,
         /// Numbers of markers in the rows of a gore, from the apex outward.
         rows: Vec<u32>,
-        /// Polar angle between neighbouring rows.
+        /// Polar angle between neighbouring rows, seen from the sensor's centre.
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
         row_spacing_deg: f64,
     },
@@ -137,19 +140,19 @@ pub enum LayoutTable {
         /// Distance between neighbouring markers.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         pitch: f64,
-        /// Polar angle of the cap's rim.
+        /// Angle between the rim of the cap and the apex, seen from the sensor's centre.
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
         cap_deg: f64,
     },
-    /// Markers in rows along x and columns along y, with the apex in their middle.
+    /// Markers on a rectangular grid along x and y, with the apex in its middle.
     Grid {
         /// Distance between neighbouring markers.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         pitch: f64,
-        /// Largest distance between two markers of a row, along x.
+        /// Distance between the outermost markers of a row, along x. It is reduced to a multiple of the pitch.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
         width: f64,
-        /// Largest distance between two markers of a column, along y.
+        /// Distance between the outermost markers of a column, along y. It is reduced to a multiple of the pitch.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
         height: f64,
     },
@@ -171,13 +174,13 @@ pub struct MarkerRow {
     pub length: f64,
 }
 
-/// The sensor that reads the markers' displacements.
+/// The sensor that measures the displacements of the markers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressSensorConfig {
-    /// The displacement of every marker is read directly, without a camera.
+    /// A sensor that reads the displacement of every marker directly, without a camera.
     Direct {
-        /// Whether displacements along the skin are read, besides normal displacements.
+        /// Whether the sensor reads displacements along the skin, in addition to normal displacements.
         #[serde(default = "yes")]
         tangential: bool,
         /// Number of readings that are averaged. The noise of displacements is divided by the square root of this
@@ -188,8 +191,8 @@ pub enum PressSensorConfig {
     },
     /// A camera in the centre of the sensor. The image of each marker is computed without rendering pixels.
     Projected(CameraConfig),
-    /// A camera in the centre of the sensor. Frames are rendered, and the markers are found and tracked in these
-    /// frames.
+    /// A camera in the centre of the sensor. Camera frames are rendered, and the markers are detected and tracked in
+    /// these frames.
     Rendered(CameraConfig),
 }
 
@@ -212,7 +215,7 @@ impl PressSensorConfig {
         }
     }
 
-    /// Whether displacements along the skin are read, and the number of readings that are averaged.
+    /// Whether the sensor reads displacements along the skin, and the number of readings that are averaged.
     pub const fn displacements(&self) -> (bool, u32) {
         match self {
             Self::Direct { tangential, frames } => (*tangential, *frames),
@@ -221,8 +224,8 @@ impl PressSensorConfig {
     }
 }
 
-/// The camera, and how displacements are computed from its images. The lens is a fisheye, which is equidistant unless
-/// it has odd terms.
+/// The camera, and the method that computes displacements from its images. The lens is a fisheye: without the terms k3
+/// and k5, distances in the image are proportional to the polar angle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraConfig {
@@ -230,13 +233,14 @@ pub struct CameraConfig {
     #[serde(default = "whole::<640>")]
     #[schemars(extend("minimum" = 1, "maximum" = 8192))]
     pub size_px: u32,
-    /// Polar angle of the rays that reach the rim of the image circle, which is the largest circle that fits into the
-    /// image.
+    /// Largest polar angle that the camera images. It appears at the rim of the image circle, which is the largest
+    /// circle that fits into the image.
     #[serde(default = "number::<65>")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
     pub field_deg: f64,
-    /// Third-order term of the fisheye lens: a polar angle θ, rad, is imaged at the distance f (θ + k3 θ³ + k5 θ⁵) from
-    /// the image's centre. The rim shows `field_deg` for any k3 and k5, which determines f.
+    /// Third-order term of the fisheye lens. A polar angle θ, in rad, appears at the distance f (θ + k3 θ³ + k5 θ⁵)
+    /// from the image's centre. For any k3 and k5, f is chosen so that `field_deg` appears at the rim of the image
+    /// circle.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(extend("minimum" = -100, "maximum" = 100, "x-unit" = "1"))]
     pub k3: f64,
@@ -244,34 +248,35 @@ pub struct CameraConfig {
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(extend("minimum" = -100, "maximum" = 100, "x-unit" = "1"))]
     pub k5: f64,
-    /// Light at the rim of the field, as a share of the light in the middle. Only for a rendered sensor.
+    /// Brightness at the rim of the image circle, as a share of the brightness in the middle. Only for a rendered
+    /// sensor.
     #[serde(default = "number::<1>")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub light_at_rim: f64,
-    /// Standard deviation of the blur, pixels. Only for a rendered sensor.
+    /// Standard deviation of the Gaussian blur of the image, pixels. Only for a rendered sensor.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub blur_px: f64,
-    /// Width of the seams between gores. Only for a rendered sensor whose layout consists of gores.
+    /// Width of the seams between the gores of the skin. Only for a rendered sensor whose layout has gores.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub seam_width: f64,
-    /// Position of the camera relative to the sensor's centre: along the apex's x and y axes, and towards the apex. By
-    /// default the camera is at the centre.
+    /// Position of the camera relative to the sensor's centre: along x, along y, and towards the apex. By default, the
+    /// camera is at the centre.
     #[serde(default, skip_serializing_if = "is_default")]
     #[schemars(extend("x-unit" = "length"))]
     pub place: [f64; 3],
-    /// Rotation of the camera about the apex's x and y axes and about the axis towards the apex, as a rotation vector.
-    /// By default the camera points at the apex.
+    /// Rotation of the camera as a rotation vector: about x, about y, and about the axis towards the apex. By default,
+    /// the camera points at the apex.
     #[serde(default, skip_serializing_if = "is_default")]
     pub turn_deg: [f64; 3],
     /// Feature of a marker's image from which its normal displacement is computed.
     #[serde(default)]
     pub normal_from: NormalFrom,
-    /// Presses on a plane with which the sensor is calibrated.
+    /// Calibration of the sensor with presses on a plane.
     #[serde(default)]
     pub calibration: CalibrationConfig,
-    /// Whether displacements along the skin are read, besides normal displacements.
+    /// Whether the sensor reads displacements along the skin, in addition to normal displacements.
     #[serde(default = "yes")]
     pub tangential: bool,
     /// Number of frames of a press that are averaged.
@@ -292,27 +297,27 @@ fn yes() -> bool {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NormalFrom {
-    /// The hue of its summed light: the difference between the displacements of its two discs.
+    /// The hue of the marker's summed light. It depends on the difference between the displacements of its two discs.
     Hue,
-    /// The size of the marker. It measures the displacement towards the camera.
+    /// The size of the marker in the image. It depends on the marker's distance from the camera.
     Size,
-    /// Hue and size, with weights from the calibration.
+    /// Both hue and size, with weights from the calibration.
     #[default]
     Both,
 }
 
-/// Presses on a plane, with the apex down, by which the sensor is calibrated.
+/// Calibration of the sensor by presses on a plane. The apex touches the plane.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CalibrationConfig {
-    /// Number of calibrating presses. Their indentations increase in equal steps.
+    /// Number of calibration presses. Their indentations increase in equal steps.
     #[schemars(extend("minimum" = 2, "maximum" = 1000))]
     pub presses: u32,
     /// Indentation of the deepest press; by default the indentation of the scene.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub indentation: Option<f64>,
-    /// Number of frames at rest that are averaged. The noise of these frames and of the calibrating presses is drawn
-    /// once, so their errors are the same in all trials.
+    /// Number of frames without a press that are averaged. The noise of these frames and of the calibration presses is
+    /// drawn once, so their errors are the same in all trials.
     #[schemars(extend("minimum" = 1, "maximum" = 1000))]
     pub rest_frames: u32,
     /// Markers whose normal displacement is used in the calibration.
@@ -334,19 +339,19 @@ impl Default for CalibrationConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ShownMarkers {
-    /// All markers, with displacements from the contact model.
+    /// All markers. Their true displacements come from the contact model.
     #[default]
     All,
-    /// The marker under the contact, as in the 2020 paper.
+    /// Only the marker under the contact, as in the 2020 paper.
     UnderContact,
 }
 
-/// A sensor without an object. Two things are computed: the strain when its skin is folded, and the image of one
-/// marker.
+/// A sensor without an object. The study computes the strain of its skin when the skin is folded from flat pieces, and
+/// the image of one marker.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BareFingertipConfig {
-    /// The sensor: a sphere with markers under its skin, as in a press.
+    /// The sensor: a sphere with markers under its skin, as for a press.
     pub probe: PressProbeConfig,
     /// The camera in the centre of the sensor, which images the marker.
     #[serde(default)]
@@ -365,8 +370,8 @@ pub struct LensConfig {
     /// Number of pixels along each side of the square image.
     #[schemars(extend("minimum" = 1, "maximum" = 8192))]
     pub size_px: u32,
-    /// Polar angle of the rays that reach the rim of the image circle, which is the largest circle that fits into the
-    /// image. For a pinhole camera, it must be less than 90.
+    /// Largest polar angle that the camera images. It appears at the rim of the image circle, which is the largest
+    /// circle that fits into the image. For a pinhole camera, it must be less than 90.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
     pub field_deg: f64,
 }

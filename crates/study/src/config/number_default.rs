@@ -1,4 +1,4 @@
-//! Functions that return whole numbers as defaults, for `#[serde(default = "…")]`.
+//! Functions that return numbers as defaults of config keys, for `#[serde(default = "…")]`.
 
 pub(super) const fn whole<const N: u32>() -> u32 {
     N

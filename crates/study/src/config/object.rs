@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The shape of the explored surface.
+/// The shape of the object's surface.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ObjectConfig {
@@ -28,7 +28,7 @@ pub enum ObjectConfig {
         /// Radius of the cylinder.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         radius: f64,
-        /// Angle between the cylinder's axis and the x axis.
+        /// Angle between the cylinder's axis and the x axis. The axis is horizontal.
         #[serde(default)]
         direction_deg: f64,
     },
@@ -40,7 +40,7 @@ pub enum ObjectConfig {
     },
     /// A ring torus around the z axis.
     Torus {
-        /// Distance between the centre of the tube and the z axis.
+        /// Distance between the z axis and the centre of the tube.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         major_radius: f64,
         /// Radius of the tube, less than the major radius.
@@ -55,13 +55,13 @@ pub enum ObjectConfig {
     },
     /// The saddle z = a (x² − y²).
     Saddle {
-        /// Half the curvature along x and y at the origin.
+        /// Half the curvature at the origin, along x and along y.
         #[schemars(extend("x-unit" = "1/length"))]
         a: f64,
     },
-    /// The graph z = f(x, y), where a formula defines f.
+    /// The surface z = f(x, y), where a formula defines f.
     HeightField {
-        /// The formula of f in x, y and the parameters, e.g. `A*sin(k*x)*cos(k*y)`.
+        /// Formula of f, written with x, y and the parameters, e.g. `A*sin(k*x)*cos(k*y)`.
         formula: String,
         /// Values of the formula's parameters.
         #[serde(default)]

@@ -21,8 +21,9 @@ pub struct PlotConfig {
     pub name: Option<String>,
     /// Title of the plot; by default the title of the study.
     pub title: Option<String>,
-    /// Kind of the plot. Plots of every kind have the keys `name` and `title`; all kinds except contacts have `where`.
-    /// A profile also has `component`, `panels`, `marks` and `points`. Lines have every key except `component`.
+    /// Kind of the plot. It determines which keys the plot may have. All kinds have the keys `name` and `title`; all
+    /// kinds except contacts have `where`. A profile also has `component`, `panels`, `marks` and `points`. Lines have
+    /// every key except `component`.
     #[serde(default, skip_serializing_if = "PlotKind::is_lines")]
     pub kind: PlotKind,
     /// Column whose values are plotted along x; required for lines.
@@ -31,14 +32,14 @@ pub struct PlotConfig {
     pub y: Option<String>,
     /// Quantity to plot; by default every quantity.
     pub quantity: Option<String>,
-    /// Column that separates the lines: each of its values has its own line.
+    /// Column whose values separate the lines. There is one line for each value.
     pub series: Option<String>,
     /// Component of the displacement that a profile shows; by default the normal component.
     pub component: Option<Component>,
-    /// Column that separates the panels: each of its values has its own panel.
+    /// Column whose values separate the panels. There is one panel for each value.
     pub panels: Option<String>,
-    /// Filter of the table's rows (for a class map or a profile, of cells). Only rows with this value, or one of these
-    /// values, in the column are plotted; the name of the column is in quotes.
+    /// Filter that selects the plotted rows of the table (for a class map or a profile, the plotted cells). Each entry
+    /// has the name of a column in quotes, and the value or list of values that pass.
     #[serde(default, rename = "where", skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub where_: BTreeMap<String, toml::Value>,
@@ -47,10 +48,10 @@ pub struct PlotConfig {
     pub scale: Scale,
     /// A second statistic, which is plotted for comparison.
     pub compare: Option<String>,
-    /// Lines across the plot at given values.
+    /// Straight lines across the plot, each at a given value.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub marks: Vec<Mark>,
-    /// Numbers from other sources, which are plotted as open markers.
+    /// Numbers from other sources that are added to the plot as open markers.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub points: Vec<Points>,
 }
@@ -77,16 +78,16 @@ impl PlotConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlotKind {
-    /// Lines: columns of `cells.csv` against each other.
+    /// Lines that plot one column of `cells.csv` over another.
     #[default]
     Lines,
-    /// Maps of the estimated shape classes in every cell, beside maps of the true classes.
+    /// Maps of the estimated shape classes of each cell, beside maps of the true classes.
     ClassMap,
-    /// The shape classes of every cell's map on its fitted surface, in space.
+    /// The estimated shape classes of each cell, drawn on the fitted surface in space.
     ClassSurface,
-    /// The contacts of the traced trial as points in space.
+    /// The contacts of the trial that the output `trace` records, as points in space.
     Contacts,
-    /// The true and the estimated displacement in the press of every cell, along a radius from the contact.
+    /// The true and the estimated displacements in the press of each cell, over the distance from the contact.
     Profile,
 }
 
@@ -97,7 +98,7 @@ impl PlotKind {
         *self == Self::Lines
     }
 
-    /// The output of a study from which the plot is drawn, and the name of this output in configs.
+    /// The output of a study that contains the plotted data, and the name of this output in configs.
     fn output(self) -> (Output, &'static str) {
         match self {
             Self::Lines => (Output::Cells, "cells"),
@@ -106,7 +107,7 @@ impl PlotKind {
         }
     }
 
-    /// Kind of scene that has the plot's table; `None` if all kinds of scenes have this table.
+    /// Kind of scene that can have this plot; `None` if all kinds of scenes can have it.
     pub fn scene(self) -> Option<&'static str> {
         match self {
             Self::Lines => None,
@@ -177,7 +178,7 @@ impl Scale {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Mark {
-    /// The axis to which the value belongs.
+    /// The axis on which the value lies.
     pub axis: MarkAxis,
     /// The value, in the unit of the axis.
     pub value: f64,
@@ -204,10 +205,10 @@ pub struct Points {
     /// x values of the points, in the unit of the x axis.
     #[schemars(extend("minItems" = 1))]
     pub x: Vec<f64>,
-    /// y values of the points, in the unit of the y axis; as many as in `x`.
+    /// y values of the points, in the unit of the y axis. There must be as many as x values.
     pub y: Vec<f64>,
-    /// The series whose colour the points have; in a profile, the line.
+    /// Value of `series` whose colour the points have. In a profile, it is the name of a line.
     pub series: Option<String>,
-    /// The panel in which the points are drawn; by default every panel.
+    /// Value of `panels` in whose panel the points are drawn. By default, they are drawn in every panel.
     pub panel: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! The config of a press: a soft spherical fingertip with markers under its skin is pressed onto an object once.
+//! The config of a press: a soft sensor with markers under its skin is pressed once onto an object.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -14,7 +14,7 @@ pub struct PressConfig {
     pub probe: PressProbeConfig,
     /// The object.
     pub object: PressObjectConfig,
-    /// Indentation, and position of the contact on the skin.
+    /// Indentation of the press, and position of the contact on the skin.
     pub motion: PressMotionConfig,
     /// The model that computes the displacements of the markers in the press.
     #[serde(default)]
@@ -22,10 +22,10 @@ pub struct PressConfig {
     /// The sensor that reads the markers' displacements.
     #[serde(default)]
     pub sensor: PressSensorConfig,
-    /// Errors of the readings.
+    /// Errors of the sensor's readings.
     #[serde(default)]
     pub noise: PressNoiseConfig,
-    /// The estimator of the curvature.
+    /// The estimator of the object's curvature.
     #[serde(default)]
     pub estimator: PressEstimatorConfig,
 }
@@ -94,7 +94,7 @@ impl PressConfig {
         }
     }
 
-    /// Rejects discs that follow the skin's strain, if the strain of the skin cannot be computed.
+    /// Rejects discs that follow the skin's strain (`strain`) if the scene's models cannot compute this strain.
     fn check_strain(&self) -> Result<(), (&'static str, &'static str)> {
         let PressProbeConfig::MarkerSphere { discs, .. } = &self.probe;
         if discs.as_ref().is_none_or(|discs| discs.strains().is_none()) {
@@ -116,7 +116,7 @@ impl PressConfig {
         Ok(())
     }
 
-    /// Rejects noise and imperfections that the scene's kind of sensor does not have.
+    /// Rejects noise and image defects that this kind of sensor cannot have.
     fn check_sensor(&self) -> Result<(), (&'static str, &'static str)> {
         let noise = &self.noise;
         let of_pictures = [
@@ -178,8 +178,8 @@ pub enum PressObjectConfig {
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         radius: f64,
     },
-    /// The inside of a sphere. If its radius is not larger than the sensor's, there is no single contact point, and the
-    /// trials fail.
+    /// The inside of a sphere. If its radius is not larger than the sensor's radius, there is no single contact point,
+    /// and the trials fail.
     Dish {
         /// Radius of the dish, as a positive number.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
@@ -187,18 +187,19 @@ pub enum PressObjectConfig {
     },
     /// A plane.
     Plane {},
-    /// The outside of a circular cylinder, touched along its side. Only on a half-space.
+    /// The outside of a circular cylinder, which the sensor touches at its side. Only if the model is a half-space.
     Cylinder {
         /// Its radius.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         radius: f64,
-        /// Angle of its axis from the x axis of the skin at the contact.
+        /// Angle between the cylinder's axis and the x axis of the skin at the contact.
         #[serde(default)]
         direction_deg: f64,
     },
-    /// An ellipsoid, touched at the end of its third semi-axis. Only on a half-space, unless the first two are equal.
+    /// An ellipsoid. The contact is at the end of its third semi-axis. Unless the first two semi-axes are equal, the
+    /// model must be a half-space.
     Ellipsoid {
-        /// Semi-axes along the x axis and the y axis of the skin at the contact, and along the normal.
+        /// Semi-axes: along the x axis of the skin at the contact, along its y axis, and along the normal.
         #[schemars(extend("items" = { "type": "number", "exclusiveMinimum": 0 }, "x-unit" = "length"))]
         semi_axes: [f64; 3],
     },
@@ -217,17 +218,18 @@ impl PressObjectConfig {
     }
 }
 
-/// Indentation, and position of the contact on the skin.
+/// Indentation of the press, and position of the contact on the skin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressMotionConfig {
-    /// Distance by which the two bodies approach each other after their first touch.
+    /// Distance by which the sensor and the object approach each other after their first touch.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub indentation: f64,
-    /// Position of the contact on the skin: polar angle from the apex, from 0 to 180, and azimuth from x.
+    /// Position of the contact on the skin, as two angles: the polar angle from the apex, from 0 to 180, and the
+    /// azimuth from the x axis.
     #[serde(default)]
     pub contact_deg: [f64; 2],
-    /// Distance by which the object moves sideways along x after the press, without slip. Only for a half-space.
+    /// Distance by which the object moves along x after the press, without slip. Only if the model is a half-space.
     #[serde(default)]
     #[schemars(extend("x-unit" = "length"))]
     pub shift: f64,
@@ -237,11 +239,11 @@ pub struct PressMotionConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressModelConfig {
-    /// The cheapest model that meets the tolerance. If `thickness` is stated, the soft body is a layer, otherwise a
+    /// The cheapest model within the tolerance. If `thickness` is stated, the soft body is a layer, otherwise a
     /// half-space.
     Auto {
-        /// Thickness of the layer on a rigid core, at most the radius of the sensor. Without this key, the sensor has
-        /// no core.
+        /// Thickness of the soft layer on a rigid core, at most the radius of the sensor. Without this key, the sensor
+        /// has no core.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         thickness: Option<f64>,
@@ -253,19 +255,18 @@ pub enum PressModelConfig {
         #[serde(default = "millionth")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
-        /// Young's modulus of the soft body, kPa. With it, the tables have the force between the bodies.
+        /// Young's modulus of the soft body, kPa. If it is stated, the tables contain the contact force.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         modulus_kpa: Option<f64>,
     },
-    /// Hertz contact. The displacements at the skin's surface are used for all markers, even for markers below the
-    /// surface.
+    /// Hertz contact. All markers have the displacements of the skin's surface, even if they are below the surface.
     Hertz {
         /// Poisson's ratio of the soft body.
         #[serde(default = "half")]
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: f64,
-        /// Young's modulus of the soft body, kPa. With it, the tables have the force between the bodies.
+        /// Young's modulus of the soft body, kPa. If it is stated, the tables contain the contact force.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         modulus_kpa: Option<f64>,
@@ -276,17 +277,17 @@ pub enum PressModelConfig {
         #[serde(default = "half")]
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: f64,
-        /// Young's modulus of the soft body, kPa. With it, the tables have the force between the bodies.
+        /// Young's modulus of the soft body, kPa. If it is stated, the tables contain the contact force.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         modulus_kpa: Option<f64>,
     },
-    /// An incompressible layer bonded to a rigid core; the contact is computed numerically.
+    /// An incompressible layer that is bonded to a rigid core. The contact is computed numerically.
     BondedLayer {
         /// Thickness of the layer, at most the radius of the sensor.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         thickness: f64,
-        /// Young's modulus of the soft body, kPa. With it, the tables have the force between the bodies.
+        /// Young's modulus of the soft body, kPa. If it is stated, the tables contain the contact force.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         modulus_kpa: Option<f64>,
@@ -340,8 +341,8 @@ impl PressModelConfig {
         }
     }
 
-    /// The exact model with which the models of `auto` are compared: the bonded layer if the soft body is a layer,
-    /// otherwise the half-space. Any other model is its own reference.
+    /// The most accurate model of the same soft body, which is the reference for the models of `auto`: the bonded layer
+    /// for a layer, otherwise the half-space. Any model other than `auto` is its own reference.
     pub fn reference(&self) -> Self {
         match *self {
             Self::Auto {
@@ -369,72 +370,77 @@ impl PressModelConfig {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressNoiseConfig {
-    /// Error of each marker's normal displacement. For a camera sensor, it is added to the errors of the images.
+    /// Error of each marker's normal displacement. If the sensor has a camera, it is added to the errors of the images.
     pub normal_displacement: Option<ReadingNoise<Length>>,
-    /// Error of each component of each marker's displacement along the skin. For a camera sensor, it is added to the
-    /// errors of the images.
+    /// Error of each marker's displacement along the skin, for both components. If the sensor has a camera, it is added
+    /// to the errors of the images.
     pub tangential_displacement: Option<ReadingNoise<Length>>,
     /// Error of the indentation that the estimator receives.
     pub indentation: Option<ReadingNoise<Length>>,
-    /// Constant error of all normal displacements.
+    /// Constant error that all normal displacements share.
     #[schemars(extend("x-unit" = "length"))]
     pub normal_bias: Option<f64>,
     /// Constant error of the indentation that the estimator receives.
     #[schemars(extend("x-unit" = "length"))]
     pub indentation_bias: Option<f64>,
-    /// Error of the gain, that is, of the factor on all normal displacements of a press. The ideal gain is 1.
+    /// Error of the gain, drawn for each press. The gain is the factor by which all normal displacements of a press are
+    /// multiplied; without error, it is 1.
     pub gain: Option<ReadingNoise<Pure>>,
-    /// Markers with an additional large error. In every trial, they are chosen again at random.
+    /// Markers that have a large error in addition to the other errors. In every trial, other markers are chosen at
+    /// random.
     pub wrong_markers: Option<WrongMarkers>,
-    /// Error of each colour value of each pixel in a rendered frame, in grey levels; full light is 255.
+    /// Error of the red, green and blue value of each pixel in a rendered frame, in grey levels. The brightest level is
+    /// 255.
     pub pixel: Option<ReadingNoise<Level>>,
-    /// Error of each marker's hue, turns; of a projected sensor. The hue of the summed light and the mean hue share it.
+    /// Error of each marker's hue, turns. The hue of the summed light and the mean hue have the same error. Only for a
+    /// projected sensor.
     pub hue: Option<ReadingNoise<Pure>>,
     /// Error of each coordinate of each marker's centroid, pixels. Only for a projected sensor.
     pub centroid: Option<ReadingNoise<Pure>>,
     /// Relative error of each marker's size. Only for a projected sensor.
     pub size: Option<ReadingNoise<Pure>>,
-    /// Markers that are missing in the pressed frame. In every trial, they are chosen again at random.
+    /// Markers that are missing in the pressed frame. In every trial, other markers are chosen at random.
     pub lost_markers: Option<LostMarkers>,
-    /// Deviations of a camera sensor from its calibration. In every trial, the parameters of the sensor are drawn
-    /// again, together with new frames at rest and new misalignments of the discs. The estimator `image` uses these
-    /// standard deviations as its prior.
+    /// Differences between a camera sensor and its calibration. Each trial draws new sensor parameters, new frames
+    /// without a press, and new misalignments of the discs. The estimator `image` uses the stated standard deviations
+    /// as its prior.
     pub sensor: Option<SensorNoise>,
 }
 
-/// Standard deviations of the errors in the sensor's parameters after its calibration; a standard deviation that is not
-/// stated is 0.
+/// Standard deviations of the differences between the sensor's parameters and their calibrated values. A standard
+/// deviation that is not stated is 0.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorNoise {
-    /// Standard deviation of each coordinate of the image's centre, pixels. It includes errors of the position of the
-    /// pixel grid and of the direction of the camera.
+    /// Standard deviation of each coordinate of the image's centre, pixels. It also describes small errors of the
+    /// camera's direction.
     #[schemars(extend("minimum" = 0))]
     pub centre_px: f64,
-    /// Relative standard deviation of the pixels per radian.
+    /// Relative standard deviation of the image scale, that is, of the pixels per radian.
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub scale: f64,
     /// Standard deviation of each coordinate of the camera's position.
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub place: f64,
-    /// Standard deviation of the camera's rotation about each axis.
+    /// Standard deviation of the camera's rotation about each of the three axes.
     #[schemars(extend("minimum" = 0))]
     pub turn_deg: f64,
-    /// Standard deviation of the depth of the discs. All magenta discs share one error, and all yellow discs share
-    /// another.
+    /// Standard deviation of the depth of the discs. All magenta discs have the same error, and all yellow discs have
+    /// another common error.
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub disc_depth: f64,
-    /// Relative standard deviation of the diameter of the discs. All magenta discs share one error, and all yellow
-    /// discs share another.
+    /// Relative standard deviation of the diameter of the discs. All magenta discs have the same error, and all yellow
+    /// discs have another common error.
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub disc_diameter: f64,
-    /// Standard deviation of the share of red, green and blue light that the discs transmit, for the discs of each
-    /// colour.
+    /// Standard deviation of the shares of red, green and blue light that discs transmit. Discs of one colour have the
+    /// same errors.
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub colour: f64,
 }
 
-/// Distribution of the error of a reading. `S` is the type of the standard deviation.
+/// Distribution of the error of a reading. `S` is the type of its standard deviation: a length, a pure number or a grey
+/// level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ReadingNoise<S> {
@@ -457,7 +463,7 @@ pub struct Length(pub f64);
 #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
 pub struct Pure(pub f64);
 
-/// A grey level; full light is 255.
+/// A grey level. The brightest level is 255.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 #[schemars(extend("minimum" = 0, "maximum" = 255, "x-unit" = "1"))]
@@ -467,18 +473,18 @@ pub struct Level(pub f64);
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LostMarkers {
-    /// Number of lost markers. In every trial, they are chosen again at random.
+    /// Number of missing markers. In every trial, other markers are chosen at random.
     pub count: u32,
 }
 
-/// Markers with an additional large error, for example because they were confused with other markers.
+/// Markers with an additional large error, as if the tracker had confused them with other markers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WrongMarkers {
-    /// Number of wrong markers. In every trial, they are chosen again at random.
+    /// Number of markers with the additional error. In every trial, other markers are chosen at random.
     pub count: u32,
-    /// Standard deviation of the additional Gaussian error of the normal displacement and of both tangential
-    /// components.
+    /// Standard deviation of the additional Gaussian error. It applies to the normal displacement and to both
+    /// components along the skin.
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub std: f64,
 }

@@ -3,20 +3,20 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The estimator of the curvature: a least-squares fit of a model to the readings.
+/// The estimator of the curvature. Each kind fits a model of the press to the readings by least squares.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressEstimatorConfig {
-    /// A fit of an elastic half-space, with displacements at the markers' depth.
+    /// A fit of an elastic half-space. Its displacements are computed at the markers' depth.
     HalfSpace {
         /// Poisson's ratio of the half-space. The default is the ratio of the scene's model, or 0.5 if the model has
         /// none.
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: Option<f64>,
-        /// Prior of the indentation.
+        /// Prior of the indentation: its settings are part of the estimator's table.
         #[serde(flatten)]
         prior: IndentationPrior,
-        /// Priors of the displacements.
+        /// Priors of the displacements: their settings are part of the estimator's table.
         #[serde(flatten)]
         displacements: DisplacementPriors,
     },
@@ -25,65 +25,68 @@ pub enum PressEstimatorConfig {
         /// Thickness of the layer. The default is the thickness of the scene's model.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         thickness: Option<f64>,
-        /// Prior of the indentation.
+        /// Prior of the indentation: its settings are part of the estimator's table.
         #[serde(flatten)]
         prior: IndentationPrior,
-        /// Priors of the displacements.
+        /// Priors of the displacements: their settings are part of the estimator's table.
         #[serde(flatten)]
         displacements: DisplacementPriors,
     },
-    /// A fit of an elastic half-space under an object with two principal curvatures, for example a cylinder. Both
-    /// curvatures and the direction of the axis are fitted. The reported curvature is their mean.
+    /// A fit for objects with two different principal curvatures, for example cylinders, on an elastic half-space. Both
+    /// curvatures and their directions are fitted. The reported curvature is the mean of the two.
     Elliptic {
         /// Poisson's ratio of the half-space. The default is the ratio of the scene's model, or 0.5 if the model has
         /// none.
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: Option<f64>,
-        /// Prior of the indentation.
+        /// Prior of the indentation: its settings are part of the estimator's table.
         #[serde(flatten)]
         prior: IndentationPrior,
         /// Whether the noise of displacements is stated or estimated.
         #[serde(default)]
         noise: NoiseKnown,
     },
-    /// The 2020 paper's Gaussian, fitted to normal displacements. From its width σ, the indentation δ and the constant
-    /// c follows the effective radius R = c σ²/δ. If δ is stated, the amplitude of the Gaussian is fitted too;
-    /// otherwise the fitted amplitude is used as δ.
+    /// The method of the 2020 paper: a Gaussian, fitted to the normal displacements. The effective radius is R = c
+    /// σ²/δ, with the fitted width σ, the indentation δ and a constant c. If the indentation is stated, the amplitude
+    /// of the Gaussian is an additional unknown. Otherwise, the fitted amplitude is used as δ.
     Gaussian {
-        /// The constant c of the Gaussian. By default, c is calibrated by a press on a plane without noise, at the same
-        /// indentation: with this c, the estimated effective radius is the sensor's own radius.
+        /// The constant c of the method. By default, it is calibrated by a simulated press on a plane without noise and
+        /// with the same indentation. With this c, the estimated effective radius on the plane equals the sensor's
+        /// radius.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1"))]
         c: Option<f64>,
-        /// Largest distance from the contact at which markers are used in the fit; by default all markers are used.
+        /// Markers farther from the contact than this distance are not used in the fit. By default, all markers are
+        /// used.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         window: Option<f64>,
-        /// Prior of the indentation.
+        /// Prior of the indentation: its settings are part of the estimator's table.
         #[serde(flatten)]
         prior: IndentationPrior,
-        /// Offset of the normal displacements, that is, their reading without a press: zero or fitted.
+        /// Offset of the normal displacements, that is, their value when nothing touches the sensor: zero or fitted.
         #[serde(default)]
         baseline: Baseline,
         /// Whether the noise of displacements is stated or estimated.
         #[serde(default)]
         noise: NoiseKnown,
     },
-    /// A fit to the images of the markers: to centroid, hue and size of each marker, at rest and pressed. The soft body
-    /// is a layer bonded to a rigid core if there is a `thickness`, otherwise a half-space. The inputs include the
-    /// errors that the tracker states and the standard deviations of the sensor's parameters (`noise.sensor`).
+    /// A fit to the images of the markers: to the centroid, the hue and the size of each marker, before the press and
+    /// during the press. If there is a `thickness`, the soft body is a layer bonded to a rigid core, otherwise a
+    /// half-space. The fit also uses the errors that the tracker states, and the standard deviations of the sensor's
+    /// parameters (`noise.sensor`).
     Image {
-        /// Thickness of the layer. The default is the thickness of the scene's model, if the model has a layer and
+        /// Thickness of the layer. The default is the thickness of the scene's model, if this model is a layer and
         /// `poisson` is not stated.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         thickness: Option<f64>,
         /// Poisson's ratio of a half-space. The default is the ratio of the scene's model, or 0.5 if the model has
-        /// none. If `poisson` is stated and `thickness` is not, the soft body is a half-space even if the model is a
-        /// layer.
+        /// none. If only `poisson` is stated, and not `thickness`, the soft body is a half-space even if the scene's
+        /// model is a layer.
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: Option<f64>,
-        /// Prior of the indentation.
+        /// Prior of the indentation: its settings are part of the estimator's table.
         #[serde(flatten)]
         prior: IndentationPrior,
-        /// Standard deviation that the estimator assumes for a sideways movement of the object, along each of two axes.
+        /// Standard deviation that the estimator assumes for a sideways movement of the object, along x and along y.
         /// Only for a half-space.
         #[serde(default)]
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
@@ -101,24 +104,26 @@ impl Default for PressEstimatorConfig {
     }
 }
 
-/// Prior of the indentation. It is a setting of all press estimators.
+/// What the estimator assumes about the indentation. All press estimators have these settings.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct IndentationPrior {
-    /// Whether the indentation is stated or fitted.
+    /// Whether the estimator receives the indentation or fits it.
     pub indentation: Indentation,
-    /// Standard deviation that the estimator assumes for a stated indentation.
+    /// Standard deviation that the estimator assumes for the error of a stated indentation.
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub indentation_std: f64,
 }
 
-/// Priors of the displacements. They are settings of the estimators with an elastic body.
+/// What the estimator assumes about the displacements. All estimators with an elastic body and without images have
+/// these settings.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct DisplacementPriors {
-    /// Offset of the normal displacements, that is, their reading without a press: zero or fitted.
+    /// Offset of the normal displacements, that is, their value when nothing touches the sensor: zero or fitted.
     pub baseline: Baseline,
-    /// Standard deviation that the estimator assumes for the gain, that is, for the factor on all normal displacements.
+    /// Standard deviation that the estimator assumes for the gain. The gain is the factor by which all normal
+    /// displacements of a press are multiplied; its mean is 1.
     #[schemars(extend("minimum" = 0, "maximum" = 1e100))]
     pub gain_std: f64,
     /// Whether the noise of displacements is stated or estimated.
@@ -128,14 +133,14 @@ pub struct DisplacementPriors {
 /// The settings that all press estimators share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressPriors {
-    /// Whether the indentation is stated or fitted.
+    /// Whether the estimator receives the indentation or fits it.
     pub indentation: Indentation,
-    /// Standard deviation that the estimator assumes for a stated indentation, length.
+    /// Standard deviation that the estimator assumes for the error of a stated indentation, length.
     pub indentation_std: f64,
-    /// Offset of the normal displacements, that is, their reading without a press: zero or fitted.
+    /// Offset of the normal displacements, that is, their value when nothing touches the sensor: zero or fitted.
     pub baseline: Baseline,
-    /// Standard deviation of the gain, that is, of the factor on all normal displacements. `None` for a Gaussian,
-    /// because its fitted amplitude replaces the gain.
+    /// Standard deviation of the gain, the factor by which all normal displacements of a press are multiplied. `None`
+    /// for the estimator `gaussian`, because its fitted amplitude includes the gain.
     pub gain_std: Option<f64>,
     /// Whether the noise of displacements is stated or estimated.
     pub noise: NoiseKnown,
@@ -191,8 +196,8 @@ impl PressEstimatorConfig {
         }
     }
 
-    /// Thickness of the layer that the estimator assumes: its own setting or, without this setting, the thickness of
-    /// the model (`of_model`). `None` for soft bodies that are not a layer.
+    /// Thickness of the layer that the estimator assumes: its own setting or, if it is not stated, the thickness of the
+    /// scene's model (`of_model`). `None` if the assumed soft body is not a layer.
     pub fn layer(&self, of_model: Option<f64>) -> Option<f64> {
         match *self {
             Self::BondedLayer { thickness, .. } => thickness.or(of_model),
@@ -203,8 +208,8 @@ impl PressEstimatorConfig {
         }
     }
 
-    /// Sets the settings whose default is the model's value. `of_thickness` is the model's thickness, if the model has
-    /// a layer; `of_poisson` is its Poisson's ratio.
+    /// Fills in the settings whose default is the value of the scene's model. `of_thickness` is the thickness of this
+    /// model if it is a layer, and `of_poisson` is its Poisson's ratio.
     pub(super) fn keep(&mut self, of_thickness: Option<f64>, of_poisson: f64) {
         match self {
             Self::HalfSpace { poisson, .. } | Self::Elliptic { poisson, .. } => {
@@ -235,33 +240,33 @@ impl PressEstimatorConfig {
     }
 }
 
-/// Whether the indentation is stated or fitted.
+/// Whether the estimator receives the indentation or fits it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Indentation {
-    /// The indentation is stated; its value comes from another source, for example the pose of a robot.
+    /// The estimator receives the indentation from another source, for example from the pose of a robot.
     #[default]
     Known,
-    /// The indentation is unknown, and is fitted to the displacements.
+    /// The indentation is unknown. The estimator fits it to the displacements.
     Fitted,
 }
 
-/// Offset of the normal displacements, that is, their reading without a press.
+/// Offset of the normal displacements, that is, their value when nothing touches the sensor.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Baseline {
     /// The offset is zero.
     #[default]
     Known,
-    /// The offset is the same for all normal displacements, and is fitted.
+    /// All normal displacements have the same offset, which is fitted.
     Fitted,
 }
 
-/// Source of the noise of displacements that the estimator assumes.
+/// Where the estimator gets the noise of the displacements.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NoiseKnown {
-    /// The noise that the scene states. If the scene has no noise, it is estimated from the residuals.
+    /// The scene states the noise. If the scene has no noise, the noise is estimated from the residuals.
     #[default]
     Stated,
     /// The noise is estimated from the residuals.

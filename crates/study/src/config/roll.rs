@@ -10,26 +10,26 @@ use super::object::ObjectConfig;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RollConfig {
-    /// The fingertip that glides.
+    /// The fingertip that rolls on the object.
     pub probe: ProbeConfig,
     /// The surface that is explored.
     pub object: ObjectConfig,
-    /// Position of the first contact: x and y in the object's frame. By default the origin of the frame, or the top of
-    /// the object.
+    /// Position of the first contact: x and y in the object's frame. The default is x = y = 0; on a torus, it is a
+    /// point at the top of the tube.
     #[schemars(extend("x-unit" = "length"))]
     pub object_contact: Option<[f64; 2]>,
-    /// The commanded rotation.
+    /// The commanded rotation of the probe.
     pub motion: RollMotionConfig,
-    /// The model that computes the true roll.
+    /// The model that computes the true path of the contact.
     #[serde(default)]
     pub model: RollModelConfig,
     /// The sensor that reads the contact's position on the probe.
     #[serde(default)]
     pub sensor: RollSensorConfig,
-    /// Errors of the rotation.
+    /// Errors of the probe's rotation.
     #[serde(default)]
     pub noise: RollNoiseConfig,
-    /// The estimator of the curvature.
+    /// The estimator of the object's curvature.
     #[serde(default)]
     pub estimator: RollEstimatorConfig,
 }
@@ -119,41 +119,42 @@ pub enum ProbeConfig {
     },
 }
 
-/// The commanded rotation: one roll per direction, each from the same first contact.
+/// The commanded rotation of the probe. There is one roll for each direction, and all rolls start at the same contact.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RollMotionConfig {
-    /// Rate of rotation. It is required together with `duration_s` or with a spin. Otherwise only the times in a trace
-    /// depend on it, and its default is 1 rad/s.
+    /// Rate of rotation. It is required with `duration_s`, and for rolls with a spin. In other cases, only the times in
+    /// a trace depend on it, and the default is 1 rad/s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub rate_rad_per_s: Option<f64>,
     /// Duration of each roll. State one of `duration_s`, `arc_length` and `angle_deg`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["arc_length", "angle_deg"]))]
     pub duration_s: Option<f64>,
-    /// Length of the contact's path on the probe in each roll, without noise. State one of `duration_s`, `arc_length`
-    /// and `angle_deg`.
+    /// Distance that the contact moves on the probe in each roll, without noise. State one of `duration_s`,
+    /// `arc_length` and `angle_deg`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-instead-of" = ["duration_s", "angle_deg"]))]
     pub arc_length: Option<f64>,
     /// Angle by which the probe turns in each roll, without noise and spin. State one of `duration_s`, `arc_length` and
     /// `angle_deg`.
     #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["duration_s", "arc_length"]))]
     pub angle_deg: Option<f64>,
-    /// Rate at which the readings are sampled, 1/s. With it, the readings of a roll are a time series; without it, they
-    /// are the rotation and the shift at the end.
+    /// Rate at which the sensor is read during a roll, 1/s. If it is stated, the readings of a roll are a time series.
+    /// Otherwise, a roll has one reading: the rotation, and the distance that the contact has moved at the end.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e6))]
     pub sampling_hz: Option<f64>,
     /// Rate of rotation about the contact normal.
     #[serde(default)]
     pub spin_rad_per_s: f64,
-    /// Number of rolls. Their directions are spread evenly over a full turn from +x on; two rolls are at a right angle.
-    /// Give either this or `directions_deg`.
+    /// Number of rolls. Their directions are spread evenly over a full turn, starting at +x; the directions of two
+    /// rolls are at a right angle. State either this or `directions_deg`.
     #[schemars(extend("minimum" = 1, "maximum" = 10_000, "x-instead-of" = ["directions_deg"]))]
     pub rolls: Option<u32>,
-    /// Directions of the rolls: angles from +x in the tangent plane of the first contact. Give either this or `rolls`.
+    /// Directions of the rolls, as angles from +x in the tangent plane of the first contact. State either this or
+    /// `rolls`.
     #[serde(default = "four_directions_twice")]
     #[schemars(extend("minItems" = 1, "x-instead-of" = ["rolls"]))]
     pub directions_deg: Vec<f64>,
-    /// Frame in which the axis of rotation is fixed while the contact moves.
+    /// Frame in which the axis of rotation stays fixed while the contact moves.
     #[serde(default)]
     pub axis: RollAxis,
 }
@@ -170,7 +171,7 @@ impl RollMotionConfig {
         (0..rolls).map(direction).collect()
     }
 
-    /// The config field that determines the directions.
+    /// Path of the config field that determines the directions.
     pub const fn directions_path(&self) -> &'static str {
         match self.rolls {
             Some(_) => "scene.motion.rolls",
@@ -183,35 +184,35 @@ fn four_directions_twice() -> Vec<f64> {
     vec![0.0, 0.0, 90.0, 90.0, 180.0, 180.0, 270.0, 270.0]
 }
 
-/// Frame in which the axis of rotation is fixed while the contact moves.
+/// Frame in which the axis of rotation stays fixed while the contact moves.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RollAxis {
-    /// Frame that is parallel-transported along the path of the contact.
+    /// A frame that moves along the contact's path without turning about the normal (parallel transport).
     #[default]
     Transported,
-    /// Frame of the probe's chart. It needs a model with chart = "montana".
+    /// The frame of the probe's coordinate chart. It needs a model with chart = "montana".
     Chart,
 }
 
-/// The model that computes the true roll.
+/// The model that computes the true path of the contact.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RollModelConfig {
-    /// The cheapest model that meets the tolerance.
+    /// The cheapest model within the tolerance.
     Auto {
         /// Largest error of the contact's position, relative to the probe's radius.
         #[serde(default = "tolerance")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
-        /// Coordinates of the numerical integration, if `auto` chooses a model that integrates.
+        /// Coordinates of the numerical integration. They are used if `auto` chooses a model that integrates.
         #[serde(default)]
         chart: Chart,
     },
     /// The closed form of the contact's path, if one exists for the two shapes.
     ClosedForm {},
-    /// The closed relation along the meridian of a surface of revolution, rolled through its apex; without noise of the
-    /// motion also along the axes of ellipsoids and saddles.
+    /// The relation between angle and path along a meridian, for rolls through the apex of a surface of revolution. If
+    /// the motion has no noise, also for rolls along the axes of ellipsoids and saddles.
     Meridian {},
     /// The classical Runge–Kutta method of order 4 with equal steps.
     Rk4 {
@@ -224,7 +225,7 @@ pub enum RollModelConfig {
     },
     /// The Runge–Kutta method of Dormand and Prince of order 8 with step control.
     Dop853 {
-        /// Tolerance for the error of a step.
+        /// Tolerance for the error of each step.
         #[serde(default = "tolerance")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
@@ -248,7 +249,7 @@ impl Default for RollModelConfig {
 }
 
 impl RollModelConfig {
-    /// Coordinates of the numerical integration; `None` for a model that does not integrate.
+    /// Coordinates of the numerical integration; `None` for a model without integration.
     pub fn chart(&self) -> Option<Chart> {
         match *self {
             Self::Auto { chart, .. } | Self::Rk4 { chart, .. } | Self::Dop853 { chart, .. } => {
@@ -259,14 +260,14 @@ impl RollModelConfig {
     }
 }
 
-/// Coordinates in which the contact kinematics are integrated.
+/// Coordinates in which the equations of the moving contact are integrated.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Chart {
-    /// Points and frames in space. They have no singularities.
+    /// Points and frames in space. These coordinates have no singularities.
     #[default]
     Free,
-    /// Parameters of the charts of the two surfaces, as in Montana's equations. The charts have singularities.
+    /// Parameters of the two surfaces, as in Montana's equations. These coordinates have singularities.
     Montana,
 }
 
@@ -277,14 +278,14 @@ pub enum RollSensorConfig {
     /// No error.
     #[default]
     Ideal,
-    /// A force sensor in the wrist. Its error of the contact's position is an isotropic Gaussian along the probe's
-    /// surface.
+    /// A force sensor in the wrist. The error of its contact position is Gaussian, and equal in all directions along
+    /// the probe's surface.
     Wrist {
-        /// Standard deviation of the error along each of the two directions.
+        /// Standard deviation of the error along each of two perpendicular directions.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
         std: f64,
     },
-    /// An array of pads. The pad nearest to the contact reports its own centre.
+    /// An array of pads. The pad nearest to the contact reports its own centre instead of the contact point.
     Pads {
         /// Distance between neighbouring pads.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
@@ -292,17 +293,17 @@ pub enum RollSensorConfig {
         /// Arrangement of the pads on the probe.
         #[serde(default)]
         layout: PadLayout,
-        /// Position of the first contact on the array of pads.
+        /// Position of the first contact relative to the pads.
         #[serde(default)]
         offset: PadOffset,
-        /// Polar angle of the outermost pad, from the middle of the array.
+        /// Angle between the outermost pad and the middle of the array, seen from the probe's centre.
         #[serde(default = "number::<90>")]
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
         cap_deg: f64,
     },
 }
 
-/// Errors of the rotation; an error that is not stated is 0.
+/// Errors of the probe's rotation; an error that is not stated is 0.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RollNoiseConfig {
@@ -310,21 +311,21 @@ pub struct RollNoiseConfig {
     pub angular_velocity: Option<AngularVelocityNoise>,
     /// Error of the measured rotation.
     pub rotation: Option<RotationNoise>,
-    /// Quantisation of the measured rotation.
+    /// Rounding of the measured rotation by an encoder.
     pub encoder: Option<EncoderConfig>,
 }
 
-/// Error of each component of the angular velocity, drawn independently.
+/// Error of the angular velocity. The error of each component is drawn independently.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum AngularVelocityNoise {
-    /// Uniform between −bound and +bound.
+    /// Uniform distribution between −bound and +bound.
     Uniform(AngularVelocityDraws),
-    /// Gaussian with mean 0.
+    /// Gaussian distribution with mean 0.
     Gaussian(AngularVelocityDraws),
 }
 
-/// Size of the error of the angular velocity, and when it is drawn.
+/// Size of the error of the angular velocity, and how often it is drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AngularVelocityDraws {
@@ -335,10 +336,10 @@ pub struct AngularVelocityDraws {
     /// How often the error is drawn.
     #[serde(default)]
     pub when: When,
-    /// Rotation that has the error: the true motion or its measurement.
+    /// Which rotation has the error: the true motion or the measurement.
     #[serde(default)]
     pub side: Side,
-    /// Number of random draws per roll. It is used only if `when` is "per-instant".
+    /// Number of instants in a roll at which the error is drawn. It is used only if `when` is "per-instant".
     #[serde(default = "whole::<100>")]
     #[schemars(extend("minimum" = 1, "maximum" = 1_000_000))]
     pub instants: u32,
@@ -351,47 +352,50 @@ pub enum When {
     /// Once per probe.
     #[default]
     PerProbe,
-    /// Again at each of several equally spaced instants.
+    /// The error is drawn at each of several equally spaced instants of a roll.
     PerInstant,
 }
 
-/// Rotation that has the error: the true motion or its measurement.
+/// Which rotation has the error: the true motion or the measurement.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {
-    /// The true motion has the error; the estimator receives the commanded rotation.
+    /// The true motion has the error. The estimator receives the commanded rotation, which has no error.
     #[default]
     Motion,
-    /// The true motion is the commanded motion; the estimator receives a measured rotation with the error.
+    /// The measurement has the error. The true motion is the commanded motion, and the estimator receives a rotation
+    /// with the error.
     Measurement,
 }
 
-/// Error of the measured rotation: Gaussian, drawn for each roll and component, with a bias and a drift.
+/// Error of the measured rotation. It consists of a Gaussian error, which is drawn for each roll and each component, a
+/// constant bias and a drift.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RotationNoise {
     /// Distribution of the error.
     #[serde(default)]
     pub kind: GaussianKind,
-    /// Its standard deviation, 0 by default. Give either this or `std_rad`.
+    /// Standard deviation, 0 by default. State either this or `std_rad`.
     #[schemars(extend("minimum" = 0, "maximum" = 180, "x-instead-of" = ["std_rad"]))]
     pub std_deg: Option<f64>,
-    /// Standard deviation. State either this or `std_deg`.
+    /// Standard deviation, 0 by default. State either this or `std_deg`.
     #[schemars(extend("minimum" = 0, "maximum" = std::f64::consts::PI, "x-instead-of" = ["std_deg"]))]
     pub std_rad: Option<f64>,
     /// Constant error of each component.
     #[schemars(extend("minimum" = -180, "maximum" = 180))]
     pub bias_deg: Option<f64>,
-    /// Error of each component that grows during a roll, such as the drift of a gyroscope.
+    /// Rate at which an error of each component grows during a roll, such as the drift of a gyroscope.
     #[schemars(extend("minimum" = -1e6, "maximum" = 1e6))]
     pub drift_deg_per_s: Option<f64>,
-    /// Standard deviation of an error that is drawn for each sample of a roll (`motion.sampling_hz`), 0 by default.
+    /// Standard deviation of an additional error that is drawn for each reading of a time series
+    /// (`motion.sampling_hz`), 0 by default.
     #[schemars(extend("minimum" = 0, "maximum" = 180))]
     pub sample_std_deg: Option<f64>,
 }
 
 impl RotationNoise {
-    /// The standard deviation in rad, computed from the key that states it.
+    /// The standard deviation in rad, computed from `std_deg` or `std_rad`.
     pub fn std_rad(&self) -> f64 {
         radians(self.std_deg, self.std_rad)
     }
@@ -425,57 +429,60 @@ impl EncoderConfig {
     }
 }
 
-/// An angle in rad, from a value in degrees or in rad; 0 if neither is stated.
+/// An angle in rad, from a value in degrees or a value in rad; 0 if both are `None`.
 fn radians(deg: Option<f64>, rad: Option<f64>) -> f64 {
     deg.map(f64::to_radians).or(rad).unwrap_or_default()
 }
 
-/// The estimator of the curvature.
+/// The estimator of the object's curvature.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RollEstimatorConfig {
-    /// Least squares over the rotations and shifts of all rolls, as in the 1996 paper.
+    /// Least squares over the rotations of all rolls and the distances that the contact has moved, as in the 1996
+    /// paper.
     #[default]
     LeastSquares,
-    /// Curvature forms that agree with the instants at which the active pad changes. It needs time series and pads.
+    /// Finds all curvatures that agree with the times at which the contact moves from pad to pad. It needs time series
+    /// from pads.
     PadEdge {
-        /// Whether the place of the first contact on the pads is known.
+        /// Whether the estimator receives the position of the first contact on the pads.
         #[serde(default)]
         start: RollStart,
     },
-    /// Nonlinear least squares along the whole roll, for the curvature and its change along the path. It needs time
-    /// series.
+    /// Nonlinear least squares over all readings of the rolls. It estimates the curvature and its change along the
+    /// path, and needs time series.
     Trajectory {
-        /// Whether the place of the first contact on the pads is known.
+        /// Whether the estimator receives the position of the first contact on the pads.
         #[serde(default)]
         start: RollStart,
     },
-    /// "pad-edge" for time series from pads, "trajectory" for other time series, else "least-squares".
+    /// The estimator that suits the readings: "pad-edge" for time series from pads, "trajectory" for other time series,
+    /// otherwise "least-squares".
     Auto {
-        /// Whether the place of the first contact on the pads is known.
+        /// Whether the estimator receives the position of the first contact on the pads.
         #[serde(default)]
         start: RollStart,
     },
 }
 
-/// Whether the place of the first contact on the pads is known.
+/// Whether the estimator receives the position of the first contact on the pads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RollStart {
-    /// Only the first active pad is known.
+    /// The estimator receives only the number of the first active pad, not the position within the pad.
     #[default]
     Unknown,
-    /// The place of the first contact is known.
+    /// The estimator receives the position of the first contact.
     Known,
 }
 
 impl RollEstimatorConfig {
-    /// Whether the estimator cannot use rolls of which only the end was read.
+    /// Whether the estimator needs time series, so that it cannot use rolls with a reading only at the end.
     pub const fn needs_series(&self) -> bool {
         matches!(self, Self::PadEdge { .. } | Self::Trajectory { .. })
     }
 
-    /// Name of the estimator for readings of this form, and the reason if `auto` chose it.
+    /// Name of the estimator for these readings, and the reason for the choice if `auto` chose it.
     pub const fn method(
         &self,
         is_series: bool,
@@ -498,7 +505,7 @@ impl RollEstimatorConfig {
         }
     }
 
-    /// Whether the place of the first contact is known.
+    /// Whether the estimator receives the position of the first contact.
     pub fn is_start_known(&self) -> bool {
         match self {
             Self::LeastSquares => false,
@@ -513,25 +520,25 @@ impl RollEstimatorConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PadLayout {
-    /// A square grid in arc lengths along the surface of the probe.
+    /// A square grid, measured in arc lengths along the surface of the probe.
     #[default]
     Square,
-    /// Hexagons in the arc lengths of the surface.
+    /// A hexagonal grid, measured in arc lengths along the surface of the probe.
     Hexagonal,
-    /// A nearly uniform lattice over the cap.
+    /// Points with almost uniform density over the cap.
     Uniform,
 }
 
-/// Position of the first contact on the array of pads.
+/// Position of the first contact relative to the pads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PadOffset {
     /// The first contact is at the centre of a pad.
     #[default]
     Centred,
-    /// The first contact is at a random position within a pad, drawn for each roll.
+    /// The first contact is at a random position within a pad. The position is drawn for each roll.
     Random,
-    /// The first contact is at a random position within a pad, drawn once per trial: all rolls of a trial start at the
-    /// same position.
+    /// The first contact is at a random position within a pad. The position is drawn once for each trial, and all rolls
+    /// of the trial start there.
     RandomPerTrial,
 }

@@ -4,11 +4,11 @@ use super::grid::Grid;
 use super::sweep::Axis;
 use std::collections::BTreeSet;
 
-/// Largest number of cells for which every cell of a study is checked.
+/// Largest number of cells in a study of which all cells are checked.
 const MOST_WHOLE: usize = 10_000;
-/// Largest number of rows for which every row of an axis is in the sample.
+/// Largest number of rows in an axis of which all rows are in the sample.
 const MOST_ROWS: usize = 1000;
-/// Number of cells in a sample that are spread evenly over all cells of the study.
+/// Number of cells of a sample that are spread evenly over the study.
 const SPREAD: usize = 2000;
 
 /// Numbers of the cells that are checked, in ascending order. They depend only on the axes. A small study is checked
@@ -56,7 +56,8 @@ pub(super) fn sample(grid: &Grid) -> Vec<usize> {
     sample.into_iter().collect()
 }
 
-/// Numbers of the cells that combine each of the `rows` of one axis with the first of the `rows` of every other axis.
+/// Numbers of cells in the form of a star: for each axis, each of its `rows` is combined with the first of the `rows`
+/// of all other axes.
 pub(super) fn star(grid: &Grid, rows: &[Vec<usize>]) -> Vec<usize> {
     let first: Vec<usize> = rows.iter().map(|rows| rows[0]).collect();
     let mut cells = Vec::new();
@@ -73,9 +74,9 @@ pub(super) fn star(grid: &Grid, rows: &[Vec<usize>]) -> Vec<usize> {
     cells
 }
 
-/// Sample of the given rows of an axis, in ascending order. If there are only a few rows, all of them are returned. Of
-/// many rows, the sample contains rows that are spread evenly, the first row, the last row, and the given rows that are
-/// extremes of the axis.
+/// Sample of the given rows of an axis, in ascending order. If there are at most [`MOST_ROWS`] rows, all of them are
+/// returned. Otherwise, the sample contains rows that are spread evenly, the first and the last given row, and those
+/// given rows that are extremes of the axis.
 pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec<usize> {
     let rows: Vec<usize> = rows.into_iter().collect();
     let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else {
@@ -93,9 +94,9 @@ pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec
     few.into_iter().collect()
 }
 
-/// Returns a number below `count` for each `number`. Neighbouring values of `number` give distant results, and the
-/// results of many values cover the range evenly. The results are multiples of the golden ratio modulo 1, as fractions
-/// of 2⁶⁴.
+/// Returns a pseudo-random number below `count` that depends on `number`. Consecutive values of `number` give distant
+/// results, and many values cover the range evenly. The results are multiples of the golden ratio modulo 1, as
+/// fractions of 2⁶⁴.
 fn spread(number: usize, count: usize) -> usize {
     let fraction = (number as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     ((u128::from(fraction) * count as u128) >> 64) as usize

@@ -1,5 +1,5 @@
-//! The JSON Schema of a config. It states the units of the keys. Configs are validated against it, and editors use it
-//! to complete keys.
+//! The JSON Schema of a config, which also states the units of the keys. Configs are validated against it, and editors
+//! use it to complete keys.
 
 use super::study::LengthUnit;
 use super::study::StudyConfig;
@@ -12,9 +12,9 @@ use std::sync::LazyLock;
 /// The JSON Schema (draft 7) of a study's config, without references.
 ///
 /// `x-unit` states the unit of a number: `length`, `1/length` or `1/length^2`, where the length is in the config's
-/// `length_unit`. `x-unit` is `1` for a pure number, if other fields with the same name have a unit. `x-instead-of`
-/// lists the alternatives of a key. An alternative states the same quantity in another way, so only one of these keys
-/// may be stated. If a key ends in `_rad`, `_deg`, `_s`, `_rad_per_s` or `_px`, this ending states the unit.
+/// `length_unit`. If a key is a pure number in one table but has a unit in another, its `x-unit` is `1`. `x-instead-of`
+/// lists the alternatives of a key, that is, keys that state the same quantity in another way. A config may state only
+/// one of them. If a key ends in `_rad`, `_deg`, `_s`, `_rad_per_s` or `_px`, this ending states the unit.
 ///
 /// ```
 /// use palpate_study::config::schema;
@@ -30,7 +30,7 @@ pub fn schema() -> Json {
     schema
 }
 
-/// The result of [`schema()`], computed once.
+/// The value of [`schema()`], which is computed only once.
 pub(super) static SCHEMA: LazyLock<Json> = LazyLock::new(schema);
 
 /// The JSON Schema of a part of a config, without references.
@@ -44,15 +44,15 @@ pub(super) fn schema_of<T: JsonSchema>() -> Json {
     schema
 }
 
-/// The schemas of the kinds or words that a value may have. If the value has neither kinds nor words, this is its own
-/// schema.
+/// The schemas of all kinds of a table, or of all words that a value may be. For other values, the only variant is the
+/// schema itself.
 pub(super) fn variants(schema: &Json) -> &[Json] {
     schema["oneOf"]
         .as_array()
         .map_or(std::slice::from_ref(schema), Vec::as_slice)
 }
 
-/// Removes null from the allowed types, because TOML cannot represent it, and adds the limits of 32-bit numbers.
+/// Removes null from the allowed types, because TOML has no null, and adds the limits of 32-bit numbers.
 fn tidy(schema: &mut Json) {
     match schema {
         Json::Object(object) => {
@@ -101,7 +101,7 @@ fn flattened(variants: Vec<Json>) -> Vec<Json> {
     variants.into_iter().flat_map(alone).collect()
 }
 
-/// The schema of a table with this kind. If `kind` is `None`, the schema of a table that has no kinds.
+/// The schema of a table of this kind. If `kind` is `None`, the schema of a table without kinds.
 pub(super) fn variant<'a>(schema: &'a Json, kind: Option<&str>) -> Option<&'a Json> {
     variants(schema)
         .iter()
@@ -120,7 +120,7 @@ pub(super) fn column(schema: &Json, path: &str, unit: LengthUnit) -> String {
     format!("{path}{unit}")
 }
 
-/// Schemas of the field at a path, one for each kind that has this field.
+/// Schemas of the field at a path: one schema for each kind that has this field.
 pub(super) fn fields_at<'a>(schema: &'a Json, keys: &[&str]) -> Vec<&'a Json> {
     let Some((key, rest)) = keys.split_first() else {
         return vec![schema];
@@ -135,8 +135,8 @@ pub(super) fn fields_at<'a>(schema: &'a Json, keys: &[&str]) -> Vec<&'a Json> {
         .collect()
 }
 
-/// The unit of a field. The result does not depend on the kind, because all kinds that have the key state the same
-/// unit. The items of an array have the unit of the array.
+/// The unit of a field; `None` if it has none. The unit is the same for all kinds that have the field. The items of an
+/// array have the unit of the array.
 pub(super) fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
     let unit = |field: &'a Json| field["x-unit"].as_str();
     let parents = (1..=keys.len()).rev();
@@ -144,7 +144,8 @@ pub(super) fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
     fields.find_map(unit)
 }
 
-/// Paths of the alternatives of a field in all kinds. A config must not state a field together with an alternative.
+/// Paths of the alternatives of a field in all kinds. An alternative states the same quantity in another way, so a
+/// config must not state both.
 pub(super) fn alternatives(path: &str) -> Vec<String> {
     let keys: Vec<&str> = path.split('.').collect();
     let Some((parent, _)) = path.rsplit_once('.') else {

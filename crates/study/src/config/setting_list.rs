@@ -1,4 +1,5 @@
-//! Lists the settings of a config table for a command line or a form, and replaces some settings of a table.
+//! Lists the settings of a config table, so that a command line or a form can offer them, and replaces settings of a
+//! table.
 
 use std::any::TypeId;
 use std::collections::HashMap;
@@ -14,19 +15,8 @@ use serde_json::{Map, Value as Json};
 use super::schema::{schema_of, variant, variants};
 use super::validate::{instead_of, kind_of};
 
-/// A setting of a table.
+/// A setting of a config table.
 ///
-/// ```
-/// use palpate_study::config::{Accepts, PressEstimatorConfig, settings};
-///
-/// let settings = settings::<PressEstimatorConfig>();
-/// let window = settings.iter().find(|setting| setting.key == "window").ok_or("a window")?;
-/// assert_eq!(window.kinds, ["gaussian"]);
-/// assert!(window.is_length);
-/// let Accepts::Number(range) = &window.accepts else {
-///     return Err("a number".into());
-/// };
-/// assert_eq!(range.parse("2.5"), Ok(2.5));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -37,7 +27,7 @@ pub struct Setting {
     pub kinds: Vec<String>,
     /// Meaning of the setting in words.
     pub help: String,
-    /// Values that the setting accepts.
+    /// The values that the setting accepts.
     pub accepts: Accepts,
     /// Default value as text, if the schema states one.
     pub default: Option<String>,
@@ -45,7 +35,7 @@ pub struct Setting {
     pub is_length: bool,
 }
 
-/// Values that a setting accepts.
+/// The values that a setting accepts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Accepts {
     /// A number in a range.
@@ -57,8 +47,8 @@ pub enum Accepts {
 }
 
 impl Accepts {
-    /// Checks that a number is in its range, or that a word is one of the choices. The type of the value is checked
-    /// later, when the table is read.
+    /// Checks that a number is in its range, and that a word is one of the choices. Whether the value is a number or a
+    /// word at all is checked later, when the table is read.
     fn check(&self, key: &str, value: &Json) -> Result<(), SettingError> {
         match (self, value) {
             (Self::Number(range), Json::Number(number)) => match number.as_f64() {
@@ -91,7 +81,7 @@ impl Accepts {
 /// Range of a number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
-    /// Lower bound; the number must be greater.
+    /// Lower limit, which is itself not allowed.
     pub above: Option<f64>,
     /// Smallest allowed value.
     pub least: Option<f64>,
@@ -123,7 +113,7 @@ impl Range {
     /// Parses a number and checks that it is in the range.
     ///
     /// # Errors
-    /// A message that states the required range; it is written after the name of the setting.
+    /// A message that states the required range. It is written so that it can follow the name of the setting.
     pub fn parse(&self, text: &str) -> Result<f64, String> {
         let number: f64 = text.parse().map_err(|_| "is not a number".to_owned())?;
         match self.holds(number) {
@@ -137,7 +127,7 @@ impl Range {
         self.violated(number).is_none()
     }
 
-    /// Description of the limit that a number violates; `None` if it violates none.
+    /// Text about the limit that a number violates; `None` if it violates no limit.
     pub(super) fn violated(&self, number: f64) -> Option<String> {
         if self.may_be_infinite && number == f64::INFINITY {
             return None;
@@ -156,7 +146,7 @@ impl Range {
         limits.find_map(|(sign, limit)| Some(format!("{sign} {}", Number(limit?))))
     }
 
-    /// Range that the schema states for a number.
+    /// The range that a schema states for a number.
     pub(super) fn of(schema: &Json) -> Self {
         let limit = |key: &str| schema[key].as_f64();
         Self {
@@ -185,14 +175,14 @@ impl fmt::Display for Range {
     }
 }
 
-/// Schema and settings of a type of config table.
+/// Schema and settings of one type of config table.
 struct Known {
     schema: Json,
     settings: Vec<Setting>,
 }
 
-/// Cache of the schema and the settings of each type of config table. Each schema is computed only once, because this
-/// takes longer than some estimates.
+/// Cache with the schema and the settings of each type of config table. Computing a schema takes longer than some
+/// estimates, so each is computed only once.
 static KNOWN: LazyLock<Mutex<HashMap<TypeId, Arc<Known>>>> = LazyLock::new(Mutex::default);
 
 fn known<T: JsonSchema + 'static>() -> Arc<Known> {
@@ -210,7 +200,7 @@ pub fn settings<T: JsonSchema + 'static>() -> Vec<Setting> {
     known::<T>().settings.clone()
 }
 
-/// The setting with this key in a table, if there is one.
+/// The setting of a table that has this key; `None` if no setting has it.
 pub fn setting<T: JsonSchema + 'static>(key: &str) -> Option<Setting> {
     known::<T>().setting(key).cloned()
 }
@@ -295,7 +285,7 @@ impl Setting {
     }
 }
 
-/// A default value as a user would write it.
+/// A default value in the form in which a user would write it.
 fn default_text(json: &Json) -> Option<String> {
     match json {
         Json::Null => None,
@@ -334,8 +324,8 @@ pub struct SettingError {
     pub key: String,
     /// Value of the setting, if it is a number.
     pub value: Option<f64>,
-    /// Description of the problem, written so that it follows the key. It names other settings in the form `` setting
-    /// `key` ``.
+    /// Description of the problem, written so that it can follow the key. It writes the names of other settings as ``
+    /// setting `key` ``.
     pub reason: String,
 }
 
@@ -349,7 +339,7 @@ impl SettingError {
         }
     }
 
-    /// Error of a number that is not `expected`.
+    /// The error which reports that a number is not `expected`.
     pub fn of_number(key: &str, value: f64, expected: impl fmt::Display) -> Self {
         Self {
             value: Some(value),
@@ -358,8 +348,9 @@ impl SettingError {
     }
 }
 
-/// Replaces the name of each setting in a message. Messages name a setting in the form `` setting `gain_std` ``; `name`
-/// returns the flag or the argument that replaces this form.
+/// Replaces the names of settings in a message by the names that a user interface gives them. A message writes the name
+/// of a setting as `` setting `gain_std` ``. For each name, `name` returns the text that replaces this form, such as a
+/// flag or an argument.
 ///
 /// ```
 /// use palpate_study::config::rename_settings;
@@ -380,8 +371,8 @@ pub fn rename_settings(message: &str, name: impl Fn(&str) -> String) -> String {
     renamed
 }
 
-/// The table with some settings replaced; alternatives to these settings are removed. If `kind` is one of the replaced
-/// settings, the settings that both kinds have keep their values.
+/// The table `base` with the `given` settings. Settings that state the same quantity as a given setting in another way
+/// are removed. If `kind` is given, the settings that both kinds have keep their values.
 ///
 /// ```
 /// use palpate_study::config::{GlideEstimatorConfig, with_settings};

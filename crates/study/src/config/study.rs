@@ -13,70 +13,71 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A study: one scene, the axes along which the scene is varied, and the plots that are drawn from the study's table.
+/// A study: one scene, the axes along which fields of the scene are varied, and the plots of the study's tables.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StudyConfig {
     /// Name of the study and of its output directory: lower-case words joined by hyphens.
     #[schemars(extend("pattern" = NAME, "maxLength" = 100))]
     pub name: String,
-    /// The question that the study answers.
+    /// Title of the study: the question that it answers.
     #[serde(default)]
     pub title: String,
-    /// Origin of the study, e.g. a section and a figure of a paper.
+    /// Source of the study, e.g. a section and a figure of a paper.
     #[serde(default)]
     pub source: String,
     /// The unit of every length in the config and in its results.
     #[serde(default)]
     pub length_unit: LengthUnit,
-    /// Seed of all random draws.
+    /// Seed of all random numbers.
     #[serde(default)]
     pub seed: u64,
-    /// Number of trials per cell. A scene without noise runs only one trial.
+    /// Number of trials per cell, that is, per combination of swept values. A scene without noise runs only one trial.
     #[serde(default = "count::<10_000>")]
     #[schemars(extend("minimum" = 1))]
     pub trials: u64,
-    /// Rule that ends the trials of a cell. It replaces a fixed number of trials.
+    /// Rule that decides how many trials each cell runs. It replaces a fixed number of trials.
     pub stop: Option<StopConfig>,
-    /// Numbers of the published claims that are tested with this study's tables.
+    /// Numbers of the claims of the published papers that are tested with this study's tables.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub claims: Vec<u32>,
-    /// Results that the study writes.
+    /// Kinds of results that the study writes.
     #[serde(default = "cells_only")]
     pub outputs: Vec<Output>,
     /// Version of palpate that wrote the config. It is missing in a config that a person wrote.
     pub crate_version: Option<String>,
-    /// Names of the columns in recorded readings that `palpate estimate --like` reads with this study. The key is
-    /// palpate's name of the column, the value is the name in the file: `x = "Finger X [m]"`.
+    /// Names of columns in files of recorded readings, for `palpate estimate --like` with this study. The key is
+    /// palpate's name of a column, the value is its name in the file: `x = "Finger X [m]"`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub columns: ColumnNames,
     /// The scene: the bodies in contact, the motion, the model, the sensor, the noise and the estimator.
     pub scene: SceneConfig,
-    /// Sweep axes along which fields are varied. The cells are all combinations of their values; the first axis varies
-    /// slowest.
+    /// Sweep axes, which vary fields of the config. Each combination of their values is a cell of the study. The first
+    /// axis varies slowest.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sweep: Vec<SweepConfig>,
-    /// Plots of the study's tables. If there is none, one default plot is drawn: the relative rms error of the object's
-    /// curvature over the first swept field. It has one line per value of the second swept field, and one panel per
-    /// value of the third.
+    /// Plots of the study's tables. Without this section, one default plot is drawn: the relative rms error of the
+    /// object's curvature over the first swept field. It has one line for each value of the second swept field, and one
+    /// panel for each value of the third.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plot: Vec<PlotConfig>,
 }
 
-/// Rule that ends the trials of a cell when a statistic of a quantity has reached a given relative standard error.
+/// Rule that ends the trials of a cell when a statistic is accurate enough, that is, when its relative standard error
+/// is small enough.
 ///
 /// The rule is tested after 1, 2, 4, 8 … blocks of 1,024 trials, in the order of their numbers. The standard error is
-/// computed from the scatter between trials: several observations in one trial, for example at all points of a patch,
-/// count as one.
+/// computed from the scatter between trials. The observations within one trial, for example at all points of a patch,
+/// count as a single observation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StopConfig {
-    /// Relative standard error of the statistic at which the trials end.
+    /// Relative standard error of the statistic below which the trials end.
     #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
     pub relative_standard_error: f64,
     /// Quantity whose statistic is tested, by its name in `cells.csv`. The default is the first quantity of the scene.
     pub quantity: Option<String>,
-    /// Statistic that is tested.
+    /// The statistic that is tested.
     #[serde(default)]
     pub statistic: StopStatistic,
     /// Smallest number of trials per cell.
@@ -105,7 +106,7 @@ fn cells_only() -> Vec<Output> {
     vec![Output::Cells]
 }
 
-/// A scene. Its kind is the way in which the bodies touch.
+/// A scene. Its kind states how the sensor touches the object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 #[expect(clippy::large_enum_variant, reason = "a study has one scene")]
@@ -116,9 +117,9 @@ pub enum SceneConfig {
     Glide(GlideConfig),
     /// A soft sphere with markers is pressed onto an object.
     Press(PressConfig),
-    /// A sensor with markers, without an object: the strain of its skin when it is folded from its flat pattern
-    /// (`greatest_fold_strain`, `rms_fold_strain`), and the size of a marker in the image (`marker_area`). The scene
-    /// has no random numbers.
+    /// A sensor with markers, without an object. The study computes the strain of its skin when it is folded from flat
+    /// pieces (`greatest_fold_strain`, `rms_fold_strain`), and the size of a marker in the image (`marker_area`). The
+    /// scene has no random numbers.
     Fingertip(BareFingertipConfig),
 }
 
@@ -133,8 +134,8 @@ impl SceneConfig {
         }
     }
 
-    /// Checks the rules that involve several fields. The error contains the path of the field and a description of the
-    /// problem.
+    /// Checks the rules that involve several fields. The error consists of the path of the field and a description of
+    /// the problem.
     pub(super) fn check(&self) -> Result<(), (&'static str, &'static str)> {
         match self {
             Self::Roll(roll) => roll.check(),
@@ -154,8 +155,8 @@ impl SceneConfig {
         }
     }
 
-    /// The scene with another model. Settings of the estimator whose default is the value of the current model keep
-    /// this value. Returns `None` if `model` belongs to another kind of scene.
+    /// The scene with another model; `None` if `model` belongs to another kind of scene. Some settings of the estimator
+    /// have the value of the scene's model as default. These settings keep the value of the previous model.
     #[must_use]
     pub fn with_model(&self, model: &ModelConfig) -> Option<Self> {
         let mut scene = self.clone();
@@ -191,10 +192,10 @@ pub enum ModelConfig {
 pub enum Output {
     /// The tables with the statistics of all cells and quantities.
     Cells,
-    /// A trace of one trial of the first cell, without noise.
+    /// A trace: the contacts or displacements of one trial of the first cell, without noise.
     Trace,
     /// For a glide, a map of the estimated curvatures over the patch. For a press, the true and the estimated
-    /// displacement along a radius from the contact.
+    /// displacements over the distance from the contact.
     Map,
 }
 
@@ -210,7 +211,7 @@ pub enum LengthUnit {
     Mm,
     /// Micrometre.
     Um,
-    /// A unit of length that the study does not specify.
+    /// An unspecified unit of length.
     #[default]
     Unit,
 }

@@ -1,5 +1,5 @@
-//! The `[[sweep]]` section of a config: axes. Each axis is a list of rows, and a row has one value for each field of
-//! the axis.
+//! The `[[sweep]]` section of a config. It consists of axes. Each axis is a list of rows, and each row has one value
+//! for each field of the axis.
 
 use super::error::Fault;
 use super::tree::{self, as_number, describe, number_text};
@@ -10,55 +10,55 @@ use std::collections::{BTreeMap, HashSet};
 use toml::Value;
 
 /// One axis of the sweep. It varies one field (`path`), or several fields together (`paths`). Its values are a list
-/// (`values`), a range (`from`, `to`, `count`, `spacing`), or quasi-random points (`sample`, `count`) in ranges of
-/// fields (`ranges`).
+/// (`values`), a range (`from`, `to`, `count`, `spacing`), or quasi-random points (`sample`, `count`) within a range
+/// for each field (`ranges`).
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepConfig {
     /// Path of the swept field: keys and array indices joined by dots, for example `scene.object.radius`.
     pub path: Option<String>,
-    /// Paths of fields that vary together. Each of `values` is then an array with one value per field.
+    /// Paths of fields that vary together. Each entry of `values` is then an array with one value per field.
     #[schemars(extend("minItems" = 1))]
     pub paths: Option<Vec<String>>,
-    /// Values of the axis. A value that is a table needs a `label`, which represents it in the results.
+    /// Values of the axis. A value that is a table needs a `label`, which the results show instead of the table.
     #[schemars(with = "Option<Vec<serde_json::Value>>", extend("minItems" = 1))]
     pub values: Option<Vec<toml::Value>>,
     /// First value of a range.
     pub from: Option<f64>,
     /// Last value of a range.
     pub to: Option<f64>,
-    /// Number of values of a range, including both ends.
+    /// Number of values of a range, including both ends, or number of sampled points.
     #[schemars(extend("minimum" = 1))]
     pub count: Option<u32>,
     /// Spacing of the values of a range. Values between the ends are rounded to 12 digits.
     pub spacing: Option<Spacing>,
-    /// Method that chooses `count` points in `ranges`. If many fields vary, far fewer points are needed than with a
+    /// Method that chooses `count` points within `ranges`. With many fields, far fewer points are needed than on a
     /// grid.
     pub sample: Option<Sample>,
-    /// Ranges of the sampled fields, by the paths of the fields. The columns of the result tables are in the
+    /// Range of each sampled field, with the path of the field as key. The columns of the result tables are in the
     /// alphabetical order of the paths.
     pub ranges: Option<BTreeMap<String, RangeConfig>>,
 }
 
-/// Range of a field that is sampled.
+/// Range of a sampled field.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RangeConfig {
     /// Smallest value of the range.
     pub from: f64,
-    /// Upper end of the range, which is not included.
+    /// Upper end of the range. The points are smaller than this value.
     pub to: f64,
-    /// Spacing on which the points are spread evenly: `linear` or `log`.
+    /// Scale on which the points are spread evenly: `linear` or `log`.
     #[serde(default)]
     pub spacing: Spacing,
 }
 
-/// Kind of points that fill ranges evenly.
+/// Kind of quasi-random points that fill ranges evenly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sample {
-    /// Sobol's sequence with Owen's scrambling (Burley 2020). It is the same for every seed of the study. Each half,
-    /// quarter and so on of every range contains equally many of the first 2ⁿ points.
+    /// Sobol's sequence with Owen's scrambling (Burley 2020). The points do not depend on the seed of the study. For
+    /// the first 2ⁿ points, each half, each quarter and so on of every range contains the same number of points.
     Sobol,
 }
 
@@ -104,9 +104,9 @@ const MAX_CELLS: u64 = 1_000_000;
 pub(super) struct Axis {
     pub(super) targets: Vec<Target>,
     rows: Rows,
-    /// Path of the axis in the config.
+    /// Path of the axis in the config, such as `sweep.0`.
     path: String,
-    /// Whether each row of the axis is written in the config as a list with one value per field.
+    /// Whether the config writes each row of the axis as a list with one value per field.
     is_joint: bool,
 }
 
@@ -134,7 +134,7 @@ impl Axis {
         self.rows.len()
     }
 
-    /// Whether the values of the axis are the numbers of a range.
+    /// Whether the values of the axis are numbers that are computed from ranges.
     pub(super) fn is_range(&self) -> bool {
         matches!(self.rows, Rows::Spaced(_) | Rows::Sampled(_))
     }
@@ -148,7 +148,7 @@ impl Axis {
         }
     }
 
-    /// Path of the part of the config that states a value.
+    /// Path of the part of the config that determines a value of the axis.
     pub(super) fn location(&self, row: usize, column: usize) -> String {
         let path = &self.path;
         match &self.rows {
@@ -183,7 +183,7 @@ impl Axis {
         extremes
     }
 
-    /// Rejects a row that occurs twice.
+    /// Rejects an axis that contains the same row twice.
     fn check_rows(&self) -> Result<(), Fault> {
         let twice = match &self.rows {
             Rows::Listed(rows) => {
@@ -210,8 +210,8 @@ impl Axis {
     }
 }
 
-/// A field that an axis sets. Also stores the path in the config at which the name of this field is written, as a value
-/// or as a key.
+/// A field that an axis sets, and the place in the config at which the axis names this field. The name may be a value
+/// or a key there.
 #[derive(Debug, Clone)]
 pub(super) struct Target {
     pub(super) path: String,
@@ -220,7 +220,7 @@ pub(super) struct Target {
 }
 
 impl Target {
-    /// Fault whose location is the name of the field in the config.
+    /// A fault whose location is the place at which the axis names the field.
     pub(super) fn fault(&self, message: String) -> Fault {
         Fault {
             location: self.location.clone(),
@@ -230,16 +230,16 @@ impl Target {
     }
 }
 
-/// A value that an axis sets in a field.
+/// A value to which an axis sets a field.
 #[derive(Debug, Clone)]
 pub(super) struct SweptValue {
     pub(super) value: Value,
-    /// Label, if the value is a table.
+    /// Label of the value, if it is a table.
     label: Option<String>,
 }
 
 impl SweptValue {
-    /// A computed number. A whole number becomes an integer, so that it can also set a field that requires an integer.
+    /// A computed number. It is stored as an integer if it is whole, because some fields require an integer.
     fn of_number(number: f64) -> Self {
         let value = match number.fract() == 0.0 && number.abs() < 2_f64.powi(53) {
             true => Value::Integer(number as i64),
@@ -248,7 +248,7 @@ impl SweptValue {
         Self { value, label: None }
     }
 
-    /// A value of the config. If it is a table, its label is removed from the table and stored separately.
+    /// A value that the config states. The label of a table is removed from the table and stored separately.
     fn new(value: &Value) -> Result<Self, Fault> {
         let mut value = value.clone();
         let Value::Table(table) = &mut value else {
@@ -322,8 +322,8 @@ pub(super) fn axes(section: &[SweepConfig]) -> Result<Vec<Axis>, Fault> {
 }
 
 impl SweepConfig {
-    /// The first of these keys that the axis states, if `is_given` is true; otherwise the first of these keys that it
-    /// does not state.
+    /// The first of these keys that the axis states; if `is_given` is false, the first of these keys that it does not
+    /// state.
     fn first(&self, keys: &[&'static str], is_given: bool) -> Option<&'static str> {
         let has = |key: &str| match key {
             "path" => self.path.is_some(),
@@ -339,7 +339,7 @@ impl SweepConfig {
         keys.iter().copied().find(|key| has(key) == is_given)
     }
 
-    /// Rows of the axis. Rows of a range and of sampled points are computed when they are needed.
+    /// Rows of the axis. For ranges and sampled points, each row is computed when it is needed.
     fn rows(&self) -> Result<Rows, Fault> {
         let both = |form: &str, others: &[&'static str]| match self.first(others, true) {
             Some(key) => Err(Fault::new(format!(
@@ -418,7 +418,7 @@ impl SweepConfig {
             .collect()
     }
 
-    /// The fields that the axis sets, each with the path in the config at which its name is written.
+    /// The fields that the axis sets, each with the place in the config at which the axis names it.
     fn located_targets(&self, axis: &str) -> Vec<Target> {
         let targets = self.targets().enumerate();
         targets
@@ -442,8 +442,7 @@ struct Points {
     ranges: Vec<RangeConfig>,
 }
 
-/// Largest number of points for which Sobol's sequence is implemented. The next constant is the largest number of
-/// fields.
+/// Largest number of points and largest number of fields for which Sobol's sequence is implemented.
 const MOST_POINTS: u32 = 65_536;
 const MOST_FIELDS: usize = 256;
 
@@ -461,7 +460,7 @@ impl Points {
     }
 }
 
-/// Converts the ranges and the number of points of a sampled axis, and checks them.
+/// Checks the ranges and the number of points of a sampled axis, and converts them.
 fn points(ranges: &BTreeMap<String, RangeConfig>, count: u32) -> Result<Points, Fault> {
     if count > MOST_POINTS {
         let message = format!("must be <= {MOST_POINTS} where points are sampled, is {count}");
@@ -512,7 +511,7 @@ fn check_target<'a>(
     }
 }
 
-/// The numbers of a range (`from`, `to`, `count`, `spacing`), each computed when it is needed.
+/// The numbers of a range (`from`, `to`, `count`, `spacing`). Each number is computed when it is needed.
 #[derive(Debug, Clone)]
 struct Range {
     ends: [f64; 2],
@@ -553,8 +552,8 @@ fn range(ends: [f64; 2], count: u32, spacing: Spacing) -> Result<Range, Fault> {
     })
 }
 
-/// A number rounded to 12 digits: 0.3 instead of 0.30000000000000004. Rounding makes the result equal on machines whose
-/// logarithms differ in the last digits.
+/// The number, rounded to 12 digits: 0.3 instead of 0.30000000000000004. After rounding, the result is the same on all
+/// machines, even if their logarithms differ in the last digits.
 pub(super) fn rounded(number: f64) -> f64 {
     format!("{number:.11e}").parse().unwrap_or(number)
 }

@@ -74,14 +74,14 @@ pub(super) fn at_mut<'a>(tree: &'a mut Value, path: &str) -> Option<&'a mut Valu
     keys.try_fold(tree, child_mut)
 }
 
-/// Removes the value at a path from its table, and returns it, if there is one.
+/// Removes the value at a path from its table, and returns this value; `None` if the path does not exist.
 pub(super) fn take(tree: &mut Value, path: &str) -> Option<Value> {
     let (parents, key) = path.rsplit_once('.').unwrap_or(("", path));
     at_mut(tree, parents)?.as_table_mut()?.remove(key)
 }
 
-/// Sets the value at a path of keys and array indices. All keys before the last one must exist. The error states the
-/// value that prevents this.
+/// Sets the value at a path of keys and array indices. All keys before the last one must exist. Otherwise, the error
+/// states which part of the path does not exist.
 pub(super) fn set(tree: &mut Value, path: &str, value: Value) -> Result<(), String> {
     let (parents, last) = path.rsplit_once('.').unwrap_or(("", path));
     let (mut node, mut walked) = (tree, String::new());
@@ -146,7 +146,8 @@ pub(super) fn describe(value: &Value) -> String {
     }
 }
 
-/// A value as result tables show it: strings unchanged, numbers in the shortest form that parses to the same number.
+/// The text that result tables show for a value: strings unchanged, and numbers in the shortest form that parses to the
+/// same number.
 pub(super) fn text(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
@@ -170,7 +171,7 @@ pub(super) fn number_text(number: f64) -> String {
     Number(number).to_string()
 }
 
-/// The known word that is most similar to `word`; `None` if no known word is similar.
+/// The word of `known` that is most similar to `word`; `None` if no word is similar.
 pub(super) fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase();
     known
@@ -180,8 +181,8 @@ pub(super) fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> O
         .map(|(_, candidate)| candidate)
 }
 
-/// A hint such as "did you mean `radius`? (known: kind, radius)". If no known word is similar, the hint only lists the
-/// known words.
+/// A hint for a misspelt word, such as "did you mean `radius`? (known: kind, radius)". If no known word is similar, the
+/// hint only lists the known words.
 pub(crate) fn suggest<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
     let all = known.clone().collect::<Vec<_>>().join(", ");
     match nearest(word, known) {
@@ -190,7 +191,7 @@ pub(crate) fn suggest<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clo
     }
 }
 
-/// Words in backquotes: "`a`, `b` or `c`".
+/// Joins words in backquotes to a list for a message: "`a`, `b` or `c`".
 pub(super) fn quoted<'a>(words: impl Iterator<Item = &'a str>) -> String {
     let words: Vec<String> = words.map(|word| format!("`{word}`")).collect();
     match words.as_slice() {

@@ -1,4 +1,4 @@
-//! Validates a tree against a JSON Schema. All messages about keys, types and limits are in this file.
+//! Validates the tree of a config against a JSON Schema. All messages about keys, types and limits are in this file.
 
 use super::error::Fault;
 use super::infinite_length::is_infinite;
@@ -10,9 +10,9 @@ use toml::Value;
 /// Pattern of a name that can be used as a file name.
 pub(super) const NAME: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
 
-/// Checks a tree against a schema in the form that [`super::schema()`] returns. Such a schema has tables with a `kind`
-/// (`oneOf`), choices of words, alternatives, objects, arrays, numbers and strings, but no references. Reports the
-/// first fault in the order of the text.
+/// Checks a tree against a schema in the form that [`super::schema()`] returns. Such a schema consists of tables with a
+/// `kind` (`oneOf`), choices of words, alternatives, objects, arrays, numbers and strings; it has no references. The
+/// error is the first fault in the order of the text.
 pub(super) fn validate(schema: &Json, node: &Value) -> Result<(), Fault> {
     if let Some(variants) = schema["oneOf"].as_array() {
         let tables = variants.iter().any(|variant| kind_of(variant).is_some());
@@ -40,8 +40,8 @@ pub(super) fn validate(schema: &Json, node: &Value) -> Result<(), Fault> {
     }
 }
 
-/// The schema of the field at a path of keys and array indices. The tables on the path have the kinds that the tree
-/// states; `None` if these kinds have no such field.
+/// The schema of the field at a path of keys and array indices. For each table on the path, the schema of the kind that
+/// the tree states is used. `None` if these kinds have no such field.
 pub(super) fn at<'a>(schema: &'a Json, tree: &Value, path: &str) -> Option<&'a Json> {
     let (mut schema, mut node) = (schema, Some(tree));
     for key in path.split('.') {
@@ -62,7 +62,7 @@ pub(super) fn at<'a>(schema: &'a Json, tree: &Value, path: &str) -> Option<&'a J
     Some(schema)
 }
 
-/// The value of `kind` in the schema `variant` of a table.
+/// The kind that `variant`, a schema of a table, describes; `None` for a table without kinds.
 pub(super) fn kind_of(variant: &Json) -> Option<&str> {
     variant["properties"]["kind"]["const"].as_str()
 }
@@ -74,7 +74,7 @@ pub(super) fn instead_of(field: &Json) -> impl Iterator<Item = &str> {
     names.into_iter().flatten().filter_map(Json::as_str)
 }
 
-/// The words among the variants of a value.
+/// The words among the variants of a value, that is, the variants that allow a single word.
 fn words(variants: &[Json]) -> impl Iterator<Item = &str> {
     variants
         .iter()
@@ -139,8 +139,7 @@ fn not_among(what: &str, word: &str, known: &[&str]) -> Fault {
     ))
 }
 
-/// Checks a table against its schema. `others` are the schemas of the table's other kinds, which are used for hints in
-/// messages.
+/// Checks a table against its schema. `others` are the schemas of the table's other kinds; messages use them for hints.
 fn object(schema: &Json, others: &[Json], node: &Value) -> Result<(), Fault> {
     let Value::Table(table) = node else {
         return Err(wrong_type("a table", node));
@@ -202,7 +201,7 @@ pub(super) fn kinds_with<'a>(variants: &'a [Json], key: &str) -> Vec<&'a str> {
     found
 }
 
-/// An alternative of a key, if the table states it before this key.
+/// An alternative of this key that the table states before the key; `None` if there is none.
 fn other_of<'a>(property: &'a Json, table: &toml::Table, key: &str) -> Option<&'a str> {
     let before: Vec<&String> = table.keys().take_while(|other| *other != key).collect();
     instead_of(property).find(|other| before.iter().any(|earlier| earlier == other))
@@ -259,7 +258,7 @@ fn string(schema: &Json, node: &Value) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Whether a text matches [`NAME`] and is short enough for a file name.
+/// Whether a text matches [`NAME`] and is not too long for a file name.
 fn is_kebab_case(text: &str) -> bool {
     text.len() <= 100
         && text.split('-').all(|part| {

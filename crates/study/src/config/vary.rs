@@ -1,4 +1,4 @@
-//! Fields whose values are given on the command line and replace the values in the config: `--vary` and `--set`.
+//! Fields whose values come from the command line (`--vary` and `--set`) instead of the config.
 
 use super::config_output::to_toml;
 use super::error::{ConfigError, Source};
@@ -10,19 +10,9 @@ use super::sweep::SweepConfig;
 use super::validate;
 use std::str::FromStr;
 
-/// A field, given by the path that a sweep would use, and its values: `scene.sensor.pitch=0.05..2` or
-/// `scene.sensor.normal_from=hue,both`.
+/// A field and its values, such as `scene.sensor.pitch=0.05..2` or `scene.sensor.normal_from=hue,both`. The path of the
+/// field has the same form as in a sweep.
 ///
-/// ```
-/// use palpate_study::config::{Varied, Vary};
-///
-/// let vary: Vary = "scene.sensor.pitch=0.05..2".parse()?;
-/// assert_eq!(vary.path, "scene.sensor.pitch");
-/// assert_eq!(vary.values, Varied::Range { from: 0.05, to: 2.0 });
-/// let vary: Vary = "scene.sensor.normal_from=hue,both".parse()?;
-/// assert_eq!(vary.values, Varied::Listed(vec!["hue".into(), "both".into()]));
-/// let error = "scene.sensor.pitch=2..0.05".parse::<Vary>().expect_err("runs downwards");
-/// assert_eq!(error.to_string(), "the range 2..0.05 runs downwards; write 0.05..2");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -33,11 +23,11 @@ pub struct Vary {
     pub values: Varied,
 }
 
-/// Values of a varied field. If the ends of a range have units, the range stays a text until [`Study::resolve`]
-/// converts it.
+/// Values of a varied field. A range whose ends have units is stored as a listed text until [`Study::resolve`] converts
+/// it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Varied {
-    /// All numbers between two finite numbers. The second number is not smaller than the first.
+    /// A range of numbers between two finite ends. The second end is not smaller than the first.
     Range {
         /// Lower end of the range.
         from: f64,
@@ -48,7 +38,7 @@ pub enum Varied {
     Listed(Vec<toml::Value>),
 }
 
-/// Reason why a text does not state a field with values.
+/// Reason why a text is not a field with values.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum VaryError {
     /// The text contains no field or no values.
@@ -69,7 +59,7 @@ pub enum VaryError {
     Downwards(String, String),
 }
 
-/// Type of the values that a field of the config accepts.
+/// Type of the values that a config field accepts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Takes {
     /// Any number.
@@ -143,11 +133,11 @@ fn listed(values: &str) -> Option<Vec<toml::Value>> {
 }
 
 impl Study {
-    /// The study with these fields as additional axes, which vary fastest. These axes replace the same fields in the
-    /// config and in its sweeps, and also alternatives of these fields. The new study has no plots and no claims, and
-    /// its only output is the table of cells.
+    /// The study with additional sweep axes for these fields. The new axes vary faster than the existing ones. They
+    /// replace the values of the same fields in the config and its sweeps. Fields that state the same quantity in
+    /// another way are removed. The new study has no plots and no claims, and its only output is the table of cells.
     ///
-    /// Errors state the file of the config and the field, but no line, because the values are not in the file.
+    /// Errors state the config file and the field. They state no line, because the values are not in the file.
     ///
     /// ```
     /// use palpate_study::config::parse;
@@ -222,7 +212,7 @@ impl Study {
 }
 
 impl SweepConfig {
-    /// Removes the fields for which `is_out` returns true.
+    /// Removes the fields for which `is_out` returns true, from the config and its sweeps.
     fn forget(&mut self, is_out: impl Fn(&str) -> bool) {
         if self.path.as_deref().is_some_and(&is_out) {
             self.path = None;

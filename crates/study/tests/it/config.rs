@@ -14,7 +14,7 @@ mod text;
 
 use palpate_study::config::{ConfigError, Study, parse};
 
-/// A valid study without a sweep. Its text has eight lines, so an added section begins in line 9.
+/// A valid study without a sweep. Its text has eight lines, so sections that a test appends begin in line 9.
 const BASE: &str = r#"name = "a-study"
 length_unit = "cm"
 
@@ -25,12 +25,12 @@ object = { kind = "sphere", radius = 5.0 }
 motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
 "#;
 
-/// The valid study [`BASE`] with additional sections.
+/// The valid study [`BASE`], with additional sections at its end.
 fn study(sections: &str) -> Study {
     parse("study.toml", &format!("{BASE}{sections}")).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The valid study [`BASE`] in which a part of its text is replaced.
+/// The text of the valid study [`BASE`], in which the text `from` is replaced by `to`.
 fn edited(from: &str, to: &str) -> String {
     replaced(BASE, from, to)
 }
@@ -40,7 +40,7 @@ fn replaced(base: &str, from: &str, to: &str) -> String {
     base.replacen(from, to, 1)
 }
 
-/// Error of an invalid config.
+/// The error that an invalid config causes.
 fn error(text: &str) -> ConfigError {
     match parse("study.toml", text) {
         Ok(_) => panic!("accepted:\n{text}"),
@@ -48,9 +48,9 @@ fn error(text: &str) -> ConfigError {
     }
 }
 
-/// Checks that edits of a base config are rejected. Each row is `edit | line:column path | words of the reason`. An
-/// edit is `text => replacement`, or lines to append; `\n` ends a line. Without `line:column`, the position is not
-/// checked.
+/// Checks that edits of a base config are rejected. Each row of the table is `edit | line:column path | words of the
+/// reason`. An edit is `text => replacement`, or consists of lines that are appended; `\n` ends a line. If
+/// `line:column` is missing, the position is not checked.
 fn refuses(base: &str, table: &str) {
     let mut wrong = Vec::new();
     for row in table.trim().lines() {

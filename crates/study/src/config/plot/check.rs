@@ -1,4 +1,4 @@
-//! Rules of plots that the schema cannot state: which keys, tables and columns are possible together.
+//! Checks rules for plots that a JSON Schema cannot express: which keys, tables and columns can be combined.
 
 use super::{PlotConfig, PlotKind, Points, Scale};
 use crate::Statistic;
@@ -8,8 +8,8 @@ use crate::config::study::Output;
 use crate::config::tree::{suggest, text};
 use toml::Value;
 
-/// Checks the plots of a `plot` section that the schema has accepted. Each plot must combine only keys that are
-/// possible together, the study must write the plot's table, and the named columns must exist.
+/// Checks the plots of a study, after the schema has accepted them. The keys of each plot must be possible together,
+/// the study must write the table that the plot needs, and the named columns must exist.
 pub(in crate::config) fn check(
     section: &Value,
     plots: &[PlotConfig],
@@ -24,9 +24,8 @@ pub(in crate::config) fn check(
     })
 }
 
-/// Checks the plots of a `plot` section that the schema has accepted. Only rules that need no study are checked. The
-/// plots must have different names and only the keys of their kind, and their points must have as many x values as y
-/// values.
+/// Checks plots without their study, after the schema has accepted them. The plots must have different names and only
+/// keys of their kind, and their points must have as many x values as y values.
 pub(in crate::config) fn check_alone(section: &Value, plots: &[PlotConfig]) -> Result<(), Fault> {
     each(section, plots, |keys, plot| {
         check_keys(keys, plot)?;
@@ -100,7 +99,7 @@ fn scene_kind(grid: &Grid) -> Option<&str> {
     grid.base.get("scene")?.get("kind")?.as_str()
 }
 
-/// Names of the statistics that the table of cells has for this kind of scene.
+/// Names of the statistics that `cells.csv` has for this kind of scene.
 fn statistics(grid: &Grid) -> impl Iterator<Item = &str> + Clone {
     let bound = scene_kind(grid) == Some("press");
     let all = Statistic::ALL.into_iter();
@@ -140,7 +139,7 @@ fn check_columns(plot: &PlotConfig, grid: &Grid) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Checks that a swept column contains the value `wanted`.
+/// Rejects the value `wanted` unless the swept field at `path` has this value in some cell.
 fn check_value(wanted: &str, grid: &Grid, path: &str) -> Result<(), Fault> {
     const MOST_SHOWN: usize = 100;
     let Some((axis, place)) = grid.axis(path) else {
@@ -177,8 +176,8 @@ fn check_points(
     Ok(())
 }
 
-/// Checks that the plot has the series and the panel that its points name. The names of the lines of a profile are not
-/// checked, because they appear only in the table of a run.
+/// Checks that the series and the panel that `points` names exist in the plot. In a profile, the names of lines are not
+/// checked, because only the table of a run contains them.
 fn check_place(points: &Points, plot: &PlotConfig, grid: &Grid) -> Result<(), Fault> {
     for (key, value, column, path) in [
         ("series", &points.series, "series", &plot.series),

@@ -1,11 +1,11 @@
-//! Tests the three alternative fields for the length of a roll.
+//! Tests the three fields of which one states the length of a roll.
 
 use palpate_study::config::{SceneConfig, parse, to_toml, with_fields};
 use serde_json::json;
 
 use super::{BASE, edited, error, study};
 
-/// The three fields for the length of the roll in a cell: `duration_s`, `arc_length` and `angle_deg`.
+/// The values of the three fields in a cell: `duration_s`, `arc_length` and `angle_deg`.
 fn lengths(text: &str, cell: usize) -> [Option<f64>; 3] {
     let study = parse("study.toml", text).unwrap_or_else(|error| panic!("{error}"));
     let SceneConfig::Roll(roll) = study.cell(cell).unwrap().config.scene else {

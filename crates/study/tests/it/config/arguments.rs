@@ -1,11 +1,11 @@
-//! Tests fields and values of `--set` and `--vary`: short names, units, tables that are missing in the config, and
-//! labels.
+//! Tests the arguments of `--set` and `--vary`: short names of fields, units, tables that are missing in the config,
+//! and labels.
 
 use palpate_study::config::{SceneConfig, Study, Varied, Vary, parse};
 
 use super::{edited, study};
 
-/// Path and values of an argument in a study, or the error.
+/// Path and values to which a study resolves an argument, or the error message.
 fn resolved(study: &Study, argument: &str) -> String {
     let vary: Vary = argument.parse().unwrap();
     match study.resolve(&vary) {
@@ -20,7 +20,7 @@ fn resolved(study: &Study, argument: &str) -> String {
     }
 }
 
-/// Checks a table with rows `argument | path and values, or error`.
+/// Checks the rows of a table. Each row is `argument | path and values, or error`.
 fn resolves(study: &Study, table: &str) {
     for row in table.trim().lines() {
         let (argument, expected) = row.split_once(" | ").unwrap();
@@ -91,7 +91,7 @@ object.radius=2cm..1mm | study.toml: scene.object.radius: the range 2cm..1mm run
     assert!(error.ends_with(expected), "{error}");
 }
 
-/// The study with the fields of these arguments. Names and values of the fields are resolved first.
+/// The study that results if these arguments are resolved and applied.
 fn with(study: &Study, arguments: &[&str]) -> Result<Study, String> {
     let resolve = |argument: &&str| {
         let vary: Vary = argument.parse().unwrap();

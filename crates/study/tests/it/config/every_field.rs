@@ -1,4 +1,4 @@
-//! Tests that every number of a scene can be swept and varied, or that a message states why this is impossible.
+//! Tests that every number of a scene can be swept and varied. If one cannot, a message must state the reason.
 
 use palpate_study::config::{Takes, parse, schema, to_toml};
 use serde_json::{Value as Json, json};
@@ -26,14 +26,14 @@ const SCENES: [&str; 6] = [
     r#"{ "kind": "fingertip", "probe": { "kind": "marker-sphere", "radius": 20, "marker_depth": 0.5 } }"#,
 ];
 
-/// Fields that are in the schema of these kinds, but that parsing rejects, because a projected sensor has no pixels.
+/// Fields that the schema accepts in these scenes, but the parser rejects, because a projected sensor has no pixels.
 const REFUSED: [&str; 3] = [
     "press: sensor.blur_px sensor=projected",
     "press: sensor.light_at_rim sensor=projected",
     "press: sensor.seam_width sensor=projected",
 ];
 
-/// A number in the schema: its path, and the kinds of the tables on its path.
+/// A number in the schema: its path, and the kind of each table on its path.
 #[derive(Clone, Debug, Default)]
 struct Field {
     path: Vec<String>,
@@ -75,7 +75,7 @@ fn numbers(schema: &Json, at: &Field, visit: &mut impl FnMut(Field)) {
     }
 }
 
-/// Smallest valid instance of a schema: it has only the required keys, and the given kind if the schema has kinds.
+/// Smallest valid value for a schema. A table has only its required keys, and the given `kind` if it has kinds.
 fn instance(schema: &Json, kind: Option<&str>) -> Json {
     if let Some(variants) = schema["oneOf"].as_array() {
         let of_kind = |variant: &&Json| kind.is_none() || kind_of(variant) == kind;
@@ -107,7 +107,7 @@ fn instance(schema: &Json, kind: Option<&str>) -> Json {
     }
 }
 
-/// Two values within the limits of a number; whole numbers are integers.
+/// Two values within the limits of a number. They are integers if the number must be whole.
 fn values(schema: &Json) -> Vec<Json> {
     let is_whole = schema["type"] == "integer";
     let limit = |key: &str| schema[key].as_f64();
@@ -133,8 +133,8 @@ fn values(schema: &Json) -> Vec<Json> {
     found[..2].iter().map(written).collect()
 }
 
-/// A scene in which `field` is valid. Unless `is_bare`, the tables on the field's path that have no suitable default
-/// are added.
+/// A scene in which `field` is valid. Unless `is_bare` is true, missing tables on the field's path are added if they
+/// have no suitable default.
 fn scene(base: &Json, root: &Json, field: &Field, is_bare: bool) -> Json {
     let kind = |depth: usize| {
         let path = field.path[..depth].join(".");
@@ -206,7 +206,7 @@ fn fields() -> Vec<(Json, Field)> {
     all
 }
 
-/// Name of a field, with the kinds on its path.
+/// Name of a field, with the kinds of the tables on its path.
 fn name(base: &Json, field: &Field) -> String {
     let kinds = field.kinds.iter().map(|(at, kind)| format!(" {at}={kind}"));
     let scene = base["kind"].as_str().unwrap();
@@ -269,7 +269,8 @@ fn every_number_of_a_scene_can_be_swept_and_varied() {
     assert!(outcomes.len() > 130, "{}", outcomes.len());
 }
 
-/// If a missing table has no default, or a default of another kind, the message states what the config must contain.
+/// If a table is missing in the config, and its default is missing or of another kind, the message states what the
+/// config must contain.
 #[test]
 fn the_message_about_a_field_of_a_missing_table_states_what_to_write() {
     let mut messages = 0;

@@ -1,4 +1,4 @@
-//! Tests studies with so many cells that only a sample of the cells is checked.
+//! Tests studies with so many cells that only a sample of them is checked.
 
 use std::collections::BTreeSet;
 

@@ -1,10 +1,10 @@
-//! Tests the position, the field and the reason in the errors of invalid configs.
+//! Tests the errors of invalid configs: the position in the text, the field and the reason.
 
 use palpate_study::config::parse;
 
 use super::{BASE, error, refuses};
 
-/// A complete message of each kind of error.
+/// One complete message for each kind of error.
 const MESSAGES: &str = r#"
 radius = 5.0 } => radius = 5.0 ] | 7:42 | invalid inline table element, expected `,`
 5.0 => 99999999999999999999 | 7:38 scene.object.radius | the integer 99999999999999999999 does not fit into 64 bits
@@ -106,7 +106,7 @@ object => objct | 7:1 scene.objct | did you mean `object`?
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 2\ncount = 4294967295 | 9:1 sweep.0 | at most 1000000
 "#;
 
-/// A sweep of one field; a plot may use this field.
+/// A sweep of one field. Plots may use this field.
 const SWEPT: &str = "[[sweep]]\npath = \"scene.object.radius\"\nvalues = [1, 2]\n";
 
 const PLOTS: &str = r#"
@@ -132,7 +132,7 @@ const PLOTS: &str = r#"
 [[plot]]\nx = "truth"\ny = "std_bound" | 14:5 plot.0.y | no column `std_bound`
 "#;
 
-/// A press and a glide. Each allows kinds of plots that the other does not allow.
+/// A press. It allows kinds of plots that a glide does not allow, and the reverse.
 const PRESS: &str = r#"name = "a-press"
 outputs = ["cells", "map", "trace"]
 [scene]
@@ -151,7 +151,7 @@ motion = { finger_positions = [-15.0, 0.0, 15.0], inter_finger_distance = 10.0, 
 evaluate = { half_width = 10.0, gaussian_threshold = 0.00005, mean_threshold = 0.003 }
 "#;
 
-/// Quasi-random points for two fields.
+/// A sweep axis with quasi-random points of two fields.
 const POINTS: &str = r#"[[sweep]]
 sample = "sobol"
 count = 256
@@ -172,7 +172,7 @@ from = 2, => from = -2, | 11:9 scene.object.radius | must be > 0
 [[sweep]]\npath = "scene.object.radius"\nvalues = [3] | 15:8 sweep.1 | is swept twice
 "#;
 
-/// A rule that determines the number of trials.
+/// A stopping rule, which determines the number of trials.
 const RULE: &str = "stop = { relative_standard_error = 0.01, max_trials = 50000 }\n";
 const RULES: &str = r#"
 name => trials = 7\nname | 2:10 trials | differs from `stop.max_trials`

@@ -1,4 +1,4 @@
-//! Tests that a config with all defaults, written as TOML, describes the same study as the original config.
+//! Tests that a config, written as TOML with all its defaults, describes the same study as the original config.
 
 use super::{BASE, edited, study};
 use palpate_study::config::{Study, parse, to_toml};

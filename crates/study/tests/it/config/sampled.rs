@@ -1,4 +1,4 @@
-//! Tests samples of quasi-random points, and rules that end the trials of a cell.
+//! Tests sweeps of quasi-random points, and rules that end the trials of a cell early.
 
 use palpate_study::config::parse;
 
@@ -12,7 +12,7 @@ count = 256
 "scene.motion.rate_rad_per_s" = { from = 0.01, to = 1.0, spacing = "log" }
 "#;
 
-/// Numbers in a column of the first cells.
+/// Values of one swept field in the first cells, as numbers.
 fn column(sections: &str, place: usize, count: usize) -> Vec<f64> {
     let study = study(sections);
     let cell = |number| {

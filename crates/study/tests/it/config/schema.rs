@@ -4,7 +4,7 @@ use palpate_study::config::schema;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Numbers without a unit, or with the unit of the field that they refer to.
+/// Numbers without a unit, and numbers that have the unit of the field to which they refer.
 const DIMENSIONLESS: [&str; 40] = [
     "claims",              // their numbers
     "seed",                //
@@ -50,7 +50,7 @@ const DIMENSIONLESS: [&str; 40] = [
 
 const UNIT_SUFFIXES: [&str; 7] = ["_rad", "_deg", "_s", "_hz", "_rad_per_s", "_px", "_kpa"];
 
-/// Calls `visit` with the key and the schema of every property of every kind.
+/// Calls `visit` with each property of each kind: its key and its schema.
 fn properties(schema: &Value, visit: &mut impl FnMut(&str, &Value)) {
     for variant in schema["oneOf"].as_array().into_iter().flatten() {
         properties(variant, visit);
@@ -115,8 +115,8 @@ fn every_field_and_kind_is_described() {
     });
 }
 
-/// Column headers and `to_toml` rely on the rule that kinds with the same key have the same unit and default. Defaults
-/// that are tables are not compared, because these tables have kinds themselves.
+/// Column headers and `to_toml` rely on a rule: if several kinds have the same key, its unit and its default are the
+/// same. Defaults that are tables are not compared, because these tables have kinds themselves.
 #[test]
 fn kinds_that_share_a_key_share_its_unit_and_default() {
     properties(&schema(), &mut |key, property| {
