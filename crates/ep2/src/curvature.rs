@@ -40,7 +40,8 @@ pub struct Curvature {
 pub(crate) struct Curvatures {
     gaussian: Lanes,
     mean: Lanes,
-    /// Standard errors of the Gaussian and the mean curvature, and their correlation; `None` if the method states none.
+    /// Standard errors of the Gaussian and the mean curvature, and their correlation; `None` if the method does not
+    /// compute them.
     uncertainty: Option<[Lanes; 3]>,
 }
 

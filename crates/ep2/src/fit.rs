@@ -65,7 +65,7 @@ pub struct MapPoint {
     pub normal: Vector3<f64>,
     /// Gaussian and mean curvature.
     pub curvature: Curvature,
-    /// Smallest normal curvature, 1/length, convex positive.
+    /// Smallest normal curvature, 1/length; positive where the surface is convex.
     pub k_min: f64,
     /// Largest normal curvature, 1/length.
     pub k_max: f64,

@@ -13,7 +13,7 @@ use crate::{Contact, ShapeError};
 /// Largest ratio of a contact's distance from the spatial median to the median of these distances. A contact with a
 /// larger ratio is a gross outlier. In clean logs of strokes and caps, less than 0.01 % of the contacts exceed it.
 const MAX_DISTANCE_RATIO: f64 = 6.0;
-/// Largest share of contacts that may be outliers.
+/// Largest accepted share of outliers among the contacts. If there are more, an error is returned.
 pub(crate) const MAX_OUTLIER_SHARE: f64 = 0.2;
 /// Largest number of positions from which the spatial median is computed.
 const MAX_PLACES: usize = 5000;
@@ -129,7 +129,7 @@ fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>
     within_share(outliers, contacts.len())
 }
 
-/// The outliers. Returns an error if more than a fifth of the contacts are outliers.
+/// Returns `outliers`, or an error if more than a fifth of the contacts are outliers.
 pub(crate) fn within_share(
     outliers: Vec<Outlier>,
     contacts: usize,

@@ -178,8 +178,8 @@ impl Patch {
         self.samples[0].slopes.is_some()
     }
 
-    /// The patch with an evenly spaced selection of at most `count` contacts, and the distance between the selected
-    /// contacts.
+    /// The patch with an evenly spaced selection of at most `count` contacts. Also returns the step of the selection: 1
+    /// for all contacts, 2 for every second contact, and so on.
     pub(crate) fn thinned(&self, count: usize) -> (Cow<'_, Self>, usize) {
         // The step must have no common divisor with the number of fingers. Otherwise, if the contacts of the fingers
         // alternate, the selection would omit some fingers.

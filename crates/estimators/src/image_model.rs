@@ -9,7 +9,7 @@ use palpate_tracking::{Marker, MarkerErrors};
 /// from the nominal optics. The deviations in a [`Departure`] are the same for all markers.
 #[derive(Clone, Debug)]
 pub struct ImageModel {
-    /// The nominal sensor.
+    /// Camera and markers of the nominal sensor.
     pub optics: Optics,
 }
 

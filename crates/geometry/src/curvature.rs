@@ -215,7 +215,7 @@ pub enum ShapeClass {
 }
 
 impl ShapeClass {
-    /// All eight classes, in the order of the table above.
+    /// All eight classes: row by row, as in the table of [`ShapeClass`].
     pub const ALL: [Self; 8] = [
         Self::Peak,
         Self::Ridge,

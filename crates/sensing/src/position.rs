@@ -9,7 +9,7 @@ use crate::{Distribution, InvalidSensor, Stream};
 pub enum PositionAxes {
     /// Along x, y and z: independent errors of the same size.
     Xyz,
-    /// Along z alone.
+    /// Along z only.
     Z,
 }
 

@@ -1,4 +1,4 @@
-//! Keyed random streams.
+//! Streams of random numbers. Each stream depends only on seed, trial and channel.
 
 use std::convert::Infallible;
 

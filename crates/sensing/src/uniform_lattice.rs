@@ -28,7 +28,7 @@ pub struct UniformLattice {
     pads: u64,
 }
 
-/// `Φ − 1` turns, in units of 2⁻⁶⁴ turn.
+/// Azimuth from one pad to the next: `Φ − 1` turns, in units of 2⁻⁶⁴ turn. Φ is the golden ratio.
 const GOLDEN_TURN: u64 = 0x9E37_79B9_7F4A_7C15;
 /// The golden ratio Φ.
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;

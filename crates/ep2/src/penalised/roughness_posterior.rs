@@ -72,7 +72,7 @@ pub(super) struct SquareTerm {
 }
 
 impl SeriesProblem<'_> {
-    /// The amplitude of the roughness with the largest prior probability.
+    /// The most probable amplitude of the roughness before the contacts are used.
     fn expected_amplitude(&self, quadric: &[f64; UNKNOWNS]) -> f64 {
         let ratio = match self.square_term {
             Some(_) => EXPECTED_AMPLITUDE_ABOUT_IMPLICIT,
@@ -109,7 +109,7 @@ struct Candidate {
     square_amplitude: f64,
     /// Triangular factors of 1 + amplitude² × information.
     factors: Factors,
-    /// Mean of the factor of each mode.
+    /// Mean of each mode's factor, given the contacts.
     mean: Vec<f64>,
     /// Factor by which the assumed variances must be multiplied to explain the residuals; 1 if the variances are
     /// stated.

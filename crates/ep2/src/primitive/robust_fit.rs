@@ -326,7 +326,7 @@ pub(super) struct RobustFit {
     pub(super) inliers_of_few: Option<Vec<bool>>,
 }
 
-/// Fits a shape to contacts by a method that a few outliers change only slightly.
+/// Fits a shape to contacts by a robust method: a few outliers hardly change the result.
 pub(super) fn robust_fit(shape: Shape, cloud: &Cloud, stated: StatedNoise) -> RobustFit {
     let thinned = cloud.thinned(cloud.places.len().div_ceil(START_CONTACTS).max(1));
     let fits = starts(shape, &thinned)

@@ -182,7 +182,7 @@ impl Triangle {
         trace
     }
 
-    /// The solution. No diagonal entry may be zero.
+    /// Solves `R x = Qᵀb`. No diagonal entry may be zero.
     pub(super) fn solve(&self) -> Vec<f64> {
         let mut solution = vec![0.0; self.order];
         for row in (0..self.order).rev() {

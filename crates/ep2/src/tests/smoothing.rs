@@ -1,4 +1,4 @@
-//! Smoothing splines through valid and invalid points.
+//! Tests smoothing splines with valid and invalid points.
 
 use palpate_statistics::BadSetting;
 use proptest::prelude::*;

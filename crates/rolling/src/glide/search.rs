@@ -17,7 +17,8 @@ const MAX_STEPS: usize = 100;
 /// Largest number of times that a Newton step is halved.
 const MAX_HALVINGS: i32 = 40;
 /// Largest accepted horizontal distance between the tip's actual centre and the centre of a tip at the contact that was
-/// found. The distance is relative to the lengths involved.
+/// found. It is relative to the sum of three lengths: the tip's radius, and the distances of the centre and of the
+/// contact from the origin.
 pub(super) const ACCEPTED_MISS: f64 = 1e-12;
 /// The search stops if the next Newton step is shorter than this share of the tolerance. The step is an estimate of the
 /// contact's error; for small steps it is correct within a factor of 2.

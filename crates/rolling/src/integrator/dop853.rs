@@ -228,7 +228,7 @@ fn end_of_step<const N: usize>(
     (end, fifth * share / N as f64)
 }
 
-/// Sum of the squares of the weighted components of a slope, multiplied by the step.
+/// Sum of the squares of the weighted components of `slope` times `h`, where `h` is the step.
 #[inline]
 fn square<const N: usize>(slope: &[f64; N], weights: &[f64; N], h: f64) -> f64 {
     slope
