@@ -275,7 +275,7 @@ cell,radius,quantity,truth,mean
             1
         );
         assert_ne!(found(CELLS, ran, &[]), []);
-        // Cell 0 is missing in the table.
+        // The table has no rows of cell 0, which was run.
         assert_eq!(found(CELLS, ran, &["0", "7"]), [pair("", "rows")]);
     }
 

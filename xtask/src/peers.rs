@@ -70,7 +70,7 @@ const GROUPS: [Group; 11] = [
         task_targets: &[],
         slack: 0.0,
     },
-    // The rms error over 100 000 trials has a standard error of 0.2 %, so the slack must be larger than 0.
+    // The rms error over 100,000 trials has a standard error of 0.2 %. So a slack of 1 % is needed to compare errors.
     Group {
         name: "ep1-trial",
         peer: Kind::Python("ep1_trial.py"),
@@ -189,7 +189,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
             };
             match package.is_empty() {
                 true => mine.extend(in_rust()?),
-                // The Python script measures all its peers itself, except palpate in Rust.
+                // The script `python-glide` measures all its peers itself, except for palpate in Rust.
                 false if name == "python-glide" => theirs.extend(in_rust()?),
                 false => {}
             }
@@ -205,7 +205,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     print!("{}", peer_table::render(&rows));
     let path = shell.current_dir().join(RESULTS);
     let text = peer_table::csv(&rows, &programs::machine(shell))?;
-    // Each row compares times of one run on one machine, so the rows of tasks that were not run can be kept.
+    // If only some tasks were run, keep the rows of the other tasks. This is possible because each row compares times
+    // of one run on one machine.
     let text = match is_whole {
         true => text,
         false => peer_table::merged(&fs::read_to_string(&path).unwrap_or_default(), &text)?,

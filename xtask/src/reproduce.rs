@@ -73,8 +73,8 @@ fn draw(
     for study in studies {
         let start = Instant::now();
         let out = results.join(study);
-        // Remove the manifest of the last run, so that palpate overwrites the committed files even if they changed
-        // since that run.
+        // Without the manifest of the last run, palpate overwrites the committed files even if they changed since that
+        // run.
         shell.remove_path(out.join(compare::MANIFEST))?;
         simulate(shell, palpate, study, &out, quick)?;
         cmd!(shell, "{palpate} plot {out}")
@@ -132,7 +132,7 @@ fn simulate(shell: &Shell, palpate: &Path, study: &str, out: &Path, quick: bool)
     let config = format!("sim-configs/{study}.toml");
     let stride = quick.then(|| ["--every-nth-cell".to_owned(), QUICK_STRIDE.to_string()]);
     let stride = stride.into_iter().flatten();
-    // The output of the run is ignored, because the run writes its warnings to warnings.txt.
+    // Ignore the standard output of the run. Its warnings are also written to warnings.txt.
     let run = cmd!(
         shell,
         "{palpate} run {config} --out {out} --quiet {stride...}"

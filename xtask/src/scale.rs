@@ -47,7 +47,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
 
 /// The first requirement of a cluster that this machine does not meet; `None` if the machine meets all requirements.
 fn missing(shell: &Shell) -> Option<String> {
-    // Slurm's daemons are in /usr/sbin. Test for the files, because its commands fail without a config.
+    // Slurm's daemons are in /usr/sbin, which may not be in PATH. Look for the files instead of running the commands,
+    // because the commands fail without a config.
     let places = ["/usr/sbin", "/usr/local/sbin", "/usr/bin", "/usr/local/bin"];
     let is_there = |program: &&str| {
         places
@@ -228,8 +229,8 @@ impl TestBench<'_> {
         let (whole, out) = (self.path("alone"), self.path("cluster"));
         self.complete(&config, &whole)?;
 
-        // The scripts run the program that submits them. Submit a copy, so that a failing program can replace it until
-        // all shards have ended.
+        // The scripts of the shards run the program that submitted them. Submit a copy, so that the test can replace it
+        // by a program that fails.
         let program = self.path("palpate");
         fs::copy(&self.program, &program)?;
         self.hold(true)?;
@@ -326,7 +327,7 @@ impl TestBench<'_> {
     fn running(&self) -> Result<String> {
         let shell = self.shell;
         let start = Instant::now();
-        // The brackets prevent the search from finding its own process.
+        // `pgrep` searches command lines. The brackets prevent it from finding its own command line.
         let words = "[c]luster/run.toml --shard";
         while start.elapsed() < PATIENCE {
             let found = cmd!(shell, "pgrep -n -f {words}");

@@ -50,7 +50,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     let checked = check_auto(shell, &assay, &fresh.join(AUTO_CHECK));
     keep(AUTO_CHECK, &fresh, &out)?;
     replace(&fresh, &out)?;
-    // Report a failed check only here, so that the tables are kept even then.
+    // Report a failed check only after the tables are kept.
     checked?;
     println!(
         "{}: {:.1} s; `cargo xtask reproduce` adds it to the page",

@@ -192,12 +192,12 @@ mod tests {
         let made = |key| of_size(key, 2);
         assert!([1, 2, 3].into_iter().all(&made));
         assert!(!made(1));
-        // The value 2 is the least recently used value, so it was removed from the cache.
+        // The cache has room for three values. Value 2 was used least recently, so it is removed.
         assert!(made(4));
         assert!(!made(1) && !made(3) && !made(4));
         assert!(made(2));
         assert!(made(1));
-        // A value that is larger than the room is never cached.
+        // A value that is larger than the cache is never kept, so it is made again.
         assert!(of_size(5, 7) && of_size(5, 7));
     }
 }

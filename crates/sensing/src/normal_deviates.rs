@@ -48,7 +48,7 @@ fn series<const TERMS: usize>(coefficients: [f32; TERMS], number: f32) -> f32 {
 /// Length √(−2 ln u) of a pair of normal numbers, for the uniform number u = (k + ½) / 2³¹.
 #[inline(always)]
 fn radius(k: u32) -> f32 {
-    // Convert k as a signed integer, because this conversion takes only one instruction.
+    // Convert k as a signed integer, because processors convert signed integers with one instruction.
     let bits = (k as i32 as f32 + 0.5).to_bits() as i32;
     // Decompose the number: k + ½ = 2^power (1 + x) / (1 − x). The fraction (1 + x) / (1 − x) is between √½ and √2.
     let power = (bits - (0.5 * SQRT_2).to_bits() as i32) >> 23;
@@ -120,8 +120,8 @@ mod tests {
         for _ in 0..100_000 {
             let words: [u64; PAIRS] = std::array::from_fn(|_| next());
             assert!(largest_error(words) < 1.0, "{words:x?}");
-            // The radius of a pair is large if its first uniform number is small. The shifts of the words make small
-            // numbers more frequent and do not change the angles.
+            // A pair of normal numbers has a large radius if its first uniform number is small. Shift the words, so
+            // that small first numbers are more frequent.
             let far = |pair: usize| words[pair] >> (pair * 4) | words[pair] & 0xFFFF_FFFF;
             let far = std::array::from_fn(far);
             assert!(largest_error(far) < 1.0, "{far:x?}");
@@ -138,7 +138,7 @@ mod tests {
                 assert!(largest_error([word; PAIRS]) < 1.0, "{word:x}");
             }
         }
-        // The expected value is √(64 ln 2) = 6.660_43.
+        // For k = 0, u is 2⁻³², so the radius is √(64 ln 2) = 6.660_43.
         assert!((radius(0) - 6.660_43).abs() < 1e-5);
         assert_eq!(radius(u32::MAX >> 1), 0.0);
     }

@@ -139,8 +139,8 @@ impl Pads {
     /// first number is for the standard deviation per axis, the second for the largest error along an axis.
     pub fn rounding(&self) -> [f64; 2] {
         match self.tiling {
-            // The second moment of the area per axis is 5/72 pitch² for a hexagon and 1/12 pitch² for a square. The
-            // corners of a hexagon are 1/√3 pitch from its middle.
+            // The variance per axis is 5/72 pitch² for a hexagonal pad and 1/12 pitch² for a square one. The corners of
+            // a hexagon are 1/√3 pitches from its middle; the edges of a square are half a pitch from it.
             Tiling::Hexagonal => [(5.0_f64 / 6.0).sqrt(), 2.0 / 3.0_f64.sqrt()],
             Tiling::Square | Tiling::Uniform(_) => [1.0; 2],
         }

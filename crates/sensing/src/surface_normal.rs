@@ -78,8 +78,8 @@ mod tests {
                 0.05 * 2.0_f64.sqrt(),
                 max_relative = 0.02
             );
-            // For a small standard deviation σ of the tilt, the covariance of the normal n is isotropic to second
-            // order: σ² (I − n nᵀ).
+            // For a small standard deviation σ of the tilt, the normal n has the covariance σ² (I − n nᵀ). Terms of
+            // higher order in σ are neglected.
             let expected = nalgebra::Matrix3::identity() - normal * normal.transpose();
             assert!((square / count / 0.0025 - expected).amax() < 0.03);
         }

@@ -70,8 +70,8 @@ impl UniformLattice {
     pub fn nearest(&self, direction: &Vector3<f64>) -> u64 {
         let count = self.pads as f64;
         let sine_squared = direction.x * direction.x + direction.y * direction.y;
-        // Index of a pad at the depth `1 − z` below the pole. The depth is computed from z or from the sine of the
-        // polar angle: the formula is used that loses fewer digits.
+        // `depth` is the index of a pad at the height z, which need not be a whole number. It is proportional to 1 − z.
+        // In the upper half, 1 − z is computed from the sine of the polar angle, which loses fewer digits.
         let depth = if direction.z > 0.0 {
             sine_squared / (1.0 + direction.z)
         } else {
@@ -91,7 +91,7 @@ impl UniformLattice {
         let basis = Matrix2::new(signed_azimuth(f0 as u64), signed_azimuth(f1 as u64), f0, f1);
         let mut best = Nearest::new(direction);
         if let Some(inverse) = basis.try_inverse() {
-            // Numbers of steps along the two basis vectors. The steps are counted from pad 0, which lies at azimuth 0
+            // `steps` are the numbers of steps along the two basis vectors, counted from pad 0, which lies at azimuth 0
             // and depth 0.
             let steps = inverse * Vector2::new(azimuth_here, depth);
             let corner = steps.map(f64::floor);
@@ -99,7 +99,7 @@ impl UniformLattice {
                 for across in -1..=2 {
                     let index =
                         (corner.x + f64::from(along)) * f0 + (corner.y + f64::from(across)) * f1;
-                    // An index beyond a pole continues on the other side of the pole.
+                    // If the index is beyond a pole, continue on the other side of the pole.
                     let index = if index < 0.0 { -1.0 - index } else { index };
                     let index = if index >= count {
                         2.0 * count - 1.0 - index

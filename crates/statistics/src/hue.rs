@@ -26,7 +26,7 @@ pub fn hue_turns([red, green, blue]: [f64; 3]) -> f64 {
     };
     let turns = sixths / 6.0;
     let turns = if turns < 0.0 { turns + 1.0 } else { turns };
-    // If a tiny negative number is added to 1, the sum is exactly 1, which is the hue 0.
+    // If `turns` was a tiny negative number, adding 1 gives exactly 1. This is the hue 0.
     if turns < 1.0 { turns } else { 0.0 }
 }
 

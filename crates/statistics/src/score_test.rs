@@ -107,8 +107,8 @@ mod tests {
 
     #[test]
     fn patterns_that_the_unknowns_take_do_not_count() {
-        // A mean was fitted to two readings, and the residuals are (1, −1). The mean explains the pattern (1, 1)
-        // completely, and the pattern (1, −1) not at all.
+        // A mean is fitted to two readings, and the residuals are (1, −1). The mean completely explains the pattern (1,
+        // 1), so only the pattern (1, −1) counts.
         let left = DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 0.0, 2.0]);
         let explained = Explained::by(&[2.0, 2.0], &left, &DVector::from_vec(vec![0.0, 2.0]), LEFT);
         assert_eq!((explained.fall, explained.freedom), (2.0, 1));

@@ -74,7 +74,7 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
     if !ratio.is_finite() {
         return 0.0;
     }
-    // The first chi-squared, divided by the sum of both, has a beta distribution.
+    // `share` is the first chi-squared divided by the sum of both. It has a beta distribution.
     let (share, rest) = (ratio / (1.0 + ratio), 1.0 / (1.0 + ratio));
     let [a, b] = [many_below, many_above].map(|freedom| 0.5 * freedom as f64);
     // The probability can be computed in two equivalent forms. Use the form whose continued fraction converges fast.
@@ -112,8 +112,8 @@ pub fn student_half_width(probability: f64, freedom: usize) -> f64 {
         let per_probability = 0.5 * count.sqrt() * libm::exp(log_beta(0.5, 0.5 * count));
         return probability * per_probability;
     }
-    // The tail of the F distribution is used, because the square of Student's t has an F distribution with one degree
-    // of freedom in the numerator.
+    // The square of Student's t has an F distribution with one degree of freedom in the numerator. So use the tail of
+    // F.
     let is_inside =
         |width: f64| ratio_tail(width * width, 1, freedom as f64, freedom) > 1.0 - probability;
     let mut high = 1.0;
@@ -185,7 +185,7 @@ fn log_beta(a: f64, b: f64) -> f64 {
     if large < LARGE {
         return libm::lgamma(a) + libm::lgamma(b) - libm::lgamma(a + b);
     }
-    // `growth` and the Stirling terms add up to ln Γ(large) − ln Γ(large + small), with an error of 1e-15.
+    // `of_large − growth` is ln Γ(large) − ln Γ(large + small), with an error of 1e-15.
     let sum = large + small;
     let growth = (large - 0.5) * libm::log1p(small / large) + small * libm::log(sum) - small;
     let of_large = rest_of_stirling(large) - rest_of_stirling(sum);
@@ -343,7 +343,7 @@ mod tests {
             let found = chi_squared_tail(sum, freedom);
             is_near(found, due, 1e-12 * due, "chi-squared");
         }
-        // The tested degrees of freedom are just below and above `MOST_TERMS`, and the largest `usize`.
+        // Test degrees of freedom just below and just above `MOST_TERMS`, and the largest `usize`.
         for (freedom, due) in [
             (999_999, 0.499_811_936_709_362_8),
             (1_000_001, 0.499_811_936_897_426_03),
@@ -369,8 +369,8 @@ mod tests {
             let bound = (1e-14 * below.min(MOST_FREEDOM) as f64).max(1e-10);
             is_near(found, due, bound, "ratio");
         }
-        // The quantiles of Student's t have closed forms for one degree of freedom (with a tangent) and for two (with a
-        // square root).
+        // Student's t has quantiles in closed form for one degree of freedom (`of_one`, with a tangent) and for two
+        // (`of_two`, with a square root).
         for (probability, of_one, of_two) in [
             (
                 1e-300,

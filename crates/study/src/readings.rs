@@ -100,7 +100,7 @@ impl Measure {
             (Self::Turn, "deg" | "degree" | "degrees" | "\u{b0}") => Factor(1.0 / 360.0),
             (Self::Turn, "rad") => Factor(1.0 / TAU),
             (Self::Pixel, "px" | "pixel" | "pixels") => Factor(1.0),
-            // Units are compared in lower case, so mN is not MN.
+            // Units are compared in lower case, so "mn" is always mN. MN (meganewton) is not supported.
             (Self::Force, "n" | "newton" | "newtons") => Factor(1.0),
             (Self::Force, "mn") => Factor(1e-3),
             (Self::Force, "kn") => Factor(1e3),
@@ -164,7 +164,7 @@ impl Column {
         if QUATERNION.contains(self) {
             return (quaternion_part(name)? == *self).then_some(None);
         }
-        // Logs call a time by its full name.
+        // The stem of the column is an abbreviation, but files also use the full word "time".
         let is_time = self.measure == Measure::Time && name.starts_with("time");
         let stem = if is_time { "time" } else { self.stem() };
         let rest = name.strip_prefix(stem)?;

@@ -246,13 +246,13 @@ impl Statistic {
     pub fn label(self, quantities: &[&str], unit: &str) -> Label {
         let first = quantities.first().and_then(|name| Quantity::named(name));
         let is_measured = first.is_some_and(|first| first.kind != QuantityKind::Estimated);
-        // Strains are displayed in percent, too.
+        // Strains are shares of a length, so they are also displayed in percent.
         let is_strain = |first: Quantity| first.name.ends_with("_strain");
         let is_share =
             first.is_some_and(|first| first.kind == QuantityKind::Share || is_strain(first));
         let quantity = in_common(quantities);
         let words = match self {
-            // A measured value is not an estimate, so its mean is labelled with the quantity alone.
+            // The mean of measured values is labelled with the quantity alone, without a word for an estimate.
             Self::Mean if is_measured => quantity,
             _ => self.words().replace("{}", &quantity),
         };

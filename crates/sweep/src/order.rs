@@ -148,7 +148,7 @@ pub fn repeats(
         return Repeats::Found(1);
     }
     let most = one.len().min(other.len()) / GROUPS;
-    // First find the smallest power of two that is enough trials. Then find the smallest number of trials by bisection.
+    // Double the number of trials until it is enough. Then find the smallest sufficient number by bisection.
     let mut enough = 2;
     while enough <= most && probability(enough) < confidence {
         enough *= 2;
@@ -180,9 +180,9 @@ fn beyond(
     let (Some(one), Some(other)) = (Spread::of(one), Spread::of(other)) else {
         return Repeats::Never;
     };
-    // Each entry contains a distance, the standard deviation of a trial, and the standard error of the distance. The
-    // distance is measured between the two means or, with a limit, from one mean to the limit. A distance is positive
-    // if the order is right.
+    // Each entry contains a distance, the standard deviation of a trial, and the standard error of the distance.
+    // Without a limit, the distance is between the two means; with a limit, it is from each mean to the limit. It is
+    // positive if the order is right.
     let separations = match limit {
         None => vec![(
             other.mean - one.mean,
@@ -253,7 +253,7 @@ fn estimates(means: &[TrialMeans]) -> Vec<Option<f64>> {
 
 /// Means of groups of `each` consecutive trials. Failed trials are left out of the means.
 fn means(values: &[Option<f64>], each: usize) -> Vec<Option<f64>> {
-    // An experiment that is not random has only one trial, so its mean is the same for any group size.
+    // An experiment that is not random has only one trial, which is also the mean of any group.
     if each == 1 || values.len() == 1 {
         return values.to_vec();
     }
@@ -357,13 +357,13 @@ fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [us
     if one == 0 || other == 0 || !probability.is_finite() {
         return order(0.0, (0.0, 1.0));
     }
-    // If neither experiment is random, the probability is exact.
+    // Neither experiment is random, so the probability is exact.
     if one == 1 && other == 1 {
         return order(probability, (probability, probability));
     }
-    // Number of independent trials that would have the same variance. It is at least the number of trials of the
-    // smaller random experiment. If the variance comes from only a few uncertain trials, it is inaccurate, so the
-    // number is only slightly larger than this minimum.
+    // `as_many` is the number of independent trials that would have the same variance. `fewest`, the number of trials
+    // of the smaller random experiment, is its lower limit. If few trials are uncertain, the variance is inaccurate, so
+    // `as_many` is kept near this limit.
     let fewest = match (one, other) {
         (1, random) | (random, 1) => random,
         (one, other) => one.min(other),

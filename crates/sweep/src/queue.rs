@@ -145,9 +145,9 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         };
         let block_end = (start - start % BLOCK).saturating_add(BLOCK).min(end);
         let to_block = block_end - start;
-        // The queue cannot predict at which trial a rule will end a task. Therefore one thread runs all trials of such
-        // a task. Only the last task is shared by all threads. Some of its trials may then be run in vain, because a
-        // rule ends the task before them.
+        // The queue does not know at which trial a rule will end a task. Therefore one thread runs all trials of such a
+        // task, so that no trials are run in vain. Only the last task is shared by all threads, because otherwise they
+        // would be idle.
         let is_last = has_clock && state.next + 1 == self.tasks;
         let is_whole = task.may_stop && !is_last && start == 0;
         let taken = if is_whole {
@@ -158,7 +158,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
             let blocks = (fitting / BLOCK).clamp(1, MAX_BLOCKS);
             (end - start).min(blocks * BLOCK)
         } else if is_first {
-            // Run a multiple of 8 trials, because up to 8 trials are computed together.
+            // Up to 8 trials are computed together, so run a multiple of 8 trials.
             let whole = if fitting > 8 {
                 fitting - fitting % 8
             } else {

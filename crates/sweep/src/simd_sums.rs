@@ -248,7 +248,8 @@ impl WithSimd for TotalsOf<'_> {
             parts.add([estimates, truths, stds], errors);
         }
         if !last_errors.is_empty() {
-            // Fill the unused entries of the last vector with an observation that does not change the sums.
+            // The last vector may have unused entries. Fill them with the first observation, which does not change the
+            // sums of differences from it.
             let [estimate, truth] = self.first;
             let mut filled = [estimate, truth, UNREPORTED].map(|value| [value; LANES]);
             let last = [last_estimates, last_truths, last_stds];

@@ -163,7 +163,8 @@ mod tests {
         let together = of_trials(&thrice, places).std_of_rms().unwrap();
         assert_relative_eq!(together, once, max_relative = 1e-14);
         assert!(each(&thrice).std_of_rms().unwrap() < 0.6 * once);
-        // These trials differ only in the number of their observations, so the standard error of the mean square is 0.
+        // All errors are equal, and the trials differ only in the number of their observations. So the standard error
+        // of the mean square is 0.
         let alike = of_trials(&[2.0; 9], [0..1, 1..4, 4..5, 5..9]);
         assert!(alike.std_of_rms().unwrap() < 1e-15, "{alike:?}");
     }

@@ -243,8 +243,8 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
                 None => break,
             }
         }
-        // This thread drops its results. The queue must be stopped, because other threads may wait until these results
-        // have been passed on.
+        // If the run is cancelled, this thread drops its results. Stop the queue, because other threads may wait until
+        // these results have been passed on.
         if self.is_cancelled() {
             self.queue.stop();
         }
@@ -377,7 +377,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
             }
             line.head += 1;
         }
-        // Stop the queue here too, because a rule may have ended the last task before its last trial.
+        // A rule may have ended the last task before its last trial. Then stop the queue here.
         if line.tasks == self.sweep.tasks() {
             self.queue.stop();
         }
@@ -393,7 +393,7 @@ impl<S: Sweep> Line<'_, S> {
         if self.failed.is_some() {
             return ControlFlow::Break(());
         }
-        // The trials of an earlier task are not used, because a rule has ended this task before them.
+        // A rule has already ended the task of these trials, so do not use them.
         if ran.number < self.tasks {
             return ControlFlow::Continue(());
         }

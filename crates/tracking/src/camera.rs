@@ -296,8 +296,8 @@ mod tests {
         let along = camera.shift(rest, [rest[0] + 2.3, rest[1]]);
         assert_relative_eq!(along[0], 0.01, epsilon = 1e-12);
         assert_relative_eq!(along[1], 0.0, epsilon = 1e-12);
-        // A place at 1 rad from the apex lies on a circle of radius sin 1 instead of 1. Therefore one pixel
-        // perpendicular to the image's radius corresponds to a smaller angle.
+        // A place at 1 rad from the apex lies on a circle of radius sin 1, but its image lies on a circle of radius 1.
+        // So a pixel across the image's radius corresponds to a smaller angle than a pixel along it.
         let across = camera.shift(rest, [rest[0], rest[1] - 1e-3]);
         assert_relative_eq!(
             across[1],
@@ -317,8 +317,8 @@ mod tests {
                 let place = camera.place([319.5 + radius * along, 319.5 - radius * up]);
                 assert_relative_eq!(place[0], angle * along, epsilon = 1e-12);
                 assert_relative_eq!(place[1], angle * up, epsilon = 1e-12);
-                // Ratio of an area in the image to the corresponding area on the sphere. The slope along the image's
-                // radius is a finite difference.
+                // `area` is an area in the image divided by the corresponding area on the sphere. `slope` is a finite
+                // difference along the image's radius.
                 let more = 1e-6;
                 let distance = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
                 if angle > 0.0 {
@@ -357,7 +357,7 @@ mod tests {
     #[test]
     fn a_marker_that_only_moves_outward_does_not_grow() {
         let camera = camera();
-        // Two images of a marker with the same solid angle, at 0.5 and 0.8 rad from the axis.
+        // `marker` is the image of a marker at an angle from the axis. Its solid angle does not depend on this angle.
         let marker = |angle: f64| Marker {
             centroid_px: [319.5 + 230.0 * angle, 319.5],
             hue_turns: 0.9,

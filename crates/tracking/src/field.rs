@@ -186,8 +186,8 @@ impl Field {
         natural.get_weights(point, &mut weights);
         let is_mean = |(_, weight): &(_, f64)| (-1e-6..=1.0 + 1e-6).contains(weight);
         if !weights.iter().all(is_mean) {
-            // In a very thin triangle, the computation of the circumcircle overflows. The weights are then the
-            // barycentric weights of the triangle.
+            // In a very thin triangle, the circumcircle overflows, and the weights are not between 0 and 1. Then use
+            // the barycentric weights of the triangle.
             let corners = self.triangulation.barycentric();
             corners.get_weights(point, &mut weights);
         }
@@ -216,7 +216,7 @@ impl Field {
         let middle = 0.5 * (low + high);
         match count {
             1 => vec![middle],
-            // Use this form of linear interpolation, because it returns both ends of the range exactly.
+            // This form of linear interpolation returns both ends of the range exactly.
             _ => (0..count)
                 .map(|step| step as f64 / (count as f64 - 1.0))
                 .map(|share| low * (1.0 - share) + high * share)

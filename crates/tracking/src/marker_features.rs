@@ -49,7 +49,8 @@ pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marke
 pub(crate) fn weights(sums: &Sums, ground: Ground) -> [f64; 3] {
     match ground {
         Ground::Bright => [0.0, 1.0, 1.0],
-        // Weights that are proportional to the light are optimal, because all pixels have the same noise.
+        // All pixels have the same noise. Therefore weights proportional to the light minimise the error of the
+        // centroid.
         Ground::Dark => sums.light.map(|light| light.max(0.0)),
     }
 }
@@ -116,12 +117,13 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
         yy - 2.0 * cy * y + count * cy * cy,
     ];
     let edge_px = std::f64::consts::TAU * radius_px;
-    // Derivatives of centroid, hue and size with respect to an error of an edge pixel that is the same in all colours.
+    // `edge_slopes` are the derivatives of centroid, hue and size with respect to an error of an edge pixel that is the
+    // same in all colours.
     let mut edge_slopes = [0.0; 3];
     let mut covariance = [[0.0; 4]; 4];
     for colour in 0..3 {
-        // Derivatives of centroid, hue and size with respect to a pixel's share of this colour. The derivative of the
-        // centroid is per px of the offset of the pixel.
+        // `place`, `turn` and `size` are the derivatives of centroid, hue and size with respect to a pixel's share of
+        // this colour. `place` is per px of the pixel's offset.
         let place = weights[colour] / light;
         let turn = hue_slope(sums.hue_light, ground, colour);
         let size = match ground {

@@ -80,7 +80,8 @@ impl<'a> Matching<'a> {
                 next.fold(f64::INFINITY, f64::min)
             })
             .collect();
-        // For markers without near neighbours, limit the spacing to a typical value for markers of this size.
+        // A marker without near neighbours would have a very large spacing. Limit it to a typical value for markers of
+        // this size.
         for (spacing, marker) in spacing.iter_mut().zip(rest) {
             *spacing = spacing.min(8.0 * marker.size_px2.max(0.0).sqrt());
         }

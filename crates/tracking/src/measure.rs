@@ -414,7 +414,7 @@ impl Scene<'_> {
     }
 
     fn errors(&self, patch: &Patch, offset: &Offset) -> PixelErrors {
-        // Use at least the rounding error of whole levels, whose variance is 1/12, because the noise cannot be smaller.
+        // Pixels have whole levels, so their noise is at least the rounding error, whose variance is 1/12.
         let noise = self.lighting.noise.max(1.0 / 12.0_f64.sqrt());
         PixelErrors {
             window: patch.window.moments(patch.middle),

@@ -49,8 +49,8 @@ pub(crate) fn select(
         .into_iter()
         .filter(sized)
         .partition(|shape| is_cut(shape, width, inside));
-    // Near the rim, the light often decreases steeply. The shade there connects several markers to one shape. Therefore
-    // only the steep parts of such shapes are used.
+    // Near the rim, light often decreases steeply, and the shade connects several markers to one shape. Therefore use
+    // only the steep parts of such a shape.
     let steep: Vec<Shape> = dim
         .iter()
         .flat_map(|shape| steep(shape, top_hat, width))

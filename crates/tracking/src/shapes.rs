@@ -131,8 +131,8 @@ pub(crate) fn join(runs: &[Run], most: usize) -> Option<Vec<Shape>> {
     let mut parents: Vec<usize> = (0..runs.len()).collect();
     let mut above = 0;
     for (at, run) in runs.iter().enumerate() {
-        // `above` never decreases. If a run of the row above ends left of this run, it also ends left of all later runs
-        // in this row.
+        // `above` points to the first run of the row above that may touch this run. It only increases: a run that ends
+        // left of this run also ends left of all later runs in this row.
         while above < at
             && (runs[above].row + 1 < run.row
                 || runs[above].row + 1 == run.row && runs[above].last + 1 < run.first)

@@ -233,7 +233,7 @@ mod tests {
         assert_eq!(verdict(figure("a", 0.1, 0.1001), 0.0), Verdict::ErrsMore);
         assert_eq!(verdict(figure("a", 0.1, 0.1001), 0.01), Verdict::Met);
         assert_eq!(verdict(figure("a", 0.1, 0.1011), 0.01), Verdict::ErrsMore);
-        // An error of NaN counts as larger than any number, so palpate with such an error fails the comparison.
+        // An error of NaN counts as larger than any number, so palpate fails the comparison.
         assert_eq!(verdict(figure("a", 0.1, f64::NAN), 0.0), Verdict::ErrsMore);
     }
 

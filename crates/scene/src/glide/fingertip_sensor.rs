@@ -73,8 +73,8 @@ fn pad_direction(
     radius: f64,
     direction: &Vector3<f64>,
 ) -> Result<Vector3<f64>, BeyondPads> {
-    // The pads are arranged around the direction +z; with z reversed, they are arranged around the lowest point of the
-    // tip.
+    // `pads` are arranged around the direction +z, but the pads of a fingertip are arranged around its lowest point. So
+    // reverse z.
     let upside_down =
         |direction: &Vector3<f64>| Vector3::new(direction.x, direction.y, -direction.z);
     let displacement = displacement_between(&Vector3::z(), &upside_down(direction)) * radius;

@@ -105,8 +105,8 @@ impl GlideScene {
         let finest = on(TouchModel::Newton {
             tolerance: Model::SMALLEST_TOLERANCE,
         });
-        // The closed form is compared with Newton's method at the smallest tolerance. If only one of the two can be
-        // computed, its error counts as 0.
+        // The error of the closed form is its difference from Newton's method at the smallest tolerance. If Newton's
+        // method fails, the error counts as 0.
         let best = closed.as_ref().or(finest.as_ref());
         let closed_error = match (&closed, &finest) {
             (Ok(closed), Ok(finest)) => Ok(distance(closed, finest) / radius),
@@ -353,8 +353,8 @@ fn grid(
     let grid_error = |error: GlideError| {
         FieldError::at("scene.evaluate.half_width", format!("the grid: {error}"))
     };
-    // If the object's curvature is the same everywhere, it is used without rounding errors. The Gaussian curvature of a
-    // cylinder is then exactly 0.
+    // If the object's curvature is the same everywhere, use this exact value. For example, the Gaussian curvature of a
+    // cylinder is then exactly 0, without rounding errors.
     let everywhere = object.constant_curvature();
     let place = |x: f64, y: f64| -> Result<TruePlace, FieldError> {
         let touch = truth

@@ -275,7 +275,8 @@ impl CalibrationFrames {
 
 /// Mean of several images of one marker.
 fn mean(first: Marker, others: &[Marker]) -> Marker {
-    // Sums of the differences from the first image, for both centroid coordinates, the hue, the mean hue and the size.
+    // Sum the differences from the first image: of both centroid coordinates, the hue, the mean hue and the size. Hues
+    // are angles, so they cannot be summed directly.
     let mut sums = [0.0; 5];
     for marker in others {
         let turn = marker.hue_turns - first.hue_turns;

@@ -294,8 +294,8 @@ impl SimulatedCamera {
         };
         let [mut hues, mut centroids, mut sizes] = [Channel::Hue, Channel::Centroid, Channel::Size]
             .map(|channel| Stream::new(self.seed, trial, channel));
-        // Random numbers are drawn for every marker, visible or not. Therefore the noise of a marker does not depend on
-        // the visibility of other markers.
+        // Draw random numbers for every marker, even if it is not visible. Then the noise of a marker does not depend
+        // on which other markers are visible.
         let noisy = |image: Option<SeenMarker>| {
             let hue = noise.hue.draw(&mut hues);
             let centroid = [(); 2].map(|()| noise.centroid.draw(&mut centroids));

@@ -62,7 +62,7 @@ impl PressScene {
     ) -> Result<Vec<&'static str>, PressFailure> {
         let estimate = self.estimate(reading)?;
         let given = self.given_indentation(reading);
-        // If the readings alone do not determine the indentation, they cannot contradict the stated one.
+        // A stated indentation can contradict the readings only if the readings alone also determine the indentation.
         let (indentation, misfits) = match self.estimator.images(reading) {
             Some((fit, images)) => (
                 fit.check_indentation(images, given),

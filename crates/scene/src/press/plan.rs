@@ -77,7 +77,7 @@ impl PressScene {
             Ok(contact) => setup.case(contact, camera)?,
             Err(error) => PressCase::NoPress(*error),
         };
-        // A press with a camera has no Cramér–Rao bound, because `noise` does not contain the errors of the camera.
+        // `noise` does not contain the errors of a camera. Therefore a press with a camera has no Cramér–Rao bound.
         let bounds = contact
             .ok()
             .filter(|_| camera.is_none())
@@ -381,7 +381,7 @@ impl PressRungs {
         }
         let rungs = self.measure(markers, geometry)?;
         let reference = self.requested.reference();
-        // Hertz contact and the half-space have the same cost, so the more accurate of the two is chosen.
+        // Hertz contact and the half-space cost the same, so choose the more accurate of the two.
         let cheap = rungs.iter().filter_map(|(model, accuracy)| {
             let error = accuracy.error().filter(|&error| error <= tolerance)?;
             model.thickness().is_none().then_some((model, error))

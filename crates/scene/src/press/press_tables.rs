@@ -134,8 +134,8 @@ impl PressScene {
             )?),
         };
         let moves_tangentially = body.moves_tangentially();
-        // For a Gaussian, the gain is the amplitude of the displacement. For other bodies, the gain is a property of
-        // the sensor and does not affect the displacement.
+        // For a Gaussian, the estimated gain is the amplitude of the displacement. For other bodies, it is the gain of
+        // the sensor, which does not change the displacement.
         let amplitude = estimate
             .gain
             .filter(|_| !moves_tangentially)

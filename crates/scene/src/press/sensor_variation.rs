@@ -87,7 +87,8 @@ impl SensorVariation {
         let departure = nominal.optics.possible(Departure::of(numbers));
         let optics = nominal.optics.departed(&departure)?;
         let array = optics.array().clone();
-        // The number 0 is reserved: it seeds the misalignments in scenes whose trials share one sensor.
+        // Add 1 to the number of the trial, because the number 0 is reserved: it seeds the misalignments in scenes
+        // whose trials share one sensor.
         let array = array.misaligned(self.misalignment, nominal.seed, trial.wrapping_add(1))?;
         let camera = SimulatedCamera {
             optics: optics.misaligned(&array.misalignments())?,

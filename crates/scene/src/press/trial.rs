@@ -292,8 +292,8 @@ impl PressScene {
             }
             if let Some(truth) = self.true_value(Quantity::AXIS_DEG) {
                 let [axis, std] = [principal.axis, principal.axis_std].map(f64::to_degrees);
-                // Angles that differ by half a turn are the same axis, so the estimate is moved to within a quarter
-                // turn of the true angle.
+                // Angles that differ by half a turn describe the same axis. Use the angle that is nearest to the true
+                // one.
                 let value = truth + half_turn(axis - truth);
                 let [low, high] = [-NORMAL_95, NORMAL_95].map(|width| Some(value + width * std));
                 let interval = Interval { low, high };

@@ -39,7 +39,7 @@ impl LinearRoll {
         }: &Roll,
     ) -> Self {
         let size = error * command.angular_velocity.norm() * command.duration_s;
-        // The path of the contact is `mobility` times (−Δθ_y, Δθ_x).
+        // If the probe turns by Δθ, the contact moves by `mobility` times (−Δθ_y, Δθ_x).
         let path = |rotation: Vector2<f64>| -> [f64; 2] {
             (mobility * Vector2::new(-rotation.y, rotation.x)).into()
         };
@@ -54,8 +54,8 @@ impl LinearRoll {
     /// Path of the contact if the rotation has these errors, which are in units of the size of the errors.
     #[inline(always)]
     fn path(&self, [error_x, error_y]: [f64; 2]) -> [f64; 2] {
-        // This is not a closure, because a closure that is not inlined would not use the vector instructions of its
-        // caller.
+        // Do not use a closure here. A closure that is not inlined would be compiled without the vector instructions of
+        // its caller.
         let ([u, v], [u_x, v_x], [u_y, v_y]) = (self.commanded, self.per_error_x, self.per_error_y);
         [
             u + u_x * error_x + u_y * error_y,
@@ -126,8 +126,8 @@ impl LinearRolls {
         let half_turn = self.half_turn_squared();
         let mut streams = Streams::new(seed, first, Channel::AngularVelocity);
         for (number, &probe) in self.probes.iter().enumerate() {
-            // Errors are drawn first, and paths are computed in a second loop, because processors execute short loops
-            // with the most overlap.
+            // Draw all errors in one loop and compute all paths in another. Processors overlap the iterations of short
+            // loops better.
             many.draw(self.error, &mut streams, count);
             match number {
                 0 => many.add::<true>(probe, half_turn, count),
@@ -135,7 +135,8 @@ impl LinearRolls {
             }
         }
         let long = &many.long[..count];
-        // The sum is almost always 0, because hardly any path is longer than halfway around its probe.
+        // A path that is longer than halfway around the probe is very rare. So test the sum first, which is almost
+        // always 0.
         match long.iter().sum::<u64>() {
             0 => long.len(),
             _ => long.iter().take_while(|&&long| long == 0).count(),
@@ -211,7 +212,7 @@ impl ManyRolls {
         streams: &mut Streams<BATCH_SIZE>,
         count: usize,
     ) {
-        // The distribution is matched outside of the loops, so that the distribution within each loop is fixed.
+        // Match the distribution outside of the loops, so that no loop has to test it.
         match error {
             None => (),
             Some(Distribution::Uniform) => {

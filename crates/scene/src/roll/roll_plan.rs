@@ -48,8 +48,8 @@ impl RollScene {
 
         let (roller, commands) = roller(config, probe, object, noise)?;
         let reading_noise = ReadingNoise {
-            // In the config, the noise is a fraction of the whole rate of rotation, including spin. Here, the noise is
-            // a fraction of the tangential part of the rate.
+            // The config states the noise as a fraction of the whole rate of rotation, including spin. Convert it to a
+            // fraction of the tangential part of the rate.
             relative_rotation_std: noise.map_or(0.0, |noise| noise.relative_rotation_std())
                 * libm::hypot(config.motion.spin_rad_per_s / rate(&config.motion), 1.0),
             rotation_std_rad: rotation_sensor.std_rad(),
@@ -251,7 +251,7 @@ fn roller(
             durations.push((*command, duration_s));
             command.duration_s = duration_s;
         }
-        // The choice of the model depends on the distance that the probes roll, so the roller is set up again.
+        // The best model depends on how far the probes roll, which is known only now. So set up the roller again.
         roller = set_up(&commands)?;
     }
     Ok((roller, commands))
@@ -316,7 +316,8 @@ fn noiseless(
         let fail = |error: RollError| format!("probe {probe} cannot roll: {error}");
         let shift = roller.shift(&[command]);
         if shift.is_err() {
-            // An overlap of the probe with the object at the start is reported with priority.
+            // If the probe overlaps the object already at the start, report this error instead of the error of the
+            // roll.
             let start = Motion {
                 duration_s: 0.0,
                 ..command

@@ -175,7 +175,7 @@ impl SensorTrial<'_> {
             Self::Pads(pads, placement) => (pads, &*placement),
         };
         let first = pads.first_place(placement).unwrap_or_default();
-        // The axes at the first contact are those at the pads' origin, carried along the great circle between them.
+        // Transport the axes of the pads' origin to the first contact, along the great circle between them.
         let origin_from_first =
             UnitQuaternion::rotation_between(&Vector3::z(), &direction_at(&(first / radius)))
                 .unwrap_or_default();
@@ -349,7 +349,7 @@ impl RotationTrial<'_> {
         let drifted = drift_rad_per_s * duration_s;
         let mut at_end = || drifted + error.draw(&mut self.errors);
         let at_end = Vector2::new(at_end(), at_end());
-        // All samples of a roll have the same phase of the encoder.
+        // All samples of a roll must have the same phase of the encoder, so keep the phase before the first sample.
         let first_phase = self.phases.clone();
         for (rotation, &fraction) in rotations.iter_mut().zip(fractions) {
             let error = Vector2::from_fn(|_, _| sample_error.draw(&mut self.samples));

@@ -345,7 +345,7 @@ impl RollScene {
         let curvature = self.truth.curvature.principal();
         let sharper = curvature.k_min.abs().max(curvature.k_max.abs());
         let error = rounding_std(self.roller.probe().radius(), sharper) / sharper;
-        // An error above this range means that the object counts as a plane, which needs no warning.
+        // If the error exceeds this range, the object counts as a plane, and no warning is needed.
         (1e-3..1e12).contains(&error).then(|| {
             let share = Number::rounded(error);
             Warning::new(

@@ -82,12 +82,12 @@ fn an_image_without_errors_yields_displacements_and_draws_nothing() {
     for (from, limit) in [("hue", 0.012), ("size", 0.004), ("both", 0.002)] {
         let sensor = format!(r#"kind = "projected", normal_from = "{from}""#);
         let scene = scene(&text(&sensor, ""));
-        // Nothing is random in this scene, so one trial is enough and all trials are equal.
+        // Nothing in this scene is random, so all trials are equal and one trial is run.
         assert_eq!(scene.trials(1000), 1);
         let normal = outcomes(&scene, 0, "normal_displacement");
         assert_eq!(normal.len(), 77);
-        // This error is systematic, because the hue depends on the difference between the displacements of the two
-        // discs.
+        // The estimated displacement has a systematic error: the hue depends on the difference between the
+        // displacements of the two discs.
         assert!(rms_error(&normal) < limit, "{from}: {}", rms_error(&normal));
         let tangential = outcomes(&scene, 0, "tangential_displacement");
         assert_eq!(tangential.len(), 2 * 77);
@@ -109,8 +109,8 @@ fn rendered_and_projected_cameras_agree() {
         ("normal_displacement", 0.01),
         ("tangential_displacement", 0.003),
         ("hue_change", 2e-4),
-        // A pixel at the edge of two aligned discs may have a hue on either side of red, so the mean hue has a larger
-        // error.
+        // The mean hue has a larger error than the hue: a pixel at the edge of two aligned discs may have a hue on
+        // either side of red.
         ("mean_hue_change", 0.015),
         ("centroid_shift", 0.02),
     ] {
@@ -234,7 +234,8 @@ fn tracking_reads_the_lens_that_the_optics_have() {
 
 #[test]
 fn a_lens_with_odd_terms_leaves_displacements_as_they_are() {
-    // The calibration uses the same lens. Without pixels and noise, only the finite size of the discs causes errors.
+    // The sensor is calibrated with the same lens. There are no pixels and no noise, so only the finite size of the
+    // discs causes errors.
     let results = |terms: &str| {
         let scene = scene(&text(&format!(r#"kind = "projected"{terms}"#), ""));
         [
@@ -277,7 +278,7 @@ fn sensors_that_cannot_be_are_refused_at_the_field() {
             camera(r#"kind = "rendered", k5 = -0.2"#, ""),
             "scene.sensor.k3",
         ),
-        // Only the edge of this marker is inside of the field of view.
+        // With this narrow field of view, only the edge of the marker is visible.
         (
             camera(r#"kind = "projected", field_deg = 1.0"#, ""),
             "scene.sensor",
@@ -331,8 +332,9 @@ fn a_sideways_shift_moves_the_centroid() {
         only(&scene, 0, "centroid_shift").estimate
     };
     let [once, twice] = [shifted(0.5), shifted(1.0)];
-    // The discs at the depths 1 and 3 follow a share of the shift. The radius of the contact is a² = R δ, with the
-    // effective radius R and the indentation δ. The scale of the image is f = 319.5 px / 65°.
+    // The object shifts along the skin, and the discs at the depths 1 and 3 follow a share of this shift. The contact
+    // radius is √(R δ), with the effective radius R = 20 and the indentation δ = 1. The image has f = 319.5 px / 65°
+    // pixels per radian.
     let apex = Markers::new(Skin::new(20.0).unwrap(), &[[0.0; 2]]).unwrap();
     let followed = |depth: f64| {
         let moved = apex.shifted(0.5, depth, 20_f64.sqrt(), [0.0; 2], 1.0);

@@ -20,7 +20,7 @@ fn without_noise_both_curvatures_and_the_axis_are_found() {
     for (object, larger, smaller, axis) in [
         (cylinder(10.0, 30.0), 0.1, 0.0, 30.0),
         (cylinder(40.0, 260.0), 0.025, 0.0, 80.0),
-        // The principal curvatures are z/x² and z/y², where x, y and z are the semi-axes.
+        // At the top of an ellipsoid with the semi-axes x, y and z, the principal curvatures are z/x² and z/y².
         (ellipsoid([20.0, 10.0, 16.0]), 0.16, 0.04, 0.0),
         (ellipsoid([10.0, 20.0, 16.0]), 0.16, 0.04, 90.0),
     ] {
@@ -125,8 +125,8 @@ fn the_force_is_in_newtons() {
         truth
     };
     let half_space = "kind = \"half-space\"";
-    // The force is 4/3 E* √R δ^(3/2), with the effective radius R = 16 mm and the indentation δ = 1 mm. If the same
-    // numbers are lengths in metres, the lengths are 1000 times as long.
+    // The force is 4/3 E* √R δ^(3/2), with the effective radius R = 16 and the indentation δ = 1. If the unit is m
+    // instead of mm, all lengths are 1000 times as large, and the force is 10⁶ times as large.
     let closed = 4.0 / 3.0 * 800.0 * 4.0 * 1e-3;
     for (unit, factor) in [("mm", 1.0), ("m", 1e6), ("um", 1e-6)] {
         let force = force(BALL, half_space, "", unit);
@@ -187,7 +187,7 @@ fn both_curvatures_and_the_axis_reach_their_bounds() {
         );
         assert!(held[index] >= 52, "{name}: {held:?}");
     }
-    // A single curvature cannot describe this press, so the estimate has no bound.
+    // This estimator fits a single curvature, which cannot describe a press on a cylinder. Therefore it has no bound.
     let round = "estimator = { kind = \"half-space\" }\n";
     let scene = scene_of(&self::text(
         &cylinder(10.0, 0.0),

@@ -80,9 +80,8 @@ fn relative(text: &str) -> Result<Vec<[f64; 2]>, String> {
         of_it.fold(0.0, |largest: f64, (.., truth)| largest.max(truth.abs()))
     };
     let pairs = all.iter().filter_map(|&(quantity, estimate, truth)| {
-        // The curvature of the object is computed as the relative curvature minus the curvature of the sensor.
-        // Therefore its error is compared with the relative curvature. The radius of the object is compared as its
-        // inverse.
+        // The curvature of the object is the relative curvature minus that of the sensor, so its error is compared with
+        // the relative curvature. A radius is compared as its inverse.
         let is_of_object = ["object_curvature", "object_radius"].contains(&quantity);
         let scale = largest(if is_of_object {
             "relative_curvature"
@@ -191,7 +190,7 @@ fn errors_are_the_same_in_any_unit() {
             assert!((here[0] - there[0]).abs() <= 1e-9, "{here:?} {there:?}");
         }
     };
-    // If the noise were 10, the contact of a press could not be detected.
+    // With a noise of 10, the contact of a press could not be detected. So presses have less noise than glides.
     for noise in [1e-9, 0.1] {
         same(&|unit| noisy_press(unit, noise));
     }

@@ -202,7 +202,7 @@ fn pads_quantise_position_and_normal_alike() {
         let (truth, reading) = (numbers(truth), numbers(reading));
         let mut off = 0.0_f64;
         for axis in 0..3 {
-            // The reported position is the centre of the tip minus the radius times the normal.
+            // The sensor reports the centre of the tip minus the radius (2) times the sensed normal.
             let [centre, normal, position] =
                 [truth[7 + axis], reading[4 + axis], reading[1 + axis]];
             assert!((position - (centre - 2.0 * normal)).abs() < 1e-12);
@@ -314,7 +314,7 @@ fn maps_hold_truth_and_estimate_of_every_place() {
 
 #[test]
 fn noise_in_lengths_is_that_in_shares_of_the_fingers_distance() {
-    // The distance between fingers is 0.5, so a fraction of this distance and a length are different numbers.
+    // The inter-finger distance is 0.5, so that a fraction of this distance and a length are different numbers.
     let near = "inter_finger_distance = 0.5";
     let trial_of = |lines: &str| {
         let text = text(POINT, SADDLE, lines).replace("inter_finger_distance = 1.0", near);
@@ -333,7 +333,7 @@ fn noise_in_lengths_is_that_in_shares_of_the_fingers_distance() {
     ] {
         let noise = |position: &str| format!("noise = {{ position = {{ {position} }} }}\n");
         assert_eq!(trial_of(&noise(share)), trial_of(&noise(length)));
-        // The noise that is stated to the estimator can also be a fraction or a length.
+        // The noise that the config states to the estimator may also be a fraction or a length.
         let stated = |key: &str| {
             format!(
                 "{}estimator = {{ kind = \"penalised\", {key} }}\n",

@@ -85,7 +85,8 @@ fn intervals_hold_over_redrawn_sensors() {
     }
     // With correct 95 % intervals, the probability that 51 or fewer of 60 contain the true value is 0.3 %.
     assert!(held > 51, "{held} of 60");
-    // The root of a sum of 60 squares has a relative standard error of 9 %.
+    // The root mean square of 60 errors has a relative standard error of 9 %. The limits are about three standard
+    // errors.
     let ratio = (stated / squared).sqrt();
     assert!((0.75..1.35).contains(&ratio), "{ratio}");
 }
@@ -137,7 +138,8 @@ fn curvatures_are_right_in_the_mean_over_sensors() {
     let mean = found.iter().map(error).sum::<f64>() / count;
     let squares = found.iter().map(|outcome| (error(outcome) - mean).powi(2));
     let scatter = (squares.sum::<f64>() / (count - 1.0)).sqrt();
-    // The standard error of the mean of 120 errors is 0.09 times their standard deviation (scatter). The mean of the
-    // most likely curvatures differs from the true value by 0.6 times the scatter.
+    // The estimates must have almost no bias. For 120 trials, the standard error of the mean error is 0.09 times the
+    // scatter. The most likely curvatures, which are not corrected for bias, would have a mean error of 0.6 times the
+    // scatter.
     assert!(mean.abs() < 0.3 * scatter, "{mean} {scatter}");
 }

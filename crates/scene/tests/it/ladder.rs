@@ -232,8 +232,8 @@ fn an_estimator_uses_the_layer_of_auto() {
         outcomes
     };
     let auto = outcomes(&study.scene(0).unwrap());
-    // If `auto` is replaced in the config by the model that it chose, the estimator still uses the thickness of the
-    // layer.
+    // Replace `auto` in the config by the model that it chose, which has no layer. The estimator must still use the
+    // thickness of the layer.
     let mut explicit = study.clone();
     explicit.config.scene = explicit
         .config

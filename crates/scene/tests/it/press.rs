@@ -155,8 +155,8 @@ fn markers_move_away_from_the_contact_wherever_it_is() {
         assert!(position == 0.0 || outward > 0.0, "{row:?}");
         assert!(across.abs() < 1e-12, "{row:?}");
     }
-    // The contact is now at the second marker. This marker moves as the apex moved before. The apex moves as the second
-    // marker moved before, but in the opposite direction.
+    // Move the contact from the apex to the second marker. Now the second marker moves as the apex did before. The apex
+    // moves as the second marker did, but in the opposite direction.
     let moved = rows(&off_apex);
     assert!(moved[1][3] < 1e-12 && (moved[1][4] - apex[0][4]).abs() < 1e-12);
     assert!((moved[0][4] - apex[1][4]).abs() < 1e-12);
@@ -187,8 +187,8 @@ fn noise_has_the_stated_size_and_frames_average_it() {
         let indentation: f64 = stated.sum::<f64>() / 500.0;
         [normal / count, tangential / count, indentation].map(f64::sqrt)
     };
-    // The standard deviation of 4,620 draws has a relative standard error of 1 %, and the standard deviation of 500
-    // draws has one of 3 %.
+    // The tolerances follow from the number of draws: the relative standard error is 1 % for 4,620 draws and 3 % for
+    // 500 draws.
     let single = sample("");
     let four = sample("sensor = { kind = \"direct\", frames = 4 }\n");
     for (found, expected, tolerance) in [
@@ -372,7 +372,7 @@ fn presses_that_cannot_be_are_failures_with_a_name() {
         let needs = needs_of(&scene);
         assert!(needs.contains(&format!("fails as `{name}`")), "{needs}");
         assert!(needs.len() < 1000, "{needs}");
-        // True values that do not depend on a contact are still available.
+        // True values that do not depend on a contact are available although the press fails.
         assert!(scene.truth(3).is_some());
         assert_eq!(
             scene.truth(1).is_some(),
@@ -442,8 +442,8 @@ fn needs_describe_the_scene() {
         assert!(plain.lines().any(|need| need == line), "{line}: {plain}");
     }
     assert!(!plain.contains("warning"), "{plain}");
-    // The contact radius is a = 6.32. For this radius, the indentation is a atanh(a/R) = 2.0710 by Sneddon's relation,
-    // and 2 by Hertz's relation.
+    // The contact radius is a = 6.32, which is large for a sensor of radius R = 20. The indentation is a atanh(a/R) =
+    // 2.071 by Sneddon's relation, but 2 by Hertz's relation.
     let wide = needs(PLANE, "2.0", "");
     assert!(
         wide.contains("warning: the contact's radius is 0.32 of the sensor's radius, above 0.3: Sneddon's relation gives an indentation that is 3.5 % larger than Hertz's"),

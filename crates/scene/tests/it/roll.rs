@@ -87,8 +87,8 @@ fn a_bias_and_a_drift_shift_all_measured_rotations() {
 #[test]
 fn hexagonal_pads_err_less_than_square_ones() {
     let ball = r#"{ kind = "sphere", radius = 4 }"#;
-    // The path has a length of 0.08. A square grid whose pitch divides this length reads it exactly, so several pitches
-    // are used.
+    // The path is 0.08 long. Use several pitches, because square pads read the path exactly if it is a multiple of the
+    // pitch.
     let square_sum = |layout: &str| -> f64 {
         let pitches = [0.017, 0.019, 0.021, 0.023].iter();
         let squares = pitches.map(|pitch| {
@@ -105,7 +105,7 @@ fn hexagonal_pads_err_less_than_square_ones() {
         squares.sum()
     };
     let ratio = (square_sum("hexagonal") / square_sum("square")).sqrt();
-    // An independent count of the errors of shifts over these pitches has the ratio 0.84.
+    // An independent simulation of shifts with these pitches gives the ratio 0.84.
     assert!((0.7..1.0).contains(&ratio), "{ratio}");
 }
 
@@ -331,7 +331,8 @@ fn repeated_rolls_over_pads_err_as_they_state() {
             "{stars}: {rms} {stated}"
         );
         assert!(mean.abs() < 0.3 * rms, "{stars}: {mean} {rms}");
-        // If all rolls of a trial start at the same place on a pad, more stars do not reduce the error.
+        // With `random-per-trial`, all rolls of a trial start at the same place on a pad. Then more stars of rolls do
+        // not reduce the error.
         let [rms, _, stated] = errors_of_stars(stars, &pads("random-per-trial"));
         assert!((0.0025..0.0037).contains(&rms), "{stars}: {rms}");
         assert!(
@@ -363,8 +364,8 @@ fn rotations_err_as_they_state() {
         ),
     ] {
         let [rms, mean, stated] = errors_of_stars(4, &format!("noise = {{ {noise} }}"));
-        // The expected error: eight rolls determine the curvature along u, and the error of the rotation is amplified
-        // by 1 + R₂/R₁, with the radii R₁ of the probe and R₂ of the object.
+        // Expected standard error of the curvature along u, which eight rolls determine. Errors of the rotation are
+        // amplified by 1 + R₂/R₁, with the radii R₁ of the probe and R₂ of the object.
         let due = std_deg / 20.0 / 8.0_f64.sqrt() * (1.0 / 9.0 + 1.0 / 20.0);
         assert!((stated / due - 1.0).abs() < 0.1, "{noise}: {stated} {due}");
         assert!(

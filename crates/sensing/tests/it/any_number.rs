@@ -150,8 +150,8 @@ proptest! {
         let due = Vector3::new(cos * libm::sin(angle), sin * libm::sin(angle), libm::cos(angle));
         prop_assert!((direction_at(&displacement) - due).amax() <= 3e-15);
         let back = displacement_between(&Vector3::z(), &direction_at(&displacement));
-        // The bound grows near the opposite pole, because a direction there determines the displacement less
-        // accurately.
+        // Near the opposite pole, a small error of the direction changes the displacement much. Therefore the bound
+        // grows there.
         let bound = 1e-15 * angle * (1.0 + angle / libm::sin(angle));
         prop_assert!((back - displacement).norm() <= bound.max(4e-16 * angle), "{back}");
         if far.iter().all(|&x| is_tame(x)) {
@@ -190,7 +190,8 @@ fn rates_err_by_the_stated_share() {
         let squares: f64 = (0..10_000)
             .map(|_| error.draw(&mut stream, 5.0).norm_squared())
             .sum();
-        // The bound is five standard deviations of the root mean square of this number of Gaussian draws.
+        // For 20,000 Gaussian draws, the root mean square has a relative standard error of 0.5 %. The limit is five
+        // standard errors.
         let share = (squares / 20_000.0).sqrt() / (5.0 * std);
         assert!((share - 1.0).abs() < 0.025, "{distribution:?}: {share}");
         assert!((error.relative_std() - std).abs() < 1e-15);

@@ -114,7 +114,8 @@ fn pairs_have_no_direction() {
             counts[usize::from(is_far)][(turn * SECTORS as f64) as usize % SECTORS] += 1;
         }
     }
-    // Half of the pairs are longer than √(2 ln 2), so short and long pairs are tested separately.
+    // The test has one count per sector of the angle, separately for short and long pairs. Half of the pairs are longer
+    // than √(2 ln 2).
     let expected = DRAWS as f64 / 2.0 / (2 * SECTORS) as f64;
     let squares = counts
         .iter()

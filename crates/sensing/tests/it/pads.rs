@@ -17,8 +17,8 @@ fn read(pads: &Pads, trial: u64, displacement: Vector2<f64>) -> Vector2<f64> {
 
 #[test]
 fn the_papers_reading_of_a_fifty_millimetre_sphere() {
-    // A probe of radius 10 mm rolls by 0.1 rad on a ball of radius 50 mm. The contact moves by 0.833 mm. Pads of both
-    // pitches report 1 mm.
+    // A probe of radius 10 mm rolls by 0.1 rad on a ball of radius 50 mm, so the contact moves by 0.833 mm. Pads of 0.5
+    // mm and of 1 mm both report 1 mm.
     let moved = 0.1 / (1.0 / 10.0 + 1.0 / 50.0);
     for pitch in [0.5, 1.0] {
         let pads = pads(pitch, PadLayout::Square, PadOffset::Centred);
@@ -129,7 +129,7 @@ proptest! {
     ) {
         let pitch = libm::pow(10.0_f64, exponent);
         let displacement = Vector2::new(libm::cos(azimuth), libm::sin(azimuth)) * (10.0 * angle);
-        // The chart of the sphere stretches errors that are perpendicular to the displacement.
+        // In the chart of the sphere, errors perpendicular to the displacement appear larger by the factor `stretch`.
         let stretch = angle / libm::sin(angle).max(1e-300);
         for (layout, offset, bound) in [
             (PadLayout::Square, PadOffset::Centred, 0.5),

@@ -29,8 +29,8 @@ use toml::Value;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn to_toml(config: &StudyConfig) -> String {
-    // Convert the config to a value first. The compiler then generates its serialisation code for only one serialiser,
-    // instead of one serialiser for each depth of a document.
+    // Convert the config to a value first. Otherwise, the compiler would generate the serialisation code once for each
+    // depth of a TOML document.
     let table = toml::Table::try_from(config)
         .expect("strings, numbers, arrays and tables all have a TOML form");
     let paths = config.sweep.iter().flat_map(SweepConfig::targets);

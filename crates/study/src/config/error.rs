@@ -200,7 +200,8 @@ impl Source {
         let (mut node, mut rest) = (&root, path);
         let (mut span, mut key_span) = (None, None);
         while !rest.is_empty() {
-            // A key may contain dots, so compare the whole key with the beginning of the path.
+            // Keys may contain dots, so a path cannot be split at its dots. Compare each whole key with the beginning
+            // of the path.
             let after = |key: &str| {
                 let after = rest.strip_prefix(key)?;
                 (after.is_empty() || after.starts_with('.')).then_some(after)
@@ -255,7 +256,7 @@ impl Source {
         );
         let shown: String = line[first.min(last)..last].iter().collect();
         let before = line[first.min(last)..column.clamp(first.min(last), last)].iter();
-        // A tab is kept as a tab, so that the caret is under the right character.
+        // Keep tabs, because a space in place of a tab would move the caret away from its character.
         let pad: String = head
             .chars()
             .map(|_| ' ')

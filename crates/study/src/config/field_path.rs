@@ -99,7 +99,8 @@ fn paths(tree: &Value, in_any_kind: bool) -> Vec<String> {
     }
     let mut found = Vec::new();
     let scene = &SCHEMA["properties"]["scene"];
-    // Even with `in_any_kind`, only fields of the scene's own kind (`scene.kind` in the tree) are listed.
+    // List only fields of the scene's own kind, even with `in_any_kind`. The key `scene.kind` of the tree states this
+    // kind.
     let kind = tree
         .get("scene")
         .and_then(|scene| scene.get("kind")?.as_str());

@@ -301,12 +301,13 @@ fn section<T: DeserializeOwned>(base: &mut Value, key: &str) -> Result<(Value, V
 /// Creates and validates the config of a cell.
 fn checked(source: &Source, grid: &Grid, cell: usize) -> Result<StudyConfig, ConfigError> {
     let (tree, fault) = grid.tree(cell);
-    // A misspelt key in the config itself may be the reason why a sweep path does not exist, so its error has priority.
+    // An error of the config itself has priority over a sweep path that does not exist, because a misspelt key in the
+    // config may be the reason for both.
     let config = check(&tree).and_then(|config| fault.map_or(Ok(config), Err));
     config.map_err(|fault| {
         let fault = grid.in_text(cell, fault);
-        // State the cell in the error only if its swept values cause the error, that is, if the config without the
-        // sweeps is valid or has another error.
+        // State the cell in the error only if its swept values cause the error. This is the case if the config without
+        // the sweeps is valid or has another error.
         let alone = check(&grid.base);
         let of_cell = alone.as_ref() != Err(&fault) && !grid.axes.is_empty();
         let error = source.error(fault);

@@ -473,7 +473,7 @@ fn scale(schema: &Json, json: &mut Json, factor: f64) {
             }
         }
         Json::Array(items) => {
-            // The items of an array have the unit of the array.
+            // If the array states a unit, the unit also applies to its items.
             let of_items = match by == 1.0 {
                 true => &schema["items"],
                 false => schema,

@@ -194,7 +194,7 @@ impl Axis {
                 })
             }
             Rows::Sampled(_) => None,
-            // Compare only neighbours, because the numbers of a range increase or decrease.
+            // The numbers of a range increase or decrease, so equal numbers can only be neighbours.
             Rows::Spaced(range) => {
                 (1..=range.steps).find(|&row| range.number(row) == range.number(row - 1))
             }

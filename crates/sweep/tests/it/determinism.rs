@@ -181,7 +181,7 @@ fn cells_are_set_up_once_each_and_few_are_alive() {
         assert!(trials_of.eq(trials.iter().copied()));
         let [alive, most] = counts.map(AtomicU64::into_inner);
         assert_eq!((set_ups.into_inner(), alive), (CELLS as u64, 0));
-        // At any time, each thread uses one experiment. In addition, the experiments exist whose trials are divided
+        // Each thread uses one experiment at a time. In addition, an experiment is kept while its trials are divided
         // between two jobs.
         assert!((1..60).contains(&most), "{most}");
     }

@@ -45,7 +45,7 @@ fn sequences_in_any_unit_have_their_closed_forms() {
         let found = summary(2001, |trial| {
             observation((trial as f64 - 1000.0) * unit, 0.0, None)
         });
-        // Numbers below 2.3e-308 count as 0 in quantiles, so the expected quantile is then 0.
+        // Quantiles treat numbers below 2.3e-308 as 0, so the expected quantile is then 0.
         let side = if unit < 1e-310 { 0.0 } else { 900.0 };
         for (found, due) in [(found.q05, -side), (found.q50, 0.0), (found.q95, side)] {
             assert_abs_diff_eq!(found.unwrap() / unit, due, epsilon = 3.6);

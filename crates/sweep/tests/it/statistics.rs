@@ -39,7 +39,8 @@ fn an_arithmetic_sequence_has_its_closed_forms() {
 
 #[test]
 fn rms_errors_scatter_as_stated() {
-    // The trials have one observation, three equal observations with a bias, or one to three observations with a bias.
+    // There are three kinds of trials: one observation without bias; three equal observations with a bias; and one to
+    // three different observations with a bias.
     let observe = |kind: u64, trial: u64, record: &mut Record| {
         let (count, bias) = [(1, 0.0), (3, 0.5), (1 + trial % 3, 2.0)][kind as usize];
         let shared = normal(2 * trial);
@@ -226,7 +227,8 @@ fn a_trial_may_report_the_coverage_of_its_interval() {
     let stds = [Some(1.0), Some(1.0), Some(0.1), None];
     // The 50 % interval is narrower than one standard deviation to each side.
     assert_eq!(coverages(stds, [None; 4]), [0.0, 2.0, 2.0].map(third));
-    // The coverage that two of the four trials report is the opposite of what follows from their standard deviations.
+    // Two of the four trials report their coverage themselves. It replaces the coverage that follows from their
+    // standard deviations, and here is its opposite.
     assert_eq!(
         coverages(stds, [None, none, all, None]),
         [1.0, 2.0, 2.0].map(third)

@@ -78,7 +78,8 @@ fn rich(
 #[test]
 fn slices_of_blocks_do_not_change_results() {
     for places in [1, 9] {
-        // Most blocks of fast trials are not divided. Blocks of slow trials are divided into slices of about 40 trials.
+        // Fast trials mostly run in whole blocks. Slow trials run in slices of a block, of about 40 trials. Both must
+        // give the same results.
         let whole = statistics(1, &rich(0, places, 2500));
         for threads in [1, 3] {
             let sliced = statistics(threads, &rich(100, places, 2500));
@@ -222,9 +223,9 @@ fn threads_that_share_a_cell_do_not_change_results() {
     for (places, max, error) in [
         (1, 1_000_000, 0.02),
         (1, 1_000_000, 0.5),
-        // Each trial has nine observations. They are added up after each trial and not stored until the block ends.
+        // Each trial has nine observations. They are added to the sums after each trial, not at the end of a block.
         (9, 1_000_000, 0.02),
-        // With a required standard error of 0, the rule never ends a cell. The last trial is at the end of a block,
+        // The required standard error is 0, so the rule never ends a cell. The last trial is at the end of a block,
         // within a later block, or within the first block.
         (1, 2048, 0.0),
         (1, 2500, 0.0),

@@ -60,7 +60,8 @@ fn rings_and_nets() {
             [radius * cosine, radius * sine]
         })
     };
-    // The triangulation is not unique for markers on a circle. Rounding decides which of the markers form triangles.
+    // The triangulation of markers on a circle is not unique: rounding decides which markers form triangles. The field
+    // must nevertheless consist of means of the displacements.
     assert_means(&field(ring(12, 0.3).chain([[0.0, 0.0]])));
     assert_means(&field(ring(7, 0.2).chain(ring(14, 0.4))));
     let net = |step: f64| (0..16).map(move |k| [f64::from(k % 4) * step, f64::from(k / 4) * step]);

@@ -246,8 +246,8 @@ fn frames_without_markers_have_names() {
         assert_eq!(name(&flat(width, height, 7), auto()), "too-small");
     }
     assert_eq!(name(&flat(40_000, 16, 7), auto()), "too-large");
-    // One frame has a grid of discs that touch each other, another has one disc that fills the frame except for the
-    // corners.
+    // The first frame is a grid of discs that touch each other. The second is one disc that fills the frame except for
+    // the corners.
     let discs = |pitch: f64, share: f64| {
         let is_in = move |x: u32, y: u32| {
             let off = [x, y].map(|at| {

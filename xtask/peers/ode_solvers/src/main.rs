@@ -43,13 +43,14 @@ struct OverParaboloid;
 
 impl System<f64, State> for OverParaboloid {
     fn system(&self, _: f64, state: &State, rate: &mut State) {
-        // Slopes of the surface z, and the Gauss frame that follows from them: the changes of x and y per unit of
-        // velocity along the axes of this frame.
+        // `p` and `q` are the slopes of the surface z. From them follows the Gauss frame: `x_first`, `x_second` and
+        // `y_second` are the changes of x and y per unit of velocity along its axes.
         let (p, q) = (-2.0 * state[2], -2.0 * state[3]);
         let square = 1.0 + p * p;
         let (first, area) = (square.sqrt(), (square + q * q).sqrt());
         let (x_first, x_second, y_second) = (1.0 / first, -p * q / (first * area), first / area);
-        // Curvature of the object in its own frame, and relative curvature in the probe's frame.
+        // `k11`, `k12` and `k22` are the curvature of the object in its own frame. `r11` and the following numbers are
+        // the relative curvature in the probe's frame.
         let bend = 2.0 / area;
         let k11 = bend * x_first * x_first;
         let k12 = bend * x_first * x_second;
@@ -133,8 +134,8 @@ fn meridian(r: f64) -> f64 {
 }
 
 fn error_over_paraboloid(state: &State) -> f64 {
-    // The angle by which the probe turns is the angle of the slope plus the length of the meridian (divided by the
-    // probe's radius 1). It must be ANGLE.
+    // The probe turns by the slope angle plus the length of the meridian, divided by the probe's radius 1. Find the r
+    // at which this sum is ANGLE.
     let mut r = ANGLE / 3.0;
     for _ in 0..60 {
         let slope = 2.0 * r;

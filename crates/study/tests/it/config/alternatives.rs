@@ -62,7 +62,7 @@ fn a_number_of_rolls_stands_for_their_directions() {
     let directions = |motion: &str| {
         let text = edited("duration_s = 1.0", &format!("duration_s = 1.0, {motion}"));
         let study = parse("study.toml", &text).unwrap();
-        // The saved config contains only one of the alternative fields.
+        // The saved config contains only one of the alternative fields, so it can be parsed again.
         let saved = parse("run.toml", &to_toml(&study.config)).unwrap();
         assert_eq!(saved.config, study.config);
         let SceneConfig::Roll(roll) = study.config.scene else {

@@ -142,8 +142,8 @@ fn scene(base: &Json, root: &Json, field: &Field, is_bare: bool) -> Json {
         let found = kinds.find(|(at, _)| *at == path);
         found.map(|(_, kind)| kind.as_str())
     };
-    // `scene` contains all tables on the path. `needed` contains a table with a default only if a later table must be
-    // stated.
+    // `scene` gets all tables on the path. `needed` gets a table that has a default only if a later table on the path
+    // must be stated.
     let (mut needed, mut scene) = (base.clone(), base.clone());
     let mut schema = root;
     for depth in 1..field.path.len() {
@@ -288,7 +288,7 @@ fn the_message_about_a_field_of_a_missing_table_states_what_to_write() {
             Ok(_) => continue,
             Err(error) => error.to_string(),
         };
-        // A rule of the scene may reject the field even if its table can be added.
+        // The message may come from a rule of the scene instead. Then there is nothing to check.
         if !said.contains("does not exist") {
             continue;
         }
