@@ -60,7 +60,7 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("RunError", py.get_type::<RunError>())
 }
 
-/// Error in an argument, with the index of the wrong number in the array and the number itself.
+/// Exception for a wrong argument. It contains the position of the wrong number in the array, and this number.
 pub(crate) fn argument(
     name: &str,
     index: &[usize],

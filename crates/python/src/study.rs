@@ -1,4 +1,4 @@
-//! Defines studies, with their configs, plans and runs.
+//! Defines studies: their configs, plans and runs.
 
 mod results;
 mod runs;
@@ -172,7 +172,7 @@ impl Study {
         self.study.config.seed
     }
 
-    /// Config as TOML, as it was given, without the defaults.
+    /// The config as TOML text, as it was given. Defaults are not included.
     #[getter]
     fn toml(&self) -> &str {
         &self.text

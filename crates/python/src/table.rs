@@ -1,4 +1,4 @@
-//! Converts tables of results to Python, column by column.
+//! Converts tables of results to Python tables, column by column.
 
 use numpy::PyArray1;
 use palpate::config::LengthUnit;

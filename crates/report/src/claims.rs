@@ -1,4 +1,4 @@
-//! Published claims, their scores from the tables of studies, and the scorecard.
+//! The papers' claims. Scores them with the tables of studies, and makes the scorecard.
 
 mod bounds;
 mod check;
@@ -15,14 +15,14 @@ use claim::{Claim, Finding};
 use palpate_study::{Column, Table};
 use std::fmt;
 
-/// Verdict on a claim.
+/// Whether a claim of a paper agrees with a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// The tables agree with the paper's statement, within the bounds of the claim's checks.
+    /// The tables agree with the paper's statement: all checks of the claim meet their bounds.
     Holds,
     /// The tables contradict the paper's statement.
     Differs,
-    /// The tables do not contain the rows or numbers that a test of the claim needs.
+    /// The tables do not contain the rows or numbers that the claim's checks need.
     NotTestable,
 }
 
@@ -36,36 +36,36 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// Verdict on one claim from the tables of one study.
+/// Result of testing one claim with the tables of one study.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Score {
     /// Number of the claim.
     pub claim: u32,
     /// Name of the study.
     pub study: String,
-    /// The claim in at most six words. If no claim has this number, this field and the next two are empty.
+    /// The claim in at most six words. The fields `title`, `published` and `paper_says` are empty if no claim has this
+    /// number.
     pub title: String,
-    /// Published value, as a short text.
+    /// The paper's value, as a short text.
     pub published: String,
-    /// Statement of the paper, in one sentence.
+    /// The paper's statement, in one sentence.
     pub paper_says: String,
-    /// Measured value that the scorecard compares with the published value; empty if the claim is not testable.
+    /// The value from the tables that the scorecard shows beside `published`; empty if the claim is not testable.
     pub headline: String,
-    /// Result from the tables, with units; empty if the claim is not testable.
+    /// All results from the tables as sentences, with units; empty if the claim is not testable.
     pub measured: String,
     /// Verdict on the claim.
     pub verdict: Verdict,
-    /// Bounds on which the verdict is based, and further remarks. If the claim is not testable, the text states the
-    /// reason.
+    /// Bounds that decide the verdict, and further remarks. If the claim is not testable, the text states the reason.
     pub why: String,
 }
 
-/// Whether a published claim has this number.
+/// Whether there is a claim with this number.
 pub fn is_claim(number: u32) -> bool {
     all().iter().any(|claim| claim.number == number)
 }
 
-/// All claims about the papers' results.
+/// All claims of both papers.
 fn all() -> Vec<Claim> {
     let claims = rolls::claims().into_iter().chain(pads::claims());
     let claims = claims.chain(patches::claims()).chain(presses::claims());

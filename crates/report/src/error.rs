@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-/// Reason why a study could not be read, drawn, scored or written. Each variant names the file; if possible, also the
-/// line, column or key, and the value found there.
+/// Reason why a study could not be read, drawn, scored or written. Each variant names the file and, if possible, the
+/// line, the column or the key, and the wrong value.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
@@ -12,16 +12,16 @@ pub enum ReportError {
     Io {
         /// Path of the file.
         path: PathBuf,
-        /// Error of the operating system.
+        /// Cause, as the operating system reports it.
         source: std::io::Error,
     },
-    /// A file is not valid CSV: wrong quotation marks, rows with different numbers of fields, or text that is not
+    /// A file is not valid CSV: its quotation marks are wrong, its rows have different numbers of fields, or it is not
     /// UTF-8.
     #[error("{}: {source}", path.display())]
     Csv {
         /// Path of the file.
         path: PathBuf,
-        /// Error of the parser, with the line.
+        /// Error of the CSV parser, which contains the line.
         source: csv::Error,
     },
     /// A table is empty, a column is missing or occurs twice, or a cell has a value of the wrong type.
@@ -29,7 +29,7 @@ pub enum ReportError {
     BadTable {
         /// Path of the file.
         path: PathBuf,
-        /// The problem. If it is in a cell of the table, it states the line, the column and the value.
+        /// Description of the problem. If a cell of the table is wrong, it states the line, the column and the value.
         problem: String,
     },
     /// `run.toml` is not valid TOML.
@@ -37,41 +37,41 @@ pub enum ReportError {
     Toml {
         /// Path of the file.
         path: PathBuf,
-        /// Error of the parser, with the line and column.
+        /// Error of the TOML parser, which contains the line and the column.
         source: Box<toml::de::Error>,
     },
-    /// A `[[plot]]` of `run.toml` is malformed.
+    /// A `[[plot]]` table of `run.toml` is invalid.
     #[error(transparent)]
     Config(#[from] palpate_study::config::ConfigError),
-    /// A key of `run.toml` is absent, unknown or of the wrong type.
+    /// A key of `run.toml` is missing, unknown or of the wrong type.
     #[error("{}: {key}: {problem}", path.display())]
     BadKey {
         /// Path of the file.
         path: PathBuf,
-        /// The key, with dots between its parts.
+        /// Path of the key, with dots between its parts.
         key: String,
-        /// Problem with the key, and its value.
+        /// Description of the problem, with the value of the key.
         problem: String,
     },
-    /// A plot cannot be drawn from this table.
+    /// A plot cannot be drawn from the tables.
     #[error("{}: plot {plot:?}: {problem}", path.display())]
     BadPlot {
         /// The `run.toml` that contains the plot.
         path: PathBuf,
         /// Name of the plot.
         plot: String,
-        /// Exception for a wrong argument. It contains the position of the wrong number in the array, and this number.
+        /// Description of the problem, with the value that causes it.
         problem: String,
     },
     /// The drawing library reported an error.
     #[error("{}: drawing failed: {message}", path.display())]
     Draw {
-        /// The image that was drawn.
+        /// Name of the image.
         path: PathBuf,
-        /// Error of the drawing library.
+        /// Error message of the drawing library.
         message: String,
     },
-    /// The template of the page cannot be rendered.
+    /// The HTML page could not be made from its template.
     #[error("the page's template failed: {0}")]
     Template(#[from] minijinja::Error),
 }

@@ -1,4 +1,4 @@
-//! Files of a study, accessed by name, in a folder or in memory.
+//! Access to the files of a study by name, in a folder or in memory.
 
 use crate::ReportError;
 use std::collections::BTreeMap;
@@ -23,7 +23,7 @@ pub struct Files {
 }
 
 impl Files {
-    /// Files of a folder. A file is read when it is needed.
+    /// Files of a folder. Each file is read when it is needed for the first time.
     pub fn in_folder(folder: impl AsRef<Path>) -> Self {
         Self {
             folder: folder.as_ref().to_owned(),
@@ -46,7 +46,7 @@ impl Files {
         }
     }
 
-    /// Whether there is a file of this name.
+    /// Whether there is a file with this name.
     pub fn contain(&self, name: &str) -> bool {
         match &self.texts {
             Some(texts) => texts.contains_key(name),
@@ -54,8 +54,7 @@ impl Files {
         }
     }
 
-    /// Adds `others` to files in memory. A file whose name already exists is not added. Files in a folder do not
-    /// change.
+    /// Adds `others` to files in memory, unless a file with the same name exists. Files in a folder stay as they are.
     pub(crate) fn or<const N: usize>(mut self, others: [(&str, &str); N]) -> Self {
         for (name, text) in others {
             if let Some(texts) = &mut self.texts {
@@ -80,7 +79,7 @@ impl Files {
         self.folder.join(name)
     }
 
-    /// The complete text of a file.
+    /// Reads the complete text of a file.
     pub(crate) fn read(&self, name: &str) -> Result<String, ReportError> {
         let text = match &self.texts {
             Some(texts) => texts

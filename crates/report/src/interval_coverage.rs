@@ -1,22 +1,22 @@
-//! Coverage of the intervals of every estimator, that is, the share of the intervals that contain the true value.
+//! Coverage of the intervals of every estimator. Coverage is the share of the intervals that contain the true value.
 
 use crate::records::by_key;
 use crate::{Study, Table};
 use palpate_study::Statistic;
 
-/// The coverage statistics of the table, each with the nominal coverage of its intervals.
+/// The statistics of coverage in `cells.csv`, each with the nominal coverage of its intervals.
 pub(crate) const STATED: [(Statistic, f64); 3] = [
     (Statistic::Coverage50, 0.50),
     (Statistic::Coverage80, 0.80),
     (Statistic::Coverage95, 0.95),
 ];
 
-/// Coverage of the intervals of one estimator with one sensor.
+/// Coverage of the intervals that one estimator computes from the readings of one sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Estimator {
-    /// Name, made from the kinds of the scene, the estimator and the sensor.
+    /// Name that consists of the kinds of the scene, the estimator and the sensor.
     pub(crate) name: String,
-    /// Each study that has intervals of this estimator: its index, and the coverage in each of its rows.
+    /// Index of each study with intervals of this estimator, and the coverage in each row of this study.
     pub(crate) studies: Vec<(usize, Vec<Coverage>)>,
 }
 
@@ -25,12 +25,12 @@ pub(crate) struct Estimator {
 pub(crate) struct Coverage {
     /// Index of the row in the study's table.
     pub(crate) row: usize,
-    /// Share of intervals that contain the true value, in the order of [`STATED`].
+    /// Shares of the 50 %, 80 % and 95 % intervals that contain the true value.
     pub(crate) shares: [f64; 3],
 }
 
 impl Estimator {
-    /// All estimators for which the studies contain intervals, in order of appearance. Cells with fewer than two
+    /// All estimators whose intervals the studies contain, in the order of the studies. Cells with fewer than two
     /// successful trials are left out.
     pub(crate) fn all(studies: &[Study]) -> Vec<Self> {
         let of_study = |(place, study): (usize, &Study)| {
@@ -63,7 +63,8 @@ fn measured(table: &Table, row: usize) -> Option<Coverage> {
     (successes >= 2.0).then_some(Coverage { row, shares })
 }
 
-/// Kinds of the scene, the estimator and the sensor of a row, as text. A kind that the study does not state is omitted.
+/// Kinds of the scene, the estimator and the sensor of a row, as text. Kinds that the study does not state are left
+/// out.
 fn name(study: &Study, row: usize) -> Option<String> {
     let scene = study.text(row, "scene.kind")?;
     let others = ["scene.estimator", "scene.sensor"].into_iter();
@@ -71,13 +72,13 @@ fn name(study: &Study, row: usize) -> Option<String> {
     Some(format!("{scene}: {}", others.join(", ")))
 }
 
-/// The `kind` of a part of the row's scene. If this part is swept, the label of the part is returned instead.
+/// Kind of a part of the row's scene. If a sweep sets this part, its label is returned.
 fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
     let kind = study.text(row, &format!("{path}.kind"));
     kind.or_else(|| study.text(row, path))
 }
 
-/// Means over the rows: one mean for each of the three coverages.
+/// Means of the three coverages over the rows.
 pub(crate) fn mean_shares<'a>(rows: impl Iterator<Item = &'a Coverage> + Clone) -> [f64; 3] {
     let count = rows.clone().count().max(1) as f64;
     [0, 1, 2].map(|at| rows.clone().map(|row| row.shares[at]).sum::<f64>() / count)

@@ -1,4 +1,4 @@
-//! Creates a self-contained HTML page about several studies.
+//! Makes a self-contained HTML page about several studies.
 
 use crate::{Figure, ReportError, Score, Study, Verdict, figures, score};
 use crate::{page_sections, phrases, plot};
@@ -77,7 +77,7 @@ pub fn page(studies: &[Study]) -> Result<String, ReportError> {
     })?)
 }
 
-/// The number of scores with each verdict, as text.
+/// Text with the number of scores for each verdict.
 fn counts(scores: &[Score]) -> String {
     let all = [Verdict::Holds, Verdict::Differs, Verdict::NotTestable];
     let counted = all.map(|verdict| {
@@ -161,11 +161,11 @@ fn cells(study: &Study) -> u64 {
     cells.len() as u64
 }
 
-/// Smallest scale of a figure on the page. On narrower screens, the figure scrolls sideways. At this scale its text is
-/// 11 pixels high.
+/// Smallest scale of a figure on the page. At this scale, its text is 11 pixels high. On a narrower screen, the reader
+/// scrolls the figure sideways.
 const LEAST_SCALE: f64 = 0.61;
 
-/// Smallest width of a figure, pixels.
+/// Smallest width of a figure on the page, pixels.
 pub(crate) fn least_width(figure: &Figure) -> f64 {
     (LEAST_SCALE * figure.width()).ceil()
 }

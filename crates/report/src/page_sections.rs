@@ -1,4 +1,4 @@
-//! The last sections of the page, which do not belong to one study: coverage of the intervals, measurements, and
+//! Sections at the end of the page, which are about all studies: coverage of the intervals, measurements, and
 //! glossary.
 
 use crate::interval_coverage::{Coverage, Estimator, mean_shares};
@@ -13,13 +13,12 @@ use palpate_study::label::{self, with_unit};
 use palpate_study::number::{self, finite, grouped};
 use palpate_study::{Quantity, Statistic};
 
-/// If the coverage of 95 % intervals is below this value, the intervals are reported as too narrow.
+/// Coverage of 95 % intervals below which the page reports them as too narrow.
 const MIN_COVERAGE: f64 = 0.90;
 
-/// Section on the coverage of the intervals of each estimator; `None` if the studies have no intervals.
+/// Section about the coverage of the intervals of each estimator; `None` if the studies have no intervals.
 ///
-/// # Errors
-/// [`ReportError`] if the figure cannot be drawn.
+/// # Errors [`ReportError`] if the figure cannot be drawn.
 pub(crate) fn coverage(studies: &[Study]) -> Result<Option<Value>, ReportError> {
     let estimators = Estimator::all(studies);
     if estimators.is_empty() {
@@ -56,8 +55,8 @@ fn estimator(estimator: &Estimator, studies: &[Study]) -> Value {
     context! { name => &estimator.name, studies => of_studies, ..counted(&rows) }
 }
 
-/// Numbers for the template: the number of rows, the mean coverage of their intervals, and the number of rows whose
-/// intervals are too narrow.
+/// Values for the template: number of rows, mean coverage of their intervals, and number of rows with too narrow
+/// intervals.
 fn counted(rows: &[&Coverage]) -> Value {
     let shares = mean_shares(rows.iter().copied()).map(percent);
     let short = rows
@@ -82,7 +81,7 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
-/// Folder that contains the folders of all studies; `None` if there is no such folder.
+/// The folder that contains all studies' folders; `None` if the studies are in different places.
 pub(crate) fn folder(studies: &[Study]) -> Option<Files> {
     let mut parents = studies.iter().map(|study| study.dir().parent());
     let first = parents.next()??;
@@ -90,10 +89,9 @@ pub(crate) fn folder(studies: &[Study]) -> Option<Files> {
     is_shared.then(|| Files::in_folder(first))
 }
 
-/// Sections for `tradeoff/` and `peers.csv`, if the folder contains them.
+/// Sections about the measurements in `tradeoff/` and `peers.csv`, if the folder contains them.
 ///
-/// # Errors
-/// [`ReportError`] if a table is malformed.
+/// # Errors [`ReportError`] if a table is malformed.
 pub(crate) fn measurements(folder: &Files) -> Result<Value, ReportError> {
     type Section = fn(&Files) -> Result<Value, ReportError>;
     let section = |name: &str, make: Section| {
@@ -154,8 +152,8 @@ fn answer(answer: &Answer) -> Value {
 /// Header and rows of a table.
 type Parts = (Vec<String>, Vec<Vec<String>>);
 
-/// The table of `peers.csv`, with the verdicts as its second column, and the name of the machine if it is the same in
-/// all rows.
+/// The table of `peers.csv` with the verdicts as its second column. If all rows have the same machine, its name is
+/// returned separately.
 fn peers(folder: &Files) -> Result<Value, ReportError> {
     let mut parts = Records::read(folder, "peers.csv", &[])?.into_parts();
     let machine = take_constant(&mut parts, "machine");
@@ -169,7 +167,7 @@ fn peers(folder: &Files) -> Result<Value, ReportError> {
     Ok(context! { table => shown(parts), machine })
 }
 
-/// If a column has the same text in all rows, removes the column from the table and returns the text.
+/// Removes a column if all its cells have the same text. Returns this text.
 fn take_constant((header, rows): &mut Parts, name: &str) -> Option<String> {
     let at = header.iter().position(|column| column == name)?;
     let constant = rows.first()?[at].clone();
@@ -182,7 +180,7 @@ fn take_constant((header, rows): &mut Parts, name: &str) -> Option<String> {
     Some(constant)
 }
 
-/// A table for the template, with headers as readable text.
+/// A table for the template, with readable headers.
 fn shown((header, rows): Parts) -> Value {
     let header: Vec<String> = header.iter().map(|name| heading(name)).collect();
     let spoken = |row: &Vec<String>| row.iter().map(|cell| spoken(cell)).collect();
@@ -190,7 +188,7 @@ fn shown((header, rows): Parts) -> Value {
     context! { header, rows }
 }
 
-/// A header as readable text, with its unit of time in brackets.
+/// Readable text of a header, with the unit of time in brackets.
 fn heading(name: &str) -> String {
     let units = [("_us", "µs"), ("_ns", "ns")];
     let split = |(suffix, unit)| Some((name.strip_suffix(suffix)?, unit));
@@ -198,7 +196,7 @@ fn heading(name: &str) -> String {
     with_unit(&name.replace('_', " "), unit)
 }
 
-/// Text of a table's cell for the template, and whether the cell is a number. Long numbers are rounded.
+/// Value of a cell for the template: its text, and whether it is a number. Long numbers are rounded.
 fn spoken(cell: &str) -> Value {
     const LONG: usize = 6;
     match finite(cell) {
@@ -210,8 +208,8 @@ fn spoken(cell: &str) -> Value {
     }
 }
 
-/// Section with the glossary of `palpate explain`: terms by subject, then quantities and statistics. Only terms have an
-/// anchor on the page.
+/// Section with the glossary of `palpate explain`: first the terms by subject, then quantities and statistics. Only
+/// terms can be linked.
 pub(crate) fn glossary() -> Vec<Value> {
     let words = SUBJECTS.iter().map(|subject| {
         let terms = subject.terms.iter();
@@ -238,13 +236,13 @@ fn entry(name: &str, meaning: &str) -> Value {
     context! { name, meaning }
 }
 
-/// Anchor of a term on the page; `None` if the word is not a term.
+/// Anchor of a term, for links on the page; `None` if the word is not a term.
 pub(crate) fn address(word: &str) -> Option<String> {
     let term = meaning(word)?;
     (term.name == word).then(|| place(word))
 }
 
-/// Anchor of a term: its letters and digits, joined by dashes.
+/// Anchor of a term: its letters and digits, with dashes instead of other characters.
 fn place(word: &str) -> String {
     let parts = word.split(|letter: char| !letter.is_ascii_alphanumeric());
     let parts: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();

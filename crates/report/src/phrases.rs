@@ -3,8 +3,7 @@
 use palpate_study::label::{self, spoken_unit};
 use palpate_study::{Label, Statistic, number};
 
-/// Label of a column that contains a statistic. The statistic is computed for `quantities`, which all have the same
-/// `unit`.
+/// Label of a column with a statistic. `quantities` are the quantities of its rows, which all have the same `unit`.
 pub(crate) fn statistic(name: &str, quantities: &[&str], unit: &str) -> Label {
     let other = || {
         let quantities: Vec<String> = quantities
@@ -17,13 +16,13 @@ pub(crate) fn statistic(name: &str, quantities: &[&str], unit: &str) -> Label {
     Statistic::named(name).map_or_else(other, |statistic| statistic.label(quantities, unit))
 }
 
-/// Short name of a statistic, for a legend in which the quantity is already named.
+/// Short name of a statistic, for a legend whose heading already names the quantity.
 pub(crate) fn short_statistic(name: &str) -> String {
     let known = Statistic::named(name).map(Statistic::short);
     known.map_or_else(|| name.replace('_', " "), str::to_owned)
 }
 
-/// The number of trials per point or cell, as text.
+/// Text with the number of trials per `of`, where `of` is "point" or "cell".
 pub(crate) fn sample(trials: impl Iterator<Item = f64>, of: &str) -> String {
     let mut trials: Vec<u64> = trials.map(|n| n as u64).collect();
     trials.sort_unstable();
@@ -43,7 +42,7 @@ pub(crate) fn sample(trials: impl Iterator<Item = f64>, of: &str) -> String {
     }
 }
 
-/// A sentence: the settings that all parts of a figure share, followed by the statement `then`.
+/// A sentence that begins with the shared settings and ends with the statement `then`.
 pub(crate) fn sentence(shared: &[String], then: &str) -> String {
     let shared = match shared {
         [] => String::new(),
@@ -56,7 +55,7 @@ pub(crate) fn sentence(shared: &[String], then: &str) -> String {
     first.unwrap_or_default() + letters.as_str()
 }
 
-/// A cost in instructions, in nanoseconds, or in both, as text.
+/// Text of a cost in instructions, as a time, or both.
 pub(crate) fn cost(instructions: Option<f64>, ns: Option<f64>) -> String {
     let time = ns.map(|ns| match ns {
         _ if ns < 1e3 => format!("{} ns", number::significant(ns, 2)),

@@ -7,18 +7,19 @@ use palpate_study::number::finite;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// The texts of a CSV file in which every column has a different name, and the indices of the requested columns.
+/// Texts of a CSV file whose columns have different names. `places` are the indices of the requested columns.
 pub(crate) struct Records {
     path: PathBuf,
     header: Vec<String>,
     rows: Vec<Vec<String>>,
-    /// Line number of each row in the file, from 1.
+    /// Line number of each row in the file, counted from 1.
     lines: Vec<u64>,
     places: Vec<usize>,
 }
 
 impl Records {
-    /// Reads a file that must contain the columns `names`, each with or without a unit. It may have no rows.
+    /// Reads a file that must contain the columns `names`; a name in the file may have a unit. The file may have no
+    /// rows.
     pub(crate) fn read(files: &Files, file: &str, names: &[&str]) -> Result<Self, ReportError> {
         let path = files.path(file);
         let text = files.read(file)?;
@@ -62,15 +63,14 @@ impl Records {
         Ok(records)
     }
 
-    /// Index of the column with this name (with or without its unit) in the header.
+    /// Index of the column with this name in the header. The name in the header may have a unit.
     pub(crate) fn find(&self, name: &str) -> Option<usize> {
         let is_it = |column: &String| column == name || split_unit(column).0 == name;
         self.header.iter().position(is_it)
     }
 
-    /// Reads a file like [`Self::read`]. The first `ordered` columns must also be in the order of `names`. The order
-    /// matters because all columns between `cell` and `quantity` are read as swept fields, and all columns after `unit`
-    /// as statistics.
+    /// Reads a file like [`Self::read`]. The first `ordered` columns must be in the order of `names`, because all
+    /// columns between `cell` and `quantity` are read as swept fields, and all columns after `unit` as statistics.
     pub(crate) fn read_in_order(
         files: &Files,
         file: &str,
@@ -103,7 +103,7 @@ impl Records {
         &self.header
     }
 
-    /// Index of a requested column in the header. `column` is its index in the request.
+    /// Index of a requested column in the header. `column` is its index among the requested columns.
     pub(crate) fn place(&self, column: usize) -> usize {
         self.places[column]
     }
@@ -118,7 +118,7 @@ impl Records {
         (self.header, self.rows)
     }
 
-    /// Unit of a requested column, as in the header; may be empty.
+    /// Unit of a requested column, as its header states it; may be empty.
     pub(crate) fn unit(&self, column: usize) -> &str {
         split_unit(&self.header[self.places[column]]).1
     }
@@ -127,7 +127,7 @@ impl Records {
         &self.rows[row][self.places[column]]
     }
 
-    /// Number in a cell of the table. Its magnitude must be small enough for a drawing.
+    /// Number in a cell of the table. A number that is too large to be drawn is an error.
     pub(crate) fn number(&self, row: usize, column: usize) -> Result<f64, ReportError> {
         finite(self.text(row, column))
             .filter(|number| number.abs() <= LARGEST)
@@ -146,7 +146,7 @@ impl Records {
         }
     }
 
-    /// Value in a cell, converted to a type. `expected` is the name of the type in the error.
+    /// Value in a cell, parsed as the type `T`. Error messages use `expected` as the name of this type.
     pub(crate) fn parsed<T: FromStr>(
         &self,
         row: usize,
@@ -157,12 +157,12 @@ impl Records {
         parsed.map_err(|_| self.bad(row, column, expected))
     }
 
-    /// Rows grouped by the text in a column.
+    /// Indices of rows, grouped by the text in a column.
     pub(crate) fn by_text(&self, column: usize) -> Vec<(&str, Vec<usize>)> {
         by_key((0..self.rows()).map(|row| (self.text(row, column), row)))
     }
 
-    /// Rows, grouped by the cell index in a column.
+    /// Indices of rows, grouped by the cell number in a column.
     pub(crate) fn by_cell(&self, column: usize) -> Result<Vec<(u64, Vec<usize>)>, ReportError> {
         let groups = self.by_text(column).into_iter();
         let numbered = |(_, rows): (&str, Vec<usize>)| -> Result<_, ReportError> {
@@ -171,12 +171,13 @@ impl Records {
         groups.map(numbered).collect()
     }
 
-    /// The error for a cell whose text is not `expected`.
+    /// Error for a cell of the table that does not contain what `expected` describes.
     pub(crate) fn bad(&self, row: usize, column: usize, expected: &'static str) -> ReportError {
         self.bad_at(row, self.places[column], expected)
     }
 
-    /// The error for a cell whose text is not `expected`. `place` is the index of the column in the header.
+    /// Error for a cell of the table that does not contain what `expected` describes. `place` is the index of the
+    /// column in the header.
     pub(crate) fn bad_at(&self, row: usize, place: usize, expected: &'static str) -> ReportError {
         let (line, column, value) = (self.lines[row], &self.header[place], &self.rows[row][place]);
         self.error(format!(
@@ -184,7 +185,7 @@ impl Records {
         ))
     }
 
-    /// The error for a requested column whose unit is not `unit`.
+    /// Error for a requested column whose unit differs from `unit`.
     pub(crate) fn in_another_unit(&self, column: usize, unit: &str) -> ReportError {
         let name = split_unit(&self.header[self.places[column]]).0;
         self.missing(&[name, unit].join(if unit.is_empty() { "" } else { "_" }))
@@ -201,13 +202,13 @@ impl Records {
     }
 }
 
-/// Text of the problem with a table that has no rows or no header.
+/// Description of a table without rows or without a header, for error messages.
 const EMPTY: &str = "the table is empty";
 
-/// Largest absolute value of a coordinate. It is chosen so that its square is finite.
+/// Largest absolute value of a coordinate. The square of this number is still finite.
 const LARGEST: f64 = 1e100;
 
-/// Items grouped by their keys. The groups are in the order in which their keys first appear.
+/// Groups items by their keys. Groups are in the order in which their keys first appear.
 pub(crate) fn by_key<K: PartialEq, T>(items: impl IntoIterator<Item = (K, T)>) -> Vec<(K, Vec<T>)> {
     let mut groups: Vec<(K, Vec<T>)> = Vec::new();
     for (key, item) in items {
@@ -220,7 +221,7 @@ pub(crate) fn by_key<K: PartialEq, T>(items: impl IntoIterator<Item = (K, T)>) -
     groups
 }
 
-/// Items without repetitions, in the order in which they first appear.
+/// Removes repeated items. The others stay in the order in which they first appear.
 pub(crate) fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<T> {
     let keys = items.into_iter().map(|item| (item, ()));
     by_key(keys).into_iter().map(|(item, _)| item).collect()

@@ -1,4 +1,4 @@
-//! Defines studies: their configs, plans and runs.
+//! A study, read from the files that `palpate run` wrote.
 
 use crate::records::Records;
 use crate::{Files, ReportError, Table};
@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 /// A row of `failures.csv`: the failed trials of one kind in a cell.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Failure {
-    /// Index of the cell.
+    /// Number of the cell.
     pub(crate) cell: u64,
-    /// Kebab-case name of the kind of failure.
+    /// Name of the kind of failure, such as `not-rolling`.
     pub(crate) kind: String,
-    /// Number of trials with a failure of this kind.
+    /// Number of trials that failed in this way.
     pub(crate) count: u64,
-    /// Number of the first trial with this kind of failure, counted from 0.
+    /// Number of the first trial that failed in this way, counted from 0.
     pub(crate) first_trial: u64,
 }
 
@@ -121,7 +121,7 @@ impl Study {
         self.word("name")
     }
 
-    /// Title of the study, which is its question; the study's name if it has no title.
+    /// The question that the study answers; the study's name if it states no question.
     pub(crate) fn title(&self) -> &str {
         match self.word("title") {
             "" => self.name(),
@@ -129,17 +129,17 @@ impl Study {
         }
     }
 
-    /// Publication or other source of the question; may be empty.
+    /// Publication from which the question comes, or another source; may be empty.
     pub(crate) fn source(&self) -> &str {
         self.word("source")
     }
 
-    /// Numbers (identifiers) of the published claims that this study tests.
+    /// Numbers of the papers' claims that this study tests.
     pub(crate) fn claims(&self) -> &[u32] {
         &self.claims
     }
 
-    /// Text of the resolved config (`run.toml`).
+    /// Text of `run.toml`: the config with all defaults.
     pub(crate) fn config_text(&self) -> &str {
         &self.config_text
     }
@@ -154,16 +154,16 @@ impl Study {
         &self.failures
     }
 
-    /// The value at a dotted path of the config, e.g. `scene.probe.radius`.
+    /// The value at a path of the config, such as `scene.probe.radius`.
     pub(crate) fn setting(&self, path: &str) -> Option<&toml::Value> {
         let mut segments = path.split('.');
         let first = self.config.get(segments.next()?)?;
         segments.try_fold(first, |value, segment| value.as_table()?.get(segment))
     }
 
-    /// Number at a dotted `path` of the config, in the cell of `row`. It is the swept value if the study sweeps the
-    /// field or a part of the scene that contains the field, otherwise the value in the config. `None` if the value is
-    /// not a finite number.
+    /// Number at a path of the config, for the cell of `row`. If the study sweeps the field, or a part of the scene
+    /// that contains the field, this is the swept value; otherwise it is the value in the config. `None` if the value
+    /// is not a finite number.
     pub(crate) fn number(&self, row: usize, path: &str) -> Option<f64> {
         match self.cells.axis(path) {
             Some(axis) => axis.number(row),
@@ -171,7 +171,9 @@ impl Study {
         }
     }
 
-    /// The config as TOML text, as it was given. Defaults are not included.
+    /// Text at a path of the config, for the cell of `row`. If the study sweeps the field, or a part of the scene that
+    /// contains the field, this is the swept value; otherwise it is the value in the config. `None` if the value is not
+    /// a text.
     pub(crate) fn text(&self, row: usize, path: &str) -> Option<&str> {
         match self.cells.axis(path) {
             Some(axis) => Some(axis.text(row)),
@@ -179,8 +181,8 @@ impl Study {
         }
     }
 
-    /// Value of a field that has no column. It comes from a swept part of the scene that contains the field, otherwise
-    /// from the config.
+    /// Value of a field that has no column of its own. If a sweep sets a part of the scene that contains the field,
+    /// the value comes from this part; otherwise from the config.
     fn value(&self, row: usize, path: &str) -> Option<&toml::Value> {
         let mut dots = path.match_indices('.').rev();
         let swept = dots.find_map(|(dot, _)| Some((dot, self.cells.axis(&path[..dot])?)));
@@ -194,7 +196,8 @@ impl Study {
         keys.try_fold(first, |value, key| value.as_table()?.get(key))
     }
 
-    /// The table that a sweep sets at `path` and that has this label. If a table has no label, its `kind` is its label.
+    /// The table with this label among the tables that a sweep sets at `path`. A table without a label has its `kind`
+    /// as label.
     fn labelled(&self, path: &str, label: &str) -> Option<&toml::Table> {
         let sweeps = self.config.get("sweep")?.as_array()?.iter();
         let mut tables = sweeps
@@ -218,7 +221,7 @@ impl Study {
     }
 }
 
-/// Values that a sweep sets for the field at `path`, either for this field alone or together with other fields.
+/// Values that a sweep gives to the field at `path`, alone or together with other fields.
 fn swept_values<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> {
     let values = || sweep.get("values")?.as_array();
     let values = values().map_or(&[][..], Vec::as_slice).iter();
@@ -232,7 +235,7 @@ fn swept_values<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> 
     values.filter_map(of_place).collect()
 }
 
-/// A TOML integer or float as a number, if it is finite.
+/// A TOML integer or float as a number; `None` if it is not finite, or if the value has another type.
 pub(crate) fn number(value: &toml::Value) -> Option<f64> {
     value
         .as_float()

@@ -1,32 +1,32 @@
-//! Converts tables of results to Python tables, column by column.
+//! The table `cells.csv`, with one row per cell and quantity.
 
 use crate::records::{Records, distinct};
 use crate::{Files, ReportError};
 use palpate_study::number::finite;
 use palpate_study::{Statistic, config};
 
-/// Statistics whose columns may be missing. If so, they are `None` in all rows.
+/// Statistics whose columns may be missing in the file. They are then `None` in all rows.
 const OPTIONAL: [Statistic; 3] = [
     Statistic::RmsErrorStd,
     Statistic::Coverage50,
     Statistic::Coverage80,
 ];
 
-/// A column of the table that contains the values of a swept path. These columns are between `cell` and `quantity`.
+/// A column with the values of a swept field. In the file, these columns are between `cell` and `quantity`.
 #[derive(Debug, Clone)]
 pub(crate) struct Axis {
-    /// Header of the column: the path, followed by the unit if there is one.
+    /// Header of the column: the path of the field, with its unit if it has one.
     pub(crate) header: String,
-    /// The path without its unit.
+    /// Path of the field, without its unit.
     stem: String,
     cells: Vec<String>,
     numbers: Vec<Option<f64>>,
-    /// The different values in order of appearance, which is the order of the study's sweep.
+    /// The different values, in the order of the study's sweep.
     values: Vec<String>,
 }
 
 impl Axis {
-    /// Whether `path` is the name of this axis, with or without the unit.
+    /// Whether `path` names this field, with or without its unit.
     pub(crate) fn is(&self, path: &str) -> bool {
         self.header == path || self.stem == path
     }
@@ -36,7 +36,7 @@ impl Axis {
         &self.cells[row]
     }
 
-    /// The value in `row` as a finite number; `None` if it is a label.
+    /// The value in `row` as a finite number; `None` if the value is not a number.
     pub(crate) fn number(&self, row: usize) -> Option<f64> {
         self.numbers[row]
     }
@@ -46,7 +46,7 @@ impl Axis {
         self.numbers.iter().all(Option::is_some)
     }
 
-    /// The different values that occur in `rows`, in the order of the study's sweep.
+    /// The different values in `rows`, in the order of the study's sweep.
     pub(crate) fn among(&self, rows: &[usize]) -> Vec<&str> {
         let occurs = |value: &&String| rows.iter().any(|row| self.text(*row) == **value);
         let values = self.values.iter().filter(occurs);
@@ -59,8 +59,8 @@ impl Axis {
     }
 }
 
-/// Content of a file `cells.csv`. Rows are numbered from 0; row `r` is line `r + 2` of the file, unless a quoted cell
-/// has several lines.
+/// Contents of `cells.csv`. Rows are numbered from 0. Row `r` is line `r + 2` of the file, unless a quoted cell has
+/// several lines.
 #[derive(Debug, Clone)]
 pub(crate) struct Table {
     axes: Vec<Axis>,
@@ -115,28 +115,27 @@ impl Table {
         self.cell.len()
     }
 
-    /// The swept paths, in the order of the study.
+    /// The swept fields, in the order of the study.
     pub(crate) fn axes(&self) -> &[Axis] {
         &self.axes
     }
 
-    /// The axis with the name `path`, with or without its unit.
+    /// The swept field with this path, with or without its unit; `None` if it is not swept.
     pub(crate) fn axis(&self, path: &str) -> Option<&Axis> {
         self.axes.iter().find(|axis| axis.is(path))
     }
 
-    /// The names of the quantities, as an axis with one value per row.
+    /// The column `quantity`, in the form of a swept field.
     pub(crate) fn quantities(&self) -> &Axis {
         &self.quantity
     }
 
-    /// The numbers of trials, as an axis with one value per row. If the number of trials is swept, it is the column of
-    /// this sweep.
+    /// The column `trials`, in the form of a swept field. If the number of trials is swept, this is the swept column.
     pub(crate) fn trials(&self) -> &Axis {
         &self.trials
     }
 
-    /// Index of the cell to which `row` belongs.
+    /// Number of the cell to which `row` belongs.
     pub(crate) fn cell(&self, row: usize) -> u64 {
         self.cell[row]
     }
@@ -146,17 +145,17 @@ impl Table {
         self.quantity.text(row)
     }
 
-    /// Unit of the quantity in `row`, as in the table.
+    /// Unit of the quantity in `row`.
     pub(crate) fn unit(&self, row: usize) -> &str {
         &self.unit[row]
     }
 
-    /// Names of the statistics columns.
+    /// Names of the columns that contain statistics.
     pub(crate) fn statistics(&self) -> impl Iterator<Item = &str> {
         self.statistics.iter().map(|(name, _)| name.as_str())
     }
 
-    /// The statistic `name` in `row`; `None` if it is undefined in this row or if there is no such column.
+    /// A statistic in `row`; `None` if its field is empty, or if there is no such column.
     pub(crate) fn statistic(&self, row: usize, name: &str) -> Option<f64> {
         self.statistics
             .iter()
@@ -178,7 +177,7 @@ impl Axis {
     }
 }
 
-/// Whether two texts are equal. They are compared as numbers if both are numbers, otherwise as texts.
+/// Whether two texts are equal. If both are numbers, the numbers are compared.
 pub(crate) fn same(a: &str, b: &str) -> bool {
     match (finite(a), finite(b)) {
         (Some(a), Some(b)) => (a - b).abs() <= 1e-12 * a.abs().max(b.abs()),

@@ -1,32 +1,32 @@
-//! Measurements of speed and accuracy of models, from the tables `ladders.csv`, `rungs.csv`, `answers.csv` and
-//! `stages.csv` of one folder. The optional table `promise.csv` contains the check of the automatic choice of a model
-//! (the model `auto`).
+//! Measured speed and accuracy of models. They are in the tables `ladders.csv`, `rungs.csv`, `answers.csv` and
+//! `stages.csv` of one folder. The optional table `promise.csv` states how well the model `auto` chooses.
 
 use crate::records::Records;
 use crate::{Files, ReportError};
 use palpate_study::number::finite;
 
-/// All measurements in a folder.
+/// All measurements of a folder.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tradeoff {
     pub(crate) ladders: Vec<Ladder>,
-    /// Results of the check of the model `auto`, for each kind of scene; empty without `promise.csv`.
+    /// Test results of the model `auto`, for each kind of scene; empty without `promise.csv`.
     pub(crate) auto_models: Vec<AutoModel>,
-    /// Whether instructions were counted for every model. If so, the number of instructions is the cost.
+    /// Whether instructions were counted for every model. If so, costs are numbers of instructions; otherwise they are
+    /// times.
     pub(crate) counted: bool,
-    /// Description of the machine that made the measurements.
+    /// Description of the machine on which the measurements were made.
     pub(crate) machine: String,
 }
 
-/// A ladder: models, sensors or settings (called rungs) for the same task, with their costs and errors on several
-/// scenes.
+/// A comparison of several models, sensors or settings for the same task. Each of them is called a rung. Their costs
+/// and errors were measured on several scenes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Ladder {
     pub(crate) name: String,
     pub(crate) title: String,
-    /// Description of the error: its quantity, and the scale to which it is relative.
+    /// Description of the error: the quantity with the error, and the scale by which the error is divided.
     pub(crate) error_of: String,
-    /// Description of the computation whose cost is measured.
+    /// Description of the computation whose cost was measured.
     pub(crate) evaluation: String,
     pub(crate) scenes: Vec<LadderScene>,
 }
@@ -41,20 +41,20 @@ pub(crate) struct LadderScene {
     pub(crate) answers: Vec<Answer>,
 }
 
-/// Error and cost of one model, sensor or setting.
+/// Measured error and cost of one rung: a model, sensor or setting.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Rung {
     pub(crate) name: String,
     pub(crate) error: f64,
-    /// Standard error of `error`; 0 if it does not come from trials.
+    /// Standard error of `error`; 0 if the error was not estimated from trials.
     pub(crate) error_std: f64,
-    /// Number of instructions if they are counted; otherwise median time in nanoseconds.
+    /// Number of instructions, if they were counted; otherwise the median time, ns.
     pub(crate) cost: f64,
     /// Whether the rung is on the Pareto front: no other rung has both a smaller error and a smaller cost.
     pub(crate) on_front: bool,
 }
 
-/// Recommended rung for a target.
+/// The rung that is recommended for a target.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Answer {
     pub(crate) target: String,
@@ -120,10 +120,10 @@ impl Tradeoff {
     }
 }
 
-/// Name of the ladder, and name of the scene.
+/// Name of the ladder and description of the scene.
 type Key = (String, String);
 
-/// The items in `all` that have this key.
+/// All items with this key.
 fn of<T: Clone>(key: &Key, all: &[(Key, T)]) -> Vec<T> {
     let mine = all.iter().filter(|one| one.0 == *key);
     mine.map(|one| one.1.clone()).collect()
@@ -192,18 +192,18 @@ fn answers(files: &Files) -> Result<Vec<(Key, Answer)>, ReportError> {
     Ok((0..table.rows()).map(answer).collect())
 }
 
-/// Result of the check of the model `auto` on random scenes of one kind. The check has two conditions: the model's
-/// error is within the tolerance, and its cost is not much higher than the cost of the cheapest model within the
-/// tolerance.
+/// Test results of the model `auto` on random scenes of one kind. A test succeeds if two conditions are met: the
+/// chosen model's error is within the tolerance, and its cost is not much higher than that of the cheapest model
+/// within the tolerance.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AutoModel {
     pub(crate) kind: String,
     pub(crate) scenes: usize,
-    /// Number of scenes on which `auto` meets both conditions.
+    /// Number of scenes on which both conditions are met.
     pub(crate) successes: usize,
-    /// Number of scenes on which a model other than the chosen one also meets the tolerance.
+    /// Number of scenes on which at least one model besides the chosen model meets the tolerance.
     pub(crate) with_rivals: usize,
-    /// Largest ratio of the chosen model's number of instructions to the number of instructions of the cheapest model
+    /// Largest ratio of two numbers of instructions: those of the chosen model, divided by those of the cheapest model
     /// within the tolerance.
     pub(crate) largest_ratio: Option<f64>,
 }

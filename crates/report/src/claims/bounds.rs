@@ -1,9 +1,9 @@
-//! Bounds on numbers, and functions that format numbers or compute their range and mean.
+//! Bounds on numbers, and functions that format numbers or compute their range or mean.
 
 use super::row::Row;
 use palpate_study::number;
 
-/// A bound on a number. A number that differs from a limit only by rounding counts as equal to this limit.
+/// A bound on a number. A number that equals a limit except for rounding counts as equal to the limit.
 #[derive(Clone, Copy)]
 pub(super) enum Bound {
     AtLeast(f64),
@@ -13,17 +13,17 @@ pub(super) enum Bound {
     Between(f64, f64),
 }
 
-/// The bound that accepts only `value`, up to rounding.
+/// The bound that only `value` meets, except for rounding.
 pub(super) const fn is(value: f64) -> Bound {
     Bound::Between(value, value)
 }
 
-/// Whether two numbers are equal up to the rounding of decimal text.
+/// Whether two numbers are equal, except for rounding in decimal text.
 pub(super) fn near(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().min(b.abs())
 }
 
-/// Whether `number` of a row is within a bound.
+/// Returns a function that tests whether `number` of a row is within a bound.
 pub(super) fn within(
     number: impl Fn(&Row<'_>) -> Option<f64>,
     bound: Bound,
@@ -73,7 +73,7 @@ pub(super) fn short(value: f64) -> String {
     number::significant(value, 3)
 }
 
-/// The text `low to high`, with both numbers formatted by `show`. If both texts are equal, only one text is returned.
+/// The text `low to high`. `show` formats both numbers; if both texts are equal, only one of them is returned.
 pub(super) fn span((low, high): (f64, f64), show: fn(f64) -> String) -> String {
     match (show(low), show(high)) {
         (low, high) if low == high => low,
@@ -81,7 +81,7 @@ pub(super) fn span((low, high): (f64, f64), show: fn(f64) -> String) -> String {
     }
 }
 
-/// The smallest and largest of some numbers.
+/// The smallest and the largest of some numbers; `None` if there are no numbers.
 pub(super) fn range(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
     values.into_iter().fold(None, |range, value| match range {
         None => Some((value, value)),

@@ -1,20 +1,21 @@
-//! A check of a claim: values computed from rows, the bound that they must meet, and the sentences that report both.
+//! A check of a claim. It computes values from rows, compares them with a bound, and describes both in sentences.
 
 use super::bounds::{Bound, percent, range, short, span};
 use super::row::Row;
 use crate::records::by_key;
 
-/// Largest number of values that a sentence lists one by one. Of more values, it states the lowest and the highest.
+/// Largest number of values that a sentence lists one by one. If there are more values, the sentence states only the
+/// lowest and the highest.
 const LONGEST_LIST: usize = 8;
 
-/// Influence of a check on the verdict.
+/// How a check affects the verdict on its claim.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
-    /// The check decides the verdict. Without values, the claim is not testable.
+    /// The claim holds only if the check meets its bound. If the check has no values, the claim is not testable.
     Decides,
-    /// The check decides the verdict if it has values.
+    /// The claim holds only if the check meets its bound. If the check has no values, it is skipped.
     DecidesIfPresent,
-    /// The check is only reported and does not affect the verdict.
+    /// The check is printed, but it does not affect the verdict.
     Reports,
 }
 
@@ -29,18 +30,18 @@ pub(super) enum Portion {
 pub(super) type Keep = Box<dyn Fn(&Row<'_>) -> bool>;
 pub(super) type Values = Box<dyn for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)>>;
 
-/// A check of a claim.
+/// A check: values from the table, and the bound that they must meet.
 pub(super) struct Check {
     pub(super) keep: Vec<Keep>,
-    /// Values computed from rows. Each value comes with the row that represents it.
+    /// Computes values from rows. Each value is returned with one row to which it belongs.
     pub(super) values: Values,
-    /// Returns the name of a row's value. Values with the same name are compared and printed as one range.
+    /// Returns a name for the value of a row. All values with the same name are compared and printed as one range.
     pub(super) name: Option<fn(&Row<'_>) -> String>,
-    /// Reduces the values with the same name to one number.
+    /// Combines all values with the same name to one number.
     pub(super) merge: Option<fn(&[f64]) -> f64>,
-    /// Selects the rows whose values are compared with the bound. Other values are only printed.
+    /// Selects the rows whose values are compared with the bound. The values of all other rows are only printed.
     pub(super) compared: Option<fn(&Row<'_>) -> bool>,
-    /// Values equal to this number are left out of the check.
+    /// Values that equal this number are ignored.
     pub(super) without: Option<f64>,
     pub(super) bound: Option<Bound>,
     pub(super) portion: Portion,
@@ -57,13 +58,14 @@ pub(super) struct Outcome {
     pub(super) measured: String,
     /// Sentence with the bound that the values must meet.
     pub(super) rule: String,
-    /// Main value for the scorecard; empty if the check has no main value.
+    /// Main value for the scorecard; may be empty.
     pub(super) headline: String,
-    /// Names of values that are within 1 % of their limit.
+    /// Names of the values that are within 1 % of the bound's limit, so that the verdict is close.
     pub(super) close: Vec<String>,
 }
 
-/// The range of all values that have the same name, and whether it is compared with the bound and meets it.
+/// Range of all values with the same name. `compared` states whether the range is compared with the bound, and `met`
+/// whether it meets the bound.
 struct Item {
     name: String,
     range: (f64, f64),
@@ -72,8 +74,8 @@ struct Item {
 }
 
 impl Check {
-    /// Result of the check for the rows of a claim. `None` if the check has nothing to report, and an error if the rows
-    /// that it needs are missing.
+    /// Applies the check to the rows of a claim. Returns an error if the check needs rows that are missing, and `None`
+    /// if there is nothing to report.
     pub(super) fn outcome(&self, rows: &[Row<'_>]) -> Result<Option<Outcome>, String> {
         let is_kept = |row: &&Row<'_>| self.keep.iter().all(|keep| keep(row));
         let rows: Vec<Row<'_>> = rows.iter().filter(is_kept).copied().collect();
@@ -136,7 +138,7 @@ impl Check {
         self.says.split('|').next().unwrap_or_default()
     }
 
-    /// The sentence of the check as a rule, in which each measured value is replaced by the bound that it must meet.
+    /// The sentence of the check as a rule: the bound replaces the measured values.
     fn rule(&self) -> String {
         let counts = self.says.contains("{count}");
         let says = filled(self.rule_part(), |_, show| match self.portion {
@@ -152,7 +154,7 @@ impl Check {
     }
 }
 
-/// Text that replaces the placeholder `key` in a sentence; `None` if `key` is unknown.
+/// Text for the placeholder `key` of a sentence; `None` if `key` is unknown.
 fn shown(
     key: &str,
     items: &[Item],
@@ -191,7 +193,7 @@ fn shown(
     }
 }
 
-/// Replaces the `{placeholders}` of a sentence by texts. Placeholders that end in `%` are formatted in percent.
+/// Replaces each `{key}` of a sentence by `text(key)`. A number in a placeholder `{key%}` is formatted in percent.
 fn filled(sentence: &str, text: impl Fn(&str, fn(f64) -> String) -> Option<String>) -> String {
     let mut parts = sentence.split('{');
     let mut filled = parts.next().unwrap_or_default().to_owned();

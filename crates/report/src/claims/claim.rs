@@ -1,20 +1,21 @@
-//! A claim as data: the rows of a table to which it applies, and the checks that decide on it.
+//! Description of a claim as data: the rows of a table to which it applies, and the checks that decide on it.
 
 use super::bounds::{Bound, near, within};
 use super::check::{Check, Keep, Outcome, Portion, Role};
 use super::row::{Row, groups, sorted};
 use crate::{Study, phrases};
 
-/// A published claim and its checks. Methods that restrict or describe a check change the check that was added last.
+/// A claim of a paper and its checks. A method that restricts or describes a check changes the check that was added
+/// last.
 pub(super) struct Claim {
     pub(super) number: u32,
     /// The claim in at most six words.
     pub(super) title: &'static str,
-    /// Published value, as a short text.
+    /// The paper's value, as a short text.
     pub(super) published: &'static str,
     pub(super) paper_says: &'static str,
     rows: Keep,
-    /// Description of the rows to which the claim applies.
+    /// Description of the rows to which the claim applies, for error messages.
     what: &'static str,
     numbers: &'static [&'static str],
     needs: Vec<(String, Keep)>,
@@ -22,7 +23,7 @@ pub(super) struct Claim {
     remark: &'static str,
 }
 
-/// Result of a claim in a study.
+/// Result of testing a claim with a study.
 #[derive(Default)]
 pub(super) struct Finding {
     pub(super) holds: bool,
@@ -32,7 +33,7 @@ pub(super) struct Finding {
 }
 
 impl Claim {
-    /// A claim about the rows that `rows` accepts. `what` describes these rows in messages.
+    /// A claim about the rows that `rows` accepts. Error messages use `what` as a description of these rows.
     pub(super) fn new(
         number: u32,
         [title, published, paper_says]: [&'static str; 3],
@@ -53,12 +54,12 @@ impl Claim {
         }
     }
 
-    /// Sets the paths of the config or table that must have a number in every row of the claim.
+    /// Sets the paths at which the config or the table must state a number for every row of the claim.
     pub(super) fn numbers(self, numbers: &'static [&'static str]) -> Self {
         Self { numbers, ..self }
     }
 
-    /// Requires at least one row that `is_it` accepts. `what` describes this row in the error.
+    /// Requires at least one row that `is_it` accepts. The error message uses `what` as a description of this row.
     pub(super) fn needs(
         mut self,
         what: impl Into<String>,
@@ -68,12 +69,12 @@ impl Claim {
         self
     }
 
-    /// Sets the sentences that follow the bounds of the checks.
+    /// Sets a remark, which is printed after the bounds of the checks.
     pub(super) fn remark(self, remark: &'static str) -> Self {
         Self { remark, ..self }
     }
 
-    /// Adds a check of values that are computed from rows. Each value comes with the row that represents it.
+    /// Adds a check. `values` computes its values from the rows, each with one row to which the value belongs.
     pub(super) fn values(
         mut self,
         values: impl for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)> + 'static,
@@ -94,7 +95,7 @@ impl Claim {
         self
     }
 
-    /// Adds a check with one value per row.
+    /// Adds a check whose function `value` computes one value from each row.
     pub(super) fn rows(self, value: impl Fn(&Row<'_>) -> Option<f64> + 'static) -> Self {
         self.values(move |rows| {
             let values = rows.iter().filter_map(|row| Some((*row, value(row)?)));
@@ -102,7 +103,8 @@ impl Claim {
         })
     }
 
-    /// Adds a check with one value per group of rows that differ only in the paths `free`.
+    /// Adds a check whose function `value` computes one value from each group of rows. The rows of a group differ only
+    /// in swept fields whose paths begin with one of `free`.
     pub(super) fn groups(
         self,
         free: &'static [&'static str],
@@ -115,8 +117,8 @@ impl Claim {
         })
     }
 
-    /// Adds a check with ratios of `y` between successive rows, sorted by `x`. The rows that are compared differ only
-    /// in the paths `free`.
+    /// Adds a check of the ratios y₂/y₁ of successive rows, sorted by `x`. Only rows that differ in nothing but the
+    /// paths `free` are compared.
     pub(super) fn steps(
         self,
         free: &'static [&'static str],
@@ -140,8 +142,8 @@ impl Claim {
         })
     }
 
-    /// Adds a check of the ratios `value(one) / value(other)` for pairs of rows that differ only in the paths `free`.
-    /// The row `other` represents the ratio.
+    /// Adds a check of the ratios `value(one) / value(other)` for all pairs of rows that `is_pair` accepts and that
+    /// differ only in the paths `free`. Each ratio belongs to the row `other`.
     pub(super) fn pairs(
         self,
         free: &'static [&'static str],
@@ -166,17 +168,17 @@ impl Claim {
         self
     }
 
-    /// Restricts the check to rows that `keep` accepts.
+    /// Uses only rows that `keep` accepts for the check.
     pub(super) fn when(self, keep: impl Fn(&Row<'_>) -> bool + 'static) -> Self {
         self.last(|check| check.keep.push(Box::new(keep)))
     }
 
-    /// Restricts the check to rows of a quantity.
+    /// Uses only rows of this quantity for the check.
     pub(super) fn of(self, quantity: &'static str) -> Self {
         self.when(move |row| row.quantity() == quantity)
     }
 
-    /// Restricts the check to rows in which a number is within a bound.
+    /// Uses only rows whose `number` is within a bound for the check.
     pub(super) fn only(
         self,
         number: impl Fn(&Row<'_>) -> Option<f64> + 'static,
@@ -185,65 +187,68 @@ impl Claim {
         self.when(within(number, bound))
     }
 
-    /// Leaves out values that equal `value`; the check does not compare them.
+    /// Ignores values that equal `value`.
     pub(super) fn without(self, value: f64) -> Self {
         self.last(|check| check.without = Some(value))
     }
 
-    /// Names the values. Values with the same name are compared and printed as one range.
+    /// Names the values of the check. All values with the same name are compared and printed as one range.
     pub(super) fn named(self, name: fn(&Row<'_>) -> String) -> Self {
         self.last(|check| check.name = Some(name))
     }
 
-    /// Merges the values of each name into one number.
+    /// Combines all values with the same name to one number.
     pub(super) fn merged(self, merge: fn(&[f64]) -> f64) -> Self {
         self.last(|check| check.merge = Some(merge))
     }
 
-    /// Restricts the comparison with the bound to the values of these rows. The values of other rows are only printed.
+    /// Compares only the values of rows that `compared` accepts with the bound. The values of other rows are only
+    /// printed.
     pub(super) fn comparing(self, compared: fn(&Row<'_>) -> bool) -> Self {
         self.last(|check| check.compared = Some(compared))
     }
 
-    /// Sets the bound that all values must meet.
+    /// Sets the bound that the values must meet.
     pub(super) fn bound(self, bound: Bound) -> Self {
         self.last(|check| check.bound = Some(bound))
     }
 
-    /// Requires that at least this share of the values meets the bound. Without this call, all values must meet it.
+    /// Requires that at least this share of the values meets the bound. By default, all values must meet it.
     pub(super) fn in_share(self, share: f64) -> Self {
         self.last(|check| check.portion = Portion::Share(share))
     }
 
-    /// Requires that at least one value meets the bound. Without this call, all values must meet it.
+    /// Requires that at least one value meets the bound. By default, all values must meet it.
     pub(super) fn in_one(self) -> Self {
         self.last(|check| check.portion = Portion::One)
     }
 
-    /// Skips the check if it has no values.
+    /// Skips the check if it has no values. By default, the claim is then not testable.
     pub(super) fn if_present(self) -> Self {
         self.last(|check| check.role = Role::DecidesIfPresent)
     }
 
-    /// Sets the sentence of a check that decides the verdict, without the full stop. It may contain placeholders. In
-    /// the result, `{count}` is replaced by the number of compared values that meet the bound, `{n}` by the number of
-    /// all values, `{range}` and `{max}` by the compared values, and `{list}` by all values; a `%` before the closing
-    /// brace selects percent. In the rule, the bound replaces them. Text after a `|` appears only in the result.
+    /// Sets the sentence of a check that decides the verdict, without the full stop.
+    ///
+    /// In the result, placeholders are replaced: `{count}` by the number of compared values that meet the bound, `{n}`
+    /// by the number of all values, `{range}` and `{max}` by the range and the largest of the compared values, and
+    /// `{list}` by all values. With `%` before the closing brace, numbers are in percent. In the rule, the bound
+    /// replaces every placeholder. Text after a `|` appears only in the result.
     pub(super) fn says(self, says: impl Into<String>) -> Self {
         self.last(|check| check.says = says.into())
     }
 
-    /// Sets the sentence of a check that is only reported and does not affect the verdict.
+    /// Sets the sentence of a check that is only printed and does not affect the verdict.
     pub(super) fn reports(self, says: impl Into<String>) -> Self {
         self.says(says).last(|check| check.role = Role::Reports)
     }
 
-    /// Sets the main value for the scorecard. It may contain the same placeholders as the sentence.
+    /// Sets the main value for the scorecard. It may contain the same placeholders as [`Self::says`].
     pub(super) fn headline(self, headline: &'static str) -> Self {
         self.last(|check| check.headline = headline)
     }
 
-    /// Result of the claim in a study, or an error that names the missing rows or numbers.
+    /// Tests the claim with a study. Returns an error that names the rows or numbers that the study lacks.
     pub(super) fn finding(&self, study: &Study) -> Result<Finding, String> {
         let rows: Vec<Row<'_>> = Row::all(study).filter(|row| (self.rows)(row)).collect();
         if rows.is_empty() {
@@ -289,7 +294,7 @@ impl Claim {
     }
 }
 
-/// Joins the texts of the outcomes. Empty texts are left out.
+/// Joins one text of each outcome by semicolons. Empty texts are left out.
 fn joined<'a>(
     outcomes: impl IntoIterator<Item = &'a Outcome>,
     text: fn(&Outcome) -> &String,

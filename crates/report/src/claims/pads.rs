@@ -9,7 +9,7 @@ use super::row::{Row, probe_radius, roll_angle, size, sorted};
 
 const OFFSET: &str = "scene.sensor.offset";
 
-/// The claims about pads.
+/// The claims about sensors with pads.
 pub(super) fn claims() -> [Claim; 4] {
     [pad_size(), zeros(), longer_rolls(), half_millimetre()]
 }
@@ -22,7 +22,8 @@ fn pitch(row: &Row<'_>) -> Option<f64> {
     Some(row.number("scene.sensor.pitch")? / probe_radius(row)?)
 }
 
-/// The rms error of a row. `None` if trials failed, because the rms error of the other trials alone would be too small.
+/// The rms error of a row; `None` if trials failed, because the errors of the successful trials alone would be too
+/// small.
 fn complete_error(row: &Row<'_>) -> Option<f64> {
     rms_error(row).filter(|_| row.statistic("failures") == Some(0.0))
 }
@@ -31,8 +32,8 @@ fn is_random(row: &Row<'_>) -> bool {
     row.text(OFFSET) == Some("random")
 }
 
-/// Whether the row's error is a statistic over random offsets of the pads. If the study does not sweep the offset, this
-/// is true for all rows.
+/// Whether the pads of a row have random offsets, so that its error is a mean over offsets. If the study has no random
+/// offsets, all rows are accepted.
 fn is_statistical(row: &Row<'_>) -> bool {
     let values = row.study.cells().axis(OFFSET).map(|axis| axis.values());
     is_random(row) || !values.is_some_and(|values| values.iter().any(|value| value == "random"))
@@ -40,7 +41,7 @@ fn is_statistical(row: &Row<'_>) -> bool {
 
 impl Claim {
     /// Adds a check that the error increases with `x`. The error must increase in at least 90 % of the steps between
-    /// neighbouring values of `x`. Steps with equal errors are skipped.
+    /// successive values of `x`. Steps without a change are ignored.
     fn growth(self, free: &'static [&'static str], x: fn(&Row<'_>) -> Option<f64>) -> Self {
         self.steps(free, x, complete_error)
             .when(is_statistical)
@@ -101,8 +102,8 @@ fn zeros() -> Claim {
         .remark("A curvature of at most 10⁻¹² / R₁ counts as zero.")
 }
 
-/// Errors of the shortest and the longest roll in a group of rows. `None` if these two rolls have equal lengths or
-/// equal errors.
+/// Errors of the shortest and of the longest roll in a group of rows. `None` if both rolls have the same length or the
+/// same error.
 fn ends(group: &[Row<'_>]) -> Option<(f64, f64)> {
     match sorted(group, roll_angle, complete_error)[..] {
         [first, .., last] if !near(first.0, last.0) && !near(first.1, last.1) => {

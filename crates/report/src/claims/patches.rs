@@ -1,5 +1,5 @@
 //! Claims 9 to 13 about surface patches that gliding fingers measure (1996 paper, sections 4.2 and 4.3). Noise is
-//! relative to the distance between fingers.
+//! relative to the distance between neighbouring fingers.
 
 use super::bounds::Bound::{Above, AtLeast, AtMost, Below};
 use super::bounds::{geometric_mean, is, least, within};
@@ -11,8 +11,8 @@ const ESTIMATOR: &str = "scene.estimator";
 const GAUSSIAN: &str = "gaussian_curvature";
 const MEAN: &str = "mean_curvature";
 
-/// If at least this share of a patch is classified correctly, the patch counts as "well estimated" or "accurately
-/// classified", in the words of the paper.
+/// Share of a patch that must be classified correctly. Above this share, the patch counts as "well estimated" or
+/// "accurately classified", in the words of the paper.
 const WELL: f64 = 0.9;
 
 /// The claims about patches.
@@ -44,12 +44,12 @@ fn method(row: &Row<'_>) -> String {
     row.label(ESTIMATOR).to_owned()
 }
 
-/// Whether the row's estimator is the paper's complete method, with both fits.
+/// Whether the row's estimator is the complete method of the paper, which fits two surfaces one after the other.
 fn is_two_pass(row: &Row<'_>) -> bool {
     row.label(ESTIMATOR) == "two-pass"
 }
 
-/// Whether the row's estimator is only the first of the paper's two fits. Its label may have a suffix.
+/// Whether the row's estimator uses only the first of the paper's two fits. Its label begins with "first pass".
 fn is_first_pass(row: &Row<'_>) -> bool {
     row.label(ESTIMATOR).starts_with("first pass")
 }
@@ -62,12 +62,12 @@ fn is_sphere(row: &Row<'_>) -> bool {
     row.label(OBJECT) == "sphere"
 }
 
-/// The rms error over all points of the patch and all trials.
+/// The rms error over all points of the patch and all trials; `None` if it is 0.
 fn rms(row: &Row<'_>) -> Option<f64> {
     row.statistic("rms_error").filter(|error| *error > 0.0)
 }
 
-/// The share of the patch that is classified correctly, averaged over all trials. The share of a failed trial is 0.
+/// Share of the patch that is classified correctly, averaged over all trials. A failed trial counts as 0.
 fn share(row: &Row<'_>) -> Option<f64> {
     let is_share = row.quantity() == "class";
     let (trials, failures) = (row.statistic("trials")?, row.statistic("failures")?);
@@ -78,8 +78,8 @@ fn share(row: &Row<'_>) -> Option<f64> {
     is_share.then_some(mean)
 }
 
-/// Largest principal curvature of an object. It is computed from the true curvatures if the table has one value for the
-/// whole patch. Otherwise it is 1/radius, or 2|a| in the middle of a saddle z = a (x² − y²).
+/// Largest principal curvature of an object. If the true curvatures are the same in the whole patch, it is computed
+/// from them. Otherwise it is 1/radius, or 2|a| in the middle of a saddle z = a (x² − y²).
 fn largest_curvature(row: &Row<'_>) -> Option<f64> {
     let truth = |quantity: &str| row.of(quantity)?.statistic("truth");
     let curvature = match (truth(GAUSSIAN), truth(MEAN)) {
@@ -166,7 +166,7 @@ fn moderate_noise() -> Claim {
 }
 
 impl Claim {
-    /// Restricts the check to rows of the paper's two-pass method at 10 % noise, on all surfaces except the sphere.
+    /// Uses only rows of the paper's two-pass method with 10 % noise, on all surfaces except the sphere.
     fn off_sphere(self) -> Self {
         self.only(noise, is(0.1))
             .when(|row| is_two_pass(row) && !is_sphere(row))

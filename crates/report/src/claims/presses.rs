@@ -43,12 +43,12 @@ fn gaussian_profile() -> Claim {
 
 // ---- The effective radius at increasing indentations
 
-/// Effective radii in the paper, in mm. The sensor has a radius of 20 mm. The objects are a dish of radius 80 mm, a
+/// Effective radii of contact in the paper, mm. A sensor of radius 20 mm is pressed onto a dish of radius 80 mm, a
 /// plane, and a ball of radius 80 mm.
 const RADII: [f64; 3] = [26.7, 20.0, 16.0];
 /// Largest indentation in the paper, mm.
 const DEEPEST: f64 = 1.4;
-/// Indentation below which noise dominates according to the paper, mm.
+/// Indentation below which noise dominates, mm. The paper states this value.
 const SHALLOW: f64 = 1.0;
 
 fn in_millimetres(row: &Row<'_>, statistic: &str) -> Option<f64> {
@@ -65,19 +65,19 @@ fn depth(row: &Row<'_>) -> Option<f64> {
     Some(row.millimetres()? * row.number("scene.motion.indentation")?)
 }
 
-/// Relative error of the median of the estimates.
+/// Relative error of the median of all estimates.
 fn error(row: &Row<'_>) -> Option<f64> {
     let truth = row.statistic("truth")?;
     Some((row.statistic("q50")? - truth).abs() / truth)
 }
 
-/// Half the distance between the 5 % and the 95 % quantile of the estimates, divided by the true value.
+/// Half the distance between the 5 % and the 95 % quantile of the estimates, relative to the true value.
 fn scatter(row: &Row<'_>) -> Option<f64> {
     Some((row.statistic("q95")? - row.statistic("q05")?) / (2.0 * row.statistic("truth")?))
 }
 
-/// Whether the row uses the paper's estimator and direct readings. Rows with a camera sensor are excluded, because they
-/// use another elastic model.
+/// Whether the row has the paper's estimator and directly read displacements. Camera sensors are excluded, because
+/// their rows use another elastic model.
 fn is_paper(row: &Row<'_>) -> bool {
     is_direct(row)
         && row.text("scene.estimator.kind") == Some("gaussian")
@@ -93,8 +93,8 @@ fn is_direct_fit(row: &Row<'_>) -> bool {
 }
 
 impl Claim {
-    /// Adds a report about the rows of an estimator: the scatter of its estimates, and the share of its trials that
-    /// fail.
+    /// Adds sentences about the rows that `is_it` accepts: the scatter of the estimates, and the share of failed
+    /// trials.
     fn scatter(self, is_it: fn(&Row<'_>) -> bool) -> Self {
         self.rows(scatter)
             .when(is_it)
@@ -187,10 +187,10 @@ fn effective_radius() -> Claim {
 
 // ---- Regimes of contact, as a function of the relative curvature
 
-/// Relative curvatures below this share of the sensor's curvature count as zero.
+/// A relative curvature counts as zero below this share of the sensor's curvature.
 const ZERO: f64 = 1e-9;
 
-/// Relative curvature divided by the sensor's curvature.
+/// Relative curvature, in units of the sensor's curvature.
 fn relative_curvature(row: &Row<'_>) -> Option<f64> {
     let sensor = probe_radius(row)?;
     let object = || match row.text("scene.object.kind")? {
@@ -203,8 +203,8 @@ fn relative_curvature(row: &Row<'_>) -> Option<f64> {
     Some(sensor * relative.or_else(|| Some(1.0 / sensor + object()?))?)
 }
 
-/// 1 if the object counts as sensed, otherwise 0. An object is sensed if at most 10 % of the trials fail, and if at
-/// least 90 % of the 95 % intervals contain the true value.
+/// 1 if the sensor can sense the object, otherwise 0. It can if at most 10 % of the trials fail and at least 90 % of
+/// the 95 % intervals contain the true value.
 fn sensed(row: &Row<'_>) -> Option<f64> {
     let failed = row.failed(|_| true)?;
     match row.statistic("coverage95") {
@@ -213,7 +213,7 @@ fn sensed(row: &Row<'_>) -> Option<f64> {
     }
 }
 
-/// For each radius of the sensor, the number of objects that it senses; sorted by radius.
+/// Number of objects that each sensor can sense, with one of the sensor's rows. Sensors are sorted by radius.
 fn by_radius<'a>(rows: &[Row<'a>]) -> Vec<(Row<'a>, f64)> {
     let mut rows: Vec<(f64, Row<'a>)> = rows
         .iter()

@@ -23,7 +23,7 @@ pub(super) fn claims() -> [Claim; 6] {
     ]
 }
 
-/// A claim about the curvature of convex objects.
+/// A claim about rolls on convex objects.
 pub(super) fn of_convex(number: u32, texts: [&'static str; 3]) -> Claim {
     Claim::new(
         number,
@@ -91,8 +91,8 @@ fn relative_curvature() -> Claim {
         .says("up to 1 % noise the rms error is {range} × the predicted noise × (1 + 1/RCR)/√12")
 }
 
-/// Whether the row has the paper's noise and directions: uniform noise that is drawn once per probe, and two probes in
-/// each of the directions ±u and ±v.
+/// Whether the row has the paper's noise and directions. The noise is uniform and drawn once per probe; two probes
+/// roll in each of the directions ±u and ±v.
 fn has_eight_uniform_probes(row: &Row<'_>) -> bool {
     const DIRECTIONS: [f64; 8] = [0.0, 0.0, 90.0, 90.0, 180.0, 180.0, 270.0, 270.0];
     let word = |path: &str| row.text(path);
@@ -229,12 +229,12 @@ fn paraboloids() -> Claim {
         )
 }
 
-/// Arc length of the paraboloid z = −c r², multiplied by 2c, from the apex to the point where the slope is `x`.
+/// Arc length of the paraboloid z = −c r² from the apex to the point with the slope `x`, multiplied by 2c.
 fn arc(x: f64) -> f64 {
     0.5 * (x * libm::hypot(1.0, x) + libm::asinh(x))
 }
 
-/// Largest slope for which `is_below` is true, found by bisection.
+/// Largest slope at which `is_below` is true, found by bisection.
 fn slope(is_below: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (0.0, 1e9);
     for _ in 0..200 {
@@ -247,26 +247,27 @@ fn slope(is_below: impl Fn(f64) -> bool) -> f64 {
     low
 }
 
-/// Relative error of the curvature at the apex of z = −c r² without noise; `share` is c times the arc length. The
-/// estimate is the mean curvature along the roll: the slope angle atan(2 c r), divided by the arc length.
+/// Relative error of the estimated curvature at the apex of z = −c r², without noise. The estimate is the mean
+/// curvature along the roll: the slope angle atan(2 c r), divided by the arc length. `share` is c times the arc
+/// length.
 fn exact_error(share: f64) -> f64 {
     1.0 - libm::atan(slope(|x| arc(x) < 2.0 * share)) / (2.0 * share)
 }
 
-/// Arc length, multiplied by the paraboloid's coefficient c, at which the error without noise is 15 %.
+/// Arc length at which the error without noise is 15 %, multiplied by the paraboloid's coefficient c.
 fn crossing() -> f64 {
     0.5 * arc(slope(|x| libm::atan(x) > 0.85 * arc(x)))
 }
 
 // ---- Sharp objects, whose contact stays on one pad
 
-/// Share of the trials in which the contact stays on one pad. Such a trial gives only a bound on the radius.
+/// Share of the trials in which the contact stays on one pad. Such a trial gives only an upper bound on the radius.
 fn unresolved(row: &Row<'_>) -> Option<f64> {
     row.failed(|kind| kind.starts_with("unresolved"))
 }
 
-/// The rows of objects of one radius. They come with their number of trials, and with their number of unresolved
-/// trials, in which the contact stayed on one pad.
+/// All rows of objects with the same radius. `all` is their number of trials, and `unresolved` the number of trials in
+/// which the contact stayed on one pad.
 struct Trials<'a> {
     rows: Vec<Row<'a>>,
     all: f64,
@@ -279,7 +280,7 @@ impl Trials<'_> {
     }
 }
 
-/// Trials grouped by the radius of the object, smallest radius first.
+/// Groups rows by the radius of the object, smallest radius first.
 fn by_size<'a>(rows: &[Row<'a>]) -> Vec<Trials<'a>> {
     let mut rows = rows.to_vec();
     let size = |row: &Row<'_>| size(row).unwrap_or(f64::INFINITY);
@@ -299,7 +300,7 @@ fn by_size<'a>(rows: &[Row<'a>]) -> Vec<Trials<'a>> {
 }
 
 impl Claim {
-    /// Adds a check with one value per object radius.
+    /// Adds a check with one value per radius of the object.
     fn sizes(self, number: impl Fn(&Trials<'_>) -> f64 + 'static) -> Self {
         self.values(move |rows| {
             let sizes = by_size(rows).into_iter();
@@ -349,25 +350,25 @@ fn edge() -> Claim {
 
 // ---- Comparison of a wrist force sensor with pads
 
-/// Largest ratio of two errors (of a wrist sensor and of pads) at which the errors count as similar.
+/// Largest ratio at which the errors of a wrist sensor and of pads count as similar.
 const ALIKE: f64 = 1.5;
 
-/// Number in the label of a sensor after `word`. For the label `pads 0.5 mm` and the word `pads `, it is 0.5.
+/// Number after `word` in the label of a sensor: 0.5 for the label `pads 0.5 mm` and the word `pads `.
 fn labelled_size(row: &Row<'_>, word: &str) -> Option<f64> {
     let label = row.text("scene.sensor")?.strip_prefix(word)?;
     let size: f64 = label.split_whitespace().next()?.parse().ok()?;
     (size > 0.0).then_some(size)
 }
 
-/// Whether the error of the wrist sensor and the size of the pads, both read from the labels of the sensors, are
-/// approximately equal.
+/// Whether the stated error of a wrist sensor is approximately equal to the size of the pads. Both numbers are read
+/// from the labels of the sensors.
 fn is_wrist_and_pads(wrist: &Row<'_>, pads: &Row<'_>) -> bool {
     let sizes = labelled_size(wrist, "wrist ").zip(labelled_size(pads, "pads "));
     sizes.is_some_and(|(wrist, pads)| libm::log(pads / wrist).abs() <= libm::log(ALIKE) / 2.0)
 }
 
-/// Pad size whose error equals the error of the wrist sensor, interpolated between neighbouring pad sizes. `None` if
-/// the wrist sensor's error is outside of the range of the pads' errors.
+/// Pad size that has the same rms error as the wrist sensor, interpolated between two pad sizes. `None` if the wrist
+/// sensor's error is outside the range of the pads' errors.
 fn equal_pads(group: &[Row<'_>]) -> Option<f64> {
     let is_compared = |wrist: &&Row<'_>| group.iter().any(|pads| is_wrist_and_pads(wrist, pads));
     let error = group.iter().find(is_compared).and_then(rms_error)?;

@@ -1,4 +1,4 @@
-//! A row of a study's `cells.csv`, and the numbers of this row that claims test.
+//! A row of a study's `cells.csv`, with functions that compute numbers for claims from it.
 
 use crate::Study;
 use crate::records::by_key;
@@ -24,23 +24,23 @@ impl<'a> Row<'a> {
         self.study.cells().statistic(self.at, name)
     }
 
-    /// Number at a path of the config; see [`Study::number`].
+    /// Number at a path of the config, as [`Study::number`] returns it.
     pub(super) fn number(&self, path: &str) -> Option<f64> {
         self.study.number(self.at, path)
     }
 
-    /// Text at a path of the config; see [`Study::text`].
+    /// Text at a path of the config, as [`Study::text`] returns it.
     pub(super) fn text(&self, path: &str) -> Option<&'a str> {
         self.study.text(self.at, path)
     }
 
-    /// Label of a part of the scene, or its kind if it has no label.
+    /// Label of a part of the scene; its kind if it has no label.
     pub(super) fn label(&self, path: &str) -> &'a str {
         let kind = || self.text(&format!("{path}.kind"));
         self.text(path).or_else(kind).unwrap_or_default()
     }
 
-    /// Labels of the swept fields among `paths`, separated by commas.
+    /// Texts of the swept values at these paths, separated by commas. Paths that are not swept are left out.
     pub(super) fn swept(&self, paths: &[&str]) -> String {
         let axes = paths
             .iter()
@@ -49,7 +49,7 @@ impl<'a> Row<'a> {
         texts.join(", ")
     }
 
-    /// The row of `quantity` at the same grid point.
+    /// The row of another quantity in the same cell; `None` if the cell does not have this quantity.
     pub(super) fn of(&self, quantity: &str) -> Option<Self> {
         let table = self.study.cells();
         let is_cell = |at: &usize| table.cell(*at) == table.cell(self.at);
@@ -59,7 +59,7 @@ impl<'a> Row<'a> {
         cell.find(|row| row.quantity() == quantity)
     }
 
-    /// Share of the trials at this grid point that failed with a kind that `is_it` accepts.
+    /// Share of the cell's trials that failed with a kind of failure that `is_it` accepts.
     pub(super) fn failed(&self, is_it: impl Fn(&str) -> bool) -> Option<f64> {
         let trials = self.statistic("trials").filter(|trials| *trials > 0.0)?;
         let cell = self.study.cells().cell(self.at);
@@ -68,7 +68,7 @@ impl<'a> Row<'a> {
         Some(counts.map(|failure| failure.count as f64).sum::<f64>() / trials)
     }
 
-    /// Number of millimetres per unit of length of the study; `None` if its `length_unit` is not metric.
+    /// Number of millimetres per length unit of the study; `None` if this unit is not metric.
     pub(super) fn millimetres(&self) -> Option<f64> {
         match self.study.setting("length_unit")?.as_str()? {
             "m" => Some(1000.0),
@@ -80,7 +80,7 @@ impl<'a> Row<'a> {
     }
 }
 
-/// Groups of rows that differ only in swept fields whose paths start with one of `free`.
+/// Groups of rows. The rows of a group differ only in swept fields whose paths begin with one of `free`.
 pub(super) fn groups<'a>(rows: &[Row<'a>], free: &[&str]) -> Vec<Vec<Row<'a>>> {
     let Some(first) = rows.first() else {
         return Vec::new();
@@ -98,7 +98,7 @@ pub(super) fn groups<'a>(rows: &[Row<'a>], free: &[&str]) -> Vec<Vec<Row<'a>>> {
     groups.into_iter().map(|(_, rows)| rows).collect()
 }
 
-/// Pairs of the numbers `x` and `y` of each row, sorted by `x`.
+/// Pairs (x, y) of all rows, sorted by x.
 pub(super) fn sorted(
     rows: &[Row<'_>],
     x: impl Fn(&Row<'_>) -> Option<f64>,
@@ -115,15 +115,13 @@ pub(super) fn probe_radius(row: &Row<'_>) -> Option<f64> {
     row.number("scene.probe.radius")
 }
 
-/// Radius of the object divided by the radius of the probe. This is the inverse of the ratio RCR of their curvatures in
-/// the 1996 paper.
+/// Radius of the object divided by the radius of the probe. The 1996 paper calls the inverse of this ratio RCR.
 pub(super) fn size(row: &Row<'_>) -> Option<f64> {
     Some(1.0 / (row.statistic("truth")? * probe_radius(row)?))
 }
 
-/// Roll angle in rad. It is computed from rate and duration, from the angle in the config, or from the arc length s on
-/// the probe. In the last case, the angle is s (1/R₁ + 1/R₂), where R₁ is the radius of the probe and R₂ the radius of
-/// the object.
+/// Roll angle in rad. It is the product of rate and duration, the angle in the config, or s (1/R₁ + 1/R₂). Here s is
+/// the arc length on the probe, R₁ the radius of the probe, and R₂ the radius of the object.
 pub(super) fn roll_angle(row: &Row<'_>) -> Option<f64> {
     let number = |path: &str| row.number(path);
     if let (Some(rate), Some(duration)) = (

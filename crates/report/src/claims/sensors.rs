@@ -1,18 +1,18 @@
-//! Claims 14, 18, 19 and 22 about markers in the camera image and about the skin (2020 paper, sections III and IV.A).
+//! Claims 14, 18, 19 and 22 about markers in camera images and about the skin (2020 paper, sections III and IV.A).
 
 use super::bounds::Bound::{Above, AtLeast, AtMost, Below};
 use super::bounds::{near, range};
 use super::claim::Claim;
 use super::row::{Row, groups};
 
-/// Slope of a straight line through all 39 readings in the paper's Fig. 6b, turns/mm. It was computed by `palpate
-/// sensor calibrate` in `examples/chromatouch-2020/`.
+/// Slope of the straight line through all 39 readings in the paper's Fig. 6b, turns/mm. `palpate sensor calibrate`
+/// computed it in `examples/chromatouch-2020/`.
 const HUE_SLOPE: f64 = 0.02583;
-/// Slope of a straight line through the readings in the paper's Fig. 6c, px/mm. It was computed by `palpate sensor
-/// calibrate` in `examples/chromatouch-2020/`.
+/// Slope of the straight line through the readings in the paper's Fig. 6c, px/mm. `palpate sensor calibrate` computed
+/// it in `examples/chromatouch-2020/`.
 const CENTROID_SLOPE: f64 = 7.0;
 
-/// The claims about the sensor.
+/// The claims about sensors with markers.
 pub(super) fn claims() -> [Claim; 4] {
     [linear(), gores(), fisheye(), slopes()]
 }
@@ -21,7 +21,7 @@ fn mean(row: &Row<'_>) -> Option<f64> {
     row.statistic("mean")
 }
 
-/// Displacement of the marker along the skin; 0 if neither the table nor the config states it.
+/// Displacement of the marker along the skin; 0 if neither the table nor the config contains it.
 fn shift(row: &Row<'_>) -> Option<f64> {
     Some(row.number("scene.motion.shift").unwrap_or(0.0))
 }
@@ -30,23 +30,22 @@ fn indentation(row: &Row<'_>) -> Option<f64> {
     row.number("scene.motion.indentation")
 }
 
-/// Mean and standard deviation of the quantity over the trials.
+/// Mean and standard deviation of the estimates over the trials.
 fn read(row: &Row<'_>) -> Option<(f64, f64)> {
     Some((mean(row)?, row.statistic("std").unwrap_or(0.0)))
 }
 
-/// Fitted straight lines, each with the first row of its group.
+/// Straight lines that were fitted to groups of rows, each with the first row of its group.
 type Lines<'a> = Vec<(Row<'a>, StraightLine)>;
 
-/// For each of a marker's two hues, the name of the quantity and the name in the text. The text of the paper refers to
-/// the second hue.
+/// Name of the quantity, and name in sentences, of both hues of a marker. The paper uses the mean hue.
 const HUES: [(&str, &str); 2] = [
     ("hue_change", "hue of the summed light"),
     ("mean_hue_change", "mean hue"),
 ];
 
-/// Straight lines that are fitted to a hue as a function of the indentation, for markers that are not shifted along the
-/// skin. There is one line for each combination of the other swept fields.
+/// Straight lines of a hue over the indentation, one for each combination of the other swept fields. Only markers that
+/// are not displaced along the skin are used.
 fn hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     through(
         unmoved(rows, quantity),
@@ -56,7 +55,8 @@ fn hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     )
 }
 
-/// Straight lines that are fitted to the exact hue (without pixels and noise) as a function of the indentation.
+/// Straight lines of the true hue (without pixels and noise) over the indentation, one for each combination of the
+/// other swept fields.
 fn exact_hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     let exact = |row: &Row<'_>| Some((row.statistic("truth")?, 0.0));
     through(
@@ -67,14 +67,14 @@ fn exact_hue<'a>(rows: &[Row<'a>], quantity: &str) -> Lines<'a> {
     )
 }
 
-/// Rows of a quantity for cells in which the marker is not shifted along the skin.
+/// Rows of a quantity in which the marker is not displaced along the skin.
 fn unmoved<'a>(rows: &[Row<'a>], quantity: &str) -> Vec<Row<'a>> {
     let is_unmoved = |row: &&Row<'_>| row.quantity() == quantity && shift(row) == Some(0.0);
     rows.iter().filter(is_unmoved).copied().collect()
 }
 
-/// Fitted lines of the centroid against the displacement along the skin. There is one line per indentation and
-/// combination of the other swept fields.
+/// Straight lines of the centroid over the displacement along the skin, one for each indentation and each combination
+/// of the other swept fields.
 fn centroid<'a>(rows: &[Row<'a>]) -> Lines<'a> {
     let shifts = rows.iter().filter(|row| row.quantity() == "centroid_shift");
     through(
@@ -85,7 +85,8 @@ fn centroid<'a>(rows: &[Row<'a>]) -> Lines<'a> {
     )
 }
 
-/// Lines fitted to the mean and the standard deviation that `read` returns, one line for each group of rows.
+/// Fits one straight line to each group of rows. The rows of a group differ only in the paths `free`. `along` returns
+/// x of a row, and `read` returns the mean and the standard deviation of y.
 fn through<'a>(
     rows: Vec<Row<'a>>,
     free: &[&str],
@@ -167,17 +168,17 @@ fn linear() -> Claim {
         )
 }
 
-/// Slope of a line per millimetre.
+/// Slope of a line, per millimetre.
 fn slope(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(line.slope / row.millimetres()?)
 }
 
-/// Slope of a hue line, divided by the published slope.
+/// Slope of a line of the hue, divided by the published slope.
 fn hue_share(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(slope(row, line)? / HUE_SLOPE)
 }
 
-/// Slope of a centroid line, divided by the published slope.
+/// Slope of a line of the centroid, divided by the published slope.
 fn centroid_share(row: &Row<'_>, line: StraightLine) -> Option<f64> {
     Some(slope(row, line)? / CENTROID_SLOPE)
 }
@@ -186,14 +187,14 @@ fn sensor(row: &Row<'_>) -> String {
     row.swept(&["scene.sensor"])
 }
 
-/// Whether the sensor's discs are rigid: the config states no strain of the skin or the discs, as in the paper's model.
+/// Whether the discs of the markers are rigid, as in the paper's model: the config states no strain of skin or discs.
 fn is_rigid(row: &Row<'_>) -> bool {
     let strains = ["strain", "yellow_strain"].map(|key| format!("scene.probe.discs.{key}"));
     strains.iter().all(|path| row.number(path).is_none())
 }
 
-/// For each hue line, the larger of two relative deviations from the published slopes: the deviation of the hue line,
-/// and the smallest deviation among the centroid lines of the same sensor.
+/// Relative deviation from the published slopes, for each line of the hue. It is the larger of two deviations: that of
+/// this line, and the smallest one among the lines of the centroid for the same sensor.
 fn farther_off<'a>(rows: &[Row<'a>], quantity: &str) -> Vec<(Row<'a>, f64)> {
     let off = |share: f64| (share - 1.0).abs();
     let centroids = centroid(rows);
@@ -291,7 +292,7 @@ fn gores() -> Claim {
     claim
 }
 
-/// Polar angle at which the lens shows a marker, degrees; `None` if the marker has no area in the image.
+/// Polar angle of a marker in the camera's view, degrees; `None` if the image does not show the marker.
 fn polar(row: &Row<'_>) -> Option<f64> {
     row.number("scene.view.polar_deg")
         .filter(|_| mean(row).is_some_and(|area| area > 0.0))
@@ -329,7 +330,7 @@ fn fisheye() -> Claim {
     claim
 }
 
-/// Mean and standard deviation of the readings at one x.
+/// Mean and standard deviation of all readings at the same x.
 #[derive(Debug, Clone, Copy)]
 struct Reading {
     x: f64,
@@ -337,17 +338,17 @@ struct Reading {
     std: f64,
 }
 
-/// A straight line that was fitted by least squares.
+/// A straight line, fitted by least squares.
 #[derive(Debug, Clone, Copy)]
 struct StraightLine {
     slope: f64,
-    /// Share of the variance of single readings that the line explains; 0 if the readings have no variance.
+    /// Share of the variance of single readings that the line explains (R²); 0 if the readings have no variance.
     r_squared: f64,
 }
 
 impl StraightLine {
-    /// Fits a line to `readings` with equal weights. `None` if there are fewer than three different values of x,
-    /// because a line would then always fit well.
+    /// Fits a line to `readings` with equal weights. `None` for fewer than three different x, because a line through
+    /// two points always fits.
     fn through(readings: &[Reading]) -> Option<Self> {
         let mut places: Vec<f64> = readings.iter().map(|reading| reading.x).collect();
         places.sort_by(f64::total_cmp);
