@@ -275,7 +275,7 @@ impl Matched {
         })
     }
 
-    /// Covariance of the camera parameters, computed with standard errors that are multiplied by `widened`.
+    /// Covariance of the camera parameters. Their standard errors are multiplied by `widened` first.
     fn covariance(
         &self,
         nominal: &NominalSensor<'_>,
@@ -296,7 +296,7 @@ impl Matched {
     }
 }
 
-/// Factor by which the stated errors are multiplied: the square root of the reduced χ² if this is above
+/// Factor by which the stated errors are multiplied. It is the square root of the reduced χ² if the reduced χ² is above
 /// `MAX_REDUCED_CHI_SQUARED`, otherwise 1.
 pub(super) fn scatter(reduced: f64) -> f64 {
     match reduced > MAX_REDUCED_CHI_SQUARED {
@@ -305,8 +305,9 @@ pub(super) fn scatter(reduced: f64) -> f64 {
     }
 }
 
-/// Repeats the fit, each time starting from the optics of the previous fit. Because odd terms, scale and camera height
-/// almost compensate each other, a single fit from distant start values stops before it reaches the smallest χ².
+/// Repeats the fit, each time starting from the optics of the previous fit. Changes of the odd terms, the scale and the
+/// camera height almost compensate each other. Therefore a single fit from distant start values stops before it reaches
+/// the smallest χ².
 fn settled(
     nominal: &NominalSensor<'_>,
     (mut rest, mut optics): (Rest, Optics),
@@ -331,8 +332,8 @@ fn other_layout(error: impl std::fmt::Display) -> String {
     format!("does not show the layout: {error}; {CAUSES}")
 }
 
-/// Images of the markers at rest that the model predicts, for the nominal sensor or for the sensor estimated as `rest`;
-/// `None` for a marker that the frame does not contain.
+/// Images of the markers at rest as the model predicts them. The sensor is the nominal one or, if `rest` is given, the
+/// one estimated there. `None` for a marker that the predicted frame does not contain.
 fn law(fit: &ImageFit<ImageModel>, rest: Option<&Rest>) -> Result<Vec<Option<[f64; 4]>>, String> {
     let markers = fit.markers.places().len();
     let still = vec![[MarkerDisplacement::default(); 2]; markers];
@@ -356,7 +357,8 @@ fn law(fit: &ImageFit<ImageModel>, rest: Option<&Rest>) -> Result<Vec<Option<[f6
     })
 }
 
-/// The estimated deviations of the camera parameters from their nominal values; all other entries are 0.
+/// The estimated differences between the camera parameters and their nominal values. All other entries of the result
+/// are 0.
 fn of_camera(rest: &Rest) -> Result<Departure, String> {
     let mut numbers = [0.0; Departure::NUMBERS];
     for number in CAMERA {
@@ -365,7 +367,7 @@ fn of_camera(rest: &Rest) -> Result<Departure, String> {
     Ok(Departure::of(numbers))
 }
 
-/// A marker's image with larger standard errors, which allow for misaligned discs.
+/// A marker's image with larger standard errors, which allow for the unknown misalignment of its discs.
 fn roughly(image: Seen) -> Seen {
     let mut covariance = image.covariance;
     for (number, std) in ROUGH_STDS.into_iter().enumerate() {
@@ -382,8 +384,8 @@ fn centroids(pictures: &[Option<[f64; 4]>]) -> Vec<Option<[f64; 2]>> {
     pictures.iter().map(centroid).collect()
 }
 
-/// Number of missing markers. Returns an error if too many markers are missing, if too many additional markers were
-/// found, or if the colours differ.
+/// Number of missing markers. Returns an error if too many markers of the layout are missing, if too many other markers
+/// were found, or if the colours differ.
 fn missing_markers(
     expected: &[Option<[f64; 4]>],
     images: &[Option<Seen>],
@@ -420,8 +422,8 @@ fn missing_markers(
     Ok((wanted - there).saturating_sub(cut))
 }
 
-/// For each expected position, the index of the marker for which this is the nearest expected position; if there are
-/// several such markers, the nearest of them.
+/// Matches found markers with expected positions. A found marker belongs to its nearest expected position. For each
+/// expected position, returns the index of the nearest marker that belongs to it; `None` if no marker belongs to it.
 pub(super) fn nearest(expected: &[Option<[f64; 2]>], found: &Found) -> Vec<Option<usize>> {
     let mut nearest = vec![None; expected.len()];
     let mut distances = vec![f64::INFINITY; expected.len()];

@@ -1,7 +1,7 @@
 //! Estimates the effective radius of a contact from a load curve, which is the force as a function of the indentation.
 //!
-//! By Hertz, F = 4/3 E* √R δ^(3/2), which is linear in E*√R. If the modulus E* = E/(1 − ν²) is not given, a load curve
-//! determines only this product.
+//! By Hertz, the force is F = 4/3 E* √R δ^(3/2), with the effective modulus E* = E/(1 − ν²), the effective radius R and
+//! the indentation δ. If the modulus is not given, a load curve determines only the product E*√R.
 
 use std::collections::HashSet;
 
@@ -23,8 +23,8 @@ use super::value::{FORMAT_VERSION, Value, finite};
 /// rounding errors.
 const LEAST_NOISE: f64 = 1e-10;
 
-/// Confidence level of the test whether the force grows with the power 3/2 of the indentation. With this probability,
-/// readings of a Hertzian contact cause no warning about their exponent.
+/// Confidence level of the test whether the force grows with the power 3/2 of the indentation. Readings of a Hertzian
+/// contact pass this test with this probability; if they fail, there is a warning.
 const LEVEL: f64 = 0.995;
 
 /// A recorded load curve.
@@ -39,7 +39,7 @@ pub struct LoadCurve {
 /// Settings of an estimate from a load curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadOptions {
-    /// Young's modulus of the soft body, kPa; without it, only E*√R is estimated.
+    /// Young's modulus of the soft body, kPa. If it is not given, only E*√R is estimated.
     pub modulus_kpa: Option<f64>,
     /// Standard deviation of Young's modulus, kPa.
     pub modulus_std_kpa: Option<f64>,
@@ -47,14 +47,14 @@ pub struct LoadOptions {
     pub poisson: f64,
     /// Radius of the sensor, in the unit of lengths; infinite for a flat pad.
     pub sensor_radius: Option<f64>,
-    /// Standard deviation of the noise of each force, N; by default, it is estimated from the residuals.
+    /// Standard deviation of the noise of each force, N. By default, it is estimated from the residuals.
     pub force_std_n: Option<f64>,
     /// Unit of lengths, used if the header does not state it.
     pub length_unit: Option<LengthUnit>,
 }
 
 impl LoadOptions {
-    /// Checks that all settings are in their ranges and have an effect.
+    /// Checks that each setting is in its range, and that no setting is given without an effect.
     ///
     /// # Errors
     /// [`SettingError`] that names the setting.
@@ -91,12 +91,12 @@ pub struct LoadEstimate {
     length_unit: &'static str,
     /// The product E*√R, with the modulus E* = E/(1 − ν²) and the effective radius R.
     stiffness: Value,
-    /// Effective radius R; `None` without Young's modulus.
+    /// Effective radius R; `None` if Young's modulus is not given.
     effective_radius: Option<Value>,
-    /// Object curvature: 1/R minus the curvature of the sensor, with the effective radius R. `None` without Young's
-    /// modulus or the radius of the sensor.
+    /// Curvature of the object: 1/R minus the curvature of the sensor, where R is the effective radius. `None` if
+    /// Young's modulus or the radius of the sensor is not given.
     object_curvature: Option<Value>,
-    /// Exponent of the indentation with which a power law fits the forces best, to first order. By Hertz, it is 3/2.
+    /// Exponent of the power law that fits the forces best, to first order. For a Hertzian contact, it is 3/2.
     exponent: Value,
     /// Standard deviation of the noise of each force, N; stated, or estimated from the residuals.
     force_std_n: f64,
@@ -121,8 +121,8 @@ pub fn parse_load_curve(file: RecordedFile) -> Result<LoadCurve, RecordedError> 
     })
 }
 
-/// Estimates the effective radius from a load curve. It is assumed that indentations are exact and that all forces have
-/// errors of equal size.
+/// Estimates the effective radius from a load curve. The estimate assumes that the indentations are exact and that all
+/// forces have errors of equal size.
 ///
 /// # Errors
 /// [`RecordedError::Readings`] if a setting is out of its range, if the unit of lengths is not stated, or if the

@@ -13,17 +13,16 @@ use super::glide_recording::GlideRecording;
 
 /// Largest number of rows that a message lists.
 const LISTED_ROWS: usize = 10;
-/// A warning is given if at least this number of consecutive contacts count as one contact, because their noise is
-/// correlated.
+/// Smallest number of consecutive contacts, counting as one because of correlated noise, that causes a warning.
 const MIN_CORRELATION: f64 = 1.5;
-/// If the probability of the chosen shape is below this value, a warning mentions another shape.
+/// Smallest accepted probability of the chosen shape. If it is smaller, a warning mentions another shape.
 const MIN_PROBABILITY: f64 = 0.9;
-/// A warning is given if the p-value of the fit of a stated shape is below this value.
+/// Smallest accepted p-value of the fit of a stated shape. A smaller p-value causes a warning.
 const MIN_P_VALUE: f64 = 0.005;
-/// Number of iterations in which contacts are divided into two groups.
+/// Number of iterations of the method that divides contacts into two groups.
 const GROUP_ITERATIONS: usize = 5;
 
-/// A text that lists the first of these rows.
+/// A text that lists the first of the rows `rows`.
 pub(super) fn listed(rows: impl ExactSizeIterator<Item = String>) -> String {
     let more = rows.len().saturating_sub(LISTED_ROWS);
     let mut listed: Vec<String> = rows.take(LISTED_ROWS).collect();
@@ -65,7 +64,7 @@ pub(super) fn correlated(readings: &EffectiveReadings) -> Option<Warning> {
     })
 }
 
-/// Warning that the contacts form a single stroke, which does not determine the curvature across it.
+/// Warning that all contacts are on a single stroke, and that a stroke does not determine the curvature across it.
 pub(super) fn across(stroke: &StrokeCurvature, unit: LengthUnit) -> Warning {
     let half = stroke.half_width * stroke.std;
     let [value, half] = [stroke.value, half].map(Number::rounded);

@@ -1,4 +1,4 @@
-//! Rolls whose shift was not measured. Drivers write zeros or a large number instead of a lost reading.
+//! Rolls whose shift was not measured. For a lost reading, the drivers of some sensors write zeros or a large number.
 
 use std::f64::consts::PI;
 
@@ -15,12 +15,12 @@ use super::roll_warnings::units;
 
 /// A shift of zero counts as lost if the predicted shift is larger than this multiple of the root mean square residual.
 const MIN_RESIDUALS: f64 = 8.0;
-/// Relative error of shifts that are multiples of a pitch; files round numbers.
+/// Relative tolerance of the test whether shifts are multiples of a pitch, because numbers in files are rounded.
 const ROUNDING: f64 = 1e-6;
-/// Largest share of rolls that may be left out.
+/// Largest accepted share of rolls that are left out. If more rolls are lost, the recording is rejected.
 const MAX_SHARE: f64 = 0.2;
 
-/// Reason for which a reading counts as lost.
+/// Reason why a reading counts as lost.
 #[derive(Clone, Copy, PartialEq)]
 enum Loss {
     /// The shift is longer than half way round the probe.
@@ -84,8 +84,8 @@ impl RollRecording {
         Ok(left_out)
     }
 
-    /// Whether the contact moved in every roll whose shift is zero, by more than pads or noise can hide. The other rolls
-    /// predict the movement.
+    /// Whether the rolls whose shift is zero are lost readings. They are if the other rolls predict that the contact
+    /// moved in each of them, by more than pads or noise can hide.
     fn are_zeros_lost(&self, losses: &[Option<Loss>], options: &RollOptions) -> bool {
         let sound = self.readings.iter().zip(losses);
         let sound: Vec<ProbeReading> = sound
@@ -136,7 +136,8 @@ impl RollRecording {
     }
 }
 
-/// Pitch of which the components of all shifts are multiples; 0 if there is none, because the sensor has no square pads.
+/// Pitch of square pads, detected from the shifts: the components of all shifts are multiples of the pitch. The result
+/// is 0 if there is no such pitch.
 fn common_pitch(readings: &[ProbeReading]) -> f64 {
     let components = readings
         .iter()

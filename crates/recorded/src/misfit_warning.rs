@@ -4,7 +4,7 @@ use palpate_statistics::{Misfit, Number, StatedQuantity};
 
 use palpate_study::Warning;
 
-/// Words with which the warnings name the readings of a kind (such as shifts or displacements).
+/// Words by which the warnings name readings, such as shifts or displacements.
 pub(super) struct ReadingWords<'w> {
     /// Name of a reading, by its index from 0.
     pub(super) reading: &'w dyn Fn(usize) -> String,

@@ -1,4 +1,4 @@
-//! The nominal sensor, as a study states it, with which a frame at rest is compared.
+//! The nominal sensor, as a study states it. A frame at rest is compared with it.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, Departure, Lens, MarkerMotion, OddTerms, Optics, Pose,
@@ -36,10 +36,10 @@ pub(super) struct NominalSensor<'a> {
     pub(super) markers: Markers,
     pub(super) stds: [f64; Departure::NUMBERS],
     misalignment_std: f64,
-    /// Standard deviation of the noise of a pixel, levels of 255.
+    /// Standard deviation of the noise of a pixel, in levels (0 to 255).
     pixel_std: f64,
-    /// Change of each marker's image at rest that uneven light and blur cause; empty if the sensor has neither uneven
-    /// light nor blur.
+    /// For each marker, the change of its image at rest by uneven light and blur. The list is empty if the sensor has
+    /// neither uneven light nor blur.
     blemished: Vec<[f64; 4]>,
 }
 
@@ -59,7 +59,7 @@ pub(super) struct CameraGeometry {
 }
 
 impl<'a> NominalSensor<'a> {
-    /// The sensor of a press, without the effect of uneven light and blur on the images.
+    /// The nominal sensor of a press. The effect of uneven light and blur on the images is not computed yet.
     ///
     /// # Errors
     /// [`FieldError`] if the sensor has no camera or no discs.
@@ -102,7 +102,8 @@ impl<'a> NominalSensor<'a> {
         })
     }
 
-    /// This sensor with the effect of uneven light and blur on the images of its markers at rest.
+    /// This sensor, with the effect of uneven light and blur on the images of its markers at rest. The effect is found
+    /// by simulated frames.
     ///
     /// # Errors
     /// [`FieldError`] if light or blur hide the markers.
@@ -148,8 +149,8 @@ impl<'a> NominalSensor<'a> {
         })
     }
 
-    /// Images of the markers at rest in several simulated frames with these `blemishes`. The noise of each frame's
-    /// pixels does not depend on the blemishes, so that results with different blemishes can be compared.
+    /// Images of the markers at rest in several simulated frames with the imperfections `blemishes`. The pixel noise of
+    /// a frame does not depend on the imperfections, so that results with different imperfections can be compared.
     fn pictures(&self, blemishes: Blemishes) -> Result<Vec<Vec<Option<[f64; 4]>>>, FieldError> {
         let optics = self.optics_with(&self.geometry()?, blemishes)?;
         let still = vec![Some(MarkerMotion::default()); self.places.len()];
@@ -192,7 +193,7 @@ impl<'a> NominalSensor<'a> {
         }
     }
 
-    /// This sensor, with the first `free` odd terms of its lens as parameters to estimate.
+    /// This sensor, with the first `free` odd terms of its lens as parameters of the fit.
     pub(super) fn with_terms(&self, free: usize) -> Self {
         let mut other = self.clone();
         for (number, std) in TERMS.into_iter().zip(TERM_STDS).take(free) {
@@ -201,7 +202,7 @@ impl<'a> NominalSensor<'a> {
         other
     }
 
-    /// Whether no odd term of the lens is a parameter to estimate.
+    /// Whether no odd term of the lens is a parameter of the fit.
     pub(super) fn has_exact_lens(&self) -> bool {
         TERMS.iter().all(|&number| self.stds[number] == 0.0)
     }
@@ -214,7 +215,7 @@ impl<'a> NominalSensor<'a> {
         })
     }
 
-    /// Camera with the nominal frame size and field of view, and a lens with these odd terms.
+    /// Camera with the nominal frame size and field of view, and with a lens that has the odd terms `odd_terms`.
     fn lens(&self, odd_terms: OddTerms) -> Result<Camera, FieldError> {
         let CameraConfig {
             size_px, field_deg, ..
@@ -237,7 +238,7 @@ impl<'a> NominalSensor<'a> {
         })
     }
 
-    /// Optics of a camera with this pose and scale.
+    /// Optics of a camera with the pose and the scale of `geometry`.
     pub(super) fn optics_of(&self, geometry: &CameraGeometry) -> Result<Optics, FieldError> {
         self.optics_with(geometry, Blemishes::default())
     }

@@ -1,4 +1,5 @@
-//! Tables from NumPy: an array in a `.npy` file, or the arrays of an `.npz` file as columns.
+//! Tables in files of NumPy. A `.npy` file contains an array, and an `.npz` file contains several arrays, which are
+//! columns of the table.
 
 use std::borrow::Cow;
 
@@ -22,7 +23,7 @@ struct Scalar {
 }
 
 impl Scalar {
-    /// Type by NumPy's name, such as `<f8`; `None` for types that are neither numbers nor text.
+    /// Type with the NumPy name `name`, such as `<f8`. `None` if the type is neither a number nor text.
     fn of(name: &str) -> Option<Self> {
         let order = name.chars().next()?;
         let name = name.trim_start_matches(['<', '>', '|', '=']);
@@ -43,7 +44,7 @@ impl Scalar {
         })
     }
 
-    /// Text of an element with these bytes.
+    /// An element as text. `bytes` contains the bytes of the element.
     fn text(self, bytes: &[u8]) -> String {
         let mut word = [0; 8];
         let used = self.size.min(8);
@@ -76,8 +77,8 @@ impl Scalar {
     }
 }
 
-/// Text of a number with all digits that are needed to read the same number again. Very large and very small numbers
-/// are written with an exponent.
+/// A number as text, with so many digits that reading it returns exactly the same number. Very large and very small
+/// numbers are written with an exponent.
 fn number_text(number: f64) -> String {
     let size = number.abs();
     match size == 0.0 || (1e-5..1e15).contains(&size) || !size.is_finite() {
@@ -86,7 +87,7 @@ fn number_text(number: f64) -> String {
     }
 }
 
-/// A column: elements at equal distances in one of the arrays.
+/// A column: elements of one of the arrays, at equal distances in memory.
 struct ArrayColumn {
     array: usize,
     scalar: Scalar,
@@ -102,9 +103,9 @@ pub(super) struct NumpyTable<'a> {
     rows: usize,
 }
 
-/// An array: type and shape with its data.
+/// An array: type, shape and data.
 struct Array<'a> {
-    /// Name, type and number of elements of each field; one field without a name for a plain array.
+    /// Name, type and number of elements of each field. A plain array has one field without a name.
     fields: Vec<(String, Scalar, usize)>,
     is_fortran: bool,
     shape: Vec<usize>,
@@ -112,8 +113,8 @@ struct Array<'a> {
 }
 
 impl<'a> NumpyTable<'a> {
-    /// The table of a file that begins as `.npy` or `.npz` files do, with the names of its columns; the names are
-    /// empty if the array has none. Other files: `None`.
+    /// The table of a `.npy` or `.npz` file, with the names of its columns. If the array has no names, the list of
+    /// names is empty. `None` if the file has another format, which is recognised by its first bytes.
     pub(super) fn of(file: &'a RecordedFile) -> Option<Result<(Self, Vec<String>), RecordedError>> {
         let bytes = file.bytes.as_slice();
         let table = match () {
@@ -140,7 +141,8 @@ impl<'a> NumpyTable<'a> {
         Ok((table, if is_plain { Vec::new() } else { names }))
     }
 
-    /// Columns of all arrays in an `.npz` file. Single numbers in it are no columns.
+    /// The table of an `.npz` file. Its columns are the columns of all arrays in the file. Single numbers in the file
+    /// are ignored.
     fn archive(bytes: &'a [u8]) -> Result<(Self, Vec<String>), String> {
         let mut arrays = Vec::new();
         for (name, member) in zip_archive::members(bytes)? {
@@ -183,7 +185,8 @@ impl<'a> NumpyTable<'a> {
         }
     }
 
-    /// Adds the columns of an array, and returns their names: `position.0` is the first column of an array `position`.
+    /// Adds the columns of an array, and returns their names. For example, `position.0` is the first column of the
+    /// array `position`.
     fn add(&mut self, name: &str, array: Array<'a>) -> Result<Vec<String>, String> {
         let within = &array.shape[1..];
         let count: usize = within.iter().product();
@@ -261,7 +264,7 @@ impl<'a> NumpyTable<'a> {
         self.columns.len()
     }
 
-    /// Calls `take` with every row; the number of a row counts as its line.
+    /// Calls `take` with every row. The number of the row is used as its line number.
     pub(super) fn rows(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         let mut fields = StringRecord::new();
         for row in 0..self.rows {
@@ -344,7 +347,8 @@ impl<'a> Array<'a> {
     }
 }
 
-/// Fields of a type: `'<f8'`, or `[('x', '<f8'), ('position', '<f8', (3,))]`.
+/// Fields of an array type. `text` is the type as Python writes it: `'<f8'`, or `[('x', '<f8'), ('position', '<f8',
+/// (3,))]`.
 fn fields(text: &str) -> Result<Vec<(String, Scalar, usize)>, String> {
     let scalar = |name: &str| {
         Scalar::of(name).ok_or_else(|| {

@@ -1,4 +1,4 @@
-//! Image of a pressed frame on which the tracking status of each marker is drawn.
+//! Draws the tracking status of each marker on the pressed frame.
 
 use image::{Rgb, RgbImage};
 use palpate_tracking::{Marker, Status};
@@ -11,7 +11,8 @@ const SIDE: u32 = 1000;
 /// Ratio of an arrow's length to the length of the shift that it shows.
 const ARROW_SCALE: f64 = 5.0;
 
-/// Smallest diameter of a marker, in pixels of the drawing, for which a number is drawn.
+/// Smallest diameter of a marker, in pixels of the drawing, for which its number is drawn. In smaller markers, the
+/// number would not be legible.
 const LEGIBLE: f64 = 12.0;
 
 const CUT: Colour = [120, 120, 120];
@@ -27,9 +28,10 @@ const fn colour(status: Status) -> Colour {
     }
 }
 
-/// The pressed frame with a circle and a number at each marker, and an arrow along its shift from rest, drawn 5 times
-/// as long as the shift. The colour of a circle shows the status of the marker: blue tracked, red lost, orange merged,
-/// violet split, cyan new, grey only partly in the frame at rest. Small frames are enlarged by an integer factor.
+/// The pressed frame, with a circle, a number and an arrow at each marker. The arrow shows the shift of the marker
+/// since the frame at rest, 5 times enlarged. The colour of a circle shows the status of the marker: blue tracked, red
+/// lost, orange merged, violet split, cyan new, grey only partly in the frame at rest. Small frames are enlarged by an
+/// integer factor.
 pub fn overlay(pressed: &RgbImage, frames: &FramePair) -> RgbImage {
     let mut canvas = Canvas::new(pressed, SIDE);
     for marker in &frames.cut {
@@ -54,7 +56,7 @@ pub fn overlay(pressed: &RgbImage, frames: &FramePair) -> RgbImage {
     canvas.into_picture()
 }
 
-/// Radius, px, of a circle that surrounds the marker with a small distance.
+/// Radius of a circle around a marker, px. There is a small gap between the marker and the circle.
 fn radius(marker: &Marker) -> f64 {
     let area = f64::from(marker.pixels).max(4.0);
     1.2 * (area / std::f64::consts::PI).sqrt()

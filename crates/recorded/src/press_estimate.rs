@@ -21,8 +21,8 @@ use super::value::Value;
 /// Estimates the curvature of an object from a recorded press.
 ///
 /// # Errors
-/// [`RecordedError::Line`] if one marker is wrong; otherwise [`RecordedError::Readings`] if the options contradict the
-/// file or the readings do not determine the press.
+/// [`RecordedError::Line`] if a marker is wrong. [`RecordedError::Readings`] if the options contradict the file, or if
+/// the readings do not determine the press.
 pub fn estimate_press(
     recorded: &PressRecording,
     options: &PressOptions,
@@ -92,8 +92,8 @@ pub fn estimate_press(
     })
 }
 
-/// Returns two fits: the requested fit, and a fit that estimates the indentation from the readings alone. If the
-/// requested fit is a Gaussian, the second fit uses the sensor's elastic body instead.
+/// Returns two fits: the requested fit, and a fit that estimates the indentation from the displacements alone. If the
+/// requested fit is a Gaussian, the second fit uses the elastic body of the sensor instead.
 fn fits(options: &PressOptions, markers: &Markers) -> Result<[ForwardFit; 2], PressError> {
     let model = options.model.reference();
     let body = sensor_body(&model, options.depth(), Body::bonded_layer)?;
@@ -149,7 +149,7 @@ pub(super) fn force_and_pressure(
     Ok([force, pressure.map(|one| Value::bare(one, "unit of young"))])
 }
 
-/// Advice for the message that the readings do not determine a press.
+/// Advice at the end of the message that the readings do not determine a press.
 pub(super) const GIVE_INDENTATION: &str =
     "state setting `indentation` if the indentation is measured";
 

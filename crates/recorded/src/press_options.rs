@@ -13,7 +13,8 @@ use super::camera_file::CameraEstimate;
 use super::nominal_sensor::NominalSensor;
 use super::study_options::{StudyMismatch, factor, press_of};
 
-/// Settings of an estimate that the readings do not state. Lengths are in the unit of the readings.
+/// Settings that the readings do not state, for an estimate from displacements. Lengths are in the unit of the
+/// readings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PressOptions {
@@ -27,24 +28,24 @@ pub struct PressOptions {
     #[serde(rename = "depth")]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub marker_depth: Option<f64>,
-    /// Model of the sensor's soft body. It is part of the estimator's settings; the setting `c` of a Gaussian is
-    /// calibrated on it.
+    /// Model of the sensor's soft body. It is part of the estimator's settings. The setting `c` of a Gaussian is
+    /// calibrated with this model.
     #[serde(skip)]
     pub model: PressModelConfig,
-    /// The estimator. [`Self::indentation`] replaces its setting `indentation`, which concerns the presses of the
-    /// study.
+    /// The estimator. Its own setting `indentation`, which is for the presses of a study, is replaced by
+    /// [`Self::indentation`].
     #[serde(skip)]
     pub estimator: PressEstimatorConfig,
-    /// Indentation, if it was measured otherwise, for example by the pose of a robot; by default, it is fitted. Setting
-    /// `indentation_std` is its standard deviation. If that is 0 or not given, 2 % of the indentation is assumed, with
-    /// a warning. (In a study, 0 means an exact indentation.) A warning is given if the indentation differs clearly
-    /// from the estimate by the readings alone.
+    /// Indentation, if it was measured separately, for example by the pose of a robot. By default, it is fitted. The
+    /// setting `indentation_std` is its standard deviation. If this setting is 0 or not given, 2 % of the indentation
+    /// is assumed, with a warning. (In a study, 0 means an exact indentation.) There is also a warning if the
+    /// indentation differs clearly from the indentation that is estimated from the readings alone.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub indentation: Option<f64>,
-    /// Standard deviation of the noise of each normal displacement; by default, it is estimated from the residuals.
+    /// Standard deviation of the noise of each normal displacement. By default, it is estimated from the residuals.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub normal_std: Option<f64>,
-    /// Standard deviation of the noise of each component of the tangential displacements; by default, it is estimated
+    /// Standard deviation of the noise of each component of the tangential displacements. By default, it is estimated
     /// from the residuals.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub tangential_std: Option<f64>,
@@ -96,9 +97,9 @@ impl PressOptions {
         self.marker_depth.unwrap_or_default()
     }
 
-    /// Options with the given settings. Their keys are fields of this struct and settings of the estimator. Settings
-    /// that are not given have their values from `base`. For a Gaussian, `thickness` and `poisson` describe the elastic
-    /// model on which it is calibrated.
+    /// Returns options in which the settings `given` replace the values of `base`. The keys of `given` are the fields
+    /// of this struct and the settings of the estimator. For a Gaussian, `thickness` and `poisson` describe the elastic
+    /// model that calibrates it.
     ///
     /// ```
     /// use palpate_recorded::PressOptions;
@@ -155,20 +156,20 @@ pub struct PictureOptions {
     pub(super) press: PressConfig,
     /// Unit of all lengths.
     pub unit: LengthUnit,
-    /// Indentation, length, if it was measured otherwise: see [`PressOptions::indentation`].
+    /// Indentation, length, if it was measured separately; see [`PressOptions::indentation`].
     pub indentation: Option<f64>,
     /// Young's modulus of the soft body, force per length². Without it, no force is computed.
     pub young: Option<f64>,
-    /// The camera calibrated from a frame at rest, with the name of its file for messages; with `None`, the camera of
-    /// the study. With a calibration, the uncertainty of the discs is the one that
-    /// [`calibrate_camera`](super::calibrate_camera) assumes. The frame at rest then does not refine the camera,
-    /// because the camera may have been calibrated from the same frame.
+    /// A camera that was calibrated from a frame at rest, with the name of its file for messages. If it is `None`, the
+    /// camera of the study is used. With a calibrated camera, the fit assumes the same uncertainty of the discs as
+    /// [`calibrate_camera`](super::calibrate_camera). The frame at rest then does not refine the camera, because the
+    /// camera may have been calibrated from the same frame.
     pub camera: Option<(String, CameraEstimate)>,
 }
 
 impl PictureOptions {
-    /// Options with layout, discs, body, camera and noise of a study. Lengths are converted to `unit`. The study's
-    /// indentation is not used.
+    /// Options with the marker layout, the discs, the soft body, the camera and the noise of a study. Lengths are
+    /// converted to `unit`. The study's indentation is not used.
     ///
     /// # Errors
     /// [`StudyMismatch`] if the scene is not a press with a camera, the unit cannot be converted, or the markers are
@@ -203,7 +204,7 @@ impl PictureOptions {
         })
     }
 
-    /// Poisson's ratio of a body that is no layer.
+    /// Poisson's ratio of the soft body if it is a half-space.
     pub(super) fn poisson(&self) -> f64 {
         match self.press.estimator {
             PressEstimatorConfig::Image {
@@ -214,20 +215,19 @@ impl PictureOptions {
         }
     }
 
-    /// Whether the method is `image`, according to the given settings or, if they state no method, the study's
-    /// estimator.
+    /// Whether the press is fitted to camera frames, that is, whether the method is `image`. The method follows from
+    /// the given settings or, if they state none, from the study's estimator.
     pub fn are_asked_for(given: &Map<String, Json>, study: Option<&StudyConfig>) -> bool {
         let of_study = || Some(press_of(study?).ok()?.estimator.name());
         let kind = given.get("kind").and_then(Json::as_str).or_else(of_study);
         kind == Some("image")
     }
 
-    /// Options of a fit to frames, with the given settings. Settings that are not given have their values from `base`,
-    /// the options of a study.
+    /// Options of a fit to frames. The settings `given` replace the values of `base`, the options of a study.
     ///
     /// # Errors
-    /// [`SettingError`] if there is no study, if a setting is out of its range or not used by a fit to frames, and if
-    /// lengths do not fit into the sensor.
+    /// [`SettingError`] if there is no study, if a setting is out of its range or has no effect in a fit to frames, or
+    /// if a length is too large for the sensor.
     pub fn with_settings(
         base: Option<Self>,
         given: &Map<String, Json>,
@@ -263,8 +263,8 @@ impl PictureOptions {
     }
 }
 
-/// The estimator and its elastic model. A Gaussian has neither a thickness nor a Poisson's ratio, but the model on
-/// which it is calibrated has one of the two.
+/// The estimator and its elastic model. A Gaussian itself has neither a thickness nor a Poisson's ratio, but the
+/// elastic model that calibrates it has one of the two.
 fn estimator(
     given: &Map<String, Json>,
     base: &PressOptions,
@@ -313,7 +313,8 @@ fn estimator(
     Ok((estimator, model))
 }
 
-/// Returns an error for settings that the estimator does not use, and for settings that it needs but that are missing.
+/// Returns an error if a setting is given that the estimator does not use, or if a setting is missing that the
+/// estimator needs.
 fn check_effect(given: &Map<String, Json>, options: &PressOptions) -> Result<(), SettingError> {
     check_indentation_std(given, options.indentation)?;
     if given.get("noise").is_some_and(|word| word == "found") {
@@ -347,7 +348,7 @@ fn check_effect(given: &Map<String, Json>, options: &PressOptions) -> Result<(),
     Err(SettingError::new(key, reason))
 }
 
-/// Returns an error if `indentation_std` is given but no indentation.
+/// Returns an error if `indentation_std` is given without an indentation.
 fn check_indentation_std(
     given: &Map<String, Json>,
     indentation: Option<f64>,
@@ -359,7 +360,7 @@ fn check_indentation_std(
     Ok(())
 }
 
-/// Returns an error for lengths that do not fit into the sensor.
+/// Returns an error if a length is too large for the sensor.
 fn check_lengths(options: &PressOptions) -> Result<(), SettingError> {
     let refuse = |key: &str, value: f64, bound: &str, (other, limit): (&str, f64)| {
         let expected = format!("{bound} setting `{other}`, {}", Number(limit));

@@ -25,8 +25,8 @@ pub struct PressRecording {
 }
 
 impl PressRecording {
-    /// Markers at `positions` on the skin, displaced inward by `normal` and along the skin by `tangential`, which is
-    /// `None` if it was not sensed. Lengths are in `unit`.
+    /// A press of the markers at `positions` on the skin. `normal` contains their inward displacements, and
+    /// `tangential` their displacements along the skin, if they were measured. Lengths are in `unit`.
     ///
     /// ```
     /// use palpate_recorded::PressRecording;
@@ -62,8 +62,8 @@ impl PressRecording {
         })
     }
 
-    /// The press without markers that repeat all numbers of an earlier marker, and a warning about them; `None` if
-    /// there are no such markers.
+    /// The press without repeated markers, and a warning about them. A marker is repeated if all its numbers equal
+    /// those of an earlier marker. `None` if no marker is repeated.
     pub(super) fn without_copies(&self) -> Option<(Self, String)> {
         let along = self.tangential.as_deref();
         let marker = |marker: usize| {
@@ -90,15 +90,15 @@ impl PressRecording {
         Some((press, text))
     }
 
-    /// Whether displacements along the skin were sensed.
+    /// Whether displacements along the skin were measured.
     pub const fn has_tangential(&self) -> bool {
         self.tangential.is_some()
     }
 }
 
 /// Reads a recorded press, one row per marker. A row contains the position on the skin, the normal displacement and, if
-/// sensed, the displacement along the skin; or the signed position along a line of markers through the apex, and the
-/// normal displacement.
+/// it was measured, the displacement along the skin. If the markers are on a line through the apex, a row may instead
+/// contain the signed position along the line and the normal displacement.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.

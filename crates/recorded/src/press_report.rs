@@ -9,10 +9,10 @@ use serde::Serialize;
 
 use super::value::{FORMAT_VERSION, Value, finite};
 
-/// The radius of an object. The flatter the object, the larger the radius; it is `null` if the object is flat.
+/// Radius of the object. It is infinite for a flat object, which JSON cannot express, so some values are then `null`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Radius {
-    /// The radius, negative if the object is concave; `null` if it is flat.
+    /// The radius, negative if the object is concave; `null` if the object is flat.
     value: Option<f64>,
     std: Option<f64>,
     /// 95 % interval of the radius's magnitude for a convex object. An end is `null` if the object may be flat. The
@@ -45,7 +45,7 @@ pub(super) struct Row {
     pub(super) row: usize,
     /// Line of the row in the file; `null` for arrays.
     pub(super) line: Option<usize>,
-    /// Fields of the row in columns that palpate does not use, by column name.
+    /// The row's fields in columns that palpate does not use, by the name of the column.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub(super) columns: BTreeMap<String, String>,
 }
@@ -58,7 +58,7 @@ pub(super) struct PressNoise {
     tangential_std: Option<Value>,
     /// Reduced χ² of the fit. It is about 1 if the residuals are as large as the noise.
     reduced_chi_squared: f64,
-    /// p-value of the goodness of fit by the stated noise; `null` for a Gaussian, and if the noise is estimated from
+    /// p-value of the goodness of fit for the stated noise; `null` for a Gaussian, and if the noise is estimated from
     /// the residuals.
     p_value: Option<f64>,
 }
@@ -73,7 +73,7 @@ pub struct PressReport {
     pub(super) markers: usize,
     pub(super) with_tangential: bool,
     pub(super) length_unit: &'static str,
-    /// Relative curvature 1/R_s + 1/R_o, with the radius R_s of the sensor and R_o of the object.
+    /// Relative curvature 1/R_s + 1/R_o, with the sensor's radius R_s and the object's radius R_o.
     pub(super) relative_curvature: Value,
     /// Inverse of the relative curvature.
     pub(super) effective_radius: Value,
@@ -81,13 +81,14 @@ pub struct PressReport {
     pub(super) object_curvature: Value,
     /// Radius R_o of the object.
     pub(super) object_radius: Radius,
-    /// Principal curvatures of the object, only by method `elliptic`; `object_curvature` is then their mean.
+    /// Principal curvatures of the object; `null` unless the method is `elliptic`. With this method, `object_curvature`
+    /// is their mean.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) principal: Option<Principal>,
     /// Contact regime for the estimated curvature of the object.
     pub(super) regime: &'static str,
-    /// Shape of the object by the interval of its curvature: `convex`, `concave`, `flat-within-noise` or
-    /// `not-resolved`.
+    /// Conclusion about the sign of the object's curvature, from its interval: `convex`, `concave`, `flat-within-noise`
+    /// or `not-resolved`.
     pub(super) verdict: &'static str,
     pub(super) indentation: Value,
     pub(super) contact_radius: Value,
@@ -98,25 +99,26 @@ pub struct PressReport {
     /// Position of the contact on the skin, in the coordinates of the markers.
     pub(super) contact: [f64; 2],
     pub(super) contact_std: [Option<f64>; 2],
-    /// Fitted offset of all normal displacements; `null` if it is not fitted.
+    /// Fitted offset that is added to all normal displacements; `null` if it is not fitted.
     pub(super) baseline: Option<Value>,
     /// Factor on normal displacements (for a Gaussian, the ratio of its amplitude to the indentation); `null` if it is
     /// not fitted.
     pub(super) gain: Option<Value>,
-    /// Markers whose readings contradict the others and were left out of the fit.
+    /// Markers that were left out of the fit, because their readings contradict the other markers.
     pub(super) wrong_markers: Vec<Row>,
     pub(super) noise: PressNoise,
     /// Share of the variance of the normal displacements that the fit explains.
     pub(super) r_squared: f64,
-    /// Whether the displacements alone show a contact. If they do not, the interval covers all contacts with the stated
-    /// indentation, within the area of the markers, that the displacements do not exclude.
+    /// Whether the displacements alone show a contact. If they do not, the interval contains the curvatures of all
+    /// contacts that have the stated indentation, lie within the area of the markers, and are compatible with the
+    /// displacements.
     pub(super) contact_seen: bool,
     /// Warnings: contradictions between the readings and the model, each with its p-value, and likely mistakes.
     pub(super) warnings: Vec<Warning>,
 }
 
 impl PressReport {
-    /// Report of an estimate. Fields that are not part of the estimate are empty.
+    /// Report of an estimate. Fields that do not follow from `estimate` are empty.
     pub(super) fn of(estimate: &PressEstimate, method: &'static str, unit: LengthUnit) -> Self {
         let value = |estimated, power| Value::of(&estimated, power, unit);
         let std = |std: f64| Value::bare(std, unit.as_str());
@@ -169,8 +171,7 @@ impl PressReport {
 }
 
 impl Radius {
-    /// The radius that is the inverse of a mean curvature. Without a standard error of the curvature, it has no
-    /// interval.
+    /// The radius as the inverse of a mean curvature. It has no interval if the curvature has no standard error.
     pub(super) fn of_mean(curvature: &Value, length: LengthUnit) -> Self {
         let [low, high] = curvature.interval95.unwrap_or_default();
         let radius = Self::of(

@@ -12,7 +12,7 @@ use super::press_recording::PressRecording;
 use super::press_report::Row;
 use super::source::ReadingSource;
 
-/// Standard deviation that is assumed for a stated indentation, relative to the indentation.
+/// Standard deviation that is assumed if an indentation is stated without one, relative to the indentation.
 const INDENTATION_SHARE: f64 = 0.02;
 
 /// The stated indentation with its standard deviation, and a warning if the standard deviation is an assumption.
@@ -31,8 +31,8 @@ pub(super) fn stated_indentation(value: f64, std: f64, unit: &str) -> (Measured,
     (Measured { value, std }, Some(warning))
 }
 
-/// Converts the result of the check of a stated indentation: to a misfit, or to a warning that the check was
-/// impossible.
+/// Converts the result of the check of a stated indentation. The result is a misfit, a warning that the check was
+/// impossible, or neither.
 pub(super) fn indentation_check(
     checked: Result<Option<Misfit>, PressError>,
 ) -> (Option<Misfit>, Option<Warning>) {
@@ -58,8 +58,8 @@ pub(super) fn misfit_warning(misfit: &Misfit, source: &ReadingSource, unit: Leng
     words.warning(misfit)
 }
 
-/// Warning about markers that were left out as outliers. `distances` are the distances of all markers from the contact;
-/// `has_indentation` states whether an indentation was stated.
+/// Warning about markers that were left out as outliers. `distances` contains the distance of each marker from the
+/// contact. `has_indentation` is whether an indentation was stated.
 pub(super) fn left_out(
     wrong: &[Row],
     distances: &[f64],
@@ -141,7 +141,7 @@ pub(super) fn of_estimate(
         .chain(Warning::of("gaussian-body", gaussian))
 }
 
-/// Warning if the contact is too wide for the small strains that the model assumes.
+/// Warning if the contact is too wide for the model, which assumes small strains.
 pub(super) fn large_contact(
     estimate: &PressEstimate,
     sensor_radius: f64,
@@ -158,9 +158,10 @@ pub(super) fn large_contact(
 /// Smallest accepted share of the variance that a fit explains. A smaller share causes a warning.
 const MIN_R_SQUARED: f64 = 0.5;
 
-/// Smallest displacement whose sign is checked, as a share of the largest displacement.
+/// Displacements whose sign is checked are at least this share of the largest displacement.
 const MIN_SIGNED: f64 = 0.2;
-/// Smallest share of outward displacements that causes a warning. Only displacements whose sign is checked are counted.
+/// Smallest share of outward displacements that causes a warning about the sign. Only displacements whose sign is
+/// checked are counted.
 const MIN_OUTWARD: f64 = 0.9;
 
 /// Smallest accepted extent of the markers, relative to the sensor's radius. A smaller extent causes a warning about
@@ -170,7 +171,7 @@ const MIN_EXTENT: f64 = 5e-3;
 /// warning about units.
 const MIN_DISPLACEMENT: f64 = 1e-4;
 
-/// Likely mistake of sign or unit in the readings, as text.
+/// Text about a likely mistake of sign or unit in the readings; `None` if there is none.
 pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option<String> {
     let unit = recorded.unit.or(options.length_unit).unwrap_or_default();
     let (radius, unit) = (options.radius(), unit.as_str());
@@ -211,18 +212,17 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
     Some(text)
 }
 
-/// Smallest factor by which the mean square residual must decrease if columns are swapped or reversed. Only then a
-/// warning is given.
+/// Smallest decrease, as a factor, of the mean square residual by swapped or reversed columns that causes a warning.
 const MIN_IMPROVEMENT: f64 = 4.0;
-/// Largest estimated noise along the skin, relative to the largest displacement along the skin. If the noise is at most
-/// this value, columns are not checked.
+/// Largest accepted noise of displacements along the skin, relative to the largest of them. If the estimated noise is
+/// larger, or if there are misfits, the columns are checked for mistakes.
 const MAX_NOISE: f64 = 0.2;
 
 /// Function that swaps the components of a displacement along the skin, or changes their signs.
 type Change = fn([f64; 2]) -> [f64; 2];
 
-/// Likely mistake of signs or columns in the displacements along the skin, as text. Displacements are checked only if
-/// the fit has misfits or large residuals.
+/// Text about a likely mistake in the displacements along the skin: swapped columns or a wrong sign. They are checked
+/// only if the fit has misfits or large residuals.
 pub(super) fn swapped_columns(
     fit: &ForwardFit,
     reading: &Reading<'_>,

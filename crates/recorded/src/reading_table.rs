@@ -1,4 +1,4 @@
-//! Numbers of a table, converted to palpate's units. Errors state the line and the column.
+//! Reads the numbers of a table and converts them to palpate's units. Errors state the line and the column.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -18,7 +18,7 @@ use super::text_table::TextTable;
 /// Maximum size of all columns that palpate does not use, MiB.
 const MAX_EXTRA_MIB: usize = 256;
 
-/// Rows of numbers, in the order of the requested columns.
+/// Rows of numbers. The numbers of a row are in the order of the requested columns.
 pub(super) struct ReadingTable {
     /// The file, and the line of each row.
     pub(super) source: ReadingSource,
@@ -34,8 +34,8 @@ pub(super) struct ReadingTable {
 }
 
 impl ReadingTable {
-    /// Reads the `columns` of a table, which may be in any order and among other columns. All `columns` are required.
-    /// If some are missing, the error also names the optional columns `may`.
+    /// Reads the columns `columns` of a table. In the file, they may be in any order and among other columns. All of
+    /// them are required. If some are missing, the error also names the optional columns `may`.
     pub(super) fn read(
         table: &TextTable<'_>,
         columns: &[Column],
@@ -149,7 +149,7 @@ impl ReadingTable {
         RecordedError::line(&self.source.name, line, message)
     }
 
-    /// The number of a probe or finger, which must be a whole number from 0.
+    /// The number of a probe or finger. It must be a whole number and at least 0.
     pub(super) fn index(
         &self,
         line: usize,
@@ -167,7 +167,7 @@ impl ReadingTable {
     }
 }
 
-/// Names of fingers or probes, numbered in the order in which they first appear.
+/// Names of fingers or probes, with their indices. The indices follow the order in which the names first appear.
 #[derive(Default)]
 struct Labels(HashMap<String, usize>);
 
@@ -188,7 +188,8 @@ impl Labels {
     }
 }
 
-/// Header of a table. Returns an error if the setting `columns` assigns a name to a column that is not in `columns`.
+/// Header of a table. Returns an error if the setting `columns` assigns a name to a column that is not one of
+/// `columns`.
 pub(super) fn header<'a>(
     table: &'a TextTable<'_>,
     columns: &[Column],
@@ -262,7 +263,7 @@ fn without_unit(column: &Column, other: ColumnUnit) -> String {
     )
 }
 
-/// Factor that converts the unit of a column to palpate's unit.
+/// Factor that converts a number in the column's unit to palpate's unit.
 fn factor(column: &Column, place: &Place, unit: Option<LengthUnit>) -> Option<f64> {
     match (place.unit, column.measure, unit) {
         (None, _, _) | (_, Measure::Length, None) => Some(1.0),
@@ -270,7 +271,7 @@ fn factor(column: &Column, place: &Place, unit: Option<LengthUnit>) -> Option<f6
     }
 }
 
-/// Detects the decimal sign of the numbers in a table. It is a point unless a number has a comma.
+/// Detects the decimal sign of the numbers in a table. It is a point, unless a number contains a comma.
 fn decimal_of(
     table: &TextTable<'_>,
     header: &Header<'_>,
@@ -332,7 +333,7 @@ impl ExtraColumns {
         self.text.len() + self.ends.len()
     }
 
-    /// The same columns, restricted to these rows.
+    /// The same columns, with only the rows `rows`.
     pub(super) fn selected(&self, rows: &[usize]) -> Self {
         let mut selected = Self::new(self.names.clone());
         for &row in rows {
@@ -353,7 +354,7 @@ impl ExtraColumns {
         ends.map(field).collect()
     }
 
-    /// Fields of a row by the names of their columns.
+    /// Fields of a row, by the names of their columns.
     pub(super) fn named(&self, row: usize) -> BTreeMap<String, String> {
         self.names.iter().cloned().zip(self.row(row)).collect()
     }

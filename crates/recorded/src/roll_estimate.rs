@@ -26,11 +26,11 @@ use palpate_study::{Unit, Warning};
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct UnresolvedProbe {
     probe: u64,
-    /// Upper bound of the object's radius of curvature in the direction of the roll; `null` if the pitch of the pads is
-    /// not given or is too coarse for a bound.
+    /// Upper bound of the object's radius of curvature in the direction of the roll. `null` if the pitch of the pads is
+    /// not given, or if the pitch is so coarse that there is no bound.
     radius_below: Option<f64>,
     unit: &'static str,
-    /// Fields of the probe's row in columns that palpate does not use, by column name.
+    /// Fields of the probe's row in columns that palpate does not use, by the name of the column.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     columns: BTreeMap<String, String>,
 }
@@ -43,8 +43,8 @@ pub struct RollEstimate {
     pub(super) options: RollOptions,
     pub(super) unit: LengthUnit,
     pub(super) estimate: Estimate,
-    /// Covariance of the normal curvatures along u and v and of the twist, for the noise that is stated or that follows
-    /// from the residuals; `None` without such noise.
+    /// Covariance of three curvatures: the normal curvatures along u and v, and the twist. It follows from the stated
+    /// noise or from the residuals; `None` if neither is possible.
     covariance: Option<[[f64; 3]; 3]>,
     residual: f64,
     /// Half-width of the 95 % intervals, as a number of standard errors.
@@ -73,7 +73,7 @@ pub struct RollValues {
     pub gaussian_curvature: Value,
     /// Mean curvature.
     pub mean_curvature: Value,
-    /// Mean length of the contacts' shifts.
+    /// Mean length of the shifts of the contacts.
     pub arc_length: Value,
     /// Smallest normal curvature.
     pub principal_curvature_min: Value,
@@ -81,18 +81,17 @@ pub struct RollValues {
     pub principal_curvature_max: Value,
     /// Direction of the largest curvature, degrees, from +u towards +v of the readings.
     pub principal_direction_max_deg: Option<f64>,
-    /// Standard error of `principal_direction_max_deg`, degrees; at most 52, which is the value for a completely
-    /// unknown direction. `null` if there is no estimate of the noise.
+    /// Standard error of `principal_direction_max_deg`, degrees; at most 52, the value for a completely unknown
+    /// direction. `null` if the noise is neither stated nor estimated.
     pub principal_direction_max_std_deg: Option<f64>,
-    /// Factor by which a relative error of the readings along u is amplified in the curvature. It is 1 + 1/RCR, where
-    /// RCR is the relative curvature ratio; `null` if the object is flat.
+    /// Error amplification along u: ratio of the relative error of the curvature to the relative error of the readings.
+    /// It is 1 + 1/RCR, where RCR is the relative curvature ratio; `null` if the object is flat.
     pub amplification_u: Option<f64>,
-    /// Factor by which a relative error of the readings along v is amplified in the curvature; `null` if the object is
-    /// flat.
+    /// Error amplification along v, as in `amplification_u`; `null` if the object is flat.
     pub amplification_v: Option<f64>,
     /// Root mean square of the residuals, over all components of the shifts.
     pub residual_rms: Value,
-    /// If all rolls have the same direction, the curvature along the contact's path; otherwise `None`.
+    /// Curvature along the contact's path, if all rolls have the same direction; otherwise `None`.
     pub single_direction: Option<DirectedCurvature>,
 }
 
@@ -105,19 +104,20 @@ struct RollReport {
     probes: usize,
     #[serde(flatten)]
     values: RollValues,
-    /// Radius of the object, which is the inverse of the mean curvature.
+    /// Radius of the object: the inverse of the mean curvature.
     radius: Radius,
     /// Text that states the source of the standard errors.
     std_from: &'static str,
-    /// Number of terms of the curvature along a roll. Only methods for time series have it.
+    /// Number of terms of the model for the curvature along a roll. Only methods for time series have it.
     #[serde(skip_serializing_if = "Option::is_none")]
     terms: Option<usize>,
-    /// Smallest and largest curvatures that agree with exact rotations and pads.
+    /// Smallest and largest value of each curvature that is compatible with the readings, if the rotations and the pads
+    /// are exact.
     #[serde(skip_serializing_if = "Option::is_none")]
     bounds: Option<BTreeMap<&'static str, [Option<f64>; 2]>>,
     left_out: Vec<LeftOutProbe>,
     unresolved_probes: Vec<UnresolvedProbe>,
-    /// p-value of the goodness of fit by the stated noise; `null` if no noise is stated.
+    /// p-value of the goodness of fit for the stated noise; `null` if no noise is stated.
     p_value: Option<f64>,
     warnings: Vec<Warning>,
 }
@@ -177,14 +177,15 @@ impl RollEstimate {
         values
     }
 
-    /// Smallest and largest curvatures that agree with exact rotations and pads; `None` if the rotations have noise.
+    /// Smallest and largest value of each curvature that is compatible with exact rotations and pads; `None` if the
+    /// rotations have noise.
     fn bounds(&self) -> Option<BTreeMap<&'static str, [Option<f64>; 2]>> {
         let estimate = &self.series.as_ref()?.estimate;
         let bounds = |(name, quantity)| Some((name, estimate.bounds(quantity)?));
         QUANTITIES.into_iter().map(bounds).collect()
     }
 
-    /// p-value of the goodness of fit by the stated noise; `None` if no noise is stated.
+    /// p-value of the goodness of fit for the stated noise; `None` if no noise is stated.
     pub fn p_value(&self) -> Option<f64> {
         if let Some(series) = &self.series {
             return Some(series.estimate.goodness?.p_value);
@@ -195,8 +196,9 @@ impl RollEstimate {
         goodness.map(|goodness| goodness.p_value)
     }
 
-    /// Covariance of the normal curvatures along u and v and of the twist k_uv, 1/length²; `None` if the noise is
-    /// neither stated nor estimated from residuals, or if all rolls have the same direction.
+    /// Covariance matrix of the normal curvatures along u and v and of the twist k_uv; the curvatures are in 1/length.
+    /// `None` in two cases: the noise is neither stated nor estimated from residuals, or all rolls have the same
+    /// direction.
     pub fn covariance(&self) -> Option<[[f64; 3]; 3]> {
         self.covariance.filter(|_| self.single_direction.is_none())
     }
@@ -235,7 +237,7 @@ impl RollEstimate {
         }
     }
 
-    /// Probes that rolled although their contacts did not shift, each with the resulting bound on the object's radius.
+    /// Probes that rolled but whose contacts did not shift. Each of them sets an upper bound on the object's radius.
     fn unresolved(&self) -> Vec<UnresolvedProbe> {
         let Self {
             recorded, options, ..
@@ -266,8 +268,8 @@ impl RollEstimate {
 /// Estimates the object's curvature from recorded rolls.
 ///
 /// Standard errors follow from the stated noise. Without stated noise, they follow from the residuals, if there are
-/// more readings than fitted parameters. The half-width of the 95 % interval is then Student's t with 2n − 3 degrees of
-/// freedom, where n is the number of probes: 2.57 standard errors for 4 probes, 2.16 for 8
+/// more readings than fitted parameters. The half-width of the 95 % interval then follows from Student's t with 2n − 3
+/// degrees of freedom, where n is the number of probes. It is 2.57 standard errors for 4 probes, and 2.16 for 8 probes
 /// ([`palpate_statistics::student_half_width`]).
 ///
 /// ```
@@ -415,8 +417,8 @@ pub fn estimate_roll(
 /// Largest number of degrees of freedom for which the half-width of an interval is stored after its first computation.
 const MAX_CACHED: usize = 64;
 
-/// Half-width of the 95 % interval, as a number of standard errors, for this number of degrees of freedom. The result
-/// is stored, because its computation takes longer than the estimate from a few rolls.
+/// Half-width of the 95 % interval, as a number of standard errors, for `freedom` degrees of freedom. The result is
+/// stored, because its computation takes longer than the estimate from a few rolls.
 fn student_95(freedom: usize) -> f64 {
     static CACHE: [OnceLock<f64>; MAX_CACHED] = [const { OnceLock::new() }; MAX_CACHED];
     let compute = || student_half_width(0.95, freedom);

@@ -11,7 +11,7 @@ use serde_json::{Map, Value as Json};
 
 use super::roll_series::SeriesOptions;
 
-/// Settings of rolls that a user states; `None` for settings that are not given. Lengths are in the unit of the
+/// Settings of rolls as a user states them; `None` for settings that are not given. Lengths are in the unit of the
 /// readings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -19,18 +19,19 @@ pub struct RollSettings {
     /// The probe's radius, in the readings' length unit.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub probe_radius: Option<f64>,
-    /// Pitch of the pads, in the readings' length unit. If it is given, the estimates have standard errors, and a roll
-    /// whose contact did not move sets an upper bound on the object's radius.
+    /// Pitch of the pads, in the readings' length unit. With a pitch, the estimates have standard errors. In addition,
+    /// a roll whose contact did not move sets an upper bound on the object's radius.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub pitch: Option<f64>,
-    /// Standard deviation of each component of a shift, or of a contact point in time series, for a sensor without pads, in the readings' length unit.
+    /// For a sensor without pads: standard deviation of each component of a shift, or of a contact point in time
+    /// series, in the readings' length unit.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub shift_std: Option<f64>,
     /// Standard deviation of each component of a rotation, rad. In time series, each sample has its own error.
     #[schemars(extend("minimum" = 0, "maximum" = std::f64::consts::PI))]
     pub rotation_std_rad: Option<f64>,
-    /// Standard deviation of each component of a rotation, as a fraction of the rotation's magnitude. In time series, all
-    /// samples of a roll have the same error as a fraction.
+    /// Standard deviation of each component of a rotation, as a fraction of the rotation's magnitude. In time series,
+    /// the relative error is the same for all samples of a roll.
     #[schemars(extend("minimum" = 0, "maximum" = 1))]
     pub relative_rotation_std: Option<f64>,
     /// Arrangement of the pads, for time series; square by default.
@@ -50,8 +51,8 @@ pub struct RollOptions {
     pub estimator: RollEstimatorConfig,
     /// Unit of lengths, used if the header does not state it.
     pub length_unit: Option<LengthUnit>,
-    /// Noise and resolution of the readings; lengths are in the same unit. If no noise is stated, standard errors
-    /// follow from the residuals.
+    /// Noise and resolution of the readings, with lengths in the readings' length unit. If no noise is stated, standard
+    /// errors follow from the residuals.
     pub noise: ReadingNoise,
     /// Settings of the methods for time series.
     pub series: SeriesOptions,
@@ -69,10 +70,11 @@ impl RollOptions {
         }
     }
 
-    /// Noise of readings by pads on a probe of this radius, if each roll starts at a random place on a pad.
+    /// Noise of the readings of a probe with pads. Each roll is assumed to start at a random place on a pad.
     ///
     /// # Errors
-    /// [`SettingError`] if the pitch is larger than the radius or smaller than 1e-15 of the radius, as in a study.
+    /// [`SettingError`] if the pitch is larger than the probe's radius or smaller than 1e-15 of it. The limits are the
+    /// same as in a study.
     pub fn noise_of_pads(probe_radius: f64, pitch: f64) -> Result<ReadingNoise, SettingError> {
         let refuse = |expected: String| Err(SettingError::of_number("pitch", pitch, expected));
         let radius = Number(probe_radius);
@@ -87,8 +89,8 @@ impl RollOptions {
         }
     }
 
-    /// Options with the given settings. Their keys are the fields of [`RollSettings`] and the settings of the
-    /// estimator. Settings that are not given have their values from `base`.
+    /// Returns options in which the settings `given` replace the values of `base`. The keys of `given` are the fields
+    /// of [`RollSettings`] and the settings of the estimator.
     ///
     /// ```
     /// use palpate_recorded::RollOptions;

@@ -20,7 +20,7 @@ use super::source::{ReadingSource, copies, finite, same_length};
 use super::table_format::pair;
 use super::text_table::TextTable;
 
-/// Largest number of rolls that are compared directly with each other.
+/// Largest number of rolls for which all pairs are compared. For more rolls, a hash table is faster.
 const MAX_COMPARED: usize = 32;
 
 /// Recorded readings of rolls.
@@ -33,19 +33,20 @@ pub struct RollRecording {
     pub(super) readings: Vec<ProbeReading>,
     /// Unit of lengths that the header states; `None` if the header states none.
     pub unit: Option<LengthUnit>,
-    /// Index of each probe's row in a file.
+    /// Index of each probe's row in the file.
     pub(super) rows: Vec<usize>,
     /// Columns of the file that palpate does not use, row by row.
     pub(super) extras: ExtraColumns,
     /// Note on how the rows were assigned to probes; `None` if the file states the probe of each row.
     pub(super) note: Option<String>,
-    /// All samples of the probes; `None` if each probe has one row.
+    /// All samples of each roll, for time series; `None` if each probe has only one row.
     pub(super) series: Option<SeriesReadings>,
 }
 
 impl RollRecording {
-    /// Readings of probes that turned by `rotations` and whose contacts moved by `shifts`. A third component of a
-    /// rotation is the turn about the normal, which does not move the contact. Lengths are in `unit`.
+    /// Readings of probes: `rotations` contains the rotation vector of each probe, and `shifts` the shift of its
+    /// contact. A rotation may have a third component about the normal, which does not move the contact. Lengths are in
+    /// `unit`.
     ///
     /// ```
     /// use palpate_recorded::{RollOptions, RollRecording, estimate_roll};
@@ -84,12 +85,12 @@ impl RollRecording {
         })
     }
 
-    /// Rolls as time series, one row per sample: time (s), rotation vector of the probe since the start of its roll, and
-    /// the place of the contact. A roll starts where the time does not increase. With `has_pads`, the places are centres
-    /// of active pads.
+    /// Rolls as time series, one row per sample: time (s), rotation vector of the probe since the start of its roll,
+    /// and position of the contact. A new roll starts where the time does not increase. If `has_pads`, the positions
+    /// are centres of active pads.
     ///
     /// # Errors
-    /// As [`RollRecording::new`].
+    /// The errors of [`RollRecording::new`].
     pub fn of_series<const D: usize>(
         times_s: &[f64],
         rotations: &[[f64; D]],
@@ -132,9 +133,9 @@ impl RollRecording {
         })
     }
 
-    /// If at least half of the rolls repeat earlier rolls, leaves the repetitions out and returns a warning. All rolls
-    /// are kept if rolls by equal rotations have different shifts, because repetitions may then come from a coarse
-    /// sensor.
+    /// If at least half of the rolls are repetitions of earlier rolls, leaves the repetitions out and returns a
+    /// warning. No roll is left out if there are rolls with equal rotations but different shifts, because repetitions
+    /// may then be due to a coarse sensor.
     pub(super) fn leave_out_copies(&mut self) -> Option<String> {
         let readings = &self.readings;
         let is_repeated = |(place, one)| readings[..place].contains(one);
@@ -167,7 +168,7 @@ impl RollRecording {
         Some(text)
     }
 
-    /// Keeps only these rolls.
+    /// Removes all rolls except the rolls `rolls`.
     pub(super) fn keep(&mut self, rolls: &[usize]) {
         self.probes = rolls.iter().map(|&roll| self.probe(roll)).collect();
         self.readings = rolls.iter().map(|&roll| self.readings[roll]).collect();
@@ -183,10 +184,11 @@ impl RollRecording {
     }
 }
 
-/// Reads recorded rolls: one row per probe, or a time series per probe. Of a series with columns `pad_u,pad_v` the last
-/// row counts; of one with `contact_u,contact_v` the last row relative to the first. The rotation may be a vector, a
-/// unit quaternion, a matrix, or an axis with an angle. Without a column `probe`, each row or series counts as a probe. A
-/// new series starts after a blank line or where the time does not increase.
+/// Reads recorded rolls: one row per probe, or a time series per probe. The shift of a time series depends on its
+/// columns. With columns `pad_u,pad_v`, it is the last row. With columns `contact_u,contact_v`, it is the difference
+/// between the last row and the first row. The rotation may be a vector, a unit quaternion, a matrix, or an axis with
+/// an angle. If there is no column `probe`, each row or series counts as a probe. A new series starts after a blank
+/// line or where the time does not increase.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
@@ -366,14 +368,17 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
     Ok(recording)
 }
 
-/// Difference of the rotations in two frames, relative to their size, above which a note names the frame.
+/// Smallest relative difference between the rotations in the probe's frame and in the world's frame for which the
+/// choice matters. A note then names the frame that was used.
 const MAX_FRAME_DIFFERENCE: f64 = 0.02;
 
-/// Places of the components x, y, z, w in a quaternion.
+/// Positions of the components x, y, z and w in a list of the four components of a quaternion: w is last in the first
+/// constant, and first in the second.
 const SCALAR_LAST: [usize; 4] = [0, 1, 2, 3];
 const SCALAR_FIRST: [usize; 4] = [1, 2, 3, 0];
 
-/// Setting that names the components of a quaternion in this order.
+/// Value of the setting `columns` that assigns the columns `names` to the components of a quaternion in the order
+/// `order`.
 fn scalar_names(order: [usize; 4], names: &[String; 4]) -> String {
     let pairs = QUATERNION.iter().zip(order);
     let pairs: Vec<String> = pairs
@@ -382,7 +387,7 @@ fn scalar_names(order: [usize; 4], names: &[String; 4]) -> String {
     pairs.join(",")
 }
 
-/// First and last row of a roll, each with its line.
+/// First and last row of a roll, each with its line number.
 #[derive(Clone, Copy)]
 struct Roll<'a> {
     probe: u64,
@@ -397,7 +402,8 @@ struct Roll<'a> {
 type Turned = (Vector3<f64>, [f64; 2]);
 
 impl Roll<'_> {
-    /// Rotation and shift from start to end; or the line that is wrong, and why.
+    /// Rotation and shift of the roll from its start to its end. The error is the line number of a wrong row, and a
+    /// message.
     fn relative(
         &self,
         kind: Kind,
@@ -436,12 +442,14 @@ impl Roll<'_> {
     }
 }
 
-/// Largest rotation about the normal, relative to the others, of rolls; and smallest correlation of the shifts with
-/// those on a plane.
+/// Limits for rotations and shifts that may be rolls. The first constant is the largest ratio of the rotations about
+/// the normal to the other rotations. The second is the smallest correlation between the shifts and the shifts on a
+/// plane.
 const MAX_SPIN: f64 = 0.3;
 const MIN_CORRELATION: f64 = 0.5;
 
-/// Whether rotations and shifts may be those of rolls: a contact moves to +u if the rotation about v is negative.
+/// Whether rotations and shifts may be those of rolls. In a roll, a negative rotation about v moves the contact towards
+/// +u.
 fn is_rolling(rolls: &[Turned]) -> bool {
     let sum = |term: &dyn Fn(&Turned) -> f64| rolls.iter().map(term).sum::<f64>();
     let spin = sum(&|(turned, _)| turned.z * turned.z);
@@ -458,14 +466,15 @@ fn is_rolling(rolls: &[Turned]) -> bool {
 enum Kind {
     /// One row per probe.
     Rows,
-    /// A time series per probe, with the shift since its start.
+    /// A time series per probe. Its columns contain the shift of the contact since the start of the series.
     Pads,
-    /// A time series per probe, with the place of the contact.
+    /// A time series per probe. Its columns contain the position of the contact.
     Contacts,
 }
 
 impl Kind {
-    /// Kind by the columns of the contact. If there are columns of several kinds, the setting `columns` must choose.
+    /// Kind of a table, recognised by its columns for the contact. If the table has the columns of several kinds, the
+    /// user must choose by the setting `columns`.
     fn of(header: &Header<'_>) -> Result<Self, String> {
         let has = |column: &Column| header.has(column);
         let kinds = [

@@ -1,4 +1,4 @@
-//! Rotations of a probe as files state them: vectors, quaternions, matrices, axes with angles.
+//! Rotations of a probe in the forms that files use: vectors, quaternions, matrices, and axes with angles.
 
 use std::str::FromStr;
 
@@ -6,20 +6,21 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use palpate_statistics::Number;
 use palpate_study::readings::{AXIS_ANGLE, Column, MATRIX, QUATERNION, ROTATION_VECTOR};
 
-/// Largest accepted difference of a length or a product of axes from that of a rotation; a file rounds the components.
+/// Largest accepted deviation of a quaternion, an axis or a matrix from that of an exact rotation. Small deviations
+/// occur, because numbers in files are rounded.
 const MAX_ERROR: f64 = 1e-3;
 
-/// Frame along whose x and y the axes u and v of the contact lie.
+/// Frame of reference for rotations. The axes u and v of the contact are the x and y axes of this frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RotationFrame {
     /// The probe's frame at the start of the roll.
     #[default]
     Probe,
-    /// The frame in which orientations are stated.
+    /// The fixed frame in which the file states orientations.
     World,
 }
 
-/// A frame by its name.
+/// Parses the name of a frame.
 impl FromStr for RotationFrame {
     type Err = String;
 
@@ -36,7 +37,7 @@ impl FromStr for RotationFrame {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum RotationForm {
     Vector,
-    /// A rotation vector with its component along the normal.
+    /// A rotation vector with three components, including the component along the normal.
     WholeVector,
     Quaternion,
     Matrix,
@@ -44,7 +45,8 @@ pub(super) enum RotationForm {
 }
 
 impl RotationForm {
-    /// The form whose columns are all in a table, else one of which some are.
+    /// Form of the rotations in a table: the first form of which the table has all columns. If there is none, the first
+    /// form of which it has some columns.
     pub(super) fn of(has: impl Fn(&Column) -> bool) -> Self {
         let all = |columns: &[Column]| columns.iter().all(&has);
         let any = |columns: &[Column]| columns.iter().any(&has);
@@ -71,7 +73,7 @@ impl RotationForm {
         }
     }
 
-    /// The rotation that a row states. `numbers` are those of [`Self::columns`].
+    /// The rotation that a row states. `numbers` contains the row's numbers in the columns [`Self::columns`].
     pub(super) fn rotation(self, numbers: &[f64]) -> Result<UnitQuaternion<f64>, String> {
         let of_length_1 = |length: f64, columns: &str, what: &str| {
             let is_unit = (length - 1.0).abs() <= MAX_ERROR;
@@ -103,7 +105,7 @@ impl RotationForm {
     }
 }
 
-/// Rotation of a matrix, which must be orthogonal and right-handed.
+/// Converts a rotation matrix, which must be orthogonal and right-handed, to a quaternion.
 fn matrix(matrix: Matrix3<f64>) -> Result<UnitQuaternion<f64>, String> {
     let determinant = Number::rounded(matrix.determinant());
     let error = (matrix.transpose() * matrix - Matrix3::identity()).amax();
@@ -122,7 +124,7 @@ fn matrix(matrix: Matrix3<f64>) -> Result<UnitQuaternion<f64>, String> {
     Ok(UnitQuaternion::from_rotation_matrix(&rotation))
 }
 
-/// Rotation vector from an orientation at the start of a roll to one at its end.
+/// Rotation vector of the rotation from the orientation at the start of a roll to the orientation at its end.
 pub(super) fn between(
     start: &UnitQuaternion<f64>,
     end: &UnitQuaternion<f64>,

@@ -15,7 +15,8 @@ use super::error::explained;
 use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
 
-/// Largest distance of a pad from the lattice of the other pads, relative to the pitch. Files round places.
+/// Largest accepted distance of a pad from the lattice of the other pads, relative to the pitch. Small distances occur,
+/// because numbers in files are rounded.
 const MAX_PAD_ERROR: f64 = 0.02;
 
 /// Settings of the methods for time series. Lengths are in the unit of the readings.
@@ -23,7 +24,7 @@ const MAX_PAD_ERROR: f64 = 0.02;
 pub struct SeriesOptions {
     /// Contact point at the start of every roll, in the coordinates of the pads; `None` if it is unknown.
     pub start: Option<[f64; 2]>,
-    /// Area of a pad; `None` without pads.
+    /// Area that a pad covers; `None` for sensors without pads.
     pub pads: Option<PadCell>,
     /// Standard deviation of each component of a contact point; 0 if it is not stated.
     pub contact_std: f64,
@@ -34,13 +35,13 @@ pub struct SeriesOptions {
 /// Time series of rolls.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct SeriesReadings {
-    /// Whether the places are centres of pads. Otherwise they are contact points.
+    /// Whether the positions in the series are centres of pads. Otherwise they are contact points.
     pub(super) has_pads: bool,
-    /// The series of each probe, without their starts.
+    /// The series of each probe, without the sample at the start.
     pub(super) rolls: Vec<RollSeries>,
 }
 
-/// An estimate from time series, with the method.
+/// An estimate from time series, with the method that computed it.
 #[derive(Clone, Debug)]
 pub(super) struct SeriesResult {
     pub(super) method: &'static str,
@@ -57,7 +58,7 @@ pub(super) struct LeftOutProbe {
     pub(super) reason: &'static str,
 }
 
-/// Curvatures that have bounds, by their keys in the JSON.
+/// Curvatures for which bounds are reported, each with its key in the JSON.
 pub(super) const QUANTITIES: [(&str, Quantity); 6] = [
     ("normal_curvature_u", Quantity::Normal { angle_rad: 0.0 }),
     (
@@ -72,10 +73,10 @@ pub(super) const QUANTITIES: [(&str, Quantity); 6] = [
     ("principal_curvature_max", Quantity::PrincipalMax),
 ];
 
-/// The estimate by one of the methods for time series; `None` if the options choose least squares.
+/// The estimate by the chosen method for time series; `None` if the chosen method is least squares.
 ///
 /// # Errors
-/// A message if the readings are no time series, or do not determine the curvature.
+/// A message if the readings are no time series, or if they do not determine the curvature.
 pub(super) fn estimate_of_series(
     recorded: &RollRecording,
     options: &RollOptions,
@@ -163,7 +164,7 @@ fn refused(recorded: &RollRecording, readings: &SeriesReadings, error: SeriesErr
     explained(message, error.name())
 }
 
-/// Checks that the distances between pads are those of a lattice with the stated pitch.
+/// Checks that the distances between the pads are possible in a lattice with the stated pitch.
 fn all_on_lattice(
     recorded: &RollRecording,
     readings: &SeriesReadings,
@@ -219,7 +220,7 @@ impl SeriesResult {
         report.is_some_and(|report| report.left_out == Some(Exclusion::NoCrossing))
     }
 
-    /// Probes that the fit does not use, except for those whose contact stayed on one pad.
+    /// Probes that the fit does not use. Probes whose contact stayed on one pad are not in this list.
     pub(super) fn left_out(&self, recorded: &RollRecording) -> Vec<LeftOutProbe> {
         let reports = self.estimate.rolls.iter().enumerate();
         let left_out = reports.filter_map(|(roll, report)| {

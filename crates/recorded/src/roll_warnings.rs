@@ -13,20 +13,20 @@ use super::roll_recording::RollRecording;
 use super::single_direction::DirectedCurvature;
 
 /// Largest accepted ratio of a probe's rotation to its rotation on a plane, which is 1 + R_probe/R_object. If the ratio
-/// is larger, a warning is given, because the rotations are probably in degrees.
+/// is larger, the rotations are probably in degrees, and there is a warning.
 const MAX_TURN_RATIO: f64 = 25.0;
-/// Smallest accepted ratio of a probe's rotation to its rotation on a plane. If the ratio is smaller, a warning is
-/// given: the rotations are probably in rad although the header states degrees. Only a dish that is hardly wider than
-/// the probe has so small a ratio.
+/// Smallest accepted ratio of a probe's rotation to its rotation on a plane. If the ratio is smaller, there is a
+/// warning, because the rotations are probably in rad although the header states degrees. Otherwise, such a small ratio
+/// occurs only in a dish that is hardly wider than the probe.
 const MIN_TURN_RATIO: f64 = 1.0 / 30.0;
 
 /// Significance level below which a fit of time series is reported as poor.
 const MIN_P_VALUE: f64 = 0.005;
 
-/// Smallest shift that pads can report, relative to the pitch. The distance between pads is hardly ever below 0.8
-/// pitches.
+/// Smallest possible shift of a sensor with pads, relative to the pitch. The limit is low enough, because pads are
+/// hardly ever less than 0.8 pitches apart.
 const MIN_SHIFT: f64 = 0.5;
-/// Largest shift that counts as a rounded zero, relative to the pitch.
+/// Shifts up to this size, relative to the pitch, count as 0, because they are rounding errors.
 const ROUNDING: f64 = 1e-9;
 
 impl RollEstimate {
@@ -80,7 +80,7 @@ impl RollEstimate {
         })
     }
 
-    /// Warning if shifts are shorter than pads of this resolution can report.
+    /// Warning if a shift is shorter than the distance between two pads with the stated pitch.
     fn pitch(&self) -> Option<String> {
         let resolution = self.options.noise.shift_resolution;
         let shifts = self.recorded.readings.iter();
@@ -116,7 +116,7 @@ fn largest_rotation(readings: &[ProbeReading]) -> f64 {
     rotations.fold(0.0, f64::max)
 }
 
-/// Likely mistake in the units of the readings, as text.
+/// Text about a likely mistake in the units of the readings; `None` if there is none.
 pub(super) fn units(
     readings: &[ProbeReading],
     probe_radius: f64,

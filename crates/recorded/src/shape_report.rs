@@ -1,5 +1,5 @@
-//! Reports about recorded contacts: about a plane, a sphere or a cylinder that was fitted to them, about a single
-//! stroke, and about contacts that were left out.
+//! Reports about recorded contacts. There are reports about a fitted plane, sphere or cylinder, about a single stroke,
+//! and about contacts that were left out.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +20,7 @@ pub(super) struct LeftOut {
     /// Line in the file; `None` for arrays.
     #[serde(skip_serializing_if = "Option::is_none")]
     line: Option<usize>,
-    /// Reason: `sentinel`, `zeros`, `far` or `misfit`.
+    /// Reason why it was left out: `sentinel`, `zeros`, `far` or `misfit`.
     reason: &'static str,
 }
 
@@ -66,8 +66,8 @@ impl StrokeReport {
 pub(super) struct ShapeReport {
     /// Name of the shape: `plane`, `sphere`, `cylinder` or `none`.
     shape: &'static str,
-    /// Probability of each shape, and probability that the surface has none of these shapes; `null` if the shape was
-    /// stated.
+    /// Probability of each shape. The last entry is the probability that the surface has none of these shapes. `null`
+    /// if the shape was stated.
     shape_probabilities: Option<BTreeMap<&'static str, f64>>,
     /// Radius of the most probable shape; `None` for a plane.
     #[serde(skip)]
@@ -88,7 +88,7 @@ pub(super) struct ShapeReport {
 }
 
 impl ShapeReport {
-    /// The report of a shape fit. With `is_open`, the contacts do not determine the size.
+    /// The report of a shape fit. `is_open` states that the contacts do not determine the size of the shape.
     pub(super) fn new(fit: &ShapeFit, unit: LengthUnit, is_open: bool) -> Self {
         let size = |size: &SizeEstimate, power: Unit| match is_open {
             true => Value::open(power, unit),

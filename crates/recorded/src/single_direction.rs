@@ -1,5 +1,5 @@
-//! Rolls in a single direction. They determine the object's normal curvature along the path of the contact, but not
-//! across it.
+//! Rolls that all have the same direction. They determine the object's normal curvature along the path of the contact,
+//! but not across it.
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector2};
 use palpate_ep1::{Estimate, ProbeReading};
@@ -10,9 +10,9 @@ use serde::Serialize;
 
 use super::value::Value;
 
-/// Largest ratio of the rms rotations across and along a single direction.
+/// Rolls have a single direction if the ratio of the rms rotations across and along this direction is below this value.
 const MAX_SPREAD: f64 = 0.05;
-/// Size of the assumed rotation across the rolls, relative to the rms rotation.
+/// Size of the additional roll across the recorded rolls, relative to their rms rotation.
 const ACROSS_SHARE: f64 = 0.1;
 
 /// Normal curvature along the path of the contact.
@@ -24,11 +24,13 @@ pub struct DirectedCurvature {
     pub direction_deg: f64,
 }
 
-/// Returns the angle of the contact's path, from u towards v, and the readings for a fit; `None` if the rolls have
-/// several directions. The readings for the fit have one more roll, across the others and on a plane.
+/// Returns the angle of the contact's path, from u towards v, and readings for a fit. `None` if the rolls have several
+/// directions. The readings for the fit contain one additional, invented roll. It is perpendicular to the recorded
+/// rolls, and its shift is that on a plane. Without it, the fit would be impossible.
 ///
-/// With the drive g and the contact's path b per radian, the relative curvature along b is b·g/(|b|²|g|). It does not
-/// depend on the curvature across, so the additional roll does not change it.
+/// Let g be the direction in which the probe is driven, and b the path of the contact per radian. The relative
+/// curvature along b is b·g/(|b|²|g|). It does not depend on the curvature across b, so the additional roll does not
+/// change it.
 pub(super) fn single_direction(
     readings: &[ProbeReading],
     probe_radius: f64,
@@ -73,7 +75,8 @@ pub(super) fn single_direction(
 }
 
 impl DirectedCurvature {
-    /// The curvature along a path at `angle` from u, in an estimate from the readings of [`single_direction`].
+    /// The curvature along a path at the angle `angle` from u. `estimate` is the estimate from the readings that
+    /// [`single_direction`] returns.
     pub(super) fn new(
         angle: f64,
         estimate: &Estimate,
@@ -98,7 +101,7 @@ impl DirectedCurvature {
         }
     }
 
-    /// Warning that the curvature is not resolved in other directions.
+    /// Warning that the rolls determine the curvature only along their direction.
     pub(super) fn warning(&self) -> Warning {
         let angle = Number::rounded(self.direction_deg);
         let text = format!(

@@ -1,4 +1,4 @@
-//! The source of readings (a file or arrays), which messages name.
+//! The source of readings (a file or arrays), which is named in messages.
 
 use std::collections::HashSet;
 
@@ -13,9 +13,9 @@ use super::error::RecordedError;
 pub(super) struct ReadingSource {
     pub(super) name: String,
     pub(super) lines: Vec<usize>,
-    /// Row number of each reading, counted from 0; empty if no row was left out.
+    /// For each reading, its row in the file, counted from 0. The list is empty if no row was left out.
     pub(super) rows: Vec<usize>,
-    /// Warnings of columns that were found without their names, or are not read.
+    /// Warnings about columns that were not found by their names, or that are not read.
     pub(super) notes: Vec<Warning>,
 }
 
@@ -25,7 +25,7 @@ impl ReadingSource {
         Self::new("readings", Vec::new())
     }
 
-    /// Rows of a file without notes.
+    /// A source that is a file. `lines` contains the line of each reading.
     pub(super) fn new(name: &str, lines: Vec<usize>) -> Self {
         Self {
             name: name.to_owned(),
@@ -35,7 +35,7 @@ impl ReadingSource {
         }
     }
 
-    /// Line of a reading; `None` if it has none.
+    /// Line of a reading in the file; `None` for arrays.
     pub(super) fn line(&self, reading: usize) -> Option<usize> {
         self.lines.get(reading).copied()
     }
@@ -52,7 +52,7 @@ impl ReadingSource {
         format!("row {}{line}", self.row_number(reading))
     }
 
-    /// The source of only those readings that are in these rows.
+    /// The source of a part of the readings. `rows` contains the rows of these readings.
     pub(super) fn selected(&self, rows: &[usize]) -> Self {
         let lines = rows.iter().filter_map(|&row| self.line(row)).collect();
         Self {
@@ -68,8 +68,8 @@ impl ReadingSource {
         RecordedError::readings(&self.name, message)
     }
 
-    /// Error that concerns one reading; for a file, it states the line of the reading. For arrays, `message` must state
-    /// the index.
+    /// Error that concerns one reading. If the source is a file, the error states the line of the reading. If the
+    /// source is arrays, `message` must state the index of the reading.
     pub(super) fn fail_at(&self, reading: usize, message: String) -> RecordedError {
         match self.line(reading) {
             Some(line) => RecordedError::line(&self.name, line, message),
@@ -77,7 +77,7 @@ impl ReadingSource {
         }
     }
 
-    /// Unit that the header of the file or the setting `length_unit` states.
+    /// Unit of lengths that the header of the file or the setting `length_unit` states.
     pub(super) fn unit(
         &self,
         header: Option<LengthUnit>,
@@ -94,8 +94,8 @@ impl ReadingSource {
         }
     }
 
-    /// Text of a warning about readings that repeat all numbers of an earlier reading. `None` if their share of all
-    /// readings is below `share`.
+    /// Text of a warning about repeated readings. A reading is repeated if all its numbers equal those of an earlier
+    /// reading. `None` if less than the share `share` of all readings is repeated.
     pub(super) fn repeated<const N: usize>(
         &self,
         what: &str,
@@ -115,7 +115,7 @@ impl ReadingSource {
     }
 }
 
-/// Text that states the consequence of repeated readings, for warnings.
+/// Text for warnings that states the consequence of repeated readings.
 pub(super) const COPIES: &str =
     "copies are not new readings, and make the stated uncertainty too small";
 
@@ -152,7 +152,7 @@ pub(super) fn not_finite(array: &'static str, index: Vec<usize>, value: f64) -> 
     }
 }
 
-/// Checks that an array has as many rows as another array.
+/// Checks that two arrays have the same number of rows.
 pub(super) fn same_length(
     (array, rows): (&'static str, usize),
     (other, rows_of_other): (&str, usize),

@@ -1,4 +1,4 @@
-//! Options of an estimate from recorded readings that are stated in a study.
+//! Takes the options of an estimate from a study.
 
 use palpate_study::config::{
     FingertipConfig, GlideSensorConfig, LengthUnit, PadLayout, PressConfig, PressProbeConfig,
@@ -13,13 +13,13 @@ use palpate_ep1::{PadCell, ReadingNoise, SeriesNoise};
 use palpate_geometry::ShapeThresholds;
 use palpate_study::FieldError;
 
-/// Reason for which the settings of a study cannot be used for readings.
+/// Reason why the settings of a study cannot be used for recorded readings.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StudyMismatch {
     /// The scene of the study is of another kind than the readings.
     #[error("must be {needed:?} for these readings, is {found:?}")]
     Kind {
-        /// Kind of scene that has such readings.
+        /// Kind of scene that is needed for the readings.
         needed: &'static str,
         /// Kind of the study's scene.
         found: &'static str,
@@ -54,7 +54,7 @@ impl From<FieldError> for StudyMismatch {
     }
 }
 
-/// Factor that converts the study's lengths to `unit`.
+/// Factor that converts the lengths of the study to the unit `unit`.
 pub(super) fn factor(study: &StudyConfig, unit: LengthUnit) -> Result<f64, StudyMismatch> {
     study.length_unit.to(unit).ok_or(StudyMismatch::Unit {
         study: study.length_unit,
@@ -62,7 +62,7 @@ pub(super) fn factor(study: &StudyConfig, unit: LengthUnit) -> Result<f64, Study
     })
 }
 
-/// Settings of the press in a study; an error if its scene is no press.
+/// Settings of the press in a study. Returns an error if the scene of the study is not a press.
 pub(super) fn press_of(study: &StudyConfig) -> Result<&PressConfig, StudyMismatch> {
     match &study.scene {
         SceneConfig::Press(press) => Ok(press),
@@ -76,11 +76,11 @@ fn other_kind(needed: &'static str, scene: &SceneConfig) -> StudyMismatch {
 }
 
 impl RollOptions {
-    /// Options with the probe and the estimator of a study, and with the results of `noise` as the noise of its sensor and
-    /// of its time series. Lengths are converted to `unit`.
+    /// Options with the probe and the estimator of a study. `noise` computes the noise of the study's sensor and of its
+    /// time series. Lengths are converted to `unit`.
     ///
     /// # Errors
-    /// [`StudyMismatch`] if the scene is of another kind, if the unit cannot be converted, and if `noise` fails.
+    /// [`StudyMismatch`] if the scene is of another kind, if the unit cannot be converted, or if `noise` fails.
     pub fn from_study(
         study: &StudyConfig,
         unit: LengthUnit,
@@ -126,7 +126,7 @@ impl GlideOptions {
     /// `unit`.
     ///
     /// # Errors
-    /// [`StudyMismatch`] if the scene is of another kind, if the unit cannot be converted, and if the thresholds
+    /// [`StudyMismatch`] if the scene is of another kind, if the unit cannot be converted, or if the thresholds
     /// contradict each other.
     pub fn from_study(study: &StudyConfig, unit: LengthUnit) -> Result<Self, StudyMismatch> {
         let SceneConfig::Glide(config) = &study.scene else {
@@ -166,11 +166,11 @@ impl GlideOptions {
 
 impl PressOptions {
     /// Options with the sensor and the estimator of a study. Lengths are converted to `unit`. The study's indentation
-    /// is not used, because the readings have another one. `stated_stds` computes the standard deviations of normal and
-    /// tangential displacements that the study states to its estimator.
+    /// is not used, because the recorded press has another indentation. `stated_stds` computes the standard deviations
+    /// of normal and tangential displacements that the study's estimator assumes.
     ///
     /// # Errors
-    /// [`StudyMismatch`] if the scene is of another kind, if the unit cannot be converted, and if `stated_stds` fails.
+    /// [`StudyMismatch`] if the scene is of another kind, if the unit cannot be converted, or if `stated_stds` fails.
     pub fn from_study(
         study: &StudyConfig,
         unit: LengthUnit,
@@ -190,7 +190,7 @@ impl PressOptions {
         })
     }
 
-    /// Options with the skin radius and the marker depth of the probe.
+    /// Options with the skin radius and the marker depth of a press probe.
     pub(super) fn of_probe(probe: &PressProbeConfig) -> Self {
         let PressProbeConfig::MarkerSphere {
             radius,

@@ -1,4 +1,4 @@
-//! Settings that describe the form of a table and that the table itself does not state.
+//! Settings that describe the form of a table, for everything that the table itself does not state.
 
 use std::str::FromStr;
 
@@ -11,20 +11,22 @@ use super::roll_rotation::RotationFrame;
 /// Form of a table of readings. Settings that are `None` are detected from the table if possible.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Form {
-    /// Names of columns in the file that differ from palpate's names. Keys are palpate's names, with or without a unit.
+    /// Names that the user assigned to columns, if the file does not use palpate's names. The keys are palpate's names,
+    /// with or without a unit; the values are the names in the file.
     pub columns: ColumnNames,
     /// Character that separates the fields of a row.
     pub delimiter: Option<Delimiter>,
     /// Decimal sign of the numbers in the table.
     pub decimal: Option<Decimal>,
-    /// Unit of lengths. Lengths with another unit in the header are converted to it; lengths without a unit are assumed
-    /// to be in it.
+    /// Unit of lengths. If the header states another unit for a length, the length is converted. If the header states
+    /// no unit, this unit is assumed.
     pub length_unit: Option<LengthUnit>,
-    /// Frame in which rotations count, if rolls are orientations over time; the probe's by default.
+    /// Frame of reference for rotations, if the file states orientations over time. By default, it is the frame of the
+    /// probe.
     pub rotation_frame: Option<RotationFrame>,
 }
 
-/// Character between the fields of a row.
+/// Character that separates the fields of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Delimiter {
     /// Fields are separated by a tab.
@@ -33,7 +35,7 @@ pub enum Delimiter {
     Semicolon,
     /// Fields are separated by `,`.
     Comma,
-    /// Any number of spaces and tabs.
+    /// Fields are separated by any number of spaces and tabs.
     Space,
 }
 
@@ -41,7 +43,7 @@ impl Delimiter {
     /// All delimiters, in the order in which they are tried.
     pub(super) const ALL: [Self; 4] = [Self::Tab, Self::Semicolon, Self::Comma, Self::Space];
 
-    /// Name of the delimiter in options.
+    /// Name of the delimiter in the setting `delimiter`.
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Tab => "tab",

@@ -1,5 +1,5 @@
-//! Columns of tables whose headers do not have palpate's names: tables without a header, logs of rostopic, and wide
-//! tables with the columns of several fingers side by side.
+//! Recognises columns in tables whose headers do not have palpate's names: tables without a header, logs of rostopic,
+//! and wide tables, in which the columns of several fingers are side by side.
 
 use palpate_study::readings::{Column, MATRIX, Measure, QUATERNION, quaternion_part, spelt};
 
@@ -12,17 +12,19 @@ pub(super) struct Group {
     pub(super) places: Vec<usize>,
 }
 
-/// How the columns of a wide table are divided, so that each row can be split into one row per finger.
+/// Division of the columns of a wide table among the fingers. With it, each row is split into one row per finger.
 pub(super) struct Wide {
     pub(super) groups: Vec<Group>,
     /// Indices of the columns that belong to no single finger, such as the time.
     pub(super) shared: Vec<usize>,
-    /// Names of the label, of the columns of a finger, and of the shared columns.
+    /// Header of the table after splitting: name of the label, names of the columns of a finger, and names of the
+    /// shared columns.
     pub(super) header: Vec<String>,
 }
 
-/// Names for `count` columns without a header, if that many are required; else an error that proposes names. `orders`
-/// are the possible columns, the required ones first.
+/// Names for the `count` columns of a table without a header. The first entry of `orders` contains the required
+/// columns, and the others contain further possible lists of columns. Only the required columns are assigned
+/// automatically. For any other number of columns, the error proposes names.
 pub(super) fn names_by_order(count: usize, orders: &[&[Column]]) -> Result<Vec<String>, String> {
     let names = |order: &[Column]| order.iter().map(|column| column.name.to_owned()).collect();
     if let Some(required) = orders.first().filter(|order| order.len() == count) {
@@ -52,8 +54,8 @@ pub(super) fn names_by_order(count: usize, orders: &[&[Column]]) -> Result<Vec<S
     ))
 }
 
-/// Header of a log that `rostopic echo -p` wrote, with palpate's names for the fields that have the same meaning, and
-/// pairs of these names. Lengths are in metres, as in all messages of ROS.
+/// Header of a log that `rostopic echo -p` wrote. Fields with the same meaning as a column of palpate get palpate's
+/// names. The second result lists the pairs of names. Lengths are in metres, as in all messages of ROS.
 pub(super) fn of_rostopic(header: &[String], columns: &[Column]) -> Option<(Vec<String>, String)> {
     let (first, fields) = header.split_first()?;
     if first != "%time" || !fields.iter().all(|name| name.starts_with("field.")) {
@@ -89,7 +91,8 @@ pub(super) fn of_rostopic(header: &[String], columns: &[Column]) -> Option<(Vec<
     (!pairs.is_empty()).then(|| (header, pairs.join(",")))
 }
 
-/// Places of the components of a rotation in a list, such as `q0` to `q3`, in the order of their numbers.
+/// Indices of the columns of a quaternion whose components are only numbered, such as `q0` to `q3`, in the order of
+/// their numbers.
 pub(super) fn numbered_quaternion(header: &[String]) -> Option<[usize; 4]> {
     let component = |name: &String| {
         let (start, numbers) = numbered(name);
@@ -113,7 +116,8 @@ pub(super) fn numbered_quaternion(header: &[String]) -> Option<[usize; 4]> {
     places(0).or_else(|| places(1))
 }
 
-/// Header with palpate's names for the elements of a rotation matrix, such as `R_0_0` to `R_2_2` or `rot.0` to `rot.8`.
+/// Header in which the elements of a rotation matrix have palpate's names. In the file, they are named for example
+/// `R_0_0` to `R_2_2`, or `rot.0` to `rot.8`.
 pub(super) fn of_matrix(header: &[String]) -> Option<Vec<String>> {
     let element = |name: &String| {
         let (start, numbers) = numbered(name);
@@ -145,7 +149,7 @@ pub(super) fn of_matrix(header: &[String]) -> Option<Vec<String>> {
     Some(header)
 }
 
-/// Words of a name, and the numbers after them.
+/// Splits a column name into its words and the numbers at its end.
 fn numbered(name: &str) -> (Vec<String>, Vec<String>) {
     let mut start = words(&spelt(name));
     let is_word = |word: &String| word.parse::<usize>().is_err();
@@ -154,7 +158,7 @@ fn numbered(name: &str) -> (Vec<String>, Vec<String>) {
     (start, numbers)
 }
 
-/// Words that may accompany the number of a finger or probe in a column name.
+/// Words that may stand beside the number of a finger or probe in a column name.
 const FINGER_WORDS: [&str; 13] = [
     "finger",
     "fingertip",
@@ -170,10 +174,11 @@ const FINGER_WORDS: [&str; 13] = [
     "point",
     "sensor",
 ];
-/// Words that name a finger in a column name.
+/// Names of fingers in column names.
 const FINGERS: [&str; 6] = ["thumb", "index", "middle", "ring", "little", "pinky"];
 
-/// A wide table, if the header has the same columns for several fingers. The first of `columns` is their label.
+/// Recognises a wide table: its header has the same columns for several fingers. The first of `columns` is the column
+/// for the number or name of a finger. `None` for other tables.
 pub(super) fn wide(header: &[String], columns: &[Column]) -> Option<Wide> {
     let (label, columns) = columns.split_first()?;
     let is_part =
@@ -235,7 +240,8 @@ pub(super) fn wide(header: &[String], columns: &[Column]) -> Option<Wide> {
     })
 }
 
-/// Column of a finger, its unit and the finger's name, from a name such as `finger1_x_mm`, `x_1 [mm]` or `thumb.nx`.
+/// Splits a column name of a wide table, such as `finger1_x_mm`, `x_1 [mm]` or `thumb.nx`. Returns the index of the
+/// column in `columns`, the unit and the name of the finger.
 fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)> {
     let (base, bracket) = bracketed(name);
     let mut words = words(&spelt(base));
@@ -276,7 +282,7 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
     is_finger.then(|| (column, unit, words.join("_")))
 }
 
-/// Words of a name; digits are words of their own, and `nx` is a normal.
+/// Splits a name into words. A number is a word of its own, and `nx` becomes the words `normal` and `x`.
 fn words(name: &str) -> Vec<String> {
     let mut words = Vec::new();
     for word in name.split('_') {

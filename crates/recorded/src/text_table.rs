@@ -1,4 +1,4 @@
-//! Tables as rows of text fields, independent of the file format.
+//! Reads tables as rows of text fields, whatever their file format is.
 
 use std::cell::Cell;
 
@@ -18,9 +18,9 @@ use super::table_layout::{
 /// Maximum number of lines of a table.
 const MAX_LINES: usize = 5_000_000;
 
-/// One row of a table, as fields.
+/// One row of a table, as text fields.
 pub(super) struct Record<'a> {
-    /// Line of the row, from 1.
+    /// Line of the row in the file, from 1.
     pub(super) line: usize,
     /// Whether a blank line precedes the row.
     pub(super) is_after_gap: bool,
@@ -36,7 +36,7 @@ enum Format<'a> {
     Delimited(DelimitedText<'a>),
     /// A JSON table, with the text of the file.
     Json(JsonTable<'a>, Text<'a>),
-    /// Arrays from a file of NumPy.
+    /// Arrays from a NumPy file.
     Numpy(NumpyTable<'a>),
 }
 
@@ -48,20 +48,22 @@ pub(super) struct TextTable<'a> {
     pub(super) header: Vec<String>,
     /// Line number of the header.
     pub(super) header_line: usize,
-    /// For a table whose rows contain several fingers: the names of the columns in the file, and how these columns are
-    /// divided among the fingers.
+    /// For a wide table, in which a row contains several fingers: the names of the columns in the file, and the
+    /// division of these columns among the fingers.
     wide: Option<(Vec<String>, Wide)>,
-    /// Number of contacts that are missing in a wide table, because the fields of a finger are empty.
+    /// Number of missing contacts in a wide table: a contact is missing if the fields of its finger are empty.
     lost: Cell<usize>,
-    /// How the columns were found, if not by their names.
+    /// Note on how the columns were recognised; `None` if they were found by their names.
     note: Option<String>,
-    /// Names of the components of a quaternion that the file only numbers.
+    /// Column names of a quaternion whose components are only numbered in the file; `None` if there is no such
+    /// quaternion.
     numbered_quaternion: Option<[String; 4]>,
 }
 
 impl<'a> TextTable<'a> {
-    /// Recognises the format of a file and reads the header. `orders` are the columns that a table without names may
-    /// have, the required ones first; a table of several fingers per row has those of the last.
+    /// Recognises the format of a file and reads the header. `orders` contains lists of columns, which are used for
+    /// tables without names. The first list contains the required columns. A wide table may have the columns of the
+    /// last list.
     pub(super) fn of(file: &'a RecordedFile, orders: &[&[Column]]) -> Result<Self, RecordedError> {
         let (format, header, header_line) = match NumpyTable::of(file) {
             Some(table) => {
@@ -86,7 +88,7 @@ impl<'a> TextTable<'a> {
         Ok(table)
     }
 
-    /// Finds columns whose names are not palpate's, unless the setting `columns` names them.
+    /// Recognises columns that do not have palpate's names. Columns that the setting `columns` names are not changed.
     fn name_columns(&mut self, orders: &[&[Column]]) -> Result<(), String> {
         let is_named = !self.file.form.columns.is_empty();
         let count = match &self.format {
@@ -142,13 +144,14 @@ impl<'a> TextTable<'a> {
         Ok(())
     }
 
-    /// Names of the components of a quaternion that the file only numbers. The header calls them as if the scalar part
-    /// were the last.
+    /// Column names of a quaternion whose components are only numbered in the file. In the header, its scalar part is
+    /// assumed to be the last component.
     pub(super) const fn numbered_quaternion(&self) -> Option<&[String; 4]> {
         self.numbered_quaternion.as_ref()
     }
 
-    /// How the columns were found, if not by their names. To be called when all rows are read.
+    /// Note on how the columns were recognised; `None` if they were found by their names. Call this method after all
+    /// rows were read, because the note counts missing contacts.
     pub(super) fn note(&self) -> Option<String> {
         let Some((_, wide)) = &self.wide else {
             return self.note.clone();
@@ -168,7 +171,7 @@ impl<'a> TextTable<'a> {
         ))
     }
 
-    /// A table of text, its header and the line of the header.
+    /// Recognises the format of a text file. Returns the table, its header and the line of the header.
     fn of_text(file: &'a RecordedFile) -> Result<(Format<'a>, Vec<String>, usize), RecordedError> {
         let text = Text::of(file.text("a header and one row per reading are needed")?);
         let lines = text.lines().count();
@@ -211,7 +214,7 @@ impl<'a> TextTable<'a> {
         }
     }
 
-    /// Calls `take` for every row, until it returns an error.
+    /// Calls `take` with every row. Stops if `take` returns an error.
     pub(super) fn each(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         let Some((header, wide)) = &self.wide else {
             return self.rows(&self.header, take);
@@ -260,7 +263,7 @@ impl<'a> TextTable<'a> {
     }
 }
 
-/// A text and the terminator of its lines.
+/// A text, with the character that ends its lines.
 #[derive(Clone, Copy)]
 pub(super) struct Text<'a> {
     pub(super) all: &'a str,
@@ -276,9 +279,9 @@ impl<'a> Text<'a> {
         Self { all, end, line: 1 }
     }
 
-    /// The text from its header on, and the delimiter stated in a line `sep=`, which Excel writes before the header.
-    /// Lines that begin with # are comments. If numbers follow these lines, the last comment is the header, as NumPy
-    /// writes it.
+    /// Returns the text from its header on, and the delimiter if a line `sep=` states it. Excel writes this line before
+    /// the header. Lines that begin with # are comments. If numbers follow the comments, the last comment is the
+    /// header, as in files of NumPy.
     fn begun(self) -> (Self, Option<Delimiter>) {
         let (mut start, mut comment, mut stated) = (0, None, None);
         for (line, number) in self.lines().zip(1..) {

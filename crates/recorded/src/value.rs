@@ -19,8 +19,8 @@ pub struct Value {
     pub value: Option<f64>,
     /// Standard error of the value; `None` if the noise is unknown.
     pub std: Option<f64>,
-    /// 95 % interval of the value; `None` without a standard error. An end is `None` if the readings set no bound
-    /// there.
+    /// 95 % interval of the value; `None` if there is no standard error. An end is `None` if the readings do not bound
+    /// the value on that side.
     pub interval95: Option<[Option<f64>; 2]>,
     /// Unit of the value, the standard error and the interval.
     pub unit: Cow<'static, str>,
@@ -41,7 +41,7 @@ impl Value {
         }
     }
 
-    /// A value whose number is missing, because the readings do not determine it.
+    /// A value that the readings do not determine. Its number is missing.
     pub(super) fn open(power: Unit, length: LengthUnit) -> Self {
         Self {
             value: None,
@@ -56,7 +56,7 @@ impl Value {
         self.value.unwrap_or(f64::NAN)
     }
 
-    /// A value whose 95 % interval extends `half_width` standard errors to both sides.
+    /// A value with a 95 % interval that extends `half_width` standard errors to both sides.
     pub(super) fn within(
         value: f64,
         std: Option<f64>,
@@ -84,7 +84,7 @@ impl Value {
     }
 }
 
-/// The number if it is finite, with 0 instead of −0.
+/// The number, with 0 instead of −0; `None` if it is not finite.
 pub(super) fn finite(number: f64) -> Option<f64> {
     // Adding 0 converts −0 to 0.
     Some(number + 0.0).filter(|number| number.is_finite())

@@ -1,10 +1,10 @@
-//! Members of a zip archive, stored or deflated, as `np.savez` writes them.
+//! Reads the files in a zip archive. They are stored or compressed by deflate, as `np.savez` writes them.
 
 use std::borrow::Cow;
 
 use miniz_oxide::inflate::decompress_to_vec_with_limit;
 
-/// Largest total size of the members, MiB.
+/// Largest total size of the files in an archive, MiB.
 const MAX_MIB: usize = 256;
 /// Size in bytes of the record at the end of an archive. The next constant is the largest size of the comment after
 /// this record.
@@ -14,7 +14,7 @@ const MAX_COMMENT: usize = 65_535;
 /// Name and contents of a file in an archive.
 pub(super) type Member<'a> = (String, Cow<'a, [u8]>);
 
-/// Returns all files of an archive, in its order.
+/// Returns all files of an archive, in the order of the archive.
 pub(super) fn members(bytes: &[u8]) -> Result<Vec<Member<'_>>, String> {
     let truncated = || "is not a valid zip archive: it is truncated".to_owned();
     let last = bytes.len().checked_sub(END).ok_or_else(truncated)?;
@@ -66,7 +66,7 @@ pub(super) fn members(bytes: &[u8]) -> Result<Vec<Member<'_>>, String> {
     Ok(members)
 }
 
-/// A number of `size` bytes, the lowest first.
+/// A number of `size` bytes; the first byte is the lowest (little-endian).
 fn number(bytes: &[u8], at: usize, size: usize) -> Option<usize> {
     let bytes = bytes.get(at..at + size)?.iter().rev();
     Some(bytes.fold(0, |number, &byte| number << 8 | usize::from(byte)))

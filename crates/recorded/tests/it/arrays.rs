@@ -1,5 +1,5 @@
-//! Readings from arrays have the same estimates as files with the same numbers. Errors name the array, the index and
-//! the value.
+//! Estimates from arrays. They are equal to the estimates from files with the same numbers. Errors name the array, the
+//! index and the value.
 
 use palpate_recorded::{
     GlideOptions, GlideRecording, PressOptions, PressRecording, RecordedError, RecordedFile,
@@ -19,7 +19,7 @@ fn file(name: &str) -> RecordedFile {
     RecordedFile::read(&example(name)).unwrap()
 }
 
-/// Numbers from an example: in each row, `D` columns, beginning with the column `first`.
+/// Numbers from an example file: `D` columns of each row, beginning with the column `first`.
 fn columns<const D: usize>(name: &str, first: usize) -> Vec<[f64; D]> {
     let text = std::fs::read_to_string(example(name)).unwrap();
     let lines = text.lines().filter(|line| !line.starts_with('#')).skip(1);
@@ -140,7 +140,8 @@ fn errors_name_invalid_arrays() {
     );
 }
 
-/// Sensors that are almost flat: the press of a ball of 4 mm on a flat pad, with a stated indentation or a fitted one.
+/// Presses of almost flat sensors and of a flat pad on a ball with a radius of 4 mm. The indentation is stated or
+/// fitted.
 #[test]
 fn sensors_of_large_radius_are_pressed() {
     let bytes = include_bytes!("../data/press-flat-pad-ball4.csv").to_vec();

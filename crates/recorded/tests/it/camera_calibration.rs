@@ -1,4 +1,4 @@
-//! Cameras that are calibrated with one frame at rest.
+//! Calibrations of cameras from one frame at rest.
 
 use image::{Rgb, RgbImage};
 use palpate_chromatouch::{
@@ -37,7 +37,7 @@ fn text(radius: f64, misalignment: f64) -> String {
     )
 }
 
-/// True parameters of a sensor.
+/// True parameters of a sensor and its frame.
 struct Truth {
     place: [f64; 3],
     turn_deg: [f64; 3],
@@ -253,7 +253,8 @@ fn missing_markers_cause_a_warning_or_an_error() {
     assert!(said.contains("shows 47 of the 77 markers"), "{said}");
 }
 
-/// Uneven light shifts the images of markers near the rim by almost one pixel.
+/// Uneven light shifts the images of markers near the rim by almost one pixel. If the study states the uneven light,
+/// there must be no warning about another camera.
 #[test]
 fn stated_uneven_light_does_not_count_as_another_camera() {
     let truth = Truth {

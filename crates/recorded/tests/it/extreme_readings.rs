@@ -1,4 +1,4 @@
-//! Recorded readings with extreme numbers.
+//! Recorded readings with extremely large or small numbers.
 
 use palpate_recorded::{
     CalibrateOptions, GlideOptions, PressOptions, RecordedError, RecordedFile, RollOptions,

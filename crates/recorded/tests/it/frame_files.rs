@@ -1,4 +1,4 @@
-//! Frames in the formats of other cameras.
+//! Frames in the file formats and encodings of other cameras.
 
 use std::io::Cursor;
 
@@ -13,7 +13,7 @@ use palpate_study::config::parse;
 const REST: &[u8] = include_bytes!("../data/rest.jpg");
 const PRESSED: &[u8] = include_bytes!("../data/pressed.jpg");
 
-/// The sensor of the frames of the field.
+/// Study of the sensor that took the frames `rest.jpg` and `pressed.jpg`.
 const SENSOR: &str = r#"
 name = "field"
 length_unit = "mm"
@@ -37,7 +37,7 @@ fn frame(bytes: &[u8]) -> Result<Frame, String> {
     frame.map_err(|error| error.to_string())
 }
 
-/// The estimate of the pressed object. The camera is calibrated from the frame of the field at rest.
+/// The estimate for the pressed object. The camera is calibrated from the frame `rest.jpg`.
 fn estimate(frames: [Frame; 2]) -> serde_json::Value {
     read(frames).unwrap()
 }

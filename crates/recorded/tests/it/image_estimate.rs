@@ -1,4 +1,4 @@
-//! Presses that are estimated by a fit to recorded camera frames.
+//! Estimates of presses by a fit to recorded camera frames.
 
 use image::{Rgb, RgbImage};
 use palpate_recorded::{
@@ -10,10 +10,10 @@ use palpate_study::config::{Study, parse};
 use palpate_tracking::{Finder, Marker};
 use serde_json::Value;
 
-/// Curvature of the ball, 1/mm.
+/// Curvature of the ball that is pressed, 1/mm.
 const CURVATURE: f64 = 1.0 / 30.0;
 
-/// A press of a sensor with a camera.
+/// A study of a press with a camera.
 fn study() -> Study {
     parse("frames.toml", TEXT).expect("a study")
 }
@@ -74,7 +74,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value}"))
 }
 
-/// Frames of a press on a layer are fitted with a half-space and with a thicker layer.
+/// Frames of a press on a layer are fitted with two wrong bodies: a half-space and a thicker layer.
 #[test]
 fn a_fit_with_another_body_causes_a_warning() {
     let study = study();
@@ -122,7 +122,7 @@ fn warp(frame: &Frame, from: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
     }
 }
 
-/// A motion that all markers have in common is a motion of the camera and not an effect of the press.
+/// If all markers move in the same way, the camera has moved; a press cannot cause this.
 #[test]
 fn a_camera_that_moved_between_the_frames_causes_a_warning() {
     let study = study();
@@ -234,7 +234,7 @@ fn a_camera_in_another_unit_is_refused() {
     );
 }
 
-/// For camera parameters with any numbers, the estimate has finite numbers or is an error.
+/// For any values of the camera parameters, the estimate contains finite numbers or is an error.
 #[test]
 fn cameras_with_extreme_numbers_return_finite_numbers_or_an_error() {
     let study = study();

@@ -1,4 +1,4 @@
-//! Effective radii that are estimated from load curves.
+//! Estimates of effective radii from load curves.
 
 use palpate_press::Body;
 use palpate_recorded::{LoadOptions, RecordedFile, estimate_force, parse_load_curve};

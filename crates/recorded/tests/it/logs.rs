@@ -1,4 +1,4 @@
-//! Logs as robots write them, with simple shapes, lost readings, copies and single strokes.
+//! Logs as robots write them, with simple shapes, lost readings, repeated readings and single strokes.
 
 use palpate_recorded::{
     GlideOptions, PressOptions, RecordedError, RecordedFile, RollOptions, estimate_glide,

@@ -1,10 +1,11 @@
-//! Tests rolls whose readings were lost: drivers write zeros or a large number for them.
+//! Rolls with lost readings. Drivers of sensors write zeros or a large number for a lost reading.
 
 use palpate_recorded::{RecordedFile, RollOptions, estimate_roll, parse_roll};
 use palpate_sensing::{Channel, Stream};
 use serde_json::Value;
 
-/// A log of `count` rolls of 0.5 rad of a probe of 10 mm on a ball of 25 mm. The shifts `lost` are replaced.
+/// A log of `count` rolls by 0.5 rad. A probe with a radius of 10 mm rolls on a ball with a radius of 25 mm. The
+/// entries of `lost` replace the shifts of some rolls.
 fn log(count: usize, std: f64, pitch: f64, lost: &[(usize, [f64; 2])]) -> String {
     let mut stream = Stream::new(25, 0, Channel::WristContact);
     let mut text = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n".to_owned();

@@ -1,4 +1,4 @@
-//! Recorded readings, from the file to the estimate.
+//! Estimates from files of recorded readings.
 
 use palpate_recorded::{
     Form, RecordedError, RecordedFile, RollEstimate, RollOptions, column_names, estimate_roll,
@@ -24,7 +24,8 @@ fn estimate(rows: &str, options: &RollOptions) -> Result<RollEstimate, RecordedE
     )
 }
 
-/// Table of rolls, as text. A probe with the radius 10 rolls on a surface with these normal curvatures along u and v.
+/// Table of rolls, as text. A probe with a radius of 10 rolls on a surface with the normal curvatures `curvature_u`
+/// along u and `curvature_v` along v.
 fn rows(curvature_u: f64, curvature_v: f64, directions: usize) -> String {
     (0..directions)
         .map(|probe| {
@@ -103,8 +104,8 @@ fn the_unit_of_an_option_must_match_the_header() {
     );
 }
 
-/// A table of two rolls of a probe with radius 10 on a ball with radius 40. `write` sets the order of the quaternion
-/// components.
+/// A table of two rolls. A probe with a radius of 10 rolls on a ball with a radius of 40. `write` sets the order of the
+/// quaternion components.
 fn quaternions(header: &str, write: fn([f64; 4]) -> [f64; 4]) -> String {
     let (half, shift) = (0.1_f64, 0.2 / (1.0 / 10.0 + 1.0 / 40.0));
     let (sine, cosine) = libm::sincos(half);
@@ -201,8 +202,8 @@ fn unusable_quaternions_are_refused() {
     );
 }
 
-/// Rolls of a probe with the radius 10 in the direction `drive`, which are not exactly parallel, on an object with the
-/// normal curvatures 0.06 along u, 0 along v and the twist 0.02. The shifts have errors of up to `error`.
+/// Rolls of a probe with a radius of 10 in the direction `drive`. The rolls are not exactly parallel. The object has
+/// the normal curvatures 0.06 along u and 0 along v, and the twist 0.02. The shifts have errors of up to `error`.
 fn rolls_along(drive: [f64; 2], spread: f64, error: f64) -> String {
     let mobility = nalgebra::Matrix2::new(0.16, 0.02, 0.02, 0.1)
         .try_inverse()

@@ -1,15 +1,15 @@
-//! Rolls that were recorded as time series: forms of rotations, and series that are refused.
+//! Rolls that were recorded as time series, with rotations in several forms, and series that are rejected.
 
 use palpate_recorded::{RecordedFile, RollOptions, RollRecording, estimate_roll, parse_roll};
 use serde_json::{Value, json};
 
-/// Radius of the probe, of the object, and pitch of the pads, mm.
+/// Radius of the probe and radius of the object, mm. The next constant is the pitch of the pads, mm.
 const RADII: [f64; 2] = [10.0, 40.0];
 const PITCH: f64 = 1.0;
 const HEADER: &str = "probe,time_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm";
 
-/// Rows of rolls by 0.5 rad in four directions, sampled at `samples` instants. The contact starts at the middle of a
-/// pad, so that each crossing is at an odd multiple of half a pitch.
+/// Rows of a time series of rolls by 0.5 rad in four directions. Each roll has `samples` samples. The contact starts at
+/// the middle of a pad, so it crosses to the next pad at odd multiples of half a pitch.
 fn rows(samples: u32) -> Vec<[f64; 6]> {
     let [probe, object] = RADII;
     let mobility = 1.0 / (1.0 / probe + 1.0 / object);

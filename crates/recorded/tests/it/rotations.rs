@@ -1,4 +1,4 @@
-//! The same rolls with rotations as vectors, quaternions, matrices and axes, in rows and as time series.
+//! The same rolls with rotations as vectors, quaternions, matrices and axes with angles, in rows and as time series.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use palpate_recorded::{
@@ -31,7 +31,7 @@ fn mean(estimate: &Value) -> f64 {
     estimate["mean_curvature"]["value"].as_f64().unwrap()
 }
 
-/// A rotation as numbers.
+/// Function that writes a rotation as numbers of a row.
 type Write = fn(UnitQuaternion<f64>) -> Vec<f64>;
 
 fn quaternion(rotation: UnitQuaternion<f64>) -> Vec<f64> {
@@ -59,7 +59,8 @@ fn vector(rotation: UnitQuaternion<f64>) -> Vec<f64> {
     rotation.scaled_axis().iter().copied().collect()
 }
 
-/// Rolls of a probe of radius 10 on a surface with the curvatures 0.04 and 0.01, and a little spin.
+/// Rolls of a probe with a radius of 10 on a surface with the curvatures 0.04 and 0.01. The probe also rotates a little
+/// about the normal.
 fn rolls() -> Vec<(Vector3<f64>, [f64; 2])> {
     (0..6)
         .map(|probe| {
@@ -70,8 +71,8 @@ fn rolls() -> Vec<(Vector3<f64>, [f64; 2])> {
         .collect()
 }
 
-/// Rows with a probe, a time where it is a series, a rotation and a place. `start` is the orientation of the probe at the
-/// start of each roll.
+/// Table of rolls, as text. Each row contains a probe, a time (only in time series), a rotation and a position. `start`
+/// is the orientation of the probe at the start of each roll.
 fn table(header: &str, start: Option<UnitQuaternion<f64>>, write: Write) -> String {
     let mut table = format!("{header}\n");
     for (probe, (turned, [u, v])) in rolls().into_iter().enumerate() {

@@ -1,4 +1,5 @@
-//! The same contacts in the files that other programs write: equal estimates, and hints that work.
+//! The same contacts in the file formats of other programs. The estimates are equal, and the settings that messages
+//! propose work.
 
 use palpate_recorded::{
     Form, GlideOptions, RecordedFile, column_names, estimate_glide, parse_glide,
@@ -23,7 +24,7 @@ fn mean(estimate: &Value) -> f64 {
     estimate["mean_curvature"]["value"].as_f64().unwrap()
 }
 
-/// The setting that a message proposes.
+/// The value of the setting that a message proposes.
 #[track_caller]
 fn hint(message: &str) -> &str {
     let rest = message.split_once("setting `columns` '");
@@ -31,7 +32,7 @@ fn hint(message: &str) -> &str {
     rest.split_once('\'').unwrap().0
 }
 
-/// Rows of the ball: finger, place, normal.
+/// Contacts on a ball, as rows of numbers: finger, position, normal.
 fn rows() -> Vec<Vec<f64>> {
     let row = |line: &str| {
         line.split(',')
@@ -41,7 +42,7 @@ fn rows() -> Vec<Vec<f64>> {
     BALL.lines().skip(1).map(row).collect()
 }
 
-/// A table of the ball with these columns of it.
+/// A table of the contacts on the ball. `columns` selects columns of [`rows`].
 fn table(header: &str, delimiter: &str, columns: &[usize]) -> String {
     let row = |row: &Vec<f64>| {
         let fields: Vec<String> = columns.iter().map(|&at| row[at].to_string()).collect();
@@ -165,7 +166,7 @@ fn files_of_the_field_give_their_answers() {
     assert_eq!(glide(&optional, hint(&said)).unwrap()["with_normals"], true);
 }
 
-/// One row per time, with the columns of three fingers side by side.
+/// Each row is for one time. It contains the columns of three fingers side by side.
 #[test]
 fn wide_tables_hold_several_fingers() {
     let expected = glide(BALL, "").unwrap();
