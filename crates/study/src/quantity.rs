@@ -74,6 +74,11 @@ pub enum QuantityKind {
 
 /// A quantity that the trials of a study determine. `cells.csv` has one row for each cell and quantity.
 ///
+/// ```
+/// use palpate_study::{Quantity, QuantityKind};
+///
+/// let area = Quantity::named("marker_area").ok_or("a quantity")?;
+/// assert_eq!((area, area.kind), (Quantity::MARKER_AREA, QuantityKind::Measured));
 /// # Ok::<(), &str>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,6 +10,21 @@ use super::tree;
 
 /// Converts a JSON table to the text of a config. Keys with the value `null` are omitted.
 ///
+/// ```
+/// use palpate_study::config::{of_json, parse};
+///
+/// let config = serde_json::json!({
+///     "name": "roll-on-a-ball",
+///     "scene": {
+///         "kind": "roll",
+///         "probe": { "kind": "sphere", "radius": 1.0 },
+///         "object": { "kind": "sphere", "radius": 4.0 },
+///         "motion": { "rate_rad_per_s": 0.1, "duration_s": 1.0 },
+///         "sensor": null,
+///     },
+/// });
+/// let study = parse("study", &of_json("study", &config)?)?;
+/// assert_eq!(study.config.name, "roll-on-a-ball");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -69,6 +84,13 @@ pub fn with_fields(
 /// Adds a sweep axis for each field in `axes`, and returns the text of the changed config. `axes` contains the path and
 /// the values of each field.
 ///
+/// ```
+/// use palpate_study::config::with_axes;
+///
+/// let radii = ("scene.object.radius".to_owned(), serde_json::json!([20.0, 40.0]));
+/// let text = with_axes("study", "name = \"balls\"\n", &[radii])?;
+/// let axis = "[[sweep]]\npath = \"scene.object.radius\"\nvalues = [20.0, 40.0]\n";
+/// assert_eq!(text, format!("name = \"balls\"\n\n{axis}"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

@@ -17,6 +17,17 @@ use super::validate::{instead_of, kind_of};
 
 /// A setting of a config table.
 ///
+/// ```
+/// use palpate_study::config::{Accepts, PressEstimatorConfig, settings};
+///
+/// let settings = settings::<PressEstimatorConfig>();
+/// let window = settings.iter().find(|setting| setting.key == "window").ok_or("a window")?;
+/// assert_eq!(window.kinds, ["gaussian"]);
+/// assert!(window.is_length);
+/// let Accepts::Number(range) = &window.accepts else {
+///     return Err("a number".into());
+/// };
+/// assert_eq!(range.parse("2.5"), Ok(2.5));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

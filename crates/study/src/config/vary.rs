@@ -13,6 +13,16 @@ use std::str::FromStr;
 /// A field and its values, such as `scene.sensor.pitch=0.05..2` or `scene.sensor.normal_from=hue,both`. The path of the
 /// field has the same form as in a sweep.
 ///
+/// ```
+/// use palpate_study::config::{Varied, Vary};
+///
+/// let vary: Vary = "scene.sensor.pitch=0.05..2".parse()?;
+/// assert_eq!(vary.path, "scene.sensor.pitch");
+/// assert_eq!(vary.values, Varied::Range { from: 0.05, to: 2.0 });
+/// let vary: Vary = "scene.sensor.normal_from=hue,both".parse()?;
+/// assert_eq!(vary.values, Varied::Listed(vec!["hue".into(), "both".into()]));
+/// let error = "scene.sensor.pitch=2..0.05".parse::<Vary>().expect_err("runs downwards");
+/// assert_eq!(error.to_string(), "the range 2..0.05 runs downwards; write 0.05..2");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
