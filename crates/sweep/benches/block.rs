@@ -1,5 +1,5 @@
-//! Benchmark of the runner and its statistics: the cost of one trial. The trials only read numbers from a table, so
-//! almost nothing else is timed. Each trial observes five quantities.
+//! Benchmark of the cost of one trial in the runner and its statistics. The trials only read numbers from a table, so
+//! that almost only the runner's own work is measured. Each trial observes five quantities.
 
 use std::hint::black_box;
 use std::num::NonZeroUsize;
@@ -11,7 +11,7 @@ const QUANTITIES: usize = 5;
 const TRIALS: u64 = 1 << 20;
 const TABLE: usize = 1 << 12;
 
-/// Reads its estimates from a table. The errors are nearly normal.
+/// A trial that reads its estimates from a table. Their errors are nearly normally distributed.
 struct LookUp {
     table: Vec<f64>,
     std: Option<f64>,
@@ -54,7 +54,7 @@ impl Trial for LookUp {
     }
 }
 
-/// Criterion's throughput is trials per second; its inverse is the cost of a trial.
+/// The throughput that criterion reports is the number of trials per second. Its inverse is the cost of a trial.
 fn block(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("trial of five quantities");
     group.throughput(Throughput::Elements(TRIALS));

@@ -1,5 +1,5 @@
-//! Statistics of a cell's trials, collected in batches. Their standard errors are estimated by the jackknife, which
-//! leaves out one batch at a time.
+//! Statistics of a cell's trials, collected in batches. The jackknife estimates their standard errors: it computes each
+//! statistic again without one of the batches, for each batch in turn.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
@@ -13,8 +13,8 @@ use crate::runner::Runner;
 use crate::summary::CellStatistics;
 use crate::trial_record::Record;
 
-/// Number of batches. With 32 batches, Student's t distribution of an estimate is nearly normal. On the other hand,
-/// each batch still contains some trials if a cell has only 100 trials.
+/// Number of batches. With 32 batches, Student's t distribution of an estimate is nearly normal. With more batches, a
+/// batch would contain too few trials in a cell with only 100 trials.
 const BATCHES: u64 = 32;
 
 /// Statistics of the trials of one cell, in 32 batches of equal size.
@@ -46,11 +46,11 @@ pub struct Batches {
     batches: Vec<Partial>,
     first: u64,
     next: u64,
-    /// The quantities whose statistics are stored. `None` to store all quantities, with histograms.
+    /// The quantities whose statistics are stored. With `None`, all quantities are stored with their histograms.
     stored: Option<Stored>,
 }
 
-/// Selection of the quantities of a cell whose statistics are stored.
+/// The quantities of a cell whose statistics are stored, and whether their histograms are stored.
 #[derive(Clone, Debug)]
 struct Stored {
     quantities: Vec<usize>,
@@ -59,7 +59,7 @@ struct Stored {
 
 /// A request for more trials of a cell.
 pub struct Growth<'a, T: ?Sized> {
-    /// Experiment that runs the trials of the cell.
+    /// The experiment of the cell, which runs the trials.
     pub trial: &'a T,
     /// Batches to which the statistics of the new trials are added.
     pub batches: &'a mut Batches,
@@ -68,19 +68,20 @@ pub struct Growth<'a, T: ?Sized> {
     pub trials: u64,
 }
 
-/// Value of a statistic over all trials, with the values that it has if one of the batches is left out.
+/// Value of a statistic over all trials. For each batch, it also contains the value over all trials outside of this
+/// batch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// Value over all trials.
     pub value: f64,
-    /// Values over all trials except one batch, for each batch in turn; empty if the experiment is not random.
+    /// For each batch, the value over all trials outside of this batch; empty if the experiment is not random.
     without: Vec<f64>,
-    /// Standard deviation of an additional error that has the same value in all batches.
+    /// Standard deviation of an additional error, which is the same in all batches.
     resolution: f64,
 }
 
 impl Batches {
-    /// Batches without trials. The first trial that is added will have the number `first`.
+    /// Empty batches, whose first trial will have the number `first`.
     pub fn from_trial(first: u64) -> Self {
         Self {
             batches: vec![Partial::default(); BATCHES as usize],
@@ -90,8 +91,8 @@ impl Batches {
         }
     }
 
-    /// The same batches, but they store only the quantities in `quantities`, and quantiles only if `histograms` is
-    /// true. Storing less saves memory.
+    /// The same batches, restricted to the quantities in `quantities`. Quantiles are stored only if `histograms` is
+    /// true. The restriction saves memory.
     #[must_use]
     pub fn keeping(self, quantities: Vec<usize>, histograms: bool) -> Self {
         Self {
@@ -116,8 +117,8 @@ impl Batches {
         all
     }
 
-    /// Estimates a statistic and, by the grouped jackknife, its standard error. Returns `None` if the statistic is
-    /// undefined over all trials, or when one of the batches is left out.
+    /// Estimates a statistic and its standard error (by the grouped jackknife). Returns `None` if the statistic is
+    /// undefined over all trials, or undefined without one of the batches.
     pub fn estimate(&self, statistic: impl Fn(&CellStatistics) -> Option<f64>) -> Option<Estimate> {
         let value = statistic(&self.statistics())?;
         let run: Vec<&Partial> = self.batches.iter().filter(|one| one.trials > 0).collect();
@@ -149,7 +150,7 @@ impl Batches {
 }
 
 impl Estimate {
-    /// The estimate of `function` of the statistic; `None` if one of the function's values is not finite.
+    /// The estimate of a function of the statistic; `None` if one of the function's values is not finite.
     pub fn map(&self, function: impl Fn(f64) -> f64) -> Option<Self> {
         let finite = |value: f64| Some(function(value)).filter(|value| value.is_finite());
         let without: Option<Vec<f64>> = self.without.iter().map(|one| finite(*one)).collect();
@@ -204,7 +205,7 @@ impl Estimate {
     }
 }
 
-/// Work for a thread: trials that must be run and added to a batch.
+/// Work for a thread: trials to run, and the batch to which their statistics are added.
 struct Job<'a, T: ?Sized> {
     trial: &'a T,
     trials: Range<u64>,
@@ -230,7 +231,7 @@ impl<T: Trial + ?Sized> Job<'_, T> {
 }
 
 impl Stored {
-    /// Drops the statistics of quantities that these batches do not store.
+    /// Removes the statistics of quantities that these batches do not store.
     fn drop_others(&self, partial: &mut Partial) {
         for (place, accumulator) in partial.quantities.iter_mut().enumerate() {
             if !self.quantities.contains(&place) {
@@ -243,7 +244,7 @@ impl Stored {
 }
 
 impl Runner {
-    /// Runs more trials of some cells. The numbers of the new trials follow the numbers of the trials in the batches.
+    /// Runs more trials of some cells. The new trials are numbered from the last trial in the batches on.
     pub fn grow<T: Trial + ?Sized>(&self, cells: Vec<Growth<'_, T>>) {
         let mut jobs: Vec<Job<'_, T>> = Vec::new();
         for growth in cells {

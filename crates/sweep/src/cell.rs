@@ -1,4 +1,4 @@
-//! Experiments, the cells and tasks that repeat experiments, and the rule that ends a cell early.
+//! Experiments, the cells and tasks that repeat them, and the rule that ends the trials of a cell early.
 
 use std::ops::Range;
 
@@ -14,19 +14,19 @@ pub trait Trial: Sync {
     /// Number of quantities that the experiment observes.
     fn quantities(&self) -> usize;
 
-    /// Runs one trial and records its observations. The result must depend only on the number of the trial.
+    /// Runs one trial and records its observations. The observations must depend only on the number of the trial.
     ///
     /// # Errors
     /// The name of the kind of failure. The name is stable and in kebab case. The observations of a failed trial are
     /// dropped.
     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str>;
 
-    /// Runs the first few of `trials` together, and returns the number of trials that it has run. It must record
-    /// exactly the same numbers as [`Trial::run`], and all these trials must have succeeded. If it returns 0,
-    /// [`Trial::run`] runs the next trial.
+    /// Runs the first few of `trials` together, and returns the number of trials that were run. The function must
+    /// record exactly the same numbers as [`Trial::run`], and must run only trials that succeed. If it returns 0, the
+    /// next trial is run by [`Trial::run`].
     ///
-    /// Implement this function if several trials run faster when they are computed together than one after the other.
-    /// The default implementation returns 0.
+    /// Implement this function if several trials are faster together than one after the other. The default
+    /// implementation returns 0.
     fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
         let _ = (trials, record);
         0
@@ -57,7 +57,7 @@ impl<T: Trial + ?Sized> Trial for &T {
     }
 }
 
-/// One setting of a study: an experiment, and the number of its trials.
+/// One grid point of a study: an experiment, and the number of its trials.
 #[derive(Clone, Copy)]
 pub struct Cell<'a> {
     /// Number of trials; may be 0.
@@ -73,8 +73,9 @@ pub struct Task {
     pub cell: usize,
     /// Number of trials of the cell; may be 0. If a rule may end the cell early, this is the largest possible number.
     pub trials: u64,
-    /// Whether a rule may end the cell before its last trial. One thread runs all trials of such a task. Only the last
-    /// task of a run is shared by several threads; they drop the trials that they have run beyond its end.
+    /// Whether a rule may end the cell before its last trial. All trials of such a task run on one thread. The last
+    /// task of a run is an exception: several threads share it, and trials that they have run beyond the end are
+    /// dropped.
     pub may_stop: bool,
 }
 
@@ -88,10 +89,10 @@ pub struct StoppingRule {
     pub quantity: usize,
     /// Statistic of the quantity that must be precise.
     pub statistic: StoppingStatistic,
-    /// Relative standard error of the statistic at which the cell ends. It is computed from the scatter between trials,
-    /// so that several observations in the same trial count as a single observation.
+    /// Relative standard error of the statistic below which the cell ends. It is computed from the scatter between
+    /// trials, so the observations within one trial count as a single observation.
     pub relative_standard_error: f64,
-    /// The rule never ends the cell before this number of trials.
+    /// Number of trials before which the rule never ends the cell.
     pub min_trials: u64,
 }
 
@@ -107,7 +108,7 @@ pub enum StoppingStatistic {
 }
 
 impl StoppingRule {
-    /// Whether `cell` contains enough trials for the rule to end the cell.
+    /// Whether the rule ends the cell after the trials in `cell`.
     pub(crate) fn is_met(&self, cell: &Partial) -> bool {
         let trials = cell.trials;
         trials.is_multiple_of(BLOCK)
@@ -116,7 +117,7 @@ impl StoppingRule {
             && self.is_precise(cell) == Some(true)
     }
 
-    /// Whether the relative standard error is small enough; `None` if the relative standard error is undefined.
+    /// Whether the relative standard error is small enough; `None` if it is undefined.
     fn is_precise(&self, cell: &Partial) -> Option<bool> {
         let sums = cell.quantities.get(self.quantity)?.sums();
         let [estimates, magnitudes] = sums.by_trial;

@@ -1,10 +1,11 @@
-//! Scores of statements such as "this number is at most the limit". A score z expresses the probability P that the
-//! statement is true: P = Φ(z), where Φ is the distribution function of the standard normal distribution.
+//! Scores of statements such as "this number is at most the limit". A score z states how probable the statement is: the
+//! probability is Φ(z), where Φ is the distribution function of the standard normal distribution.
 
 use palpate_statistics::{CERTAIN, NORMAL_95};
 
-/// Score of the statement that an estimate meets its limit. `margin` is the distance from the limit; it is negative if
-/// the estimate misses the limit. `std` is the standard error of the estimate, with `degrees` degrees of freedom.
+/// Score of the statement that an estimate meets its limit. `margin` is the distance of the estimate from the limit; it
+/// is negative if the estimate misses the limit. `std` is the standard error of the estimate, with `degrees` degrees of
+/// freedom.
 ///
 /// Wallace's approximation (1959) converts Student's t to the normal score with the same probability. Its error is at
 /// most 1 % for at least 5 degrees of freedom. If `std` is 0, the sign of the margin decides, and a margin of 0 meets
@@ -28,8 +29,8 @@ pub(crate) fn student(margin: f64, std: f64, degrees: f64) -> f64 {
     side * (shrunk * (degrees * grown).sqrt()).min(CERTAIN)
 }
 
-/// Score of the statement that the probability of an event is at most `limit`, which is in (0, 1). The event occurred
-/// in `count` of `of` independent trials. The score is the signed square root of the deviance, with a continuity
+/// Score of the statement that an event has at most the probability `limit`, which is in (0, 1). The event occurred in
+/// `count` of `of` independent trials. The score is the signed square root of the deviance, with a continuity
 /// correction of half a trial. Without trials, the score is 0.
 ///
 /// ```
@@ -55,8 +56,8 @@ pub fn share_at_most(count: u64, of: u64, limit: f64) -> f64 {
     side * (2.0 * all * deviance.max(0.0)).sqrt().min(CERTAIN)
 }
 
-/// Wilson's 95 % interval (1927) of the probability of an event that occurred in the share `share` of `of` independent
-/// trials; from 0 to 1 without trials.
+/// Wilson's 95 % interval (1927) of the probability of an event. The event occurred in the share `share` of `of`
+/// independent trials. Without trials, the interval is from 0 to 1.
 pub(crate) fn wilson(share: f64, of: f64) -> (f64, f64) {
     if !(of > 0.0 && share.is_finite()) {
         return (0.0, 1.0);
@@ -102,7 +103,8 @@ mod tests {
         assert_eq!(student(f64::NAN, 1.0, 31.0), 0.0);
     }
 
-    /// P(X ≤ count) of a binomial variable X with `of` trials of probability `share`, computed as a sum.
+    /// P(X ≤ count) for a binomial variable X, computed as a sum. X is the number of successes in `of` trials that
+    /// succeed with the probability `share`.
     fn binomial(count: u64, of: u64, share: f64) -> f64 {
         let (n, mut term, mut sum) = (of as f64, libm::pow(1.0 - share, of as f64), 0.0);
         for k in 0..=count {

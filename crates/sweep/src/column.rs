@@ -1,4 +1,4 @@
-//! Stores the observations of one quantity in the trials of a block until they are summed up.
+//! Stores the observations of one quantity until all trials of a block are complete and their sums are computed.
 
 use std::ops::Range;
 
@@ -13,7 +13,8 @@ pub(crate) const UNREPORTED: f64 = -1.0;
 
 /// Observations of one quantity, in the order of the trials.
 ///
-/// If a trial makes several observations, only their sums are stored after the trial has succeeded, to save memory.
+/// To save memory, the observations of a trial that made several of them are replaced by their sums when the trial has
+/// succeeded.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Column {
     estimates: Vec<f64>,
@@ -21,17 +22,18 @@ pub(crate) struct Column {
     truths: Vec<f64>,
     /// Standard deviations that the trials reported; [`UNREPORTED`] for an observation without a standard deviation.
     stds: Vec<f64>,
-    /// For each observation whose trial reports its own coverage: the index of the observation, and whether the trial's
-    /// 50, 80 and 95 % intervals contain the true value.
+    /// Coverage that trials report themselves: for each such observation, its index, and whether the trial's 50, 80 and
+    /// 95 % intervals contain the true value.
     verdicts: Vec<(usize, [bool; 3])>,
-    /// Number of observations that belong to successful trials. Later observations belong to the trial that is running.
+    /// Number of stored observations that belong to successful trials. The observations after these belong to the trial
+    /// that is running.
     kept: usize,
-    /// For each trial that made several observations: the sums of these observations, and the number of stored
-    /// observations before the trial.
+    /// For each trial that made several observations: the number of observations that are stored before this trial, and
+    /// the sums of the trial's observations.
     several: Vec<(usize, Sums)>,
     /// Histogram of the errors of the trials that made several observations.
     histogram: Histogram,
-    /// Buffer for the errors of the observations, which is reused.
+    /// Buffer for the errors of observations. It is reused, to avoid allocations.
     errors: Vec<f64>,
 }
 
@@ -59,7 +61,7 @@ impl Column {
         }
     }
 
-    /// Keeps the observations of the last trial, which has succeeded.
+    /// Marks the observations of the trial that is running as those of a successful trial.
     #[inline]
     pub(crate) fn keep(&mut self) {
         if self.estimates.len() > self.kept + 1 {
@@ -68,7 +70,7 @@ impl Column {
         self.keep_each();
     }
 
-    /// Keeps the observations of trials that made one observation each.
+    /// Marks all stored observations as those of successful trials, each of which made one observation.
     #[inline]
     pub(crate) fn keep_each(&mut self) {
         self.kept = self.estimates.len();
@@ -86,7 +88,7 @@ impl Column {
         self.forget();
     }
 
-    /// Drops the observations of the last trial.
+    /// Drops the observations of the trial that is running.
     pub(crate) fn forget(&mut self) {
         self.estimates.truncate(self.kept);
         self.truths.truncate(self.kept);
@@ -98,7 +100,7 @@ impl Column {
         {}
     }
 
-    /// Appends the observations of the next trials.
+    /// Appends the observations of later trials.
     pub(crate) fn append(&mut self, next: Self) {
         let before = self.estimates.len();
         self.estimates.extend(next.estimates);
@@ -114,7 +116,7 @@ impl Column {
         self.keep_each();
     }
 
-    /// Sums of all observations. Adds their errors to the histogram and empties the column.
+    /// Computes the sums of all observations, adds their errors to the histogram, and empties the column.
     pub(crate) fn sum_up(&mut self, histogram: &mut Histogram) -> Sums {
         let mut sums = Sums::default();
         let mut start = 0;
@@ -132,7 +134,7 @@ impl Column {
         sums
     }
 
-    /// Sums of the observations with indices in `places`, each of which is from a different trial. After the call,
+    /// Sums of the observations with indices in `places`, each of which must be from a different trial. Afterwards,
     /// `self.errors` contains the errors of these observations.
     fn sums(&mut self, places: Range<usize>) -> Sums {
         let observed = Observed {
@@ -152,12 +154,12 @@ impl Column {
         sums
     }
 
-    /// Number of stored observations, which are not yet part of the sums.
+    /// Number of stored observations, which are not yet included in the sums.
     pub(crate) fn len(&self) -> usize {
         self.estimates.len()
     }
 
-    /// The stored observations with these indices. Stored observations are not yet part of the sums.
+    /// The stored observations with these indices.
     pub(crate) fn observations(&self, places: Range<usize>) -> impl Iterator<Item = Observation> {
         places.map(|place| {
             let verdict = self

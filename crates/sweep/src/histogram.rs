@@ -7,17 +7,17 @@ use pulp::{Arch, Simd, WithSimd};
 const BIN_BITS: u32 = 7;
 /// Number of stored bits of a float's significand.
 const SIGNIFICAND_BITS: u32 = f64::MANTISSA_DIGITS - 1;
-/// Number of bins per octave, counting the bins of positive and of negative numbers.
+/// Number of bins per octave, for positive and negative numbers together.
 const PLACES: usize = 1 << (BIN_BITS + 1);
-/// Largest number of values for which the histogram lists the bin of each value. Such a list needs less time and memory
-/// than counts per bin.
+/// Largest number of values for which the histogram lists the bin of each value instead of counting the values per bin.
+/// For few values, the list needs less time and memory.
 const FEW: usize = 512;
 /// Number of values whose bins are computed together with vector instructions.
 const CHUNK: usize = 64;
 
 /// Bin of a number: its exponent, the first bits of its significand and, in the last bit, its sign.
 type Bin = u64;
-/// Counts of all bins in one octave. The index of a count is the last bits of its [`Bin`].
+/// Counts of the values in each bin of one octave. The index of a count consists of the last bits of its [`Bin`].
 type Page = [u64; PLACES];
 
 /// Counts of finite numbers in 128 bins per octave and sign.
@@ -26,11 +26,11 @@ type Page = [u64; PLACES];
 /// subnormal numbers (below 2.3e-308) have the representative 0.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Histogram {
-    /// Bin of each value. It is used while there are at most [`FEW`] values and no counts per bin.
+    /// The bin of each value, as long as there are at most [`FEW`] values and no counts per bin.
     few: Vec<Bin>,
-    /// Exponent bits of the first octave in `pages`.
+    /// Exponent bits of the octave that the first page counts.
     first: usize,
-    /// Counts of the bins, one page per octave, starting with the octave `first`; `None` for an octave without values.
+    /// Counts per bin, with one page for each octave from the octave `first` on; `None` for an octave without values.
     pages: Vec<Option<Box<Page>>>,
 }
 
@@ -67,14 +67,14 @@ impl Histogram {
         self.pages.is_empty()
     }
 
-    /// Converts the list of bins to counts per bin.
+    /// Replaces the list of bins by counts per bin.
     fn list_no_more(&mut self) {
         for bin in std::mem::take(&mut self.few) {
             self.count(bin);
         }
     }
 
-    /// Counts one number in the page of its octave.
+    /// Adds one number to the counts of its octave.
     #[inline(always)]
     fn count(&mut self, bin: Bin) {
         let octave = bin as usize / PLACES;
@@ -85,7 +85,7 @@ impl Histogram {
         page[bin as usize % PLACES] += 1;
     }
 
-    /// Page of an octave. It is created if it is missing.
+    /// Page with the counts of an octave. A missing page is created.
     #[cold]
     fn page(&mut self, octave: usize) -> &mut Page {
         if self.is_listed() {
@@ -101,7 +101,7 @@ impl Histogram {
         self.pages[place].get_or_insert_with(|| Box::new([0; PLACES]))
     }
 
-    /// Adds the counts of `other`. The addition is exact, so the order of merging does not matter.
+    /// Adds the counts of `other`. Counts are integers, so the order of merging does not matter.
     pub(crate) fn merge(&mut self, mut other: Self) {
         if self.is_listed() && self.few.is_empty() {
             *self = other;
@@ -121,9 +121,9 @@ impl Histogram {
         }
     }
 
-    /// Quantiles for probabilities p in [0, 1]. They are interpolated linearly at the position `p (n − 1)` between
-    /// order statistics; position 0 is the smallest of the n numbers. Each order statistic has an error of at most 0.4
-    /// %. `None` without numbers.
+    /// Quantiles for probabilities p from 0 to 1; `None` without numbers. A quantile is interpolated linearly at the
+    /// position `p (n − 1)` between the sorted numbers, where position 0 is the smallest of the n numbers. Each sorted
+    /// number has a relative error of at most 0.4 %.
     pub(crate) fn quantiles<const N: usize>(&self, probabilities: [f64; N]) -> Option<[f64; N]> {
         let ranked = Ranked::new(self);
         let most = ranked.count().checked_sub(1)?;
@@ -141,11 +141,11 @@ impl Histogram {
 struct Ranked<'a> {
     /// Representatives of the listed bins, in ascending order.
     few: Vec<f64>,
-    /// Halves of pages, in ascending order of their numbers. A half contains the counts of one sign.
+    /// Halves of pages, in ascending order of the numbers that they count. A half contains the counts of one sign.
     halves: Vec<Half<'a>>,
 }
 
-/// The numbers of one sign in one octave.
+/// The counts of one sign in one octave.
 struct Half<'a> {
     page: &'a Page,
     octave: usize,
@@ -210,7 +210,7 @@ impl<'a> Ranked<'a> {
     }
 }
 
-/// Arguments of a function that adds numbers to the counts per bin with vector instructions.
+/// Adds numbers to the counts per bin with vector instructions. The fields are the arguments of this function.
 struct Count<'a> {
     histogram: &'a mut Histogram,
     values: &'a [f64],
@@ -247,15 +247,14 @@ mod tests {
         histogram
     }
 
-    /// Histogram that counts the values per bin even if there are few values. Otherwise, a histogram of few values
-    /// lists the bin of each value.
+    /// A histogram that counts the values per bin, even if a list of their bins would suffice.
     fn in_pages(values: &[f64]) -> Histogram {
         let mut histogram = of(values);
         histogram.list_no_more();
         histogram
     }
 
-    /// Counts of all bins that are not empty.
+    /// Counts of all bins that contain a number.
     fn counts(histogram: &Histogram) -> BTreeMap<Bin, u64> {
         let mut counts = BTreeMap::new();
         for &bin in &histogram.few {
@@ -280,7 +279,7 @@ mod tests {
         left
     }
 
-    /// Exact quantile, with linear interpolation between order statistics.
+    /// Exact quantile of the values, with linear interpolation between the sorted values.
     fn exact_quantile(values: &[f64], p: f64) -> f64 {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);

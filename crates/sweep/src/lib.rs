@@ -1,9 +1,9 @@
-//! A deterministic parallel Monte Carlo runner: cells × trials.
+//! A deterministic parallel runner of Monte Carlo simulations. It runs several trials of each cell.
 //!
-//! A [`Cell`] is one setting of a study, that is, one grid point. Its [`Trial`] is a function of a trial number, which
-//! records an [`Observation`] of each quantity. The function is called with the numbers 0, 1, 2 and so on.
+//! A [`Cell`] is one grid point of a study, that is, one combination of the swept values. Its [`Trial`] is a function
+//! that records an [`Observation`] of each quantity. The function is called with the trial numbers 0, 1, 2 and so on.
 //! [`Runner::run`] repeats the trials of all cells and returns a [`Summary`] of every quantity in every cell. This
-//! crate does not depend on the computation in a trial.
+//! crate does not depend on the physics in a trial.
 //!
 //! Guarantees, for trials that depend only on their number:
 //!

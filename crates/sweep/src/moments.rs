@@ -1,26 +1,27 @@
-//! Mean and standard deviation of finite numbers of any magnitude. The moments of several parts can be merged.
+//! Moments, that is, the mean and the standard deviation of finite numbers of any magnitude. The moments of several
+//! parts can be merged.
 
 /// Count, mean and sum of squared deviations of some finite numbers.
 ///
 /// Deviations are measured from the first number. Otherwise a small scatter around a large mean would be lost by
 /// rounding. The remaining rounding error grows at most in proportion to the count. Very large or very small numbers
 /// are stored in units of a power of two, so that their squares neither overflow nor underflow. Parts are merged by the
-/// formula of Chan, Golub and LeVeque (1983); the order of merging changes the last bits.
+/// formula of Chan, Golub and LeVeque (1983). A different order of merging changes the last bits of the result.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Moments {
     count: u64,
-    /// Exponent of the unit 2^exponent in which the fields below are stored.
+    /// The fields below are stored in the unit 2^exponent.
     exponent: i32,
-    /// First of the summarised numbers. The field `mean` is relative to this number.
+    /// The first of the summarised numbers. The other fields describe differences from this number.
     origin: f64,
     /// Mean of the differences from `origin`.
     mean: f64,
-    /// Sum of the squared differences from the mean.
+    /// Sum of the squared deviations from the mean.
     squares: f64,
 }
 
 impl Moments {
-    /// Moments of finite `values`; all zero without values.
+    /// Moments of finite `values`; all fields are zero if there are none.
     pub(crate) fn of(values: &[f64]) -> Self {
         let Some(&first) = values.first() else {
             return Self::default();
@@ -41,8 +42,9 @@ impl Moments {
         Self::of(&[value])
     }
 
-    /// Moments of finite `values`. `sums` contains the sum of the deviations from the first value, and the sum of the
-    /// squared deviations. The function uses these sums unless the values are so large or small that they need scaling.
+    /// Moments of finite `values`. `sums` contains two sums over the values: the sum of the differences from the first
+    /// value, and the sum of the squares of these differences. Both are computed again if the values are so large or so
+    /// small that they need scaling.
     pub(crate) fn with_sums(values: &[f64], sums: [f64; 2]) -> Self {
         match values.first() {
             Some(&first) if is_ordinary(sums[1]) => {
@@ -63,8 +65,7 @@ impl Moments {
         }
     }
 
-    /// Converts the moments of some numbers to the moments of their absolute values. `mean` is the mean of the absolute
-    /// values.
+    /// Moments of the absolute values of the summarised numbers. `mean` is the mean of the absolute values.
     pub(crate) fn of_magnitudes(&self, mean: f64) -> Self {
         let (signed, mean) = (self.origin + self.mean, mean * power_of_two(-self.exponent));
         let excess = (signed - mean) * (signed + mean) * self.count as f64;
@@ -76,7 +77,7 @@ impl Moments {
         }
     }
 
-    /// Adds the numbers of `other`, which come after the numbers that are already included.
+    /// Adds the numbers of `other`, which follow the numbers that are already included.
     pub(crate) fn merge(&mut self, other: &Self) {
         if other.count == 0 {
             return;
@@ -98,7 +99,7 @@ impl Moments {
         self.count = count;
     }
 
-    /// Changes the unit to 2^exponent, which must be at least the current unit.
+    /// Changes the unit to 2^exponent, which must not be smaller than the current unit.
     fn rescale(&mut self, exponent: i32) {
         let factor = power_of_two(self.exponent - exponent);
         self.exponent = exponent;
@@ -142,14 +143,14 @@ impl Moments {
 
 /// Number of partial sums that are computed independently, so that the compiler can use vector instructions.
 pub(crate) const LANES: usize = 8;
-/// Limit of the exponents of units. For exponents within ±1000, the units are normal floats, and no square of a scaled
-/// number overflows or underflows.
+/// Largest absolute exponent of a unit. Up to this limit, units are normal floats, and no square of a scaled number
+/// overflows or underflows.
 const MAX_EXPONENT: i32 = 1000;
-/// Numbers from 2^−200 to 2^200 need no scaling. Their fourth powers, and sums of up to 2^60 fourth powers, are normal
-/// floats.
+/// Numbers with absolute values from 2^−200 to 2^200 need no scaling. Their fourth powers are normal floats, and so are
+/// sums of up to 2^60 of these.
 const ORDINARY: i32 = 200;
 
-/// Sum of a term over all values, computed in a fixed order.
+/// Sum of the function `term` over all values, computed in a fixed order.
 pub(crate) fn sum(values: &[f64], term: impl Fn(f64) -> f64) -> f64 {
     let mut lanes = [0.0; LANES];
     for chunk in values.chunks(LANES) {
@@ -165,7 +166,8 @@ pub(crate) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| most.max(value.abs()))
 }
 
-/// Exponent of the unit 2^exponent for numbers up to `largest`. It is 0 if `largest` is from 2^−200 to 2^200.
+/// Exponent of the unit 2^exponent in which numbers up to `largest` are stored. It is 0 if `largest` is from 2^−200 to
+/// 2^200.
 pub(crate) fn exponent(largest: f64) -> i32 {
     let biased = (largest.abs().to_bits() >> 52) as i32;
     match biased - 1023 {
@@ -174,12 +176,12 @@ pub(crate) fn exponent(largest: f64) -> i32 {
     }
 }
 
-/// Whether a sum of squares is so far from overflow and underflow that the squared numbers need no scaling.
+/// Whether a sum of squares is so far from the limits of floats that the numbers need no scaling.
 pub(crate) fn is_ordinary(squares: f64) -> bool {
     (1e-200..1e200).contains(&squares)
 }
 
-/// 2^exponent, for exponents up to 1023. If the result would be subnormal, it is 0.
+/// 2^exponent, for exponents up to 1023. A result that would be subnormal is replaced by 0.
 pub(crate) fn power_of_two(exponent: i32) -> f64 {
     f64::from_bits(((exponent + 1023).max(0) as u64) << 52)
 }

@@ -1,4 +1,5 @@
-//! Probability that the estimates of two experiments, or their means over several trials, are in the right order.
+//! Estimates the probability that the results of two experiments are in the right order. The results are estimates of
+//! single trials, or means over several trials.
 
 use std::ops::Range;
 
@@ -13,11 +14,11 @@ use crate::runner::Runner;
 use crate::summary::NOT_FINITE;
 use crate::trial_record::{Record, TrialObservations};
 
-/// Mean estimate and mean true value of a quantity over the observations of one trial. If the trial failed, the kind of
-/// failure.
+/// Mean estimate and mean true value of a quantity in one trial, over all observations of the trial. For a failed
+/// trial, the kind of failure.
 pub type TrialMeans = Result<(f64, f64), &'static str>;
 
-/// A probability with its 95 % interval.
+/// An estimated probability, with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Order {
     /// Estimate of the probability.
@@ -28,31 +29,31 @@ pub struct Order {
     pub high: f64,
 }
 
-/// Number of trials to average so that the means are in the right order with the required probability.
+/// Number of trials whose means are in the right order with the required probability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Repeats {
     /// The number of trials, estimated from groups of trials.
     Found(u64),
-    /// The approximate number of trials. It is computed as if the means were normally distributed, because there are
-    /// too few trials to form groups of this size.
+    /// An approximate number of trials. There are too few trials to form groups of this size, so it is computed as if
+    /// the means were normally distributed.
     About(u64),
-    /// No number of trials is enough: the means are in the wrong order, or all estimates are equal.
+    /// No number of trials is enough, because the means are in the wrong order, or because all estimates are equal.
     Never,
-    /// More trials would be needed to estimate the number.
+    /// The number cannot be estimated from so few trials.
     Unknown,
 }
 
 /// Smallest number of groups of trials from which a probability is estimated.
 const GROUPS: usize = 256;
-/// Number of uncertain trials (see [`interval`]) at which the number of independent trials is half-way between its
-/// minimum and the number that the estimated variance gives.
+/// If this number of trials is uncertain (see [`interval`]), the interval uses the mean of two numbers of independent
+/// trials: the smallest possible number, and the number that follows from the estimated variance.
 const HALF_WEIGHT: f64 = 20.0;
-/// Largest number of trials that is returned as an answer; a larger number is reported as unknown.
+/// Largest number of trials that is returned. A larger number is reported as unknown.
 const MOST_REPEATS: f64 = 1e9;
 
 impl Runner {
-    /// Runs trials of an experiment, and returns the mean of a quantity in each trial. An experiment that is not random
-    /// is run once.
+    /// Runs the trials `numbers` of an experiment, and returns the mean of a quantity in each trial. If the experiment
+    /// is not random, only one trial is run.
     ///
     /// ```
     /// use palpate_sweep::{Observation, Record, RunOptions, Runner, Trial, in_order};
@@ -114,8 +115,8 @@ fn mean(trial: &TrialObservations<'_>, quantity: usize) -> TrialMeans {
 /// Probability that an estimate of experiment `low` is below an estimate of experiment `high`, over all pairs of
 /// trials. The two experiments must have drawn different random numbers. A pair with equal estimates counts as half, so
 /// that experiments that cannot be distinguished have a probability of one half. A pair with a failed trial counts as
-/// not in order. With `limit`, the result is instead the probability that both estimates are above `limit`, for example
-/// that both experiments classify more than half of the places correctly.
+/// not in order. If `limit` is given, the result is another probability: that both estimates are above `limit`. For
+/// example, it is the probability that both experiments classify more than half of the places correctly.
 ///
 /// The probability is Mann and Whitney's statistic, and its variance is computed by the formula of Sen (1960). The
 /// interval is Wilson's interval for the number of independent trials that would have the same variance.
@@ -130,9 +131,8 @@ fn order_of(one: &[Option<f64>], other: &[Option<f64>], limit: Option<f64>) -> O
     }
 }
 
-/// Number of trials of each experiment that must be averaged so that the two means are in the right order with the
-/// probability `confidence`. With `limit`, both means must be above `limit` instead. Failed trials are left out of the
-/// means.
+/// Number of trials of each experiment whose means are in the right order with the probability `confidence`. If `limit`
+/// is given, both means must be above this limit instead. Failed trials are left out of the means.
 pub fn repeats(
     one: &[TrialMeans],
     other: &[TrialMeans],
@@ -168,8 +168,8 @@ pub fn repeats(
     beyond(&one, &other, limit, confidence, most)
 }
 
-/// Number of trials to average, if there are too few groups of trials to estimate this number directly. It is computed
-/// for normally distributed means.
+/// Number of trials to average, for the case that there are too few trials to form groups of this size. It is computed
+/// as if the means were normally distributed.
 fn beyond(
     one: &[Option<f64>],
     other: &[Option<f64>],
@@ -219,7 +219,7 @@ fn beyond(
     }
 }
 
-/// Distribution of the estimates of the successful trials.
+/// Mean and scatter of the estimates of an experiment's successful trials.
 #[derive(Clone, Copy)]
 struct Spread {
     mean: f64,
@@ -251,7 +251,7 @@ fn estimates(means: &[TrialMeans]) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// Means of groups of `each` consecutive trials. Failed trials are left out of the means.
+/// Mean estimate of each group of `each` consecutive trials. Failed trials are left out of the means.
 fn means(values: &[Option<f64>], each: usize) -> Vec<Option<f64>> {
     // An experiment that is not random has only one trial, which is also the mean of any group.
     if each == 1 || values.len() == 1 {
@@ -269,7 +269,7 @@ fn means(values: &[Option<f64>], each: usize) -> Vec<Option<f64>> {
     values.chunks_exact(each).map(mean).collect()
 }
 
-/// Estimates of the successful trials, ascending.
+/// Estimates of the successful trials, in ascending order.
 fn sorted(values: &[Option<f64>]) -> Vec<f64> {
     let mut sorted: Vec<f64> = values.iter().flatten().copied().collect();
     sorted.sort_unstable_by(f64::total_cmp);
@@ -330,8 +330,8 @@ fn above(one: &[Option<f64>], other: &[Option<f64>], limit: f64) -> Order {
     )
 }
 
-/// Mean of some numbers, and the variance of this mean. The variance is 0 for a single number, because a single number
-/// comes from an experiment that is not random.
+/// Mean of some numbers, and the variance of this mean. For a single number, the variance is 0, because an experiment
+/// with a single trial is not random.
 fn mean_and_variance(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> (f64, f64) {
     let count = numbers.len() as f64;
     let mean = numbers.clone().sum::<f64>() / count;
@@ -345,9 +345,9 @@ fn mean_and_variance(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> (f6
 }
 
 /// Computes the 95 % interval of a probability from its variance and from the numbers of trials of the two experiments.
-/// Each trial is paired with all trials of the other experiment. `uncertain` is the smaller of two numbers: the number
-/// of trials with at least one pair in the wrong order, and the number of trials with at least one pair in the right
-/// order. If it is small, the variance is inaccurate.
+/// Every trial of one experiment forms a pair with every trial of the other. `uncertain` is the smaller of two numbers:
+/// the number of trials with a pair in the wrong order, and the number of trials with a pair in the right order. If
+/// `uncertain` is small, the variance is inaccurate.
 fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [usize; 2]) -> Order {
     let order = |probability: f64, (low, high): (f64, f64)| Order {
         probability,

@@ -1,4 +1,4 @@
-//! Statistics of some consecutive trials of a cell.
+//! Statistics of a part of a cell's trials: some consecutive trials.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,19 +11,17 @@ use crate::summary::{Failure, Failures};
 use crate::sums::Sums;
 use crate::trial_record::{Record, TrialObservations};
 
-/// Sums of the observations of one quantity over blocks of trials. All statistics of the quantity are computed from
-/// these sums.
+/// Sums over the observations of one quantity. All statistics of the quantity are computed from these sums.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Accumulator {
     /// Histogram of the errors. It can be merged in any order without rounding errors.
     histogram: Histogram,
-    /// Sums of the blocks, in the order of the trials. [`Self::fold`] merges the sums of all blocks into the first
-    /// entry.
+    /// Sums of each block, in the order of the blocks. [`Self::fold`] merges all of them into the first entry.
     blocks: Vec<Sums>,
 }
 
 impl Accumulator {
-    /// Adds the observations of the next block and empties `column`.
+    /// Adds the observations in `column`, which are those of the next block, and empties `column`.
     pub(crate) fn add(&mut self, column: &mut Column) {
         self.blocks.push(column.sum_up(&mut self.histogram));
     }
@@ -36,7 +34,7 @@ impl Accumulator {
         }
     }
 
-    /// Appends the next blocks and merges the sums of all blocks.
+    /// Appends later blocks, and merges the sums of all blocks.
     fn merge(&mut self, next: Self) {
         self.histogram.merge(next.histogram);
         self.blocks.extend(next.blocks);
@@ -58,7 +56,7 @@ impl Accumulator {
     }
 }
 
-/// Statistics of a cell's trials so far: consecutive blocks of trials, with one accumulator per quantity.
+/// Statistics of consecutive blocks of a cell's trials, with one accumulator per quantity.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Partial {
     pub(crate) trials: u64,
@@ -66,7 +64,7 @@ pub(crate) struct Partial {
     pub(crate) quantities: Vec<Accumulator>,
 }
 
-/// Function that is called with the number of each trial and with its observations or the kind of its failure.
+/// Function that receives the number of each trial, and its observations or the kind of its failure.
 pub(crate) type TrialReader<'a> = dyn FnMut(u64, Result<&TrialObservations<'_>, &'static str>) + 'a;
 
 impl Partial {
@@ -77,7 +75,7 @@ impl Partial {
         }
     }
 
-    /// Runs the next block, or a part of it if the run is cancelled.
+    /// Runs the trials of the next block. If the run is cancelled, the remaining trials are skipped.
     #[inline(never)] // This function is not inlined, because instructions are counted by its name.
     pub(crate) fn run_block(
         &mut self,
@@ -104,7 +102,7 @@ impl Partial {
         self.quantities.iter_mut().for_each(Accumulator::fold);
     }
 
-    /// Appends the next blocks and merges the sums of all blocks.
+    /// Appends later blocks, and merges the sums of all blocks.
     pub(crate) fn merge(&mut self, next: Self) {
         self.trials += next.trials;
         self.failures.merge(next.failures);
@@ -127,7 +125,8 @@ impl Partial {
     }
 }
 
-/// Observations of some consecutive trials of a block. They are summed up when the block is complete.
+/// Observations of some consecutive trials within a block. Their sums are computed when all trials of the block are
+/// there, so that the result does not depend on the division into slices.
 #[derive(Debug, Default)]
 pub(crate) struct Slice {
     trials: u64,
@@ -151,7 +150,7 @@ impl Slice {
         }
     }
 
-    /// Appends the following trials of the block.
+    /// Appends later trials of the same block.
     pub(crate) fn append(&mut self, next: Self) {
         self.trials += next.trials;
         self.failures.merge(next.failures);
@@ -162,8 +161,8 @@ impl Slice {
         }
     }
 
-    /// Adds this slice as a complete block to `partial`, the statistics of the cell. The slice must contain all trials
-    /// of the block.
+    /// Adds this slice as a block to `partial`, the statistics of the cell. The slice must contain all trials of the
+    /// block.
     pub(crate) fn end(mut self, partial: &mut Partial) {
         partial.trials += self.trials;
         partial.failures.merge(self.failures);

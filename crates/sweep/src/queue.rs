@@ -1,4 +1,4 @@
-//! Queue of the trials that the threads run. The queue hands tasks out in their order.
+//! Queue of trials that the worker threads run. The queue hands out the tasks in their order.
 
 use std::ops::Range;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -7,24 +7,23 @@ use std::time::Duration;
 use crate::cell::BLOCK;
 use crate::cell::Task;
 
-/// Intended time for the trials of a job. This time is long compared with the overhead of the queue and short compared
-/// with a whole run.
+/// Intended run time of a job. It is long compared with the overhead of the queue, and short compared with a whole run.
 pub const JOB: Duration = Duration::from_millis(4);
 /// Largest number of blocks in a job.
 const MAX_BLOCKS: u64 = 64;
-/// Number of jobs by which fast threads may be ahead of the slowest thread. This number limits how many results wait in
-/// memory until earlier results are complete.
+/// Largest number of jobs that may be handed out before the results of the slowest job are passed on. This limits how
+/// many results wait in memory for earlier results.
 const AHEAD: u64 = 512;
-/// Number of jobs by which fast threads may be ahead, for cells that a rule may end early.
+/// The same limit while the trials of a cell are handed out that a rule may end early.
 const AHEAD_WITH_RULE: u64 = 128;
 
-/// Experiment of a cell, or the error if it cannot be set up. The first thread that needs the experiment sets it up,
-/// and the last user drops it.
+/// The experiment of a cell, or the error with which its set-up failed. The first thread that needs the experiment sets
+/// it up. The memory is freed when no thread needs it any more.
 pub(crate) type Experiment<T, E> = OnceLock<Result<T, Mutex<Option<E>>>>;
 
-/// Work that a thread fetches from the queue.
+/// Work for a thread: one or several pieces of tasks.
 pub(crate) struct Job<T, E> {
-    /// Number of the job, from 0.
+    /// Number of the job, counted from 0.
     pub(crate) number: u64,
     pub(crate) pieces: Vec<Piece<T, E>>,
 }
@@ -45,7 +44,7 @@ impl<T, E> Piece<T, E> {
     }
 }
 
-/// Queue that hands out the trials of the tasks to the threads.
+/// Queue that hands out the trials of all tasks to the threads.
 pub(crate) struct Queue<T, E, F> {
     tasks: u64,
     task: F,
@@ -53,22 +52,22 @@ pub(crate) struct Queue<T, E, F> {
     changed: Condvar,
 }
 
-/// Task whose trials are being handed out, the number of its next trial, and the experiment of its cell.
+/// The task that is being handed out, the number of its next trial, and the experiment of its cell.
 type OpenTask<T, E> = (Task, u64, Arc<Experiment<T, E>>);
 
 struct State<T, E> {
     open: Option<OpenTask<T, E>>,
-    /// Index of the task that is being handed out, or of the next task.
+    /// Index of the task that is being handed out. If there is no such task, the index of the next one.
     next: u64,
-    /// Two numbers of jobs: the jobs that were handed out, and the jobs whose results were passed on.
+    /// Number of jobs that were handed out, and number of jobs whose results were passed on.
     jobs: [u64; 2],
     is_stopped: bool,
-    /// Time per trial in the job that was finished last, s; `None` before the end of the first job, or without a clock.
+    /// Time per trial in the last finished job, s. `None` before the first job is finished, and without a clock.
     trial_s: Option<f64>,
 }
 
 impl<T, E> State<T, E> {
-    /// Number of jobs by which fast threads may be ahead of the slowest thread.
+    /// Largest number of jobs that may be handed out before the results of the slowest job are passed on.
     fn max_ahead(&self) -> u64 {
         let has_rule = self.open.as_ref().is_some_and(|(task, ..)| task.may_stop);
         if has_rule { AHEAD_WITH_RULE } else { AHEAD }
@@ -76,7 +75,7 @@ impl<T, E> State<T, E> {
 }
 
 impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
-    /// A queue of `tasks` tasks. The function `task` returns the task with a given index.
+    /// A queue of `tasks` tasks. The function `task` returns the task with the given index.
     pub(crate) fn new(tasks: u64, task: F) -> Self {
         Self {
             tasks,
@@ -92,8 +91,8 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         }
     }
 
-    /// The next job; `None` if no trials are left. With `has_clock`, the size of a job is chosen from the measured time
-    /// per trial.
+    /// The next job; `None` if no trials are left, or if the queue was stopped. The function waits if too many results
+    /// are missing. With `has_clock`, the size of a job follows from the measured time per trial.
     pub(crate) fn job(&self, has_clock: bool) -> Option<Job<T, E>> {
         let mut state = self.state();
         while !state.is_stopped && state.jobs[0] >= state.jobs[1] + state.max_ahead() {
@@ -123,7 +122,8 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         (!pieces.is_empty()).then_some(Job { number, pieces })
     }
 
-    /// The next trials of a task that fit into the remaining time. The first piece of a job may take longer.
+    /// The next piece of a job: as many trials of a task as fit into the remaining time. The first piece of a job may
+    /// take longer.
     fn piece(
         &self,
         state: &mut State<T, E>,
@@ -187,7 +187,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         })
     }
 
-    /// Stores the time per trial, computed from the time of a job.
+    /// Stores the time per trial: the time of a job, divided by the number of its trials.
     pub(crate) fn set_time(&self, trials: u64, time: Duration) {
         if trials > 0 {
             let trial_s = time.as_secs_f64() / trials as f64;
@@ -207,7 +207,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         self.changed.notify_all();
     }
 
-    /// Locks the state. If another thread panicked, the state is still valid, because every change of the state is a
+    /// Locks the state of the queue. The state is valid even if another thread panicked, because every change is a
     /// single step.
     fn state(&self) -> MutexGuard<'_, State<T, E>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)

@@ -1,4 +1,4 @@
-//! Worker threads, and functions that run cells on them.
+//! Runs cells on worker threads.
 
 use std::convert::Infallible;
 use std::error::Error as _;
@@ -15,8 +15,8 @@ use crate::cell::{Cell, Task, Trial};
 use crate::stream::{Sweep, SweepOutput};
 use crate::summary::CellStatistics;
 
-/// Returns the time since a computation began. The returned time must increase, because a measurement only ends after
-/// some time.
+/// Function that returns the time since a computation began. This time must increase with each call, because a
+/// measurement ends only after a certain time.
 pub type Clock<'a> = dyn Fn() -> Duration + 'a;
 
 /// Settings of a run. They do not change its results.
@@ -24,8 +24,8 @@ pub type Clock<'a> = dyn Fn() -> Duration + 'a;
 pub struct RunOptions {
     /// Number of worker threads; by default one per processor.
     pub threads: Option<NonZeroUsize>,
-    /// Whether threads run only whole blocks of trials. If so, no clock is read, and the distribution of the trials
-    /// over the threads depends only on the number of threads.
+    /// Whether a thread always runs whole blocks of trials. Then no clock is read, and the distribution of the trials
+    /// among the threads depends only on the number of threads.
     pub whole_blocks: bool,
 }
 
@@ -37,7 +37,7 @@ pub struct NoThreads {
     source: rayon::ThreadPoolBuildError,
 }
 
-/// Reason why a sweep stopped before its end. `E` is the type of the error that occurs if a cell cannot be set up.
+/// Reason why a sweep ended early. `E` is the type of error if a cell cannot be set up.
 #[derive(Debug, Error)]
 pub enum SweepError<E> {
     /// The operating system could not start the threads.
@@ -54,7 +54,7 @@ pub enum SweepError<E> {
 /// Worker threads. They can be used for any number of runs, one after another.
 #[derive(Debug)]
 pub struct Runner {
-    /// The thread pool; `None` on a platform without threads, where the calling thread does the work.
+    /// The thread pool. `None` on a platform without threads; the calling thread then does the work.
     pool: Option<rayon::ThreadPool>,
     whole_blocks: bool,
 }
@@ -81,7 +81,7 @@ impl Runner {
     }
 
     /// Runs all trials of all cells, and returns the statistics of each cell, in the order of the cells. After each
-    /// block, the thread that has run it calls `progress` with the number of trials in the block.
+    /// block of trials, its thread calls `progress` with the number of trials in the block.
     ///
     /// # Panics
     /// Panics if a trial or `progress` panics.
@@ -106,8 +106,8 @@ impl Runner {
         NonZeroUsize::new(threads).unwrap_or(NonZeroUsize::MIN)
     }
 
-    /// Calls `check` on the worker threads with each number below `count`. If some calls fail, returns the error of the
-    /// call with the smallest number.
+    /// Calls `check` on the worker threads with all numbers below `count`. If some calls fail, the error of the call
+    /// with the smallest number is returned.
     ///
     /// ```
     /// use palpate_sweep::{RunOptions, Runner};
@@ -131,7 +131,7 @@ impl Runner {
         error.map_or(Ok(()), Err)
     }
 
-    /// Calls `of` on the worker threads with each number below `count`. Returns the results in the order of the
+    /// Calls `of` on the worker threads with all numbers below `count`. Returns the results in the order of the
     /// numbers.
     ///
     /// ```
@@ -146,7 +146,8 @@ impl Runner {
         self.install(|| all().map(&of).collect())
     }
 
-    /// Whether time may be measured. A platform without threads may not have a clock.
+    /// Whether the time may be measured. It may not if threads must run whole blocks, or if the platform has no threads
+    /// and perhaps no clock.
     pub(crate) fn has_clock(&self) -> bool {
         self.pool.is_some() && !self.whole_blocks
     }
@@ -170,7 +171,7 @@ impl Runner {
     }
 }
 
-/// Cells that are already set up, as a [`Sweep`].
+/// Cells that are already set up, in the form of a [`Sweep`].
 struct Cells<'a>(&'a [Cell<'a>]);
 
 impl<'a> Sweep for Cells<'a> {
@@ -201,8 +202,8 @@ impl<'a> Sweep for Cells<'a> {
     }
 }
 
-/// Whether the error means that the platform has no threads. Otherwise, the operating system could not start another
-/// thread.
+/// Whether the error means that the platform has no threads at all. Otherwise, the operating system could not start one
+/// more thread.
 fn has_no_threads(error: &rayon::ThreadPoolBuildError) -> bool {
     let cause = error
         .source()

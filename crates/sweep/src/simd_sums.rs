@@ -1,7 +1,7 @@
-//! Sums over the observations of a quantity, with the widest vector instructions of the processor.
+//! Sums over the observations of a quantity. They are computed with the widest vector instructions of the processor.
 //!
-//! On every processor, a sum is computed from the same [`LANES`] partial sums. Therefore the result is the same to the
-//! last bit for any width of the vectors.
+//! On every processor, a sum is computed from the same [`LANES`] partial sums. Therefore, vectors of any width give the
+//! same result to the last bit.
 
 use palpate_statistics::HALF_WIDTHS;
 use pulp::{Arch, Simd, WithSimd, bytemuck};
@@ -9,9 +9,9 @@ use pulp::{Arch, Simd, WithSimd, bytemuck};
 use crate::column::UNREPORTED;
 use crate::moments::LANES;
 
-/// Whether all observations are valid: the errors of the estimates are finite, and the standard deviations are finite
-/// and at least 0. If the sum of valid numbers overflows, the result is `false`; the caller must then check each
-/// observation.
+/// Whether all observations are valid, that is, whether the errors of the estimates are finite, and the standard
+/// deviations are finite and at least 0. If valid numbers are so large that their sum overflows, the result is `false`.
+/// The caller must then check each observation.
 pub(crate) fn are_sound(estimates: &[f64], truth: f64, stds: &[f64]) -> bool {
     Arch::new().dispatch(AreSound {
         estimates,
@@ -50,8 +50,8 @@ impl WithSimd for AreSound<'_> {
     }
 }
 
-/// Observations of one quantity in some trials. All three slices have the same length; a missing standard deviation is
-/// [`UNREPORTED`].
+/// Observations of one quantity in some trials. All three slices have the same length. A standard deviation that was
+/// not reported is [`UNREPORTED`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Observed<'a> {
     pub(crate) estimates: &'a [f64],
@@ -59,31 +59,33 @@ pub(crate) struct Observed<'a> {
     pub(crate) stds: &'a [f64],
 }
 
-/// Sums over observations. Numbers near the limits of the floating-point range make the sums of squares invalid.
+/// Sums over observations. If numbers are close to the largest or smallest floats, the sums of squares are invalid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Totals {
     /// Smallest and largest true value.
     pub(crate) truths: [f64; 2],
     /// Smallest and largest error.
     pub(crate) errors: [f64; 2],
-    /// Sum over the observations of the difference (estimate − first estimate), and sum of the squares of this
-    /// difference.
+    /// Sum over the observations of the difference (estimate − first estimate), and sum of the squares of these
+    /// differences.
     pub(crate) of_estimates: [f64; 2],
-    /// Sum over the observations of the difference (error − first error), and sum of the squares of this difference.
+    /// Sum over the observations of the difference (error − first error), and sum of the squares of these differences.
     pub(crate) of_errors: [f64; 2],
-    /// Sum of (|error| − |first error|).
+    /// Sum over the observations of the difference (|error| − |first error|).
     pub(crate) of_magnitudes: f64,
-    /// Number of standard deviations that were reported. The next field is their sum.
+    /// Sum over the observations of the difference (error² − first error²), and sum of the squares of these
+    /// differences.
     pub(crate) of_squares: [f64; 2],
-    /// Number of standard deviations that were reported, and their sum.
+    /// Number of reported standard deviations. The next field is their sum.
     pub(crate) reported: u64,
     pub(crate) stds: f64,
-    /// Number of errors within the 50, 80 and 95 % intervals.
+    /// Number of observations whose 50, 80 and 95 % intervals contain the true value.
     pub(crate) covered: [u64; 3],
 }
 
 impl Totals {
-    /// Sums over the observations; `None` without observations. The errors of the observations are written to `errors`.
+    /// Computes the sums over the observations; `None` without observations. The errors of the observations are written
+    /// to `errors`.
     pub(crate) fn of(observed: Observed<'_>, errors: &mut Vec<f64>) -> Option<Self> {
         errors.resize(observed.estimates.len(), 0.0);
         let first = [*observed.estimates.first()?, *observed.truths.first()?];
@@ -102,7 +104,7 @@ pub(crate) fn is_covered(error: f64, std: f64) -> [bool; 3] {
 
 struct TotalsOf<'a> {
     observed: Observed<'a>,
-    /// First estimate, and first true value.
+    /// The first estimate, and the first true value.
     first: [f64; 2],
     errors: &'a mut [f64],
 }
@@ -110,19 +112,20 @@ struct TotalsOf<'a> {
 /// Number of different sums in [`Parts`].
 const SUMS: usize = 12;
 
-/// Partial sums of [`Totals`]. The methods are always inlined, because each vector instruction would otherwise be a
-/// function call.
+/// Partial sums from which [`Totals`] are computed. All methods must be inlined, because each vector instruction would
+/// otherwise be a function call.
 struct Parts<S: Simd> {
     simd: S,
-    /// First estimate, first error, and the absolute value and the square of the first error.
+    /// Numbers that the sums subtract, repeated in all lanes: the first estimate, the first error, and the absolute
+    /// value and the square of the first error.
     estimate: S::f64s,
     error: S::f64s,
     size: S::f64s,
     square: S::f64s,
     half_widths: [S::f64s; 3],
     sums: [[S::f64s; LANES]; SUMS],
-    /// Smallest values so far: the first entry is for the true values, the second for the errors. The next field
-    /// contains the largest values.
+    /// Smallest values so far, first of the true values and then of the errors. The next field contains the largest
+    /// values.
     low: [[S::f64s; LANES]; 2],
     high: [[S::f64s; LANES]; 2],
 }

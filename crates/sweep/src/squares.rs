@@ -1,9 +1,9 @@
-//! Sums of the squared errors of each trial. The standard error of an rms error is computed from them.
+//! Sums of the squared errors of each trial, from which the standard error of an rms error is computed.
 
 use crate::moments::{exponent, is_ordinary, largest, power_of_two, sum};
 
-/// Mean and scatter over the trials of two numbers: a trial's number of observations, and the sum of its squared
-/// errors.
+/// Mean and scatter, over the trials, of two numbers of each trial: its number of observations, and the sum of its
+/// squared errors.
 ///
 /// The observations of one trial are not independent, so the standard error of a mean square is computed from the
 /// scatter between trials. If the fourth powers of errors would overflow or underflow, errors are stored in units of a
@@ -18,15 +18,15 @@ pub(crate) struct TrialSquares {
     square: f64,
     /// Mean over the trials of the number of observations.
     count: f64,
-    /// Sums over the trials of the products of the deviations of these two numbers from their means.
+    /// Sums over the trials of products. The factors are the deviations of a trial's two numbers from their means.
     square_square: f64,
     square_count: f64,
     count_count: f64,
 }
 
 impl TrialSquares {
-    /// Squared errors of observations that are each from a different trial. The errors must be finite. `plain` contains
-    /// the sum of (error² − first error²) over the observations, and the sum of the squares of these differences.
+    /// Sums for observations that are each from a different trial. The errors must be finite. `plain` contains two sums
+    /// over the observations: the sum of (error² − first error²), and the sum of the squares of these differences.
     pub(crate) fn of_each(errors: &[f64], plain: [f64; 2]) -> Self {
         let Some(&first) = errors.first() else {
             return Self::default();
@@ -56,7 +56,7 @@ impl TrialSquares {
         }
     }
 
-    /// Squared errors of one trial with `count` observations and the root mean square error `rms`.
+    /// Sums for a single trial with `count` observations and the root mean square error `rms`.
     pub(crate) fn of_trial(count: u64, rms: f64) -> Self {
         let exponent = exponent(rms);
         let rms = rms * power_of_two(-exponent);
@@ -70,7 +70,7 @@ impl TrialSquares {
         }
     }
 
-    /// Adds the trials of `other`, which come after the trials that are already included.
+    /// Adds the trials of `other`, which follow the trials that are already included.
     pub(crate) fn merge(&mut self, other: &Self) {
         if other.trials == 0 {
             return;
@@ -96,7 +96,7 @@ impl TrialSquares {
         self.trials = trials;
     }
 
-    /// Changes the unit to 2^exponent, which must be at least the current unit.
+    /// Changes the unit to 2^exponent, which must not be smaller than the current unit.
     fn rescale(&mut self, exponent: i32) {
         let factor = power_of_two(self.exponent - exponent);
         let squared = factor * factor;
@@ -106,8 +106,8 @@ impl TrialSquares {
         self.square_count *= squared;
     }
 
-    /// Standard error of the rms error, to first order. It is computed like the standard error of a ratio of two means.
-    /// `None` for fewer than two trials.
+    /// Standard error of the rms error, to first order; `None` for fewer than two trials. The mean square error is a
+    /// ratio of two means over the trials, so the formula for the standard error of a ratio is used.
     pub(crate) fn std_of_rms(&self) -> Option<f64> {
         let freedom = self.trials.checked_sub(1).filter(|&freedom| freedom > 0)?;
         let mean_square = self.square / self.count;

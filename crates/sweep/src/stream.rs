@@ -1,4 +1,4 @@
-//! Sweeps that return results in the order of their tasks while later tasks are still running.
+//! Runs sweeps whose results are passed on in the order of their tasks, while later tasks are still running.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -13,7 +13,7 @@ use crate::runner::{Runner, SweepError};
 use crate::summary::CellStatistics;
 use crate::trial_record::{Record, TrialObservations};
 
-/// The tasks of a sweep, the experiments of their cells, and the results of the tasks.
+/// A sweep: its tasks, the experiments of their cells, and the results of the tasks.
 pub trait Sweep: Sync {
     /// Type of the experiment of a cell. It runs the trials of the cell.
     type Trial: Trial + Send;
@@ -28,14 +28,15 @@ pub trait Sweep: Sync {
     /// The task with this index.
     fn task(&self, number: u64) -> Task;
 
-    /// Sets up the experiment of a cell. It may be called on any thread, before the first trial of the cell. It must
-    /// not wait for the threads of the run.
+    /// Sets up the experiment of a cell before the first trial of the cell is run. This function may be called on any
+    /// thread. It must not wait for the threads of the run.
     ///
     /// # Errors
     /// Reason why the cell cannot be run. The error ends the run.
     fn set_up(&self, cell: usize) -> Result<Self::Trial, Self::Error>;
 
-    /// Rule that may end a task early, if the task has `may_stop`. Without a rule, all trials of the task are run.
+    /// Rule that may end a task early. It is used only for tasks with `may_stop`. Without a rule, all trials of the
+    /// task are run.
     fn stopping_rule(&self, trial: &Self::Trial) -> Option<StoppingRule> {
         let _ = trial;
         None
@@ -46,8 +47,8 @@ pub trait Sweep: Sync {
         false
     }
 
-    /// Appends a row for trial `number` to `text`, made from the trial's observations or from the kind of its failure.
-    /// It may be called on any thread; the trials of a task are passed in order.
+    /// Appends the row of a trial to `text`. `observed` contains the observations of the trial, or the kind of its
+    /// failure. This function may be called on any thread; the trials of a task come in their order.
     fn add_trial_row(
         &self,
         trial: &Self::Trial,
@@ -58,7 +59,7 @@ pub trait Sweep: Sync {
         let _ = (trial, number, observed, text);
     }
 
-    /// Computes the result of a cell from its statistics. It may be called on any thread.
+    /// Computes the result of a cell from its statistics. This function may be called on any thread.
     fn finish(&self, cell: usize, trial: &Self::Trial, statistics: CellStatistics) -> Self::Result;
 }
 
@@ -73,11 +74,12 @@ pub enum SweepOutput<R> {
 
 impl Runner {
     /// Runs the tasks of a sweep and passes their results to `take`, one at a time in the order of the tasks. The run
-    /// ends early if another thread sets `cancelled`, or if `take` returns `Break`. Each thread calls `progress` with
-    /// the number of trials that it has run since its last call.
+    /// ends early if another thread sets `cancelled`, or if `take` returns `Break`. A thread calls `progress` each time
+    /// it has run some trials, with the number of these trials.
     ///
-    /// Only experiments that are in use, and results that wait for an earlier result, are in memory. So the memory does
-    /// not grow with the number of tasks or trials. The results do not depend on which thread runs which trials.
+    /// The memory does not grow with the number of tasks or trials, because it contains only the experiments that are
+    /// in use, and results that wait for an earlier result. The results do not depend on which thread runs which
+    /// trials.
     ///
     /// ```
     /// use std::convert::Infallible;
@@ -173,10 +175,9 @@ struct Crew<'a, S: Sweep, F> {
     line: Mutex<Line<'a, S>>,
 }
 
-/// Results that have not been passed to `take` yet.
+/// Results that have not been passed to `take` yet, in the order of the jobs.
 struct Line<'a, S: Sweep> {
-    /// Results that cannot be passed on before the results of an earlier job, by the number of the job that computed
-    /// them.
+    /// Results that must wait for the results of an earlier job. The key is the number of the job that computed them.
     waiting: BTreeMap<u64, Vec<Ran<S>>>,
     /// Number of the job whose results will be passed on next.
     head: u64,
@@ -187,12 +188,12 @@ struct Line<'a, S: Sweep> {
     take: &'a mut (dyn FnMut(u64, SweepOutput<S::Result>) -> ControlFlow<()> + Send),
 }
 
-/// A task of which only some trials have been run.
+/// A task whose trials have been run only partly.
 #[derive(Default)]
 struct Open {
     /// Statistics of the trials in completed blocks.
     cell: Partial,
-    /// Trials of the block that is not complete yet.
+    /// Trials of the first incomplete block.
     block: Slice,
 }
 
@@ -201,9 +202,9 @@ struct Ran<S: Sweep> {
     /// Index of the task.
     number: u64,
     task: Task,
-    /// Number of the last of these trials plus 1.
+    /// Number of the trial after the last of these trials.
     end: u64,
-    /// The experiment of the cell; `None` if the task is complete and its experiment is no longer needed.
+    /// The experiment of the cell. `None` if the task is complete, because the experiment is then no longer needed.
     experiment: Option<Arc<Experiment<S::Trial, S::Error>>>,
     sums: Sum<S::Result>,
     /// Rows of these trials as text.
@@ -218,7 +219,7 @@ enum Sum<R> {
     Failed,
 }
 
-/// A guard that ends the run of all threads if one of them panics.
+/// A guard that stops the queue if a thread panics, so that the run ends on all threads.
 struct Fuse<'a, T, E, F: Fn(u64) -> Task>(&'a Queue<T, E, F>);
 
 impl<T, E, F: Fn(u64) -> Task> Drop for Fuse<'_, T, E, F> {
@@ -305,8 +306,8 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         piece.experiment.get_or_init(set_up)
     }
 
-    /// Runs the trials of a piece, and appends their rows to `text` if the sweep writes rows. If a rule ends the task,
-    /// `ran` is set to the number of trials up to this end.
+    /// Runs the trials of a piece. If the sweep writes rows, they are appended to `text`. If a rule ends the task,
+    /// `ran` is set to the number of trials that the task has then.
     fn sum(
         &self,
         piece: &Piece<S::Trial, S::Error>,
@@ -360,7 +361,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         Sum::Whole(self.sweep.finish(task.cell, trial, blocks.statistics()))
     }
 
-    /// Stores the results of a job, and passes on all results that are next in order.
+    /// Stores the results of a job. Then passes on all results whose turn it is.
     fn pass_on(&self, number: u64, ran: Vec<Ran<S>>) {
         let line = self.line.lock();
         let mut line = line.unwrap_or_else(PoisonError::into_inner);
@@ -388,7 +389,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
 }
 
 impl<S: Sweep> Line<'_, S> {
-    /// Adds the results of the next trials, in order.
+    /// Passes on the results of the next trials, or stores them until the task is complete.
     fn put(&mut self, sweep: &S, ran: Ran<S>) -> ControlFlow<()> {
         if self.failed.is_some() {
             return ControlFlow::Break(());

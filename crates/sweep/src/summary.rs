@@ -3,7 +3,7 @@
 use crate::histogram::Histogram;
 use crate::sums::Sums;
 
-/// Statistics of all trials of a cell.
+/// Statistics and failures of all trials of a cell.
 ///
 /// ```
 /// use palpate_sweep::{Cell, Failure, Record, RunOptions, Runner, Trial};
@@ -25,9 +25,9 @@ use crate::sums::Sums;
 pub struct CellStatistics {
     /// Number of trials that were run, including failed trials.
     pub trials: u64,
-    /// Failures, one entry per kind, sorted by kind.
+    /// Failures, with one entry per kind, in the alphabetical order of the kinds.
     pub failures: Vec<Failure>,
-    /// Statistics of each quantity, in the order of the trial's quantities.
+    /// Statistics of each quantity, in the order in which the trial numbers its quantities.
     pub quantities: Vec<Summary>,
 }
 
@@ -40,8 +40,8 @@ impl CellStatistics {
 
 /// Statistics of one quantity over the observations of the trials that succeeded.
 ///
-/// An error is the estimate minus the true value. Every number is finite; it is in the quantity's unit or is a ratio. A
-/// statistic is `None` if it is undefined or beyond the range of `f64`; without observations, all statistics are
+/// An error is the estimate minus the true value. Every number is finite, and is either in the quantity's unit or a
+/// ratio. A statistic is `None` if it is undefined or too large for `f64`. Without observations, all statistics are
 /// undefined. The rounding error of means, rms values and standard deviations is at most 1e-13 of the mean absolute
 /// value of the summarised numbers, for numbers of any size. For standard deviations, the rounding error is also at
 /// most 1e-12 of the result. Results below 1e-308 are multiples of the smallest double.
@@ -68,7 +68,7 @@ impl CellStatistics {
 pub struct Summary {
     /// Number of observations of the quantity in all successful trials.
     pub observations: u64,
-    /// The true value; `None` if it varies.
+    /// The true value; `None` if it differs between observations.
     pub truth: Option<f64>,
     /// Mean of the estimates.
     pub mean: Option<f64>,
@@ -78,33 +78,36 @@ pub struct Summary {
     pub bias: Option<f64>,
     /// Root-mean-square error.
     pub rms_error: Option<f64>,
-    /// Standard error of `rms_error`, to first order, computed from the scatter of the squared errors between trials.
-    /// Several observations in the same trial count as a single observation. `None` for fewer than two trials.
+    /// Standard error of `rms_error`, to first order; `None` for fewer than two trials. It is computed from the scatter
+    /// of the squared errors between trials, so the observations within one trial count as a single observation.
     pub rms_error_std: Option<f64>,
     /// Mean absolute error.
     pub mean_abs_error: Option<f64>,
-    /// `rms_error` divided by the absolute value of the true value; `None` if the true value is 0 or varies.
+    /// `rms_error` divided by the absolute true value; `None` if the true value is 0 or differs between observations.
     pub relative_rms_error: Option<f64>,
-    /// `mean_abs_error` divided by the absolute value of the true value; `None` if the true value is 0 or varies.
+    /// `mean_abs_error` divided by the absolute true value; `None` if the true value is 0 or differs between
+    /// observations.
     pub relative_mean_abs_error: Option<f64>,
-    /// 5 % quantile of the estimates; `None` if the true value varies. Its difference from the true value has a
-    /// relative error of at most 0.4 %.
+    /// 5 % quantile of the estimates; `None` if the true value differs between observations. The difference between
+    /// quantile and true value has a relative error of at most 0.4 %.
     ///
-    /// Quantiles are interpolated linearly between order statistics, the usual definition (type 7).
+    /// Quantiles are interpolated linearly between the sorted estimates (type 7, the usual definition).
     pub q05: Option<f64>,
-    /// Median of the estimates, with the accuracy of `q05`.
+    /// Median of the estimates. It has the same accuracy as `q05`.
     pub q50: Option<f64>,
-    /// 95 % quantile of the estimates, with the accuracy of `q05`.
+    /// 95 % quantile of the estimates. It has the same accuracy as `q05`.
     pub q95: Option<f64>,
-    /// Mean of the reported standard deviations; `None` if no standard deviation was reported.
+    /// Mean of the standard deviations that the trials reported; `None` if they reported none.
     pub mean_reported_std: Option<f64>,
-    /// Share of the 50 % intervals that contain the true value. An interval is estimate ± 0.67 std, unless the trial
-    /// reports its own coverage (`interval_holds`). `None` if no trial reported a standard deviation or its own
-    /// coverage.
+    /// Share of the 50 % intervals that contain the true value. An interval is the estimate ± 0.67 standard deviations,
+    /// unless the trial reports itself whether its interval contains the true value (`interval_holds`). `None` if the
+    /// trials reported no standard deviation and no coverage.
     pub coverage50: Option<f64>,
-    /// Share of the 80 % intervals (estimate ± 1.28 std) that contain the true value. Defined like `coverage50`.
+    /// Share of the 80 % intervals that contain the true value, as for `coverage50`. An interval is the estimate ± 1.28
+    /// standard deviations.
     pub coverage80: Option<f64>,
-    /// Share of the 95 % intervals (estimate ± 1.96 std) that contain the true value. Defined like `coverage50`.
+    /// Share of the 95 % intervals that contain the true value, as for `coverage50`. An interval is the estimate ± 1.96
+    /// standard deviations.
     pub coverage95: Option<f64>,
 }
 
@@ -146,15 +149,15 @@ fn finite(value: Option<f64>) -> Option<f64> {
     value.filter(|value| value.is_finite())
 }
 
-/// Kind of failure of a trial that recorded an estimate, true value, error or standard deviation that is NaN or
-/// infinite.
+/// Kind of failure of a trial that recorded a number that is NaN or infinite: an estimate, a true value, an error or a
+/// standard deviation.
 pub const NOT_FINITE: &str = "not-finite";
 /// Kind of failure of a trial that recorded a negative standard deviation.
 pub(crate) const NEGATIVE_STD: &str = "negative-std";
-/// Kind of failure of a trial that recorded a quantity outside of `0..Trial::quantities()`.
+/// Kind of failure of a trial that recorded a quantity whose index is not below `Trial::quantities()`.
 pub(crate) const UNKNOWN_QUANTITY: &str = "unknown-quantity";
 
-/// Number of the trials of a cell that failed for the same reason, and the first of these trials.
+/// The trials of a cell that failed in the same way: their number, and the first of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Failure {
     /// Name of the kind of failure. The name is stable and in kebab case.
@@ -165,7 +168,7 @@ pub struct Failure {
     pub first_trial: u64,
 }
 
-/// Failures of each kind. They are unordered until [`Failures::sorted`] is called.
+/// Failures of a cell, with one entry per kind. The entries are not sorted until [`Failures::sorted`] is called.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Failures(Vec<Failure>);
 

@@ -18,10 +18,9 @@ pub(crate) struct Sums {
     /// Mean absolute error.
     magnitude: f64,
     pub(crate) squares: TrialSquares,
-    /// Moments over the trials. The first entry is for each trial's mean estimate, the second for each trial's mean
-    /// absolute error.
+    /// Moments over the trials: first of each trial's mean estimate, then of each trial's mean absolute error.
     pub(crate) by_trial: [Moments; 2],
-    /// Number of observations with a standard deviation. The next field is the mean of these standard deviations.
+    /// Number of reported standard deviations. The next field is their mean.
     reported: u64,
     std: f64,
     /// Number of observations that have intervals.
@@ -31,7 +30,8 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
-    /// Sums over observations that are each from a different trial. Writes the errors of the observations to `errors`.
+    /// Sums over observations, each of which is from a different trial. The errors of the observations are written to
+    /// `errors`.
     pub(crate) fn of(observed: Observed<'_>, errors: &mut Vec<f64>) -> Self {
         let Some(totals) = Totals::of(observed, errors) else {
             return Self::default();
@@ -65,7 +65,7 @@ impl Sums {
         }
     }
 
-    /// The same sums for the case that a single trial made all of these observations.
+    /// Converts the sums for the case that all of these observations are from a single trial.
     pub(crate) fn of_trial(self) -> Self {
         let means = [self.estimates.mean(), Some(self.magnitude)];
         Self {
@@ -75,8 +75,8 @@ impl Sums {
         }
     }
 
-    /// Replaces the coverage that was computed from `std` by `holds`, the coverage that a trial reports for its own
-    /// intervals.
+    /// Replaces the coverage of an observation. Before, it was computed from `std`; `holds` is the coverage that the
+    /// trial reports itself.
     pub(crate) fn replace_coverage(&mut self, error: f64, std: f64, holds: [bool; 3]) {
         self.intervals += u64::from(std < 0.0);
         let verdicts = holds.into_iter().zip(is_covered(error, std));
@@ -86,7 +86,7 @@ impl Sums {
         }
     }
 
-    /// Adds the sums of the trials that come next.
+    /// Adds the sums of later trials.
     pub(crate) fn merge(&mut self, other: &Self) {
         let (count, more) = (self.errors.count(), other.errors.count());
         if more == 0 {
@@ -117,7 +117,7 @@ impl Sums {
         }
     }
 
-    /// The true value; `None` if it varies between observations or if there are no observations.
+    /// The true value; `None` if it differs between observations, or if there are no observations.
     pub(crate) fn truth(&self) -> Option<f64> {
         let [least, most] = self.truths;
         (self.errors.count() > 0 && least == most).then_some(least)
@@ -140,15 +140,15 @@ impl Sums {
         self.covered.map(share)
     }
 
-    /// Limits `error` to the range from the smallest to the largest observed error.
+    /// Limits `error` to the range of the observed errors.
     pub(crate) fn clamp(&self, error: f64) -> f64 {
         error.max(self.range[0]).min(self.range[1])
     }
 }
 
-/// Mean of numbers. Returns `plain`, the sum divided by the count, if it is finite. If the sum overflowed, returns
-/// `of_shares`: each number is first divided by the count, and the quotients are added. This sum cannot overflow,
-/// except by rounding.
+/// Mean of some numbers. `plain` is their sum divided by their count, and is returned if it is finite. It is not finite
+/// if the sum overflowed. In this case, `of_shares` computes the mean in another way: it divides each number by the
+/// count before it adds them.
 fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
     match plain.is_finite() {
         true => plain,
@@ -156,8 +156,8 @@ fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
     }
 }
 
-/// Mean of the two means `mean` and `other`, weighted by the numbers of values `count` and `more`. Both means must be 0
-/// or positive.
+/// Mean of two means. `mean` is the mean of `count` values, and `other` is the mean of `more` values. Both must be 0 or
+/// positive.
 fn toward(mean: f64, other: f64, [count, more]: [u64; 2]) -> f64 {
     mean + (other - mean) * (more as f64 / (count + more).max(1) as f64)
 }

@@ -1,4 +1,4 @@
-//! Records the observations of trials until a block of trials is summed up.
+//! Records the observations of trials until all trials of a block are complete.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use crate::column::Column;
 use crate::simd_sums::are_sound;
 use crate::summary::{NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 
-/// Estimate of one quantity in one trial, and the true value, both in the quantity's unit.
+/// Estimate of one quantity in one trial, together with the true value. Both are in the quantity's unit.
 ///
 /// ```
 /// use palpate_sweep::{Cell, Observation, Record, RunOptions, Runner, Trial};
@@ -33,12 +33,12 @@ use crate::summary::{NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 pub struct Observation {
     /// The estimated value.
     pub estimate: f64,
-    /// The true value, which may differ between observations.
+    /// The true value. It may differ between observations of the same quantity.
     pub truth: f64,
     /// Standard error that the estimator reports, at least 0; `None` if it reports none.
     pub std: Option<f64>,
-    /// Whether the estimator's own 50, 80 and 95 % intervals contain the true value. `None` if its intervals are the
-    /// estimate ± 0.67, 1.28 and 1.96 `std`.
+    /// Whether the estimator's own 50, 80 and 95 % intervals contain the true value. `None` if the estimator states no
+    /// intervals; they are then the estimate ± 0.67, 1.28 and 1.96 `std`.
     pub interval_holds: Option<[bool; 3]>,
 }
 
@@ -54,13 +54,14 @@ impl Observation {
         }
     }
 
-    /// An exact value, that is, a quantity that is computed and not estimated. Its error is 0.
+    /// The observation of a quantity that is computed exactly instead of estimated. Its error is 0.
     #[inline]
     pub const fn exact(value: f64) -> Self {
         Self::plain(value, value)
     }
 
-    /// Whether the error is finite, and the standard error is missing or is finite and at least 0.
+    /// Whether the observation is valid: its error is finite, and its standard error is missing, or finite and at least
+    /// 0.
     #[inline]
     pub(crate) fn is_sound(&self) -> bool {
         let sound_std = |std| (0.0..f64::INFINITY).contains(&std);
@@ -68,7 +69,7 @@ impl Observation {
     }
 }
 
-/// Observations of one quantity in trials that were run together, one per trial; see [`Observation`].
+/// Observations of one quantity in trials that were run together, with one [`Observation`] per trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observations<'a> {
     /// The estimates, one per trial.
@@ -81,13 +82,13 @@ pub struct Observations<'a> {
 }
 
 impl Observations<'_> {
-    /// Number of trials that have an estimate. If standard errors are reported, each of these trials has one.
+    /// Number of trials with a complete observation. If standard errors are reported, a complete observation has one.
     pub(crate) fn len(&self) -> usize {
         let stds = self.stds.map_or(usize::MAX, <[f64]>::len);
         self.estimates.len().min(stds)
     }
 
-    /// Number of observations before the first invalid observation, at most `count`.
+    /// Number of valid observations before the first invalid one, at most `count`.
     pub(crate) fn sound(&self, count: usize) -> usize {
         let estimates = &self.estimates[..count];
         let stds = self.stds.map_or(&[][..], |stds| &stds[..count]);
@@ -118,13 +119,12 @@ pub struct Record {
 #[derive(Debug)]
 pub struct TrialObservations<'a> {
     columns: &'a [Column],
-    /// Indices of the trial's observations in each column.
+    /// For each column, the indices of the observations that the trial recorded.
     places: Vec<Range<usize>>,
 }
 
 impl TrialObservations<'_> {
-    /// Observations of a quantity in the order in which the trial recorded them; empty if it did not observe the
-    /// quantity.
+    /// Observations of a quantity, in the order in which the trial recorded them; empty if the trial recorded none.
     pub fn of(&self, quantity: usize) -> impl Iterator<Item = Observation> {
         let column = self.columns.get(quantity).zip(self.places.get(quantity));
         let observations =
@@ -134,7 +134,8 @@ impl TrialObservations<'_> {
 }
 
 impl Record {
-    /// Records an observation of a quantity in `0..Trial::quantities()`. A trial may record any number of observations.
+    /// Records an observation of a quantity, whose index must be below `Trial::quantities()`. A trial may record any
+    /// number of observations.
     ///
     /// An invalid observation makes the trial fail. The kind of failure is `not-finite` if the error or standard
     /// deviation is not finite, `negative-std` if the standard deviation is negative, and `unknown-quantity` if the
@@ -169,8 +170,8 @@ impl Record {
     /// Records the observations of successful trials that were run together. Each trial has one observation of each of
     /// the first `Q` quantities.
     ///
-    /// Returns the number of trials that were recorded. These are all trials before the first trial for which
-    /// [`Record::observe`] would fail, or in which a quantity is missing.
+    /// Returns the number of trials that were recorded. Recording ends before the first trial with an invalid or
+    /// missing observation.
     pub fn observe_together<const Q: usize>(
         &mut self,
         observations: &[Observations<'_>; Q],
@@ -189,30 +190,29 @@ impl Record {
     }
 
     /// Prepares the record for trials that observe this number of quantities. Earlier observations must have been
-    /// summed up.
+    /// removed.
     pub(crate) fn set_quantities(&mut self, quantities: usize) {
         self.columns.resize_with(quantities, Column::default);
     }
 
-    /// Result of the last trial. It is an error if the trial failed or recorded an invalid value.
+    /// Result of the trial that has just run. It is an error if the trial failed or recorded an invalid observation.
     pub(crate) fn verdict(&mut self, result: Result<(), &'static str>) -> Result<(), &'static str> {
         let rejection = self.rejection.take();
         result.and_then(|()| rejection.map_or(Ok(()), Err))
     }
 
-    /// Keeps the observations of the last trial.
+    /// Keeps the observations of the trial that has just run.
     #[inline]
     pub(crate) fn keep(&mut self) {
         self.columns.iter_mut().for_each(Column::keep);
     }
 
-    /// Drops the observations of the last trial.
+    /// Drops the observations of the trial that has just run.
     pub(crate) fn forget(&mut self) {
         self.columns.iter_mut().for_each(Column::forget);
     }
 
-    /// Runs one trial, passes its observations to `read`, and drops them. The record is empty before and after this
-    /// call.
+    /// Runs one trial, passes its observations to `read`, and drops them. The record must be empty before.
     pub(crate) fn single_trial<T>(
         &mut self,
         trial: &dyn Trial,
@@ -232,13 +232,13 @@ impl Record {
         value
     }
 
-    /// Number of observations of each quantity.
+    /// Number of stored observations of each quantity.
     pub(crate) fn lengths(&self) -> Vec<usize> {
         self.columns.iter().map(Column::len).collect()
     }
 
-    /// Passes the observations of each trial to `read`. `before` contains the lengths of the columns before the first
-    /// of the trials. All of the trials made the same number of observations.
+    /// Passes the observations of each of `trials` to `read`. `before` contains the length of each column before the
+    /// first of these trials. All of them must have made the same number of observations.
     pub(crate) fn pass_on(
         &self,
         trials: Range<u64>,
@@ -261,7 +261,7 @@ impl Record {
         }
     }
 
-    /// The stored observations, with one column for each quantity.
+    /// The stored observations: one column for each quantity.
     pub(crate) fn columns(&mut self) -> &mut [Column] {
         &mut self.columns
     }
@@ -307,7 +307,7 @@ mod tests {
         result
     }
 
-    /// Sums up the observations, and returns the number of observations of each quantity.
+    /// Empties the record, and returns the number of observations of each quantity.
     fn counts(record: &mut Record) -> Vec<u64> {
         let sums = |column: &mut Column| column.sum_up(&mut Histogram::default());
         let counts = record.columns().iter_mut().map(sums);

@@ -1,12 +1,12 @@
-//! For trials with any numbers, the statistics are finite. The order of the blocks changes the statistics only by
-//! rounding errors.
+//! Property tests with estimates of any magnitude: the statistics are finite, and the order of the blocks changes them
+//! only by rounding errors.
 
 use palpate_sweep::{BLOCK, Observation};
 use proptest::prelude::*;
 
 use crate::{observing, run_cell};
 
-/// Any double. Half of the numbers are between −2 and 2.
+/// A random double of any magnitude. Half of the numbers are between −2 and 2.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![any::<u64>().prop_map(f64::from_bits), -2.0..2.0]
 }
@@ -38,8 +38,8 @@ proptest! {
         }
     }
 
-    /// Blocks in a different order are the same sample: counts and quantiles are equal, and sums are equal except for
-    /// rounding.
+    /// If blocks are in a different order, the sample is the same. So counts and quantiles must be equal, and sums must
+    /// be equal except for rounding errors.
     #[test]
     fn blocks_in_any_order(errors in prop::collection::vec(-1e3..1e3_f64, 1..30), shift in 0..3_u64, power in -900..900) {
         let unit = 2f64.powi(power);

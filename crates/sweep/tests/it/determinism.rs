@@ -1,4 +1,4 @@
-//! Results depend neither on the number of threads nor on the division into blocks and jobs.
+//! Tests that results depend neither on the number of threads nor on the division of the trials into blocks and jobs.
 
 use std::convert::Infallible;
 use std::ops::Range;
@@ -41,7 +41,7 @@ fn one_two_and_seven_threads_return_the_same_bits() {
     assert_eq!(digits(&run_with(7, &cells)), digits(&one));
 }
 
-/// An experiment of which every seventh trial fails. Up to five trials between two failures are run together.
+/// An experiment in which every seventh trial fails. Up to five trials between two failures are run together.
 struct Together;
 
 impl Trial for Together {
@@ -136,7 +136,7 @@ fn a_cancelled_run_starts_no_more_trials_and_returns_no_results() {
     assert_eq!(streamed(2, &sweep, &cancelled).unwrap().len(), 2);
 }
 
-/// An experiment that counts its instances, and the largest number of instances that exist at the same time.
+/// An experiment that counts how many instances of it exist at the same time, and stores the largest number.
 struct Alive<'a>(&'a [AtomicU64; 2]);
 
 impl<'a> Alive<'a> {

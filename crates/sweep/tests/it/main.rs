@@ -1,4 +1,4 @@
-//! Tests of the sweep's runner through its public interface.
+//! Tests of the runner through the public interface of the crate.
 #![allow(clippy::unwrap_used)]
 
 mod any_number;
@@ -17,7 +17,7 @@ use palpate_sweep::{
     SweepOutput, Task, Trial,
 };
 
-/// A trial that is defined by a function.
+/// A trial whose result is computed by a function.
 struct Function<F> {
     quantities: usize,
     function: F,
@@ -75,7 +75,7 @@ fn run_cell(trials: u64, trial: &dyn Trial) -> CellStatistics {
     cells.remove(0)
 }
 
-/// Tasks whose experiments are made by a function of the cell.
+/// Tasks whose experiments are created by a function of the cell.
 struct Tasks<F> {
     tasks: Vec<Task>,
     set_up: F,
@@ -83,7 +83,7 @@ struct Tasks<F> {
 }
 
 impl<F> Tasks<F> {
-    /// One task per cell, with these numbers of trials.
+    /// One task for each number in `trials`, which is the number of its trials.
     fn new(trials: &[u64], set_up: F) -> Self {
         let task = |(cell, &trials)| Task {
             cell,
@@ -124,7 +124,7 @@ impl<T: Trial + Send, E: Send, F: Fn(usize) -> Result<T, E> + Sync> Sweep for Ta
     }
 }
 
-/// Results of all tasks. Checks that they arrive in the order of the cells.
+/// Returns the results of all tasks, after checking that they arrive in the order of the cells.
 fn streamed<S: Sweep<Result = CellStatistics>>(
     threads: usize,
     sweep: &S,

@@ -1,5 +1,5 @@
-//! Compares probabilities that two estimates have the right order with closed forms, and tests the coverage of their
-//! intervals.
+//! Tests the probabilities that two estimates are in the right order: their values against closed forms, and the
+//! coverage of their intervals.
 
 use palpate_statistics::normal_tail;
 use palpate_sweep::{Order, Repeats, TrialMeans, in_order, repeats};
@@ -13,7 +13,7 @@ fn normals(seed: u64, count: u64, mean: f64) -> Vec<TrialMeans> {
         .collect()
 }
 
-/// Share of 400 samples whose interval contains the probability.
+/// Share of 400 samples for which the interval contains the true probability.
 fn coverage(probability: f64, found: impl Fn(u64) -> Order) -> f64 {
     let held = (0..400).filter(|seed| {
         let Order { low, high, .. } = found(*seed);
@@ -82,7 +82,7 @@ fn both_must_be_above_the_limit() {
     assert!(covered > 0.925, "{covered}");
 }
 
-/// Numbers of repeats of two normally distributed experiments with these means.
+/// Number of trials to average, for two experiments whose estimates are normally distributed with these means.
 fn repeats_of(seed: u64, count: u64, means: [f64; 2], limit: Option<f64>) -> Repeats {
     let [one, other] = [0, 1].map(|place| normals(seed + place, count, means[place as usize]));
     repeats(&one, &other, limit, 0.95)

@@ -1,4 +1,4 @@
-//! Compares statistics with closed forms and with direct computation, also at the limits of doubles.
+//! Compares statistics with closed forms and with direct computation, also for numbers near the limits of doubles.
 
 use approx::assert_relative_eq;
 use palpate_sweep::{BLOCK, Failure, Observation, Record};

@@ -1,4 +1,4 @@
-//! Tasks of the runner: slices of blocks, and cells that are ended by a stopping rule.
+//! Tests the tasks of the runner: blocks that several threads share, and cells that a stopping rule ends.
 
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -12,7 +12,8 @@ use palpate_sweep::{
 
 use crate::{Tasks, normal, observation, runner, streamed};
 
-/// An experiment with several quantities, varying true values, reported coverage and failures. Each trial lasts `wait`.
+/// An experiment with several quantities, varying true values, reported coverage and failures. Each trial takes the
+/// time `wait`.
 struct Rich {
     wait: Duration,
     places: u64,
@@ -92,7 +93,7 @@ fn slices_of_blocks_do_not_change_results() {
     }
 }
 
-/// An experiment that is not random.
+/// An experiment in which every trial has the same result.
 struct Still;
 
 impl Trial for Still {
@@ -121,7 +122,8 @@ fn an_experiment_that_is_not_random_has_one_trial() {
     }
 }
 
-/// An experiment with Gaussian errors at several places; they are either equal or independent.
+/// An experiment with Gaussian errors at several places. In each trial, the errors are either the same at all places or
+/// independent.
 struct Places {
     places: u64,
     are_same: bool,
@@ -199,7 +201,7 @@ fn a_cell_ends_when_its_statistic_is_accurate() {
     );
 }
 
-/// Cells of at most `trials` trials that this rule may end earlier.
+/// Cells with at most `trials` trials, which this rule may end early.
 fn ruled_by<F>(rule: StoppingRule, cells: usize, trials: u64, set_up: F) -> Tasks<F> {
     let mut sweep = Tasks::new(&vec![trials; cells], set_up);
     sweep.tasks.iter_mut().for_each(|task| task.may_stop = true);
@@ -207,7 +209,7 @@ fn ruled_by<F>(rule: StoppingRule, cells: usize, trials: u64, set_up: F) -> Task
     sweep
 }
 
-/// Cells that end when the rms error has this relative standard error.
+/// Cells that end when their rms error has the relative standard error `error`.
 fn ruled<F>(cells: usize, trials: u64, error: f64, set_up: F) -> Tasks<F> {
     let rule = StoppingRule {
         quantity: 0,
