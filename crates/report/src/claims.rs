@@ -72,7 +72,7 @@ fn all() -> Vec<Claim> {
     claims.chain(sensors::claims()).collect()
 }
 
-/// Scores the claims that each study names, sorted by claim number and then by study.
+/// Tests the claims that each study lists. The scores are sorted by claim number and then by study.
 ///
 /// ```
 /// use palpate_report::{Study, Verdict, score};
@@ -158,8 +158,8 @@ pub fn claims_table(scores: &[Score]) -> Table {
     table
 }
 
-/// A text table with a header, one line per score (number, claim, published value, measured value, verdict and study),
-/// and a last line with the totals. Empty if there are no scores.
+/// The scores as a text table, with the columns number, claim, published value, measured value, verdict and study. A last
+/// line contains the totals. The text is empty if there are no scores.
 ///
 /// ```
 /// use palpate_report::{Score, Verdict, scorecard_lines};

@@ -23,7 +23,7 @@ pub struct Files {
 }
 
 impl Files {
-    /// Files of a folder. Each file is read when it is needed for the first time.
+    /// Files of a folder. Each file is read only when it is needed.
     pub fn in_folder(folder: impl AsRef<Path>) -> Self {
         Self {
             folder: folder.as_ref().to_owned(),

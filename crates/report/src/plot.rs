@@ -47,16 +47,17 @@ pub use pareto::tradeoff_figures;
 pub use press_trace::press_figures;
 pub(crate) use style::{DARK, hex, on_dark};
 
-/// Draws every `[[plot]]` of the study, in the order of the config. For a study without a `[[plot]]`, one figure is
-/// drawn: the relative rms error of the object's curvature over the first swept field, with one line for each value of
+/// Draws every `[[plot]]` of the study, in the order of the config. A study without a `[[plot]]` gets one figure. It
+/// shows the relative rms error of the object's curvature over the first swept field, with one line for each value of
 /// the second swept field.
 ///
 /// Plots of the kinds `class-map`, `class-surface` and `profile` show `map.csv`; plots of the kind `contacts` show
 /// `trace.csv` and `readings.csv`. The bytes of an SVG depend only on the study's tables and `run.toml`.
 ///
 /// # Errors
-/// A `[[plot]]` is invalid, names a column that does not exist, or selects several rows for one point (the error names
-/// the axes in which the rows differ); or the table of the plot is missing or invalid.
+/// [`ReportError`] if a `[[plot]]` is invalid, names a column that does not exist, or selects several rows for one point.
+/// In the last case, the error names the swept fields in which the rows differ. Also an error if a table that the plot
+/// needs is missing or invalid.
 pub fn figures(study: &Study) -> Result<Vec<Figure>, ReportError> {
     let mut plots = study.plots()?;
     if plots.is_empty() {
@@ -69,9 +70,9 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, ReportError> {
     plots.iter().enumerate().map(draw).collect()
 }
 
-/// Draws one plot of tables in memory: `cells.csv`, and, if the kind needs them, `map.csv`, or `trace.csv` and
-/// `readings.csv`. If `run.toml` is among the tables, the captions use its settings. The function reads and writes no
-/// files.
+/// Draws one plot from tables in memory, without reading or writing files. `tables` must contain `cells.csv`. Some kinds
+/// of plots also need `map.csv`, or `trace.csv` and `readings.csv`. If `run.toml` is among the tables, the captions use
+/// its settings.
 ///
 /// ```
 /// use palpate_report::{Files, figure};
@@ -91,7 +92,8 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, ReportError> {
 /// ```
 ///
 /// # Errors
-/// The plot names an unknown column, or selects several rows for one point; or a table is missing or malformed.
+/// [`ReportError`] if the plot names an unknown column or selects several rows for one point, or if a table is missing or
+/// malformed.
 pub fn figure(plot: &PlotConfig, tables: Files) -> Result<Figure, ReportError> {
     let name = plot.name.as_deref().unwrap_or("plot");
     let others = [

@@ -30,7 +30,7 @@ pub struct Study {
 }
 
 impl Study {
-    /// Reads `cells.csv`, `failures.csv` and `run.toml` in `dir`.
+    /// Reads a study from `cells.csv`, `failures.csv` and `run.toml` in the directory `dir`.
     ///
     /// ```
     /// use palpate_report::Study;
@@ -55,7 +55,7 @@ impl Study {
         Self::read(Files::in_folder(dir))
     }
 
-    /// Reads `cells.csv`, `failures.csv` and `run.toml` among `files`.
+    /// Reads a study from `cells.csv`, `failures.csv` and `run.toml` among `files`.
     ///
     /// # Errors
     /// [`ReportError`] if a file is missing or malformed.

@@ -1,4 +1,4 @@
-//! Charts of horizontal bars with intervals, one bar per named item.
+//! Bar charts: one horizontal bar per named item, with its 95 % interval.
 
 use super::drawing::Figure;
 use super::scale::{Scale, Spacing};
@@ -8,16 +8,16 @@ use super::style::{INK, Style, pale};
 use crate::ReportError;
 use plotters::style::Color;
 
-/// A bar chart to draw: a number with its standard error for each item. The first item is at the top.
+/// Content of a bar chart. The first item is drawn at the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bars {
-    /// Name of the files of the figure, without extension.
+    /// Name of the figure's files, without extension.
     pub name: String,
     /// Title of the chart.
     pub title: String,
-    /// Text of the line below the title.
+    /// Line of text below the title.
     pub subtitle: String,
-    /// Label of the axis along which the numbers are drawn.
+    /// Label of the horizontal axis, which shows the numbers.
     pub axis: String,
     /// Name, number and standard error of each item.
     pub bars: Vec<(String, f64, f64)>,
@@ -25,7 +25,7 @@ pub struct Bars {
     pub notes: Vec<String>,
 }
 
-/// Half of the width of a bar, as a share of the distance between bars.
+/// Half the height of a bar, relative to the distance between bars.
 const HALF_WIDTH: f64 = 0.32;
 /// Half-width of a 95 % interval, in standard errors.
 const NORMAL_95: f64 = 1.96;

@@ -1,11 +1,11 @@
-//! Texts for captions: the values of a study, its object, and its failed trials.
+//! Texts for captions: the swept values, the object of a study, and the failed trials.
 
 use crate::table::{Axis, Table};
 use crate::{Study, study};
 use palpate_study::{Label, label, number};
 use std::collections::BTreeMap;
 
-/// Text of a value that is written below a heading with the name and unit of its axis.
+/// Text of a swept value, for a place where a heading already states the name and the unit of the field.
 pub(crate) fn short_value(axis: &Axis, value: &str) -> String {
     match axis.header.as_str() {
         "quantity" => label::quantity(value),
@@ -13,8 +13,8 @@ pub(crate) fn short_value(axis: &Axis, value: &str) -> String {
     }
 }
 
-/// Text of a value that is written without a heading. It contains the name and the unit of the axis, unless the value
-/// is a label.
+/// Text of a swept value, with the name and the unit of the field. If the value is a label, the label alone may be
+/// enough.
 pub(crate) fn full_value(axis: &Axis, value: &str) -> String {
     let field = Label::of_field(&axis.header);
     match (axis.header.as_str(), number::finite(value)) {
@@ -28,7 +28,7 @@ pub(crate) fn full_value(axis: &Axis, value: &str) -> String {
     }
 }
 
-/// Texts of the swept values of a row.
+/// Texts of all swept values of a row, with names and units.
 pub(crate) fn swept_values(table: &Table, row: usize) -> Vec<String> {
     let axes = table.axes().iter();
     axes.map(|axis| full_value(axis, axis.text(row))).collect()
@@ -46,7 +46,7 @@ pub(crate) fn object(study: &Study) -> Option<String> {
     Some(parts.join(", "))
 }
 
-/// The number and the kinds of failed trials as text; `None` if no trial failed.
+/// Text with the number of failed trials in the cells of `rows`, by kind of failure; `None` if no trial failed.
 pub(crate) fn failed(study: &Study, rows: &[usize]) -> Option<String> {
     let table = study.cells();
     // Count each cell only once, because the rows of its quantities describe the same trials.
@@ -77,13 +77,13 @@ pub(crate) fn failed(study: &Study, rows: &[usize]) -> Option<String> {
     ))
 }
 
-/// Text with the values of `where` that the table does not contain; `None` if it contains all of them.
+/// Text about values in `where` that the table does not contain; `None` if there are no such values.
 pub(crate) fn absent(absent: &[String]) -> Option<String> {
     let none = absent.is_empty();
     (!none).then(|| format!("Not in the table: {}.", absent.join(", ")))
 }
 
-/// End of an error message, with the values of `where` that the table does not contain.
+/// End of an error message about values in `where` that the table does not contain.
 pub(crate) fn lost(absent: &[String]) -> String {
     let lost = absent
         .iter()

@@ -1,4 +1,4 @@
-//! Panels, and charts. A chart is a grid of panels with the same axes, and a legend.
+//! Charts. A chart is a group of panels with the same axes, and a legend.
 
 use super::drawing::{Drawing, Figure};
 use super::lettering::{width, wrap};
@@ -19,45 +19,45 @@ use plotters::style::text_anchor::HPos;
 const GAP: i32 = 90;
 /// Height of a panel, in drawing units.
 const PANEL_HEIGHT: i32 = 1170;
-/// Largest width to which names along x may widen a panel or a row of panels, in drawing units.
+/// Largest width of a row of panels, in drawing units. Long names along x may widen panels up to this width.
 const LARGEST_WIDTH: i32 = 4500;
 /// Gap between neighbouring names along x, in drawing units.
 const BESIDE: i32 = 36;
-/// Length of a sample in the legend, in drawing units.
+/// Length of a sample (the symbol beside a text) in the legend, in drawing units.
 const SAMPLE: i32 = 120;
-/// Length of a sample in the key, in drawing units.
+/// Length of a sample (the symbol beside a text) in the key above the panels, in drawing units.
 const KEY_SAMPLE: i32 = 78;
 /// Largest width of a line of text in the legend, in drawing units.
 const LIMIT: i32 = 750;
 
-/// Function that draws the content of the panel with the given index.
+/// Function that draws the content of a panel. Its second argument is the index of the panel.
 type Draw<'a> = Box<dyn Fn(&mut Panel<'_>, usize) -> Drawn + 'a>;
 
-/// A group of panels with the same axes.
+/// A group of panels with the same axes, and their legend.
 pub(crate) struct Chart<'a> {
     /// Label of the x axis; may be empty.
     pub(crate) x_label: String,
     pub(crate) y_label: String,
     pub(crate) x: Scale,
     pub(crate) y: Scale,
-    /// Titles of the panels, at least one; a title may be empty.
+    /// Titles of the panels; there is at least one panel. A title may be empty.
     pub(crate) titles: Vec<String>,
-    /// Key above the panels.
+    /// Key above the panels, which explains colours and symbols.
     pub(crate) key: Key,
     /// Legend to the right of the panels.
     pub(crate) legend: Legend,
-    /// Draws the content of the panel with the given index.
+    /// Draws the content of a panel.
     pub(crate) draw: Draw<'a>,
 }
 
-/// Legend: symbols with their labels, below a heading. The symbols and the heading are optional.
+/// Legend beside the panels: a heading, and symbols with their labels. Each of them may be missing.
 #[derive(Default)]
 pub(crate) struct Legend {
     pub(crate) title: String,
     pub(crate) entries: Key,
 }
 
-/// A figure of at least one chart, with the charts below each other.
+/// Draws a figure with the charts below each other. There must be at least one chart.
 pub(crate) fn figure(words: Words, charts: &[Chart<'_>]) -> Result<Figure, ReportError> {
     // All charts get the same margins, so that their panels align.
     let margins = charts.iter().map(Chart::margins);
@@ -89,8 +89,8 @@ impl Chart<'_> {
         [EDGE + self.y.widest() + TICK_GAP + 6, right + EDGE]
     }
 
-    /// Width of a panel in which the widest word among the names along x fits, at most `LARGEST_WIDTH`; 0 without
-    /// names.
+    /// Smallest width of a panel at which the longest word of the names along x fits, up to `LARGEST_WIDTH`. It is 0
+    /// if x has no names.
     fn named_width(&self) -> i32 {
         let names = self.x.names();
         let words = names.iter().flat_map(|name| name.split_whitespace());
@@ -98,8 +98,7 @@ impl Chart<'_> {
         (names.len() as i32 * (widest + BESIDE)).min(LARGEST_WIDTH)
     }
 
-    /// Number of panels per row. It is chosen so that all rows have nearly the same number of panels, and so that the
-    /// names along x fit.
+    /// Number of panels per row. All rows get nearly the same number of panels, and the names along x must fit.
     fn columns(&self, margins: i32) -> i32 {
         let count = self.titles.len() as i32;
         let room = (LARGEST_WIDTH - margins + GAP) / (self.named_width() + GAP);
@@ -152,8 +151,8 @@ impl Chart<'_> {
 }
 
 impl Legend {
-    /// Lines of the legend, from top to bottom. The line of the heading has no sample, and the continuation of a long
-    /// label has an empty sample.
+    /// Symbol and text of each line of the legend. A heading has no symbol; the second line of a long label has an
+    /// empty symbol.
     fn rows(&self) -> Vec<(Option<Sample>, String)> {
         let heading = wrap(&self.title, TEXT, LIMIT).into_iter();
         let entries = self.entries.iter().flat_map(|(sample, text)| {
@@ -178,9 +177,9 @@ impl Legend {
     }
 }
 
-/// Sizes of the parts of a chart.
+/// Sizes of the parts of a chart, in drawing units.
 struct PanelLayout {
-    /// Width of the image.
+    /// Width of the whole image.
     total: i32,
     /// Margins to the left and right of the panels.
     margins: [i32; 2],
@@ -190,7 +189,7 @@ struct PanelLayout {
     columns: i32,
     /// Height that is reserved for the title above each panel.
     heading: i32,
-    /// Vertical distance between consecutive rows of panels.
+    /// Distance from the top of a row of panels to the top of the next row.
     row: i32,
     x: Scale,
 }
@@ -224,20 +223,21 @@ impl PanelLayout {
 
 /// Length of a tick mark, and also the gap between the mark and its label, in drawing units.
 const TICK: i32 = 15;
-/// Size of the areas that the plotters library reserves for labels. Labels may extend beyond these areas.
+/// Size of the areas that the plotters library reserves for labels, in drawing units. Labels may extend beyond these
+/// areas.
 const LABELS: i32 = 60;
 
 /// A chart of the plotters library whose axes have the type [`Scale`].
 pub(crate) type Panel<'a> = ChartContext<'a, Drawing, Cartesian2d<Scale, Scale>>;
 
-/// Position and size of a panel on a sheet.
+/// Position and size of a panel on the sheet, in drawing units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place {
     /// Upper left corner.
     pub(crate) corner: Point,
     /// Width and height.
     pub(crate) size: Point,
-    /// Whether the ticks of x and of y have labels.
+    /// Whether the ticks of the x axis, and of the y axis, have labels.
     pub(crate) labelled: [bool; 2],
 }
 
@@ -254,7 +254,7 @@ impl Place {
     }
 }
 
-/// Draws the grid, the outline, and the ticks with their labels.
+/// Draws the grid, the outline, the ticks and the labels of the ticks.
 pub(crate) fn mesh(panel: &mut Panel<'_>) -> Drawn {
     let frame = FRAME.stroke_width(HAIR);
     panel
@@ -268,7 +268,7 @@ pub(crate) fn mesh(panel: &mut Panel<'_>) -> Drawn {
     outline(panel)
 }
 
-/// Draws the outline.
+/// Draws the outline of a panel.
 pub(crate) fn outline(panel: &Panel<'_>) -> Drawn {
     let area = panel.plotting_area().strip_coord_spec();
     let (wide, high) = area.dim_in_pixel();
@@ -276,8 +276,8 @@ pub(crate) fn outline(panel: &Panel<'_>) -> Drawn {
     area.draw(&Rectangle::new(corners, FRAME.stroke_width(HAIR)))
 }
 
-/// Draws an error bar from `ends[0]` to `ends[1]` at `x`. The bar is not drawn if the point's marker, which is `hidden`
-/// px high, covers it. An end outside of the panel has no cap.
+/// Draws a vertical error bar at `x`, between the two `ends`. The bar is left out if the marker of the point, which is
+/// `hidden` drawing units high, would cover it. An end that is outside the panel has no cap.
 pub(crate) fn bar(panel: &Panel<'_>, x: f64, ends: [f64; 2], hidden: i32, colour: Colour) -> Drawn {
     const HALF_CAP: i32 = 12;
     let area = panel.plotting_area().use_screen_coord();

@@ -1,4 +1,4 @@
-//! Shape classes on the grid of each cell: reads them from `map.csv`, and converts them to shapes for drawing.
+//! Shape classes in the maps of all cells: reads them from `map.csv`, and converts them to rectangles and lines.
 
 use super::selection::Request;
 use super::style::CLASSES;
@@ -8,32 +8,32 @@ use crate::records::Records;
 /// Names of the columns that are read from `map.csv`, in the order in which the code uses them.
 const COLUMNS: [&str; 5] = ["cell", "x", "y", "class", "true_class"];
 
-/// Index of a class in [`CLASSES`]; `None` for an empty cell of the table.
+/// Index of a shape class in [`CLASSES`]; `None` for a point without a class.
 pub(crate) type Class = Option<usize>;
 
-/// The maps of all cells, in the order in which they appear in the table.
+/// The maps of all cells, in the order of `map.csv`.
 #[derive(Debug)]
 pub(crate) struct Maps {
-    /// Unit of x and y, as in the table; may be empty.
+    /// Unit of x and y, as the header states it; may be empty.
     pub(crate) unit: String,
     pub(crate) cells: Vec<CellMap>,
 }
 
-/// Map of one cell with `side` × `side` points, in which x varies slowest.
+/// Map of one cell: a grid of `side` × `side` points. The points are sorted by x, and points with the same x by y.
 #[derive(Debug)]
 pub(crate) struct CellMap {
     pub(crate) cell: u64,
     pub(crate) side: usize,
-    /// The x coordinates of the map, in ascending order. Each is the mean over a line of points with the same x.
+    /// Coordinate x of each grid line, in ascending order. It is the mean of the x of all points on the line.
     pub(crate) x: Vec<f64>,
-    /// The y coordinates of the map, in ascending order. Each is the mean over a line of points with the same y.
+    /// Coordinate y of each grid line, in ascending order. It is the mean of the y of all points on the line.
     pub(crate) y: Vec<f64>,
     pub(crate) estimated: Vec<Class>,
     pub(crate) truth: Vec<Class>,
 }
 
 impl CellMap {
-    /// Share of correctly classified points among the points that have a true class; `None` without true classes.
+    /// Share of the points with a true class that are classified correctly; `None` if no point has a true class.
     pub(crate) fn share_correct(&self) -> Option<f64> {
         let known = self.truth.iter().zip(&self.estimated);
         let known: Vec<_> = known.filter(|(truth, _)| truth.is_some()).collect();
@@ -42,7 +42,7 @@ impl CellMap {
     }
 }
 
-/// Reads the class maps in `map.csv`.
+/// Reads the maps of shape classes from `map.csv`.
 pub(crate) fn read(of: Request<'_>) -> Result<Maps, ReportError> {
     let table = Records::read(of.study.files(), "map.csv", &COLUMNS)?.filled()?;
     let cells = table.by_cell(0)?;
@@ -102,8 +102,7 @@ fn class(table: &Records, row: usize, column: usize) -> Result<Class, ReportErro
     }
 }
 
-/// Rectangle of grid squares with the same class: from line `x.0` to line `x.1` and from line `y.0` to line `y.1` of
-/// the grid.
+/// Rectangle of grid squares with the same class. Its corners are on the grid lines `x.0` and `x.1`, `y.0` and `y.1`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Band {
     pub(crate) class: Class,
@@ -111,8 +110,8 @@ pub(crate) struct Band {
     pub(crate) y: (usize, usize),
 }
 
-/// Rectangles of equal classes that cover a `side` × `side` grid, in which x varies slowest. Equal neighbours along y
-/// and equal lines along x are joined.
+/// Covers a grid with rectangles of the same class, as few as possible: squares with the same class are joined along
+/// y, and equal columns of squares along x. `classes` are sorted by x, then by y.
 pub(crate) fn bands(side: usize, classes: &[Class]) -> Vec<Band> {
     let mut bands: Vec<Band> = Vec::new();
     let mut start = 0;
@@ -135,11 +134,10 @@ pub(crate) fn bands(side: usize, classes: &[Class]) -> Vec<Band> {
     bands
 }
 
-/// Edge between two grid squares, given by its two end points. An end point is a corner (x, y) of the grid, each
-/// coordinate from 0 to `side`.
+/// Edge between two grid squares. Both ends are corners (x, y) of squares, with whole coordinates from 0 to `side`.
 pub(crate) type Edge = [(usize, usize); 2];
 
-/// Edges between squares of different classes. Edges that continue in the same direction are joined.
+/// Edges between squares of different classes. Successive edges in the same direction are joined to one line.
 pub(crate) fn boundaries(side: usize, classes: &[Class]) -> Vec<Edge> {
     let mut edges = Vec::new();
     for across in 1..side {

@@ -1,4 +1,5 @@
-//! Figures of kind `class-map`: a map of the true shape classes, and a map of the estimated classes of each cell.
+//! Figures of kind `class-map`. They show a map of the true shape classes, and a map of the estimated classes of each
+//! cell.
 
 use super::captions::full_value;
 use super::chart::{Panel, Place, mesh, outline};
@@ -19,22 +20,22 @@ use plotters::style::text_anchor::HPos;
 
 /// Largest number of cells in a figure.
 const MAX_CELLS: usize = 60;
-/// Gap between the panels of a row, and between rows, in drawing units (1/3 px).
+/// Gap between panels, in drawing units (1/3 px).
 const GAP: i32 = 66;
-/// Side length of a sample (a coloured square in the figure's key), in drawing units.
+/// Side length of the coloured squares in the key, in drawing units.
 const SAMPLE: i32 = 54;
 /// Smallest width of a panel, in drawing units.
 const NARROWEST: i32 = 588;
 /// Largest width of a panel, in drawing units.
 const WIDEST: i32 = 870;
-/// Largest ratio of the width and height of a panel.
+/// Largest ratio of the longer to the shorter side of a panel.
 const SLIMMEST: f64 = 3.0;
-/// Overlap of coloured rectangles, relative to the panel's size. Each rectangle extends under the rectangles that are
-/// painted after it, so that no seam is visible.
+/// Overlap of coloured rectangles, relative to the panel's size. Without it, thin gaps would be visible between
+/// neighbours.
 const OVERLAP: f64 = 0.004;
 /// Width of the lines that outline regions, in drawing units.
 const BOUNDARY: u32 = 5;
-/// Background of the sample of a boundary in the key. It is also light on a dark page.
+/// Background of the entry "true boundary" in the key. It stays light on a dark page.
 const PALE: Colour = Colour(243, 243, 243);
 
 /// Draws a figure of kind `class-map`.
@@ -67,7 +68,7 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     )
 }
 
-/// Subtitle with the settings that all panels share.
+/// Subtitle with the settings that are the same in all panels.
 fn subtitle(of: Request<'_>, shown: &[Shown<'_>]) -> String {
     let rows: Vec<usize> = shown.iter().map(|cell| cell.row).collect();
     let parts = selection::in_common(of.study, &rows);
@@ -81,23 +82,23 @@ fn subtitle(of: Request<'_>, shown: &[Shown<'_>]) -> String {
     phrases::sentence(&parts, &shown_of)
 }
 
-/// A row of panels.
+/// A row of panels, with its heading.
 struct PanelRow<'a> {
     heading: &'a str,
     panels: Vec<MapPanel<'a>>,
 }
 
-/// A map, and the column of panels in which it is drawn.
+/// The map that a panel shows, and the column of this panel.
 struct MapPanel<'a> {
     column: usize,
     title: &'a str,
     map: &'a CellMap,
-    /// Whether the map shows the true classes.
+    /// Whether the map shows the true classes instead of the estimated classes.
     is_truth: bool,
 }
 
-/// The panels of a row. The first column contains the map of the true classes. The column is empty if the row has no
-/// such map.
+/// The panels of a row. The map of the true classes is in the first column. If the row has no such map, this column is
+/// empty.
 fn panels<'a>(row: &'a CellRow<'a>) -> PanelRow<'a> {
     let truth = row.truth.map(|map| MapPanel {
         column: 0,
@@ -118,8 +119,8 @@ fn panels<'a>(row: &'a CellRow<'a>) -> PanelRow<'a> {
     }
 }
 
-/// The key of the maps: the classes that occur in them, in the order of the table of classes, and the boundary between
-/// true classes if a map has one.
+/// Key of the figure: the classes that occur in the maps, in the order of [`CLASSES`], and the boundary between true
+/// classes if there is one.
 fn key(lines: &[PanelRow<'_>]) -> Key {
     let maps = || {
         let panels = lines.iter().flat_map(|line| &line.panels);
@@ -150,9 +151,9 @@ pub(super) fn colour(class: Class) -> Colour {
     known.map_or(WHITE, |(_, colour)| *colour)
 }
 
-/// Positions and sizes of the panels.
+/// Positions and sizes of all panels, in drawing units.
 struct MapLayout {
-    /// Width of the image.
+    /// Width of the whole image.
     total: i32,
     columns: i32,
     /// Left edge of the first column.
@@ -166,7 +167,7 @@ struct MapLayout {
 }
 
 impl MapLayout {
-    /// The layout of the panels in `lines`, which has at least one row. `unit` is the unit of x and y.
+    /// Computes the layout of all rows of panels; there is at least one row. `unit` is the unit of x and y.
     fn of(lines: &[PanelRow<'_>], unit: &str) -> Self {
         let panels = || lines.iter().flat_map(|line| &line.panels);
         let x = range(panels().map(|panel| &panel.map.x));
@@ -251,7 +252,7 @@ impl MapLayout {
     }
 }
 
-/// Draws the squares of a map, and the boundaries between the true classes.
+/// Draws the squares of a map in the colours of their classes, and the boundaries between the true classes.
 fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
     let CellMap {
         side,
@@ -279,7 +280,7 @@ fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
     outline(panel)
 }
 
-/// The edges of the squares around these grid lines. An edge is halfway between two neighbouring lines.
+/// Edges of the squares that are centred on these grid lines. An edge is halfway between two neighbouring lines.
 fn ends(lines: &[f64]) -> Vec<f64> {
     let [first, .., last] = lines else {
         let only = lines.first().copied().unwrap_or(0.0);
@@ -293,7 +294,7 @@ fn ends(lines: &[f64]) -> Vec<f64> {
     [vec![before], inner, vec![after]].concat()
 }
 
-/// A scale that covers all squares of these maps.
+/// A scale that covers the squares of all maps.
 fn range<'a>(maps: impl Iterator<Item = &'a Vec<f64>>) -> Scale {
     let all: Vec<f64> = maps.flat_map(|lines| ends(lines)).collect();
     let low = all.iter().copied().fold(f64::INFINITY, f64::min);
@@ -306,24 +307,24 @@ const MAX_PER_ROW: usize = 5;
 /// Number of cells in a row if the values of a swept field do not fit into one row.
 const DEFAULT_PER_ROW: usize = 4;
 
-/// A cell that is drawn, with one of its rows in `cells.csv`.
+/// A cell whose map is drawn, with one of its rows in `cells.csv`.
 #[derive(Clone, Copy)]
 struct Shown<'a> {
     map: &'a CellMap,
     row: usize,
 }
 
-/// The cells of a row of panels.
+/// The cells that one row of panels shows.
 struct CellRow<'a> {
-    /// Settings that are the same for all cells of this row, but differ between rows.
+    /// Text of the swept values that all cells of this row share, but that differ between rows.
     heading: String,
-    /// Map of the true classes, if it differs from the true map of the rows above.
+    /// Map of the true classes; `None` if a row above already shows the same map.
     truth: Option<&'a CellMap>,
-    /// Cells of the row, each with the text of the settings in which it differs from the other cells.
+    /// Map of each cell, with the text of the swept values in which the cells of a row differ.
     cells: Vec<(String, &'a CellMap)>,
 }
 
-/// Arranges the cells (at least one) in rows.
+/// Arranges cells in rows of panels. There must be at least one cell.
 fn cell_rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<CellRow<'a>> {
     let rows: Vec<usize> = shown.iter().map(|cell| cell.row).collect();
     let varying: Vec<&Axis> = table
@@ -367,9 +368,8 @@ fn cell_rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<CellRow<'a>> {
     rows_of_cells
 }
 
-/// Axis whose values are placed side by side in a row of panels. It is the axis with the most values among the axes
-/// whose values fit into one row. If several axes have the same number of values, it is the last of these axes. If no
-/// axis fits, it is the last axis.
+/// The swept field whose values are side by side in a row of panels. Among the fields whose values fit into one row,
+/// it is the field with the most values; of several such fields, the last one. If no field fits, it is the last field.
 fn across<'a>(varying: &[&'a Axis], rows: &[usize]) -> Option<&'a Axis> {
     let count = |axis: &&&Axis| axis.among(rows).len();
     let fitting = varying.iter().filter(|axis| count(axis) <= MAX_PER_ROW);

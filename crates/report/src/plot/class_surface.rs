@@ -1,5 +1,5 @@
-//! Figures of the kind `class-surface`, which show the shape classes in the map of a cell on the fitted surface, in
-//! three dimensions.
+//! Figures of kind `class-surface`. They show the fitted surface of a cell in three dimensions, coloured by shape
+//! class.
 
 use super::captions::full_value;
 use super::class_grid::{self, CellMap, Class};
@@ -17,19 +17,19 @@ use plotters::style::Color;
 
 /// Largest number of surfaces in a figure.
 const MAX_SURFACES: usize = 6;
-/// Length of a sample in the key of the figure, in drawing units.
+/// Side length of the coloured squares in the key, in drawing units.
 const SAMPLE: i32 = 54;
-/// Share of the ink colour in the lines between the squares of a surface. The rest is the colour of the square.
+/// Share of the ink colour in the colour of the lines between squares. The rest is the colour of the square.
 const LINE_INK: f64 = 0.25;
 
-/// A fitted surface, given by the positions of the points in a map.
+/// A fitted surface: the positions of the points in the map of one cell.
 struct Surface<'a> {
     heading: String,
     map: &'a CellMap,
     places: Vec<Vector>,
 }
 
-/// Draws the surfaces of a plot, one below the other.
+/// Draws a figure of kind `class-surface`, with its surfaces below each other.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let maps = class_grid::read(of)?;
     let mapped: Vec<u64> = maps.cells.iter().map(|map| map.cell).collect();
@@ -84,7 +84,7 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     })
 }
 
-/// The positions of the points in each cell, in the order of the table.
+/// Positions of the points in the map of each cell, in the order of the table.
 fn places(of: Request<'_>) -> Result<Vec<(u64, Vec<Vector>)>, ReportError> {
     let table = Records::read(of.study.files(), "map.csv", &["cell", "x", "y", "z"])?;
     let table = table.filled()?;
@@ -103,13 +103,13 @@ fn places(of: Request<'_>) -> Result<Vec<(u64, Vec<Vector>)>, ReportError> {
     cells.iter().map(places).collect()
 }
 
-/// Subtitle of the figure: the settings that all surfaces have in common.
+/// Subtitle with the settings that are the same for all surfaces.
 fn subtitle(of: Request<'_>, rows: &[usize]) -> String {
     let parts = selection::in_common(of.study, rows);
     phrases::sentence(&parts, "fit of one trial per surface")
 }
 
-/// Key of the figure: the classes that occur on the surfaces, in the order of the table of classes.
+/// Key of the figure: the classes that occur on the surfaces, in the order of [`CLASSES`].
 fn key(surfaces: &[Surface<'_>]) -> Key {
     let named = CLASSES.iter().enumerate();
     let named = named.map(|(at, (name, _))| (Some(at), name.replace('-', " ")));
@@ -120,7 +120,7 @@ fn key(surfaces: &[Surface<'_>]) -> Key {
         .collect()
 }
 
-/// Draws a square around each point. Distant squares are drawn first, so that near squares cover the distant squares.
+/// Draws a square around each point of a surface. Distant squares are drawn first, so that near squares cover them.
 fn draw(space: &Space<'_>, surface: &Surface<'_>) -> Drawn {
     let side = surface.map.side;
     // Each corner of a square is the mean of the points around it.

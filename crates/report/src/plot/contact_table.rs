@@ -11,7 +11,7 @@ const TRACE: [&str; 10] = [
 /// Columns of `readings.csv` that are read.
 const READINGS: [&str; 4] = ["finger", "x", "y", "z"];
 
-/// Largest distance between two places that count as equal, relative to the size of the box around all contacts.
+/// Two positions count as equal if their distance is below this share of the size of the box around all contacts.
 const RELATIVE_TOLERANCE: f64 = 1e-6;
 
 /// A true contact of a fingertip with the object.
@@ -24,7 +24,7 @@ pub(crate) struct Touch {
     pub(crate) tip: Vector,
 }
 
-/// Contacts of one finger, and the readings of this finger if they differ from its contacts.
+/// True contacts of one finger, and its readings. The readings are empty if all readings equal the contacts.
 #[derive(Debug, Clone)]
 pub(crate) struct Finger {
     /// Name of the finger in the table.
@@ -33,29 +33,29 @@ pub(crate) struct Finger {
     pub(crate) readings: Vec<Vector>,
 }
 
-/// The contacts of one glide over the object.
+/// The contacts of all fingers in one glide.
 #[derive(Debug)]
 pub(crate) struct Contacts {
-    /// Unit of the places, as in the table; may be empty.
+    /// Unit of all positions, as the header states it; may be empty.
     pub(crate) unit: String,
-    /// At least one finger, each with at least one contact, in order of appearance.
+    /// The fingers in order of appearance. There is at least one finger, and each finger has at least one contact.
     pub(crate) fingers: Vec<Finger>,
-    /// Root-mean-square distance between readings and contacts. `None` if there are no readings, if they equal the
-    /// contacts, or if there are more or fewer readings than contacts.
+    /// Root-mean-square distance between readings and contacts. `None` if the readings equal the contacts, or if their
+    /// numbers differ.
     pub(crate) off: Option<f64>,
-    /// Whether the centres of the fingertips differ from the contacts.
+    /// Whether the centres of the fingertips are apart from the contacts.
     pub(crate) tips_apart: bool,
 }
 
 impl Touch {
-    /// End of a line that starts at the contact, follows the normal, and has this length.
+    /// End of a line of this length that starts at the contact and is parallel to the normal.
     pub(crate) fn along_normal(&self, length: f64) -> Option<Vector> {
         let normal = self.normal?;
         Some([0, 1, 2].map(|k| self.place[k] + length * normal[k]))
     }
 }
 
-/// Reads `trace.csv` and, if there is one, `readings.csv`.
+/// Reads `trace.csv` and, if it exists, `readings.csv`.
 pub(crate) fn read(files: &Files) -> Result<Contacts, ReportError> {
     let table = Records::read(files, "trace.csv", &TRACE)?.filled()?;
     let touch = |row: usize| -> Result<Touch, ReportError> {
@@ -93,7 +93,8 @@ pub(crate) fn read(files: &Files) -> Result<Contacts, ReportError> {
     })
 }
 
-/// Adds the readings to their fingers, unless the readings equal the contacts.
+/// Adds the readings to their fingers, unless they equal the contacts. Returns the root-mean-square distance between
+/// both.
 fn add_readings(
     files: &Files,
     fingers: &mut [Finger],

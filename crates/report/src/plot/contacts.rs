@@ -1,4 +1,4 @@
-//! Figures of kind `contacts`: paths, normals and readings of gliding fingers in 3D.
+//! Figures of kind `contacts`. They show paths, normals and readings of gliding fingers in three dimensions.
 
 use super::captions;
 use super::contact_table::{self, Contacts, Finger, Touch};
@@ -15,14 +15,14 @@ use palpate_study::number;
 use plotters::element::{Circle, PathElement};
 use plotters::style::Color;
 
-/// Length of the lines that show normals, relative to the larger horizontal side of the box around all contacts.
+/// Length of the lines that show normals, relative to the longer horizontal side of the box around all contacts.
 const STROKE: f64 = 0.09;
 /// Length of a sample in the key, in drawing units.
 const SAMPLE: i32 = 102;
 const PATH: u32 = 8;
 const FINE: u32 = 4;
 const DOT: u32 = 15;
-/// Draws the contacts of one glide over the object.
+/// Draws a figure of kind `contacts`.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     let contacts = contact_table::read(of.study.files())?;
     let words = of.words(subtitle(of, &contacts), Vec::new());
@@ -43,7 +43,7 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     })
 }
 
-/// Scales that cover everything in the figure, and the length of the lines along normals.
+/// Scales that cover everything in the figure, and the length of the lines that show normals.
 fn scales(contacts: &Contacts) -> ([Scale; 3], f64) {
     let touches = || contacts.fingers.iter().flat_map(|finger| &finger.touches);
     let mut places: Vec<Vector> = touches().map(|touch| touch.place).collect();
@@ -125,13 +125,13 @@ fn key(contacts: &Contacts) -> Key {
     entries
 }
 
-/// The contacts, and the 3D chart in which they are drawn.
+/// The contacts, and the three-dimensional chart in which they are drawn.
 struct Scene<'a> {
     space: Space<'a>,
     contacts: &'a Contacts,
     /// Height of the floor.
     floor: f64,
-    /// Length of a line along a normal.
+    /// Length of the lines that show normals.
     stroke: f64,
 }
 
@@ -160,8 +160,8 @@ impl Scene<'_> {
         order.try_for_each(|(number, finger)| self.finger(finger, Style::of(number)))
     }
 
-    /// Draws lines that connect the contacts that different fingers have at the same time. They show the surface
-    /// between the fingers.
+    /// Draws lines that connect the first contacts of all fingers, then the second contacts, and so on. They show the
+    /// shape of the surface between the fingers. Without equal numbers of contacts, no lines are drawn.
     fn links(&self) -> Drawn {
         let fingers = &self.contacts.fingers;
         let counts = fingers.iter().map(|finger| finger.touches.len());

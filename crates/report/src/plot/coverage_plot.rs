@@ -1,4 +1,4 @@
-//! Figure that compares the measured coverage of intervals with the stated coverage, with one panel per estimator.
+//! Figure of measured against stated coverage of intervals, with one panel per estimator.
 
 use super::drawing::Figure;
 use super::scale::Scale;
@@ -8,11 +8,11 @@ use super::style::{FRAME, Marker, Style};
 use crate::ReportError;
 use crate::interval_coverage::{Estimator, STATED};
 
-/// Range of the x axis, that is, of the stated coverage in percent.
+/// Range of the x axis, which shows the stated coverage in percent.
 const STATED_RANGE: [f64; 2] = [45.0, 99.0];
 
-/// Draws the share of the intervals that contain the true value. Points show the median over the cells of an estimator,
-/// and bars extend from the 5 % to the 95 % quantile.
+/// Draws the measured coverage, that is, the share of intervals that contain the true value. Each point is the median
+/// over the cells of an estimator; its bar extends from the 5 % to the 95 % quantile.
 pub(crate) fn figure(estimators: &[Estimator]) -> Result<Figure, ReportError> {
     let words = Words::new(
         "calibration-of-intervals",
@@ -69,7 +69,8 @@ fn panel(estimator: &Estimator) -> Content {
     }
 }
 
-/// Quantile of sorted numbers at the probability `share`, interpolated linearly; 0 without numbers.
+/// Quantile of sorted numbers, interpolated linearly. `share` is its probability. The result is 0 if there are no
+/// numbers.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else {
         return 0.0;

@@ -1,4 +1,4 @@
-//! The plot of a study that has no `[[plot]]`.
+//! The plot that is drawn for a study without a `[[plot]]` table.
 
 use crate::table::Axis;
 use crate::{ReportError, Study, Table};
@@ -6,19 +6,19 @@ use palpate_study::config::{self, PlotConfig, Scale};
 use palpate_study::{Quantity, QuantityKind, Statistic};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Quantities for the default plot, in order of preference.
+/// Quantities that the default plot may show, in order of preference.
 const PREFERRED: [Quantity; 2] = [Quantity::OBJECT_CURVATURE, Quantity::MEAN_CURVATURE];
 /// An axis is logarithmic if the ratio of its largest to its smallest value exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
 
-/// The default plot: the relative rms error of the object's curvature over the first swept field. It has one line per
-/// value of the second swept field, and one panel per value of the third. Of all further fields, only the first value
-/// is plotted. A field that varies together with an earlier field is ignored. `None` if no field is swept, or if no
-/// statistic is defined.
+/// The default plot. It shows the relative rms error of the object's curvature over the first swept field. It has one
+/// line per value of the second swept field, and one panel per value of the third. For every further field, only the
+/// first value is plotted. A field that does not vary independently of the earlier fields is ignored. `None` if no
+/// field is swept, or if no statistic is defined.
 ///
 /// If the study does not estimate the object's curvature, the plot shows the mean curvature, or else the first
-/// quantity. If the true value is 0 or varies, the plot shows the rms error. If the quantity is not estimated, it shows
-/// the mean.
+/// quantity. If the true value is 0 or varies, the plot shows the rms error. If the quantity is not estimated, it
+/// shows the mean.
 pub(crate) fn plot(study: &Study) -> Result<Option<PlotConfig>, ReportError> {
     let table = study.cells();
     let is_first = |first: &&Quantity| table.quantities().values().contains(&first.name.to_owned());
@@ -81,7 +81,7 @@ pub(crate) fn plot(study: &Study) -> Result<Option<PlotConfig>, ReportError> {
     }))
 }
 
-/// Whether an axis has several values among rows that have equal values on the axes `others`.
+/// Whether an axis has different values in rows that agree on all axes in `others`.
 fn adds_variation(axis: &Axis, others: &[&Axis], rows: &[usize]) -> bool {
     let mut known: BTreeMap<Vec<&str>, BTreeSet<&str>> = BTreeMap::new();
     for &row in rows {
@@ -91,7 +91,8 @@ fn adds_variation(axis: &Axis, others: &[&Axis], rows: &[usize]) -> bool {
     known.values().any(|values| values.len() > 1)
 }
 
-/// The first statistic, in order of preference, that has a value in one of these rows.
+/// The statistic that the default plot shows: the first one, in order of preference, that has a value in one of these
+/// rows.
 fn statistic(table: &Table, quantity: &str, rows: &[usize]) -> Option<&'static str> {
     let is_estimated =
         Quantity::named(quantity).is_none_or(|known| known.kind == QuantityKind::Estimated);

@@ -1,6 +1,6 @@
-//! Figure of the answer of `palpate design`: the values of the searched field that meet the target. If a single field
-//! varies, the target's statistic and its limit are plotted over this field. If several fields vary, the searched field
-//! is plotted over another field.
+//! Figure of the answer of `palpate design`: the values of the searched field that meet the target. If only one field
+//! is varied, the target's statistic is plotted over this field. If several fields are varied, the searched field is
+//! plotted over another field.
 
 use super::drawing::Figure;
 use super::scale::{Scale, Spacing};
@@ -13,24 +13,24 @@ use crate::ReportError;
 use palpate_study::Label;
 use plotters::style::Color;
 
-/// The answer of `palpate design`, as data for the figure.
+/// The answer of `palpate design`, in the form that [`design_figure`] draws.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignFigure {
     /// Name of the figure's files, without extension.
     pub name: String,
     /// Title of the figure.
     pub title: String,
-    /// Line below the title, which describes the target.
+    /// Line of text below the title, which describes the target.
     pub subtitle: String,
-    /// Notes below the image.
+    /// Lines of text below the image.
     pub notes: Vec<String>,
-    /// The searched field.
+    /// Axis of the searched field.
     pub searched: FieldAxis,
-    /// The values of the searched field that meet the target.
+    /// The plot, which shows the values of the searched field that meet the target.
     pub chart: DesignChart,
 }
 
-/// Axis of a field's values.
+/// Axis that shows the values of a field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldAxis {
     /// Label of the field, with its unit.
@@ -39,35 +39,35 @@ pub struct FieldAxis {
     pub is_log: bool,
     /// Smallest and largest value of the range.
     pub ends: (f64, f64),
-    /// Names of the listed values; empty for a range. If there are names, a value on the axis is an index into this
-    /// list.
+    /// Names of the values, if the field has a list of values; empty if it has a range. With names, a value on the
+    /// axis is an index into this list.
     pub names: Vec<String>,
 }
 
-/// Content of the figure.
+/// The plot of an answer: of one or of several varied fields.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DesignChart {
-    /// The target's statistic is drawn over the searched field.
+    /// Plot for one varied field: the target's statistic over the searched field.
     Curve(DesignCurve),
-    /// The searched field is drawn over another field.
+    /// Plot for several varied fields: the searched field over another field.
     Map(DesignMap),
 }
 
-/// Plot of the target's statistic against the searched field.
+/// Plot of the target's statistic over the searched field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignCurve {
     /// Label of the statistic, with its unit.
     pub statistic: Label,
-    /// Limit of the statistic, and the label of the limit's line.
+    /// Limit of the statistic, and the label of the line that shows the limit.
     pub limit: (f64, String),
-    /// The statistic in each cell, as one line per cell.
+    /// One line per cell, which shows the statistic of this cell.
     pub lines: Vec<CurveLine>,
-    /// Ranges of values that meet or miss the target, in ascending order. For the values between these ranges, it is
-    /// undecided whether they meet the target.
+    /// Ranges of values that meet the target and ranges of values that miss it, in ascending order. Values between
+    /// these ranges are undecided.
     pub runs: Vec<Stretch>,
 }
 
-/// Statistic of one cell as a function of the field.
+/// Statistic of one cell over the searched field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurveLine {
     /// Name of the cell; empty if there is only one cell.
@@ -76,7 +76,7 @@ pub struct CurveLine {
     pub points: Vec<CurvePoint>,
 }
 
-/// Value of a statistic at one value of the field, in the unit of the tables.
+/// Value of the statistic at one value of the field. Both are in the units of the tables.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint {
     /// Value of the field.
@@ -85,54 +85,54 @@ pub struct CurvePoint {
     pub y: f64,
     /// Standard error of the statistic.
     pub std: f64,
-    /// Whether so many trials failed that the statistic represents only the successful trials.
+    /// Whether so many trials failed that the statistic describes only the successful trials.
     pub is_of_survivors: bool,
 }
 
-/// Map of the searched field over another field.
+/// Plot of the searched field over another field, as a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignMap {
     /// The other field.
     pub other: FieldAxis,
-    /// Panels of the map; at least one.
+    /// Panels of the map. There is at least one panel.
     pub panels: Vec<MapPanel>,
-    /// Label of the best value; `None` if no value is marked.
+    /// Label of the best value; `None` if no best value is marked.
     pub best: Option<String>,
 }
 
-/// Map of the searched field over the other field, for fixed values of all further fields.
+/// Map of the searched field over the other field. All further fields have fixed values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapPanel {
-    /// Text of the values of the further fields; may be empty.
+    /// Text with the values of the further fields; may be empty.
     pub title: String,
-    /// Values of the other field in ascending order, each with the ranges of the searched field, as in
+    /// Each value of the other field, in ascending order, with the ranges of the searched field as in
     /// [`DesignCurve::runs`].
     pub columns: Vec<(f64, Vec<Stretch>)>,
-    /// Best value, if it is in this panel: the value of the other field and the value of the searched field.
+    /// Best value, if it is in this panel: first the value of the other field, then the value of the searched field.
     pub best: Option<(f64, f64)>,
 }
 
-/// A range of values that all meet or all miss the target.
+/// A range of values that all meet the target, or all miss it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
     /// Lower end of the range.
     pub from: f64,
     /// Upper end of the range.
     pub to: f64,
-    /// Whether the values meet the target; if not, they miss it.
+    /// Whether the values meet the target (true) or miss it.
     pub meets: bool,
 }
 
 /// Background colour where values meet the target (blue).
 const MEETS: Colour = Colour(190, 220, 242);
-/// Background colour where it is undecided whether values meet the target. This grey differs in lightness from the
-/// other backgrounds.
+/// Background colour where it is undecided whether values meet the target. This grey has another lightness than the
+/// other backgrounds, so it differs from them in a grey print too.
 const OPEN: Colour = Colour(226, 226, 226);
 /// Background colour where values miss the target.
 const MISSES: Colour = WHITE;
-/// Width of the limit line.
+/// Width of the line that shows the limit, in drawing units (1/3 px).
 const LIMIT: u32 = 6;
-/// Marker of a point on the boundary of the target.
+/// Marker of a point where values begin to meet the target.
 const CROSSING: Style = Style {
     colour: INK,
     marker: Marker::Circle,
@@ -143,16 +143,17 @@ const BEST: Style = Style {
     marker: Marker::Diamond,
 };
 const BEST_SIZE: f64 = 36.0;
-/// Share of the panel by which a single value is widened to each side, so that it is visible.
+/// A single value is drawn as a thin area, so that it is visible. This is half the width of the area, relative to the
+/// panel.
 const HALF_WIDTH: f64 = 0.003;
-/// Half the width of a column without neighbours, relative to the panel's width.
+/// Half the width of the area at a single value of the other field, relative to the panel's width.
 const ALONE: f64 = 0.03;
 /// The axis of the statistic is logarithmic if the ratio of its largest to its smallest value exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;
 
-/// Draws the answer of a design. The background is blue where values meet the target and grey where they are undecided.
-/// For a single field, the figure shows the statistic with 95 % bars, and the limit as a dashed line. For several
-/// fields, it shows the contour on which the target is just met.
+/// Draws the answer of `palpate design`. The background is blue where values meet the target, and grey where this is
+/// undecided. For one varied field, the figure shows the statistic with 95 % intervals, and the limit as a dashed line.
+/// For several varied fields, it shows the contour on which the target is just met.
 ///
 /// ```
 /// use palpate_report::{
@@ -364,7 +365,7 @@ impl FieldAxis {
         Scale::around(self.spacing(), ends)
     }
 
-    /// Factor that converts values of the field to displayed numbers.
+    /// Factor by which values of the field are multiplied to get the displayed numbers.
     fn factor(&self) -> f64 {
         match self.names.is_empty() {
             true => self.label.factor,
@@ -373,23 +374,22 @@ impl FieldAxis {
     }
 }
 
-/// Ranges of the searched field's values, plotted over the values of another field. `along` is the scale of the
-/// searched field. Positions on both scales are from 0 to 1.
+/// Converts ranges of the searched field to areas and lines in a panel. `along` is the scale of the searched field,
+/// and `across` that of the other field. Positions on both scales are from 0 to 1.
 struct Bands<'a> {
     field: &'a FieldAxis,
     along: Scale,
     across: Scale,
-    /// Whether the searched field is on the x axis.
+    /// Whether the x axis shows the searched field.
     is_along_x: bool,
 }
 
-/// Ranges of the searched field at one value of the other field. The values of a range all meet the target or all miss
-/// it.
+/// Ranges of the searched field at one value of the other field.
 struct Column {
     at: f64,
-    /// Whether each range meets the target.
+    /// Whether the values of each range meet the target (true) or miss it.
     sides: Vec<bool>,
-    /// Positions of both ends of each range.
+    /// Positions of both ends of each range on the scale of the searched field.
     runs: Vec<[f64; 2]>,
 }
 
@@ -403,7 +403,7 @@ impl Bands<'_> {
         }
     }
 
-    /// Positions of both ends of a range of values of the searched field.
+    /// Positions of both ends of a range of the searched field.
     fn ends(&self, (from, to): (f64, f64)) -> [f64; 2] {
         let half = if self.field.names.is_empty() {
             0.0
@@ -413,14 +413,14 @@ impl Bands<'_> {
         [from - half, to + half].map(|value| self.along.place(value * self.field.factor()))
     }
 
-    /// Whether two columns have the same sequence of ranges that meet and miss the target. Only such columns may be
-    /// joined by contours and areas.
+    /// Whether two columns have the same sequence of ranges that meet and ranges that miss the target. Only such
+    /// columns are connected by areas and contours.
     fn are_alike(&self, is_named: bool, one: &Column, other: &Column) -> bool {
         !is_named && self.field.names.is_empty() && one.sides == other.sides
     }
 
-    /// Background areas. They extend from a column to a neighbour with the same sequence of ranges. If the neighbour
-    /// has another sequence, they end in the middle between the two.
+    /// Background areas. If a column and its neighbour have the same sequence of ranges, the areas connect both
+    /// columns. Otherwise, the areas of a column end halfway to its neighbour.
     fn grounds(&self, columns: &[Column], is_named: bool) -> Vec<(Vec<(f64, f64)>, Colour)> {
         let mut grounds = Vec::new();
         let pairs = columns.windows(2);
@@ -449,8 +449,8 @@ impl Bands<'_> {
         grounds
     }
 
-    /// Adds the background areas between two columns: the ranges of column `one` are at `left`, the ranges of column
-    /// `other` at `right`.
+    /// Adds the background areas between two columns. The ranges of `one` are drawn at `left`, the ranges of `other`
+    /// at `right`.
     fn between(
         &self,
         (left, one): (f64, &Column),
@@ -482,8 +482,8 @@ impl Bands<'_> {
         }
     }
 
-    /// Contours that join the crossings of neighbouring columns with the same sequence of ranges. At each crossing, a
-    /// bar covers the undecided range.
+    /// Contours on which the target is just met. They connect neighbouring columns with the same sequence of ranges.
+    /// At each column, a bar shows the undecided range.
     fn contours(&self, columns: &[Column], is_named: bool) -> Vec<Line> {
         let crossings = |column: &Column| -> Vec<[f64; 2]> {
             let sides = column.sides.windows(2);
@@ -515,8 +515,7 @@ impl Bands<'_> {
         contours
     }
 
-    /// The point at the position `across` on the scale of the other field, and at `along` on the scale of the searched
-    /// field.
+    /// Point at these positions on the scales of the other field and of the searched field.
     fn at(&self, (across, along): (f64, f64)) -> (f64, f64) {
         let [across, along] = [(&self.across, across), (&self.along, along)]
             .map(|(scale, position)| scale.value(position.clamp(0.0, 1.0)));

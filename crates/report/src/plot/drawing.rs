@@ -1,4 +1,4 @@
-//! A figure: its shapes, drawn with the plotters library, and the SVG and PNG images of these shapes.
+//! A figure, and the drawing from which its SVG and its PNG are made.
 
 use super::style::{Colour, WHITE};
 use crate::ReportError;
@@ -11,13 +11,14 @@ use plotters_backend::{
 use std::convert::Infallible;
 use std::io;
 
-/// Number of drawing units per pixel. The plotters library uses integer coordinates, so a unit of one pixel would be
-/// too coarse.
+/// Number of drawing units per pixel. The plotters library uses integer coordinates, and whole pixels would be too
+/// coarse.
 const DETAIL: u32 = 3;
-/// The SVG backend divides a font size by this number to compute the em, which is the nominal height of the font.
+/// The plotters library's SVG backend divides a font size by this number to get the em. The em is the nominal height
+/// of the font.
 const EM: f64 = 1.24;
-/// Distance by which text is moved down, in ems. With it, capital letters and digits are centred vertically; without
-/// it, the SVG backend centres lower-case letters.
+/// Distance by which text is moved down, in ems. This centres capital letters and digits vertically; the SVG backend
+/// alone centres lower-case letters.
 const SINK: f64 = 0.09;
 /// Distance between lines of text, as a multiple of the font size.
 pub(crate) const LEADING: f64 = 1.35;
@@ -35,13 +36,13 @@ pub struct Figure {
     pub name: String,
     /// Title, which is also drawn in the image.
     pub title: String,
-    /// The image as SVG. Text is stored as text, so a viewer displays it in its own sans-serif font.
+    /// The image as SVG. Its texts are stored as texts, so a viewer displays them in its own sans-serif font.
     pub svg: String,
     drawing: Drawing,
 }
 
 impl Figure {
-    /// Creates a figure from a drawing.
+    /// Makes a figure from a drawing.
     pub(crate) fn new(name: String, title: String, drawing: Drawing) -> Result<Self, ReportError> {
         let svg = drawing.svg(&title).map_err(|error| ReportError::Draw {
             path: format!("{name}.svg").into(),
@@ -60,10 +61,9 @@ impl Figure {
         f64::from(self.drawing.size.0.div_ceil(DETAIL))
     }
 
-    /// The image as PNG data, with the built-in fonts. It has the same size in pixels as the SVG.
+    /// The image as PNG, with the built-in fonts. It has the same size in pixels as the SVG.
     ///
-    /// # Errors
-    /// [`ReportError`] if the image is too large.
+    /// # Errors [`ReportError`] if the image is too large.
     #[cfg(feature = "png")]
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
         self.drawing.png().map_err(|message| ReportError::Draw {
@@ -75,8 +75,8 @@ impl Figure {
 
 /// The shapes of a figure, from bottom to top.
 ///
-/// It is a backend of the plotters library that records shapes. Therefore the height of an image may depend on its
-/// content, and a PNG is created only if it is needed.
+/// This is a backend of the plotters library that only records shapes. The images are made later, so the height of a
+/// figure can depend on its content, and a PNG is made only on request.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Drawing {
     /// Width and height of the image in drawing units.
@@ -84,24 +84,24 @@ pub(crate) struct Drawing {
     shapes: Vec<Shape>,
 }
 
-/// A shape in one colour.
+/// A shape with one colour.
 #[derive(Debug, Clone, PartialEq)]
 struct Shape {
     form: Form,
     colour: Colour,
-    /// Tooltip; may be empty.
+    /// Tooltip of the shape; may be empty.
     title: String,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 enum Form {
-    /// A line through points, and its width.
+    /// A line: its points and its width.
     Line(Vec<BackendCoord>, u32),
     Polygon(Vec<BackendCoord>),
     /// A disc: its centre and its radius.
     Disc(BackendCoord, u32),
-    /// A line of text. The numbers are the position of a point at half the text's height, the font's em, and the share
-    /// of the text's width that is to the left of this point.
+    /// A line of text, with the position of an anchor point, the em of the font, and a share. The anchor is at half
+    /// the text's height; the share of the text's width is to the left of the anchor.
     Text(String, BackendCoord, f64, f64),
 }
 
@@ -116,7 +116,7 @@ impl Drawing {
         }
     }
 
-    /// Adds a tooltip to the topmost shape.
+    /// Sets the tooltip of the shape that was drawn last.
     pub(crate) fn title(&mut self, words: &str) {
         if let Some(shape) = self.shapes.last_mut() {
             words.clone_into(&mut shape.title);
@@ -135,7 +135,7 @@ impl Drawing {
         Ok(())
     }
 
-    /// SVG of the image on a white background, with a label for screen readers.
+    /// The image as SVG on a white background. Screen readers read `label`.
     fn svg(&self, label: &str) -> Result<String, DrawingErrorKind<io::Error>> {
         let mut text = String::new();
         {
@@ -170,7 +170,7 @@ impl Drawing {
         Ok(self.named(&text, label))
     }
 
-    /// The SVG of the backend, to which the size in pixels, the label and the tooltips of the shapes are added.
+    /// Adds the size in pixels, the label and the tooltips of the shapes to the SVG of the backend.
     fn named(&self, svg: &str, label: &str) -> String {
         let (width, height) = (self.size.0 / DETAIL, self.size.1 / DETAIL);
         let label = escaped(label);
@@ -199,7 +199,7 @@ impl Drawing {
         named
     }
 
-    /// PNG data of the image on a white background. The image is drawn at `DETAIL` times its size and then scaled down.
+    /// The image as PNG data on a white background. It is drawn in `DETAIL` times its size and then reduced.
     #[cfg(feature = "png")]
     fn png(&self) -> Result<Vec<u8>, String> {
         use plotters::backend::BitMapBackend;
@@ -329,7 +329,7 @@ impl DrawingBackend for Drawing {
         self.push(polygon, style.color())
     }
 
-    /// Records each line of the text as a shape. The lines are below each other.
+    /// Records each line of a text as a shape. The lines are drawn below each other.
     fn draw_text<S: BackendTextStyle>(
         &mut self,
         text: &str,
@@ -361,7 +361,7 @@ impl DrawingBackend for Drawing {
     }
 }
 
-/// The text with SVG's reserved characters escaped.
+/// Replaces the reserved characters of SVG in a text by their escape sequences.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

@@ -1,4 +1,4 @@
-//! Heat maps of a share (for example a probability) for every pair of items, drawn as squares.
+//! Heat maps. A heat map shows a share, such as a probability, for every pair of items.
 
 use super::chart::{Place, mesh};
 use super::drawing::Figure;
@@ -13,31 +13,31 @@ use plotters::element::Rectangle;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-/// Data of a heat map: a share for every pair of items, for example of objects.
+/// Content of a heat map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Heat {
     /// Name of the figure's files, without extension.
     pub name: String,
     /// Title of the figure.
     pub title: String,
-    /// Line below the title, which explains the shares.
+    /// Line of text below the title, which explains the shares.
     pub subtitle: String,
-    /// Label of the field whose values are the names of the rows and columns.
+    /// Label of the field whose values name the rows and columns.
     pub axis: String,
     /// The panels of the heat map.
     pub panels: Vec<HeatPanel>,
-    /// Notes below the image.
+    /// Lines of text below the image.
     pub notes: Vec<String>,
 }
 
-/// One panel of a heat map, with a share for every pair of its items.
+/// One panel of a heat map: some items, and a share for every pair of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatPanel {
-    /// Text of the settings that all items share; may be empty.
+    /// Text with the settings that all items share; may be empty.
     pub title: String,
     /// Names of the items.
     pub names: Vec<String>,
-    /// Shares from 0 to 1, row by row; `None` for a pair without a share.
+    /// Shares from 0 to 1, row by row. `None` if a pair has no share.
     pub shares: Vec<Vec<Option<f64>>>,
 }
 
@@ -49,9 +49,9 @@ const MAX_PANELS: usize = 24;
 const LARGE: i32 = 222;
 /// Side of a square without a number, in drawing units.
 const SMALL: i32 = 66;
-/// Largest number of items in a panel whose squares have numbers.
+/// Largest number of items in a panel for which the squares contain numbers.
 const MAX_NUMBERED: usize = 12;
-/// Largest width of a name, in drawing units.
+/// Largest width of the name of an item, in drawing units.
 const NAME: i32 = 510;
 /// Gap between panels, in drawing units.
 const GAP: i32 = 102;
@@ -59,14 +59,16 @@ const GAP: i32 = 102;
 const BESIDE: i32 = 12;
 /// Width of a sample in the key, in drawing units.
 const SAMPLE: i32 = 78;
-/// If a share exceeds this value, its square is so dark that the number is white.
+/// Share above which a square is so dark that its number is written in white.
 const MIN_DARK: f64 = 0.6;
 /// Fill colour of squares without a share.
 const NONE: Colour = Colour(236, 236, 236);
-/// Fill colour of squares with a share of 1. Colour-blind readers and readers of grey prints can distinguish this blue.
+/// Fill colour of squares with a share of 1. Colour-blind readers can distinguish this blue from the light squares,
+/// also in a grey print.
 const ALL: Colour = Colour(8, 48, 107);
 
-/// Draws each share as a square. Larger shares are darker. If there are few squares, each shows its share in percent.
+/// Draws each share as a square. A larger share is darker. If there are few items, each square also contains its share
+/// in percent.
 ///
 /// ```
 /// use palpate_report::{Heat, HeatPanel, heat_figure};
@@ -135,7 +137,7 @@ pub fn heat_figure(heat: &Heat) -> Result<Figure, ReportError> {
     })
 }
 
-/// Draws a panel whose squares start at the upper left `corner`. Returns the position of the lower edge of its labels.
+/// Draws a panel whose squares begin at the upper left `corner`. Returns the lower edge of its labels.
 fn draw(panel: &HeatPanel, sheet: &Sheet, corner: Point, side: i32) -> Drawn<i32> {
     let mut names = panel.names.clone();
     // If the squares are smaller than the text, only some of the names fit beside them.
@@ -176,7 +178,7 @@ fn draw(panel: &HeatPanel, sheet: &Sheet, corner: Point, side: i32) -> Drawn<i32
     Ok(corner.1 + high + below)
 }
 
-/// A share in percent. The text is 100 % only for a share of exactly 1.
+/// A share in percent. A share below 1 is never rounded to 100 %.
 fn in_percent(share: f64) -> String {
     match 100.0 * share {
         percent if percent < 99.5 => format!("{percent:.0} %"),

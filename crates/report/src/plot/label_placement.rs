@@ -1,36 +1,35 @@
-//! Places labels beside points such that no label covers another label or a point.
+//! Places labels beside points, so that labels cover neither each other nor points.
 
 use super::lettering::width;
 use super::sheet::Point;
 
 /// Font size of a label, in drawing units (1/3 px).
 pub(super) const NAME: i32 = 45;
-/// Possible distances between a label and its point, in drawing units (1/3 px).
+/// Distances from its point at which a label may be placed, in drawing units (1/3 px).
 const DISTANCES: [i32; 9] = [27, 54, 90, 135, 186, 246, 315, 390, 480];
-/// If a label is farther from its point than this distance (in drawing units), a line connects them.
+/// Largest distance of a label from its point without a line between them, in drawing units.
 const MAX_WITHOUT_LEADER: i32 = 60;
-/// Number of distances (of the list above) that are tried for the label of a point that is not on the Pareto front.
+/// Number of the smallest [`DISTANCES`] that are tried for the label of a point that is not on the Pareto front.
 const BESIDE: usize = 2;
-/// Number of directions from its point in which a label may be placed.
+/// Number of directions that are tried for a label.
 const DIRECTIONS: usize = 24;
-/// Half the height of a label with the space around it, in drawing units.
+/// Half the height of a label including the space around it, in drawing units.
 const HALF: i32 = 28;
 /// Half the side of the square around a point that labels should not cover, in drawing units.
 const POINT: i32 = 18;
 
-/// Penalty for each other label that is covered by a label, or whose leader (the line to its point) is covered.
-/// Penalties are in units of the distance of a label from its point.
+/// Penalty for each other label that a label covers, and for each leader that it covers. A leader is the line from a
+/// point to its label. Penalties are in the same unit as the distance of a label from its point.
 const HIDES_NAME: i32 = 3_000_000;
-/// Penalty for each label that is crossed by the leader of another label, that is, by the line from this other label to
-/// its point.
+/// Penalty for each other label that the leader of a label crosses.
 const LEADER_CROSSES_NAME: i32 = 1_000_000;
 /// Penalty for each point on the Pareto front that a label covers.
 const HIDES_POINT: i32 = 300_000;
 /// Penalty for a label that extends beyond the frame.
 const OUTSIDE: i32 = 30_000_000;
-/// Penalty for each line of the Pareto front that a label crosses.
+/// Penalty for each segment of the Pareto front that a label crosses.
 const CROSSES_FRONT: i32 = 90;
-/// Penalty for each point that a label covers and that is not on the Pareto front.
+/// Penalty for each point below the Pareto front that a label covers.
 const HIDES_BEATEN: i32 = 90;
 /// Penalty for each error bar that a label covers.
 const HIDES_BAR: i32 = 90;
@@ -38,9 +37,9 @@ const HIDES_BAR: i32 = 90;
 /// A label at its final place.
 pub(super) struct PlacedLabel {
     pub(super) text: String,
-    /// Left end of the label, at half its height.
+    /// Left end of the label's text, at half its height.
     pub(super) place: Point,
-    /// Line from the point to the label, if the label is far from its point.
+    /// Line from the point to the label; `None` if the label is close to its point.
     pub(super) leader: Option<[Point; 2]>,
     pub(super) bounds: Bounds,
     /// Whether the label's point is on the Pareto front.
@@ -82,9 +81,9 @@ impl Bounds {
     }
 }
 
-/// Places the labels of points within a frame, one after another. The labels of points on the Pareto front are placed
-/// first, where they cover the fewest items. The labels of other points are placed only if there is space. Labels also
-/// avoid `bars`.
+/// Places labels within a frame, one after another. Labels of points on the Pareto front are placed first, where their
+/// penalty is smallest. Labels of the points in `beaten`, which are not on the front, are placed only where there is
+/// space. Labels also avoid `bars`.
 pub(super) fn place(
     front: &[(String, Point)],
     beaten: &[(String, Point)],
@@ -130,8 +129,7 @@ pub(super) fn place(
     names
 }
 
-/// A possible place of a label, at `distance` from its point and in the direction with the index `at`. Direction 0 is
-/// to the right.
+/// Rectangle of a label at `distance` from its point. `at` is the index of the direction; direction 0 is to the right.
 fn candidate((x, y): Point, half_width: i32, distance: i32, at: usize) -> (i32, Bounds) {
     let angle = std::f64::consts::TAU * at as f64 / DIRECTIONS as f64;
     let (sine, cosine) = libm::sincos(angle);
@@ -143,7 +141,7 @@ fn candidate((x, y): Point, half_width: i32, distance: i32, at: usize) -> (i32, 
     (distance, Bounds::around(centre, (half_width, HALF)))
 }
 
-/// Penalty of a possible place, for all items that a label would cover or cross there.
+/// Sum of the penalties of a label with these bounds.
 fn hidden(
     bounds: &Bounds,
     own: Point,

@@ -1,4 +1,4 @@
-//! Layout of text in the built-in fonts: width, line breaks and pixels.
+//! Measures and draws text in the built-in fonts: its width, its line breaks and its pixels.
 
 use ab_glyph::{Font, FontRef};
 use std::sync::LazyLock;
@@ -14,16 +14,17 @@ static OUTLINES: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
     fonts.filter_map(Result::ok).collect()
 });
 
-/// Factor by which text may be wider in an SVG viewer than here, because the viewer uses its own sans-serif font.
+/// Reserve for the width of a text: a viewer of the SVG uses its own sans-serif font, which may be wider by this
+/// factor.
 const ROOM: f64 = 1.12;
 
-/// Width of `text` at a font size of `em`. It includes space for a wider font.
+/// Width of `text` at the font size `em`, with a reserve for a wider font.
 pub(crate) fn width(text: &str, em: i32) -> i32 {
     (ROOM * f64::from(em) * set(text, |_, _, _| ())).ceil() as i32
 }
 
-/// Lays out a text. Calls `place` with each letter, its font, and its distance from the start in ems. Returns the width
-/// in ems.
+/// Computes the position of each letter of a text. Calls `place` with its font, the letter, and its distance from the
+/// start of the text in ems. Returns the width of the text in ems.
 fn set(text: &str, mut place: impl FnMut(&FontRef<'_>, char, f64)) -> f64 {
     let mut end = 0.0;
     let mut before = None;
@@ -43,8 +44,8 @@ fn set(text: &str, mut place: impl FnMut(&FontRef<'_>, char, f64)) -> f64 {
     end
 }
 
-/// Calls `pixel` with the position and the coverage of each pixel of a text. The point (`x`, `base`) is on the base
-/// line of the text, and the share `before` of the text's width is to the left of this point.
+/// Calls `pixel` with the position and the coverage of each pixel of a text. The anchor (`x`, `base`) is on the base
+/// line of the text. The share `before` of the text's width is to the left of the anchor.
 #[cfg(feature = "png")]
 pub(crate) fn pixels(
     text: &str,
@@ -72,7 +73,7 @@ pub(crate) fn pixels(
     });
 }
 
-/// Breaks `text` into lines with a width of at most `limit`. A word that is wider than `limit` is on its own line.
+/// Breaks `text` into lines that are at most `limit` wide. A word that is wider than `limit` gets its own line.
 pub(crate) fn wrap(text: &str, em: i32, limit: i32) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

@@ -1,4 +1,4 @@
-//! Figures of kind `lines`, which show statistics of `cells.csv`.
+//! Figures of kind `lines`. They show statistics of `cells.csv` as lines.
 
 use super::captions::{self, full_value, short_value};
 use super::drawing::Figure;
@@ -19,10 +19,10 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     Lines::new(&selection)?.figure()
 }
 
-/// Share of failed trials above which a point is circled, because it represents only the successful trials.
+/// Share of failed trials above which a point is circled, because it describes only the successful trials.
 const MAX_FAILED: f64 = 0.05;
 
-/// Points that are not drawn: for each reason, the number of points, and the series to which they belong.
+/// Points that cannot be drawn: for each reason, the number of points and the series to which they belong.
 type Skipped<'a> = BTreeMap<&'static str, (usize, Vec<&'a str>)>;
 
 /// The selected rows of a table, with the labels of their columns.
@@ -142,8 +142,8 @@ impl<'a> Lines<'a> {
         [named.unwrap_or(x), y]
     }
 
-    /// The lines of one panel, in the order of the legend. Each line may be followed by a dashed line, which shows the
-    /// statistic that is compared with it.
+    /// The lines of one panel, in the order of the legend. A line may be followed by a dashed line, which shows the
+    /// statistic to compare with it.
     fn lines(&self, rows: &[usize], skipped: &mut Skipped<'a>) -> Vec<Line> {
         let series: Vec<(Style, Vec<usize>)> = match self.of.series {
             None => vec![(Style::of(0), rows.to_vec())],
@@ -211,7 +211,7 @@ impl<'a> Lines<'a> {
         runs.map(drawn).filter(|run| !run.is_empty()).collect()
     }
 
-    /// 95 % intervals of the points of `rows` that are drawn, computed from the Monte Carlo error.
+    /// 95 % intervals of those points of `rows` that can be drawn. The intervals come from the Monte Carlo error.
     fn bars(&self, rows: &[usize]) -> Vec<(f64, [f64; 2])> {
         let [across, up] = self.spacing;
         let bar = |&row: &usize| {
@@ -224,7 +224,7 @@ impl<'a> Lines<'a> {
         rows.iter().filter_map(bar).collect()
     }
 
-    /// Whether so many trials of `row` failed that its statistics represent only the successful trials.
+    /// Whether so many trials of `row` failed that its statistics describe only the successful trials.
     fn is_of_survivors(&self, row: usize) -> bool {
         let count = |name| self.of.table.statistic(row, name).unwrap_or(0.0);
         let is_of_trials = !["failures", "trials"].contains(&self.of.y);
@@ -256,7 +256,7 @@ impl<'a> Lines<'a> {
         [axis('x', x, &self.x), axis('y', y, &self.y)]
     }
 
-    /// The reference points of the config, each in its panel.
+    /// The reference points that the config states for this plot.
     fn points(&self) -> Result<Points, ReportError> {
         let Selection {
             of,
@@ -302,7 +302,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// Text with the settings that do not vary, and with the number of trials per point.
+    /// Text with the fixed settings and the number of trials per point.
     fn subtitle(&self) -> String {
         let Selection {
             of, table, rows, ..
@@ -321,8 +321,7 @@ impl<'a> Lines<'a> {
         phrases::sentence(&fixed, &phrases::sample(trials, "point"))
     }
 
-    /// Notes below the figure: about points that are not drawn (with the reasons), circles, error bars and failed
-    /// trials.
+    /// Notes below the figure: about points that are not drawn, circles, error bars and failed trials.
     fn notes(&self, skipped: Skipped<'_>, is_circled: bool, has_bars: bool) -> Vec<String> {
         let note = |(why, (count, series)): (&str, (usize, Vec<&str>))| {
             let points = match count {
@@ -349,7 +348,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Label of the statistic, for the quantities of all rows.
+/// Label of a statistic, computed for the quantities of all rows.
 fn label(of: &Selection<'_>, name: &str) -> Result<Label, ReportError> {
     let table = of.table;
     let of_row = |row: &usize| phrases::statistic(name, &[table.quantity(*row)], table.unit(*row));
@@ -371,14 +370,14 @@ fn label(of: &Selection<'_>, name: &str) -> Result<Label, ReportError> {
     }
 }
 
-/// The `rows` whose value on the axis is `value`.
+/// Those of the `rows` that have this value on the axis.
 fn with(rows: &[usize], axis: &Axis, value: &str) -> Vec<usize> {
     let rows = rows.iter().copied();
     rows.filter(|row| axis.text(*row) == value).collect()
 }
 
-/// Style of a value on an axis. It depends on the index of the value on the study's axis, so it is the same in every
-/// plot of the study.
+/// Colour and marker for a value of a swept field. They depend only on the study, so they are the same in all its
+/// plots.
 fn style(axis: &Axis, value: &str) -> Style {
     let place = axis.values().iter().position(|known| known == value);
     Style::of(place.unwrap_or(0))

@@ -1,5 +1,5 @@
-//! Pareto fronts of lists of models: error against cost, with one panel per scene. The models on the front are
-//! labelled. The other models are labelled only if there is space.
+//! Figures of Pareto fronts: the error of models against their cost, with one panel per scene. Models on the front are
+//! labelled; other models are labelled only if there is space.
 
 use super::chart::{Panel, Place, bar, mesh};
 use super::drawing::Figure;
@@ -25,19 +25,17 @@ const OTHER: f64 = 12.0;
 const STROKE: u32 = 6;
 /// Length of a sample in the key, in drawing units (1/3 px).
 const SAMPLE: i32 = 36;
-/// Largest relative error on the axis. Models with larger errors are useless; they are drawn with an arrow at the edge
-/// of the axis.
+/// Largest relative error on the axis. Models with a larger error are useless; they are drawn as arrows at the edge.
 const MAX_ERROR: f64 = 10.0;
 
-/// Draws the Pareto front of every list of models in a folder that `cargo xtask tradeoff` has written.
+/// Draws one Pareto figure for each comparison of models in a folder that `cargo xtask tradeoff` wrote.
 ///
-/// # Errors
-/// [`ReportError`] if a table is missing or malformed.
+/// # Errors [`ReportError`] if a table is missing or malformed.
 pub fn tradeoff_figures(files: &Files) -> Result<Vec<Figure>, ReportError> {
     figures(&Tradeoff::read(files)?)
 }
 
-/// The Pareto front of every list of models.
+/// Draws one Pareto figure for each comparison of models.
 pub(crate) fn figures(tradeoff: &Tradeoff) -> Result<Vec<Figure>, ReportError> {
     let ladders = tradeoff.ladders.iter();
     ladders
@@ -45,7 +43,7 @@ pub(crate) fn figures(tradeoff: &Tradeoff) -> Result<Vec<Figure>, ReportError> {
         .collect()
 }
 
-/// The Pareto front of one list of models, whose costs are in `unit`.
+/// Draws the Pareto figure of one comparison of models. Their costs are in `unit`.
 fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let rungs = || ladder.scenes.iter().flat_map(|scene| &scene.rungs);
     let x = Scale::around(Spacing::Log, rungs().map(|rung| rung.cost)).with_ticks(8);
@@ -114,7 +112,7 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     })
 }
 
-/// Draws the models for one scene.
+/// Draws the panel of one scene, with all models.
 fn front(
     sheet: &Sheet,
     panel: &mut Panel<'_>,
@@ -187,7 +185,7 @@ fn interval(rung: &Rung) -> [f64; 2] {
     normal(rung.error, rung.error_std).map(|end| Spacing::Log.nearest(end))
 }
 
-/// Name of a model, followed by its error if the error is off the scale.
+/// Name of a model. If its error is beyond the axis, the text also contains the error.
 fn named(rung: &Rung) -> String {
     match is_off_scale(rung) {
         true => format!(
@@ -203,13 +201,13 @@ fn is_off_scale(rung: &Rung) -> bool {
     rung.error > MAX_ERROR
 }
 
-/// Tip of an arrow that points upwards, above a marker.
+/// Corners of an arrowhead that points upwards, above a marker.
 fn arrow((x, y): Point) -> [Point; 3] {
     let (size, bottom) = (OTHER as i32, y - MARKER as i32 - 9);
     [(x - size, bottom), (x + size, bottom), (x, bottom - 16)]
 }
 
-/// Name of a model without its numbers. Models that differ only in a setting have the same family name.
+/// Name of a model without its numbers. Models that differ only in a number belong to the same family.
 fn family(name: &str) -> String {
     let is_number = |word: &&str| word.starts_with(|letter: char| letter.is_ascii_digit());
     let kept = name.split(", ").map(|part| {
@@ -229,7 +227,7 @@ fn family(name: &str) -> String {
         .join(", ")
 }
 
-/// Error at which a model is drawn, limited to the range of the axis.
+/// Error at which a model is drawn: its error, limited to the range of the axis.
 fn drawn_error(rung: &Rung) -> f64 {
     rung.error.min(MAX_ERROR)
 }

@@ -1,4 +1,4 @@
-//! Figures of one press: the true displacements of the markers and their readings.
+//! Figures of one press. They show the true and the measured displacements of the markers.
 
 mod marker_table;
 mod outward;
@@ -14,15 +14,16 @@ use marker_table::{Displacement, Trace};
 use outward::outward;
 use palpate_study::label::{spoken_unit, with_unit};
 
-/// Draws a press from the `trace.csv` and `readings.csv` of `palpate trace`. The figure `quiver` shows the markers from
-/// above. Arrows show the true and measured displacements along the skin, and shades of a colour show the normal
-/// displacement. The figure `trace-profile` shows the normal displacement over the distance from the contact and, if it
-/// was measured, the displacement along the skin away from the contact. A reading belongs to the marker at the same
-/// place. A marker without a reading is crossed out.
+/// Draws two figures of a press from the `trace.csv` and `readings.csv` that `palpate trace` wrote.
 ///
-/// # Errors
-/// [`ReportError`] if a table is missing or malformed, if its lengths are in several units, or if a reading is not at
-/// the place of a marker.
+/// The figure `quiver` shows the markers from above. Arrows show the true and measured displacements along the skin,
+/// and shades of grey show the normal displacement. The figure `trace-profile` shows the normal displacement over the
+/// distance from the contact and, if it was measured, the displacement along the skin away from the contact.
+///
+/// A reading belongs to the marker at the same position. A marker without a reading is crossed out.
+///
+/// # Errors [`ReportError`] if a table is missing or malformed, if its lengths have different units, or if a reading
+/// is not at the position of a marker.
 pub fn press_figures(files: &Files) -> Result<Vec<Figure>, ReportError> {
     let trace = marker_table::read(files)?;
     Ok(vec![quiver::figure(&trace)?, profile(&trace)?])
@@ -59,7 +60,7 @@ fn profile(trace: &Trace) -> Result<Figure, ReportError> {
     series::figure(words, plots)
 }
 
-/// Points of a profile for one component of the markers' displacements: the true values and the readings.
+/// True values and readings of one component of the displacement, as points over the distance from the contact.
 fn places(trace: &Trace, component: impl Fn(usize, &Displacement) -> Option<f64>) -> Vec<PointSet> {
     let markers = || trace.markers.iter().enumerate();
     let truth =

@@ -1,4 +1,5 @@
-//! Figures of kind `profile`: true and estimated displacement of the skin along a radius from the contact.
+//! Figures of kind `profile`. They show the true and the estimated displacement of the skin over the distance from the
+//! contact.
 
 use super::captions::{full_value, short_value};
 use super::drawing::Figure;
@@ -14,7 +15,7 @@ use palpate_study::Label;
 use palpate_study::config::Component;
 use palpate_study::label::{spoken_unit, with_unit};
 
-/// Largest number of lines. The number is limited because the lines have no markers and differ only in colour.
+/// Largest number of series. The lines have no markers and differ only in colour, so only a few can be distinguished.
 const MAX_LINES: usize = PLAIN;
 
 /// Draws a figure of kind `profile`.
@@ -105,8 +106,8 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     series::figure(of.words(subtitle, notes), vec![plot])
 }
 
-/// Lines of one panel: first the true displacements, then the estimates. A true line that is the same for several cells
-/// is drawn once, in a neutral colour.
+/// Lines of one panel: first the true displacements, then the estimates. If several cells have the same true
+/// displacement, it is drawn once, in a neutral colour.
 fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
     let mut truths: Vec<Line> = Vec::new();
     for (style, profile) in shown {
@@ -122,16 +123,16 @@ fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
     all.filter(|line| !line.runs.is_empty()).collect()
 }
 
-/// Axes on which the selected cells differ.
+/// Swept fields in which the drawn cells differ.
 struct Axes<'a> {
     panel: Option<&'a Axis>,
-    /// Axes on which the cells differ, except the axis whose values are the panels.
+    /// Fields in which the cells differ, except the field with one panel per value.
     names: Vec<&'a Axis>,
 }
 
-/// Cells that are drawn in the same colour. A panel contains at most one of them.
+/// Cells that are drawn in the same colour, one cell per panel.
 struct Series<'a> {
-    /// Name of the series: its values on the axes on which the series differ.
+    /// Values of the fields in which the series differ.
     name: Vec<&'a str>,
     label: String,
     style: Style,
@@ -152,7 +153,7 @@ impl<'a> Axes<'a> {
         self.names.iter().map(|axis| axis.text(row)).collect()
     }
 
-    /// Title above the names of the series. If the series differ on a single axis, it is the name of this axis.
+    /// Heading of the legend: the name of the field, if the series differ in only one field; otherwise empty.
     fn title(&self) -> String {
         match self.names.as_slice() {
             [axis] => Label::of_field(&axis.header).text(),
@@ -196,7 +197,7 @@ impl<'a> Axes<'a> {
     }
 }
 
-/// Style of the series with this name. If the series differ on one axis, a name is a value on this axis.
+/// Style of the series with this label. If the series differ in only one field, its value may be given instead.
 fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
     let is_it = |series: &&Series<'_>| series.label == name || series.name == [name];
     let found = series.iter().find(is_it);
@@ -206,21 +207,21 @@ fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
     })
 }
 
-/// One component of the displacement in every cell. The cells are in order of appearance.
+/// One component of the displacement, for every cell in the order of the table.
 struct Profiles {
-    /// Units of the radial position and of the displacement, as in the table; may be empty.
+    /// Units of the distance from the contact and of the displacement, as the headers state them; may be empty.
     units: [String; 2],
     cells: Vec<Profile>,
 }
 
-/// Displacement in one cell, as a function of the radial position.
+/// Displacement in one cell over the distance from the contact.
 struct Profile {
     cell: u64,
     truth: Runs,
     estimate: Runs,
 }
 
-/// Reads the profiles in `map.csv`.
+/// Reads the profiles of one component from `map.csv`.
 fn read(of: Request<'_>, component: Component) -> Result<Profiles, ReportError> {
     let columns = match component {
         Component::Normal => ["normal_displacement", "estimated_normal_displacement"],

@@ -1,4 +1,4 @@
-//! The reference lines and reference points that a `[[plot]]` contains.
+//! Prepares the reference lines and reference points of a `[[plot]]` for drawing.
 
 use super::scale::Spacing;
 use super::series::{Mark, OPEN_MARKER, PointSet};
@@ -8,18 +8,18 @@ use crate::table::same;
 use palpate_study::{config, number};
 use plotters::style::Color;
 
-/// Axis of a plot, with the factor from the numbers of the table to the displayed numbers.
+/// An axis of a plot, for the conversion of numbers to displayed numbers.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AxisScale {
     pub(crate) name: char,
     pub(crate) spacing: Spacing,
-    /// Factor from the numbers of the table to the displayed numbers.
+    /// Factor by which a number is multiplied to get the displayed number.
     pub(crate) factor: f64,
 }
 
 impl AxisScale {
-    /// Displayed number for `value`. The error names the item `what` and the reason why it cannot be drawn at this
-    /// value.
+    /// Displayed number for `value`. If it cannot be drawn on this axis, the error states the reason; `what` names the
+    /// item.
     fn place(self, value: f64, what: &str) -> Result<f64, String> {
         let place = value * self.factor;
         let refused = |why| {
@@ -35,7 +35,7 @@ impl AxisScale {
     }
 }
 
-/// Reference lines of a plot. The error states why a line cannot be drawn.
+/// Converts the reference lines of a plot. The error states why a line cannot be drawn.
 pub(crate) fn marks(marks: &[config::Mark], [x, y]: [AxisScale; 2]) -> Result<Vec<Mark>, String> {
     let place = |mark: &config::Mark| {
         let on_x = mark.axis == config::MarkAxis::X;
@@ -50,15 +50,15 @@ pub(crate) fn marks(marks: &[config::Mark], [x, y]: [AxisScale; 2]) -> Result<Ve
     marks.iter().map(place).collect()
 }
 
-/// Sets of reference points, with the panel of each set.
+/// Sets of reference points. A set belongs to one panel, or to all panels (`None`).
 #[derive(Debug, Default)]
 pub(crate) struct Points {
     sets: Vec<(Option<String>, PointSet)>,
 }
 
 impl Points {
-    /// Prepares the reference points of a plot. `series` returns the style of a series from its name, and `panels` are
-    /// the values of the panels. The error states why a set cannot be drawn.
+    /// Converts the reference points of a plot. `series` returns the style of the series with a given name, and
+    /// `panels` are the values of the panels. The error states why a set cannot be drawn.
     pub(crate) fn of(
         points: &[config::Points],
         [x, y]: [AxisScale; 2],
@@ -101,7 +101,7 @@ impl Points {
         Ok(Self { sets })
     }
 
-    /// The sets of points in the panel with this value. Sets without a panel are in all panels.
+    /// The sets of points for the panel with this value.
     pub(crate) fn of_panel(&self, value: Option<&str>) -> Vec<PointSet> {
         let here = |panel: &Option<String>| match (panel, value) {
             (Some(panel), Some(value)) => same(panel, value),
@@ -112,8 +112,8 @@ impl Points {
         sets.map(|(_, set)| set.clone()).collect()
     }
 
-    /// Label and style of each set. If points with the same label have different colours, the colour in the legend is
-    /// neutral.
+    /// Label and style of each set. If sets with the same label have different colours, the legend shows a neutral
+    /// colour.
     pub(crate) fn legend(&self) -> Vec<(String, Style)> {
         let mut entries: Vec<(String, Style)> = Vec::new();
         for (_, set) in &self.sets {

@@ -1,4 +1,4 @@
-//! Axes: the position of a value along an axis, and the ticks of an axis.
+//! Axes: where a value is along an axis, and which ticks an axis has.
 
 use super::lettering::{width, wrap};
 use super::sheet::TEXT;
@@ -20,22 +20,22 @@ pub(crate) struct Tick {
     pub(crate) label: String,
 }
 
-/// An axis, as a coordinate type of the plotters library: its range, ticks and grid lines.
+/// An axis with its range, its ticks and its grid lines. The plotters library uses it as a coordinate type.
 #[derive(Debug, Clone)]
 pub(crate) struct Scale {
     spacing: Spacing,
-    /// Both ends of the range; for a logarithmic axis, the decimal logarithms of the ends.
+    /// Lower end of the range. On a logarithmic axis, `min` and `max` are the decimal logarithms of the ends.
     min: f64,
     max: f64,
     /// Names at the positions 0, 1, …; empty for a numeric axis.
     names: Vec<String>,
-    /// Desired number of ticks.
+    /// Approximate number of ticks that the axis should have.
     about: usize,
     /// Whether there are grid lines between the ticks.
     has_minor: bool,
 }
 
-/// Largest value that is drawn. Values whose magnitude is below the inverse of this number are not drawn either.
+/// Largest magnitude that can be drawn. On a logarithmic axis, its inverse is the smallest.
 const LARGEST: f64 = 1e300;
 /// Smallest gap between two numbers along the x axis, in drawing units (1/3 px).
 const BETWEEN_NUMBERS: i32 = 24;
@@ -68,7 +68,7 @@ impl Spacing {
 }
 
 impl Scale {
-    /// An axis that covers all `values` with a margin. It must be possible to draw all values.
+    /// An axis that covers all `values`, with a margin. All values must be drawable on it.
     pub(crate) fn around(spacing: Spacing, values: impl Iterator<Item = f64>) -> Self {
         let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
         for value in values {
@@ -96,7 +96,7 @@ impl Scale {
         }
     }
 
-    /// A linear axis from `min` to `max`. The two numbers must differ, and it must be possible to draw both.
+    /// A linear axis that ends exactly at `min` and `max`. The two numbers must differ and be drawable.
     pub(crate) fn exactly(min: f64, max: f64) -> Self {
         Self {
             spacing: Spacing::Linear,
@@ -108,7 +108,7 @@ impl Scale {
         }
     }
 
-    /// An axis of names. The first name is at 0, the next at 1, and so on.
+    /// An axis with names. The first name is at 0, the next at 1, and so on.
     pub(crate) fn of_names(names: Vec<String>) -> Self {
         let end = names.len() as f64 - 0.5;
         Self {
@@ -117,7 +117,7 @@ impl Scale {
         }
     }
 
-    /// The same axis in the opposite direction.
+    /// The same axis, in the opposite direction.
     pub(crate) fn reversed(self) -> Self {
         Self {
             min: self.max,
@@ -126,12 +126,12 @@ impl Scale {
         }
     }
 
-    /// The axis with about this number of ticks.
+    /// The same axis with about this number of ticks.
     pub(crate) fn with_ticks(self, about: usize) -> Self {
         Self { about, ..self }
     }
 
-    /// The axis without grid lines between its ticks.
+    /// The same axis without grid lines between its ticks.
     pub(crate) fn without_minor(self) -> Self {
         Self {
             has_minor: false,
@@ -144,8 +144,8 @@ impl Scale {
         !self.names.is_empty()
     }
 
-    /// The axis with the largest number of ticks whose labels fit below a panel of this width. An axis of names keeps
-    /// all names. Long names are wrapped, with a `gap` between neighbours.
+    /// The same axis with as many ticks as possible, so that their labels fit below a panel of this width. An axis of
+    /// names keeps all its names, but wraps long names. `gap` is the smallest distance between neighbouring names.
     pub(crate) fn fitted(mut self, panel: i32, gap: i32) -> Self {
         if !self.names.is_empty() {
             let slot = panel / self.names.len() as i32 - gap;
@@ -170,7 +170,7 @@ impl Scale {
         choices.find(fits).unwrap_or(self.clone().with_ticks(2))
     }
 
-    /// The lower and the upper end of the axis, which must be linear.
+    /// The lower and the upper end of a linear axis.
     pub(crate) fn ends(&self) -> (f64, f64) {
         (self.min, self.max)
     }
@@ -187,7 +187,7 @@ impl Scale {
         widths.max().unwrap_or(0)
     }
 
-    /// Largest number of text lines of a tick label.
+    /// Largest number of lines in the label of a tick.
     pub(crate) fn lines(&self) -> i32 {
         let lines = self.names.iter().map(|name| name.lines().count() as i32);
         lines.max().unwrap_or(1)
@@ -211,8 +211,8 @@ impl Scale {
         }
     }
 
-    /// Ticks with labels at round values: about `self.about`, but at least one. On an axis of names, each name has a
-    /// tick.
+    /// Ticks at round values, with labels. There are about `self.about` ticks, but at least one. An axis of names has
+    /// a tick at each name.
     pub(crate) fn ticks(&self) -> Vec<Tick> {
         if !self.names.is_empty() {
             let tick = |(at, label): (usize, &String)| Tick {
@@ -239,7 +239,7 @@ impl Scale {
         }
     }
 
-    /// All values within the range of the axis that are one of these digits times a power of ten.
+    /// All products of one of these digits and a power of ten that are within the range of the axis.
     fn digits(&self, digits: &[i32]) -> Vec<f64> {
         let decades = self.min.floor() as i32..=self.max.ceil() as i32;
         let values = decades.flat_map(|e| digits.iter().map(move |k| f64::from(*k) * power(e)));
@@ -338,12 +338,12 @@ impl ValueFormatter<f64> for Scale {
     }
 }
 
-/// A power of ten, rounded in the same way as the decimal literal.
+/// A power of ten, with the same bits as its decimal literal.
 fn power(exponent: i32) -> f64 {
     format!("1e{exponent}").parse().unwrap_or(f64::MAX)
 }
 
-/// Of the numbers 1, 2 and 5 times a power of ten, the number whose ratio to `width` is nearest to 1.
+/// The number of the form 1, 2 or 5 × 10ⁿ whose ratio to `width` is nearest to 1.
 pub(crate) fn round_step(width: f64) -> f64 {
     let ten = libm::pow(10f64, libm::log10(width).floor());
     let ratio = width / ten;

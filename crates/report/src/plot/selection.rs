@@ -1,4 +1,4 @@
-//! Selects the columns, rows and cells that a `[[plot]]` requests.
+//! Selects the columns, rows and cells of the tables that a `[[plot]]` needs.
 
 use super::captions::{self, full_value};
 use super::sheet::Words;
@@ -8,17 +8,17 @@ use crate::{ReportError, Study, Table};
 use palpate_study::config::PlotConfig;
 use std::collections::BTreeMap;
 
-/// A `[[plot]]` of a study, to be drawn.
+/// A `[[plot]]` table, and the study for which it is drawn.
 #[derive(Clone, Copy)]
 pub(crate) struct Request<'a> {
     pub(crate) study: &'a Study,
     pub(crate) plot: &'a PlotConfig,
-    /// Name of the figure's files.
+    /// Name of the figure's files, without extension.
     pub(crate) name: &'a str,
 }
 
 impl<'a> Request<'a> {
-    /// The texts of the figure: its name, title, subtitle and notes.
+    /// The texts around the figure: name, title, subtitle and notes.
     pub(crate) fn words(&self, subtitle: String, notes: Vec<String>) -> Words {
         let title = self.plot.title.as_deref().unwrap_or(self.study.title());
         Words {
@@ -29,7 +29,7 @@ impl<'a> Request<'a> {
         }
     }
 
-    /// The error for a plot that cannot be drawn from the table.
+    /// Error for a plot that cannot be drawn from the table.
     pub(crate) fn bad(&self, problem: String) -> ReportError {
         ReportError::BadPlot {
             path: self.study.run_toml(),
@@ -38,7 +38,7 @@ impl<'a> Request<'a> {
         }
     }
 
-    /// The error for a `value` of `key` that is not the name of a column. The error lists the `known` columns.
+    /// Error for a key of the plot whose `value` is not the name of a column. The error lists the `known` columns.
     pub(crate) fn unknown<'b>(
         &self,
         key: &str,
@@ -51,7 +51,7 @@ impl<'a> Request<'a> {
         ))
     }
 
-    /// The swept field that the key `key` of the plot names.
+    /// The swept field that the key `key` of the plot names. An unknown field is an error.
     pub(crate) fn axis(&self, key: &str, name: &str) -> Result<&'a Axis, ReportError> {
         let table = self.study.cells();
         let known = table.axes().iter().map(|axis| axis.header.as_str());
@@ -60,7 +60,7 @@ impl<'a> Request<'a> {
     }
 }
 
-/// The `names`, sorted by their similarity to `wanted`, most similar first.
+/// The `names`, sorted by their similarity to `wanted`. The most similar name is first.
 pub(crate) fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<&str> = names.collect();
     let likeness = |name: &str| strsim::jaro_winkler(wanted, name);
@@ -68,14 +68,15 @@ pub(crate) fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) ->
     names.into_iter().map(str::to_owned).collect()
 }
 
-/// A column of the table.
+/// A column of `cells.csv`: a swept field (or the quantity), or a statistic.
 #[derive(Clone, Copy)]
 pub(crate) enum Column<'a> {
     Axis(&'a Axis),
     Statistic(&'a str),
 }
 
-/// The columns and rows of one plot. There is at least one row, and at most one row per panel, series and x.
+/// The columns and rows that a plot of kind `lines` shows. There is at least one row. Rows with the same panel and
+/// series have different x.
 pub(crate) struct Selection<'a> {
     pub(crate) of: Request<'a>,
     pub(crate) table: &'a Table,
@@ -85,7 +86,7 @@ pub(crate) struct Selection<'a> {
     pub(crate) series: Option<&'a Axis>,
     pub(crate) panels: Option<&'a Axis>,
     pub(crate) rows: Vec<usize>,
-    /// Values in `where` that the table does not contain.
+    /// Values that the key `where` states but the table does not contain.
     pub(crate) absent: Vec<String>,
 }
 
@@ -98,7 +99,7 @@ impl<'a> Column<'a> {
         }
     }
 
-    /// The text of this column in `row`; empty if the statistic is undefined.
+    /// Text of this column in `row`; empty if the statistic has no value.
     fn text(self, table: &Table, row: usize) -> String {
         match self {
             Self::Axis(axis) => axis.text(row).to_owned(),
@@ -109,14 +110,14 @@ impl<'a> Column<'a> {
     }
 }
 
-/// The axis with this name, which is a swept path (with or without its unit) or `quantity`.
+/// The column of a swept field, named with or without its unit, or the column `quantity`.
 fn axis<'a>(table: &'a Table, name: &str) -> Option<&'a Axis> {
     let quantities = || Some(table.quantities()).filter(|axis| axis.header == name);
     table.axis(name).or_else(quantities)
 }
 
 impl<'a> Selection<'a> {
-    /// Finds the columns and rows of a plot in the study's table.
+    /// Selects the columns and rows of a plot from the study's table.
     pub(crate) fn new(of: Request<'a>) -> Result<Self, ReportError> {
         let (table, plot) = (of.study.cells(), of.plot);
         let swept = || table.axes().iter().map(|axis| axis.header.as_str());
@@ -181,8 +182,8 @@ impl<'a> Selection<'a> {
         Ok(selection)
     }
 
-    /// Checks that there is only one row per panel, series and x. Otherwise the error names the axes on which the rows
-    /// of a point differ.
+    /// Checks that no two rows have the same panel, series and x. The error names the swept fields in which such rows
+    /// differ.
     fn check_unique(&self) -> Result<(), ReportError> {
         let (table, plot) = (self.table, self.of.plot);
         let mut points: BTreeMap<[String; 3], Vec<usize>> = BTreeMap::new();
@@ -221,7 +222,7 @@ impl<'a> Selection<'a> {
     }
 }
 
-/// Text of the values of `axis` in `rows`; `None` if there is only one value.
+/// Text with the different values of `axis` in `rows`; `None` if there is only one value.
 fn variety(axis: &Axis, rows: &[usize]) -> Option<String> {
     match axis.among(rows).as_slice() {
         [] | [_] => None,
@@ -230,15 +231,15 @@ fn variety(axis: &Axis, rows: &[usize]) -> Option<String> {
     }
 }
 
-/// The cells that a figure made from `map.csv` shows.
+/// The cells that a figure of `map.csv` shows.
 pub(crate) struct CellSelection {
-    /// One row of each cell; at least one.
+    /// One row of `cells.csv` for each cell. There is at least one row.
     pub(crate) rows: Vec<usize>,
-    /// Notes on cells without a map, and on missing values.
+    /// Notes about cells without a map, and about values in `where` that the table does not contain.
     pub(crate) notes: Vec<String>,
 }
 
-/// Selects the cells that pass the filters of a plot and that have a map, that is, are in `mapped`.
+/// Selects the cells that the key `where` of a plot accepts and that have a map. `mapped` are the cells with a map.
 pub(crate) fn choose_cells(of: Request<'_>, mapped: &[u64]) -> Result<CellSelection, ReportError> {
     let table = of.study.cells();
     let cells = by_key((0..table.rows()).map(|row| (table.cell(row), row)));
@@ -271,7 +272,7 @@ pub(crate) fn choose_cells(of: Request<'_>, mapped: &[u64]) -> Result<CellSelect
     Ok(CellSelection { rows, notes })
 }
 
-/// Text of the swept values of a row.
+/// Text with the swept values of a row.
 fn place(study: &Study, row: usize) -> String {
     let values = captions::swept_values(study.cells(), row);
     match values.is_empty() {
@@ -280,8 +281,8 @@ fn place(study: &Study, row: usize) -> String {
     }
 }
 
-/// Texts of the settings that the cells of these rows share: the object, unless it is swept, and all axes with only one
-/// value.
+/// Texts of the settings that are the same in all these rows: the object, unless it is swept, and all swept fields
+/// with only one value.
 pub(crate) fn in_common(study: &Study, rows: &[usize]) -> Vec<String> {
     let axes = study.cells().axes();
     let of_object = |header: &str| header.starts_with("scene.object");

@@ -1,4 +1,4 @@
-//! Lines and points in panels with the same axes, with their legend and reference lines.
+//! Plots of lines and points in panels with the same axes, with a legend and with reference lines.
 
 use super::chart::{self, Chart, Legend, Panel, bar, mesh};
 use super::drawing::Figure;
@@ -13,27 +13,27 @@ use plotters::series::LineSeries;
 use plotters::style::text_anchor::HPos;
 use plotters::style::{Color, ShapeStyle};
 
-/// Number of points above which a line has small markers.
+/// Number of points of a line above which its markers are small.
 const MANY_POINTS: usize = 25;
-/// Radius of open markers, in drawing units (1/3 px).
+/// Size of open markers, in drawing units (1/3 px).
 pub(crate) const OPEN_MARKER: f64 = 21.0;
-/// Line width of the circle around a marker.
+/// Width of the circle around a marker, in drawing units.
 const CIRCLE: f64 = 4.5;
 
-/// A group of panels with the same axes, with their labels, key and legend.
+/// A group of panels with lines and points. All panels have the same axes.
 #[derive(Debug, Clone)]
 pub(crate) struct Plot {
     pub(crate) x_label: String,
     pub(crate) y_label: String,
     pub(crate) x: Scale,
     pub(crate) y: Scale,
-    /// Panels of the plot; at least one.
+    /// Content of each panel. There is at least one panel.
     pub(crate) panels: Vec<Content>,
     /// Key above the panels.
     pub(crate) key: Key,
     pub(crate) series: SeriesKey,
     pub(crate) marks: Vec<Mark>,
-    /// Radius of the markers on solid lines; 0 for no markers.
+    /// Size of the markers on solid lines, in drawing units; 0 for lines without markers.
     pub(crate) marker: f64,
 }
 
@@ -42,14 +42,14 @@ pub(crate) struct Plot {
 pub(crate) struct Content {
     /// Title of the panel; may be empty.
     pub(crate) title: String,
-    /// Coloured polygons that are drawn behind everything else. Each polygon is given by its corners and its colour.
+    /// Coloured areas behind everything else. Each area is a polygon, given by its corners and its colour.
     pub(crate) grounds: Vec<(Vec<(f64, f64)>, Colour)>,
     pub(crate) lines: Vec<Line>,
     pub(crate) points: Vec<PointSet>,
 }
 
 impl Content {
-    /// Coordinates of all points: of the points of lines and of single points.
+    /// Coordinates of all points: those of the lines, and the single points.
     pub(crate) fn places(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let lines = self
             .lines
@@ -60,7 +60,7 @@ impl Content {
     }
 }
 
-/// Single points, which are drawn as open markers.
+/// A set of single points, which are drawn as open markers.
 #[derive(Debug, Clone)]
 pub(crate) struct PointSet {
     pub(crate) label: String,
@@ -69,30 +69,30 @@ pub(crate) struct PointSet {
     pub(crate) at: Vec<(f64, f64)>,
 }
 
-/// Points of a line. The line is split into several parts where a value is missing.
+/// Points of a line. Where a value is missing, the line is interrupted and a new part begins.
 pub(crate) type Runs = Vec<Vec<(f64, f64)>>;
 
-/// One series in one panel.
+/// The line of one series in one panel.
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
     pub(crate) style: Style,
-    /// Whether the line is dashed and has no markers. A dashed line shows a second statistic, for comparison with the
-    /// statistic of the solid line.
+    /// Whether the line is dashed and has no markers. A dashed line shows a second statistic, which is compared with
+    /// the solid line.
     pub(crate) dashed: bool,
-    /// Points, sorted by x.
+    /// Points of the line, sorted by x.
     pub(crate) runs: Runs,
-    /// Points that are marked with a circle.
+    /// Points with a circle around their marker.
     pub(crate) circled: Vec<(f64, f64)>,
-    /// Vertical error bars, each with its x and the y of its two ends.
+    /// Error bars: the x of each bar, and the y of its two ends.
     pub(crate) bars: Vec<(f64, [f64; 2])>,
 }
 
-/// The key of the lines. It is empty if there is only one series and no comparison.
+/// Explanation of the lines and markers. It is empty if there is only one series and no dashed line.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SeriesKey {
     pub(crate) title: String,
     pub(crate) entries: Vec<(String, Style)>,
-    /// The label of the solid lines and the label of the dashed lines; `None` if the plot shows only one statistic.
+    /// Labels of the solid and of the dashed lines; `None` without dashed lines.
     pub(crate) compared: Option<(String, String)>,
     /// Labels and styles of the open markers.
     pub(crate) points: Vec<(String, Style)>,
@@ -107,8 +107,8 @@ pub(crate) struct Mark {
     pub(crate) style: ShapeStyle,
 }
 
-/// The x and y axes, which cover all points and reference lines. `make` is called with 0 for x or 1 for y, and with the
-/// values to cover.
+/// The x axis and the y axis, which cover all points and reference lines. `make` makes an axis from its index (0 for
+/// x, 1 for y) and from the values that it must cover.
 pub(crate) fn scales(
     panels: &[Content],
     marks: &[Mark],
@@ -131,14 +131,14 @@ pub(crate) fn scales(
     ]
 }
 
-/// Creates a figure of at least one plot, with the plots below each other.
+/// Draws a figure with the plots below each other. There must be at least one plot.
 pub(crate) fn figure(words: Words, plots: Vec<Plot>) -> Result<Figure, ReportError> {
     let charts: Vec<Chart<'_>> = plots.iter().map(Plot::chart).collect();
     chart::figure(words, &charts)
 }
 
 impl Line {
-    /// A line without circled points and error bars.
+    /// A line without circles and error bars.
     pub(crate) fn new(style: Style, dashed: bool, runs: Runs) -> Self {
         Self {
             style,
@@ -151,7 +151,7 @@ impl Line {
 }
 
 impl Plot {
-    /// A plot without reference lines, legend and key. The first label and scale are for x, the second for y.
+    /// A plot without reference lines, legend and key. The first label and the first scale are those of x.
     pub(crate) fn new(labels: [String; 2], [x, y]: [Scale; 2], panels: Vec<Content>) -> Self {
         let [x_label, y_label] = labels;
         Self {
@@ -299,7 +299,7 @@ impl Plot {
 }
 
 impl Mark {
-    /// Draws the reference line, and its label at the place where the label covers the fewest lines and points.
+    /// Draws a reference line. Its label is placed where it covers the fewest lines and points.
     fn draw(&self, label: &str, content: &Content, panel: &Panel<'_>) -> Drawn {
         const PLACES: [f64; 5] = [0.98, 0.02, 0.5, 0.25, 0.75];
         let area = panel.plotting_area().use_screen_coord();
@@ -353,7 +353,8 @@ impl Mark {
 }
 
 impl Content {
-    /// Measure of how much is drawn within a box: 3 for each point, and 1 for each of the 21 samples per line segment.
+    /// Measure of how much a label in this box would cover: 3 for each point in the box, and 1 for each sample of a
+    /// line. Each line segment has 21 samples.
     fn crossings(&self, panel: &Panel<'_>, [across, down]: &[std::ops::Range<i32>; 2]) -> usize {
         let within = |(x, y): &Point| across.contains(x) && down.contains(y);
         let at = |place: &(f64, f64)| panel.backend_coord(place);

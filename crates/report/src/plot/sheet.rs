@@ -1,4 +1,4 @@
-//! The sheet on which all figures are drawn. It adds title, subtitle, key and notes to the content of a figure.
+//! The sheet on which a figure is drawn. It adds the title, the subtitle, the key and the notes to the content.
 
 use super::drawing::{Drawing, Figure, LEADING};
 use super::lettering::{width, wrap};
@@ -17,7 +17,7 @@ use std::vec;
 
 // All lengths are in drawing units, which are 1/3 of a pixel.
 
-/// Font size of the title, in drawing units.
+/// Font size of the title, in drawing units (1/3 px).
 const TITLE: i32 = 75;
 /// Font size of all text except the title, in drawing units.
 pub(crate) const TEXT: i32 = 54;
@@ -27,15 +27,15 @@ pub(crate) const LINE: i32 = 73;
 pub(crate) const EDGE: i32 = 66;
 /// Gap between a panel and the labels of its ticks, in drawing units.
 pub(crate) const TICK_GAP: i32 = 30;
-/// Gap between a sample in a key and its label, in drawing units.
+/// Gap between a sample (a symbol in a key) and its label, in drawing units.
 pub(crate) const SAMPLE_GAP: i32 = 24;
 /// Horizontal gap between entries of a key, in drawing units.
 const ENTRY_GAP: i32 = 78;
 /// Smallest width of a figure, in drawing units.
 pub(crate) const WIDTH: i32 = 2880;
-/// Width of thin lines, in drawing units.
+/// Width of thin lines, such as grid lines, in drawing units.
 pub(crate) const HAIR: u32 = 3;
-/// Width of lines of data, in drawing units.
+/// Width of lines that show data, in drawing units.
 pub(crate) const STROKE: u32 = 8;
 /// Radius of markers, in drawing units.
 pub(crate) const MARKER: f64 = 18.0;
@@ -46,18 +46,18 @@ const DASH_GAP: i32 = 15;
 
 /// Result of a drawing function.
 pub(crate) type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<Infallible>>;
-/// A position relative to the upper left corner.
+/// A position in drawing units, from the upper left corner.
 pub(crate) type Point = (i32, i32);
 
-/// The texts around a figure.
+/// The texts of a figure that are around its content.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Words {
     /// Name of the figure's files, without extension.
     pub(crate) name: String,
     pub(crate) title: String,
-    /// Text that states the number of trials and the fixed settings.
+    /// Line of text below the title, with the number of trials and the fixed settings.
     pub(crate) subtitle: String,
-    /// Notes below the content, for example about points that are not drawn.
+    /// Lines of text below the content, for example about points that are not drawn.
     pub(crate) notes: Vec<String>,
 }
 
@@ -72,17 +72,17 @@ impl Words {
     }
 }
 
-/// A figure that is being drawn.
+/// The sheet of a figure that is being drawn.
 pub(crate) struct Sheet {
     drawing: Rc<RefCell<Drawing>>,
     pub(crate) area: DrawingArea<Drawing, Shift>,
     pub(crate) width: i32,
-    /// Height that is already used, from the top.
+    /// Lower edge of what is already drawn, in drawing units from the top.
     pub(crate) top: i32,
 }
 
-/// Symbol next to a text of a key. It consists of a filled rectangle, a line over it and a marker on top. Each of these
-/// parts may be missing.
+/// Symbol beside a text of a key. It consists of a filled rectangle, a line on it and a marker on top. Each part may
+/// be missing.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Sample {
     pub(crate) ground: Option<Colour>,
@@ -91,10 +91,10 @@ pub(crate) struct Sample {
     pub(crate) symbol: Option<Symbol>,
 }
 
-/// Entries of a key: each sample with its label.
+/// Entries of a key: the sample and the text of each entry.
 pub(crate) type Key = Vec<(Sample, String)>;
 
-/// Creates a figure: draws the content with `draw`, and adds title, subtitle and notes.
+/// Draws a figure: first the title, then the content with `draw`, then the notes.
 pub(crate) fn figure(
     words: Words,
     width: i32,
@@ -119,7 +119,7 @@ pub(crate) fn figure(
     Figure::new(words.name, words.title, drawing)
 }
 
-/// Style of a text in this colour that is centred vertically on its position.
+/// Style of a text in this colour. The text is centred vertically on its position.
 pub(crate) fn letters(em: i32, colour: Colour, horizontal: HPos) -> TextStyle<'static> {
     let font = FontDesc::from((FontFamily::SansSerif, em));
     font.color(&colour).pos(Pos::new(horizontal, VPos::Center))
@@ -145,7 +145,7 @@ impl Sheet {
         notes.try_for_each(|note| self.paragraph(note, TEXT, QUIET))
     }
 
-    /// Draws a text, wrapped to the width of the sheet.
+    /// Draws a text and wraps it to the width of the sheet.
     fn paragraph(&mut self, text: &str, em: i32, colour: Colour) -> Drawn {
         for line in wrap(text, em, self.width - 2 * EDGE) {
             let place = (EDGE, self.top + em / 2);
@@ -167,7 +167,7 @@ impl Sheet {
         self.area.draw(&PathElement::new(points, style))
     }
 
-    /// Draws a text to the right of `left`, wrapped to lines with a width of at most `limit`.
+    /// Draws a text that begins at `left`, and wraps it to lines that are at most `limit` wide.
     pub(crate) fn heading(&mut self, text: &str, left: i32, limit: i32) -> Drawn {
         for line in wrap(text, TEXT, limit) {
             self.text(&line, (left, self.top + TEXT / 2), HPos::Left, INK)?;
@@ -176,7 +176,7 @@ impl Sheet {
         Ok(())
     }
 
-    /// Draws the entries of a key side by side, wrapped to the width of the sheet. Each sample has the width `sample`.
+    /// Draws the entries of a key side by side, in as many rows as necessary. Each sample is `sample` wide.
     pub(crate) fn key(&mut self, sample: i32, entries: &Key) -> Drawn {
         self.top += 36;
         let mut x = EDGE;
@@ -194,7 +194,7 @@ impl Sheet {
         Ok(())
     }
 
-    /// Draws an entry of a key: a sample from (x, y) with the width `wide`, followed by its text.
+    /// Draws an entry of a key: a sample that begins at (x, y) and is `wide` wide, and then its text.
     pub(crate) fn entry(&self, (x, y): Point, wide: i32, sample: &Sample, text: &str) -> Drawn {
         if let Some(ground) = sample.ground {
             let corners = [(x, y - TEXT / 2), (x + wide, y + TEXT / 2)];
@@ -249,7 +249,7 @@ impl Sample {
         }
     }
 
-    /// This sample with a symbol on it.
+    /// This sample with a marker on it.
     pub(crate) fn with(self, symbol: Symbol) -> Self {
         Self {
             symbol: Some(symbol),

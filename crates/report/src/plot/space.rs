@@ -14,43 +14,43 @@ use plotters::style::{Color, TRANSPARENT};
 /// A point or a direction in three dimensions.
 pub(crate) type Vector = [f64; 3];
 
-/// View direction, degrees: the angle by which the view is turned from +x to −y.
+/// Angle by which the view is turned from the direction +x towards −y, degrees.
 const TURN: f64 = 62.0;
-/// Angle by which the viewpoint is raised, degrees.
+/// Angle of the viewpoint above the horizontal plane, degrees.
 const RAISE: f64 = 36.0;
-/// Room for the labels of the axes to the left and to the right of the box, px.
+/// Space for the labels of the axes to the left and to the right of the box, in drawing units (1/3 px).
 const BESIDE: i32 = 198;
-/// Room for the labels of the axes below the box, px.
+/// Space for the labels of the axes below the box, in drawing units.
 pub(super) const BELOW: i32 = 48;
-/// Largest height of the box, px.
+/// Largest height of the box, in drawing units.
 const TALLEST: i32 = 1860;
-/// Length of axis per tick, px. The number of ticks is the length of the axis divided by this length, but at least 2
-/// and at most 6.
+/// Distance between ticks, in drawing units. An axis has its length divided by this distance as number of ticks, but
+/// at least 2 and at most 6.
 const APART: f64 = 192.0;
 
-/// A three-dimensional chart. Its x axis points to the right, y up and z away from the viewer, so y and z of the
-/// contacts are swapped.
+/// A three-dimensional chart of the plotters library. Its x axis points to the right, its y axis up, and its z axis
+/// away from the viewer. Therefore, y and z of the contacts must be swapped.
 pub(super) type Space<'a> = ChartContext<'a, Drawing, Cartesian3d<Scale, Scale, Scale>>;
 
-/// A scale that contains the coordinates of these positions along an axis.
+/// A scale that covers one coordinate of all positions. `axis` is the index of the coordinate.
 pub(super) fn around(places: &[Vector], axis: usize) -> Scale {
     Scale::around(Spacing::Linear, places.iter().map(|place| place[axis]))
 }
 
-/// An orthographic view from above, in which all axes have the same scale.
+/// An orthographic view from above. All axes have the same scale.
 pub(super) struct View {
-    /// Unit vectors to the right, up, and towards the eye.
+    /// Unit vectors of the view: to the right, up, and towards the viewer.
     right: Vector,
     up: Vector,
     toward: Vector,
-    /// Lengths of the box's sides, px.
+    /// Lengths of the box's sides, in drawing units.
     sides: Vector,
-    /// Height of the drawn box, px.
+    /// Height of the box in the image, in drawing units.
     pub(super) high: i32,
 }
 
 impl View {
-    /// The view in which the box of these scales fills the available area.
+    /// A view of the box with these scales. The box is as large as the figure allows.
     pub(super) fn of(scales: &[Scale; 3]) -> Self {
         let (sin_turn, cos_turn) = libm::sincos((-TURN).to_radians());
         let (sin, cos) = libm::sincos(RAISE.to_radians());
@@ -72,7 +72,7 @@ impl View {
         }
     }
 
-    /// The empty three-dimensional chart with its walls, below what was already drawn on the sheet.
+    /// Adds an empty three-dimensional chart with its walls to the sheet, below everything that was already drawn.
     pub(super) fn space<'a>(&self, sheet: &Sheet, scales: &[Scale; 3]) -> Drawn<Space<'a>> {
         let [x, y, z] = [0, 1, 2].map(|axis| {
             let about = (self.sides[axis] / APART).clamp(2.0, 6.0) as usize;
@@ -134,7 +134,7 @@ impl View {
     }
 }
 
-/// The point in the coordinates of the chart, in which y and z are swapped.
+/// Converts a position to the coordinates of the chart, in which y and z are swapped.
 pub(super) fn at([x, y, z]: Vector) -> (f64, f64, f64) {
     (x, z, y)
 }

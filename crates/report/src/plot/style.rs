@@ -1,4 +1,4 @@
-//! Colours and markers of series: the Okabe–Ito palette, with a marker shape for each series.
+//! Colours and markers of series. The colours are those of Okabe and Ito; each series also has its own marker.
 
 pub(crate) use plotters::style::RGBColor as Colour;
 
@@ -12,14 +12,14 @@ pub(crate) const WHITE: Colour = Colour(255, 255, 255);
 /// Colour of the floor of a 3D figure.
 pub(crate) const FLOOR: Colour = Colour(248, 248, 246);
 
-/// Colour of a boundary on a coloured background. It is also dark on a dark page.
+/// Colour of boundaries between coloured areas. It stays dark on a dark page.
 pub(crate) const OUTLINE: Colour = Colour(33, 33, 33);
 
 /// Background of figures on a dark page.
 pub(crate) const DARK: Colour = Colour(27, 29, 31);
 
-/// Colours on a white page, each with the colour that replaces it on a dark page. All other colours are visible on
-/// both.
+/// Colours that are replaced on a dark page, each with the colour that replaces it. All other colours are visible on
+/// white and on dark pages.
 pub(crate) fn on_dark() -> Vec<(Colour, Colour)> {
     let light = Colour(232, 232, 230);
     let neutral = [
@@ -59,7 +59,7 @@ const COLOURS: [Colour; 7] = [
     Colour(0, 0, 0),
 ];
 
-/// Largest number of lines that can be distinguished by colour, without markers.
+/// Largest number of lines that differ in colour alone.
 pub(crate) const PLAIN: usize = COLOURS.len();
 
 /// Shape of a marker.
@@ -73,9 +73,9 @@ pub(crate) enum Marker {
     Ring,
     Plus,
     Cross,
-    /// Small disc that is never drawn open. It is for dense points, where larger markers would cover each other.
+    /// Small disc for dense points, where larger markers would cover each other. It is never drawn open.
     Dot,
-    /// Horizontal bar that is never drawn open. It is visible on both sides of a dot.
+    /// Horizontal bar, which is visible on both sides of a dot. It is never drawn open.
     Dash,
 }
 
@@ -90,7 +90,7 @@ const MARKERS: [Marker; 8] = [
     Marker::Cross,
 ];
 
-/// Marker shapes that can be distinguished from each other even when they are drawn open.
+/// Marker shapes that can be distinguished even when they are drawn open, that is, white inside.
 const OPEN: [Marker; 5] = [
     Marker::Diamond,
     Marker::Square,
@@ -110,7 +110,7 @@ pub(crate) struct Style {
 }
 
 impl Style {
-    /// Style of a value with this `index` on an axis of the study. The first 56 styles are different.
+    /// Style of the value with this `index` on an axis. The first 56 styles are different.
     pub(crate) fn of(index: usize) -> Self {
         Self {
             colour: COLOURS[index % COLOURS.len()],
@@ -118,7 +118,7 @@ impl Style {
         }
     }
 
-    /// Style of open markers that belong to no series, for the kind of marker with this `index`.
+    /// Style of open markers that belong to no series. Each `index` has its own shape.
     pub(crate) fn open(index: usize) -> Self {
         Self {
             colour: NEUTRAL,
@@ -127,12 +127,12 @@ impl Style {
     }
 }
 
-/// The colour, mixed with an equal amount of white.
+/// Paler version of a colour: mixed with the same amount of white.
 pub(crate) fn pale(colour: Colour) -> Colour {
     mixed(colour, WHITE, 0.5)
 }
 
-/// A mixture of two colours. `share` is the share of `other`, from 0 to 1.
+/// Mixture of two colours. `share` is the share of `other`, from 0 to 1.
 pub(crate) fn mixed(one: Colour, other: Colour, share: f64) -> Colour {
     let mix = |one: u8, other: u8| {
         let (one, other) = (f64::from(one), f64::from(other));
@@ -150,10 +150,11 @@ pub(crate) fn hex(Colour(red, green, blue): Colour) -> String {
     format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
-/// The eight shape classes with their colours. The names are the names that files contain, in the order of the table of
-/// classes (rows H > 0, = 0, < 0; columns K > 0, = 0, < 0). From convex to concave, the colours change from red to
-/// blue, which colour-blind readers can distinguish. All colours have different lightness for grey prints, and none of
-/// them is the colour of a series.
+/// The eight shape classes, as they are named in files, with their colours. Their order is that of the table of
+/// classes: mean curvature H > 0, = 0, < 0 in rows, Gaussian curvature K > 0, = 0, < 0 in columns.
+///
+/// From convex to concave, the colours change from red to blue, which colour-blind readers can distinguish. For grey
+/// prints, all colours have different lightness. None of them is the colour of a series.
 pub(crate) const CLASSES: [(&str, Colour); 8] = [
     ("peak", Colour(122, 31, 18)),
     ("ridge", Colour(210, 79, 31)),

@@ -1,23 +1,23 @@
-//! Markers of data points, as elements of the plotters library.
+//! Draws the markers of data points.
 
 use super::style::{Marker, Style, WHITE};
 use plotters::element::{Drawable, PointCollection};
 use plotters_backend::{BackendCoord, BackendStyle, DrawingBackend, DrawingErrorKind};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// Width of the white rim around a marker, which separates it from the shapes below it.
+/// Width of the white rim around a marker, in drawing units. It separates the marker from shapes below it.
 const RIM: f64 = 4.5;
 
-/// A marker with a radius of approximately `size` and a white rim.
+/// A marker of approximately the radius `size`, with a white rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Symbol {
     pub(crate) style: Style,
     pub(crate) size: f64,
-    /// Whether the marker is white inside. Dots and dashes are always solid.
+    /// Whether the marker is white inside. Dots and dashes are never white inside.
     pub(crate) is_open: bool,
 }
 
-/// A marker at a position.
+/// A marker and its position, as an element of the plotters library.
 pub(crate) struct Placed<C>(pub(crate) C, pub(crate) Symbol);
 
 impl Symbol {
@@ -74,7 +74,7 @@ impl<C, B: DrawingBackend> Drawable<B> for Placed<C> {
     }
 }
 
-/// Fills the shape of a marker with a radius of approximately `size`, enlarged by `rim` on all sides.
+/// Fills the shape of a marker. Its radius is approximately `size`, plus `rim` on all sides.
 fn fill<B: DrawingBackend, S: BackendStyle>(
     backend: &mut B,
     marker: Marker,

@@ -3,7 +3,7 @@
 use crate::Table;
 use palpate_study::{Quantity, QuantityKind, Statistic};
 
-/// Note on the error bars of a figure.
+/// Note that explains the error bars of a figure.
 pub(crate) const BARS: &str =
     "Bars: 95 % intervals of the Monte Carlo error. Bars shorter than their marker are not drawn.";
 /// Half-width of a 95 % interval, in standard errors.
@@ -14,13 +14,13 @@ pub(crate) fn normal(value: f64, error: f64) -> [f64; 2] {
     [value - HALF_WIDTH * error, value + HALF_WIDTH * error]
 }
 
-/// Ends of the 95 % interval of a statistic in `row`, computed from its Monte Carlo error, in the unit of the table.
-/// `None` for a statistic without Monte Carlo error, for fewer than two trials, and for the mean of the reported
-/// standard deviations, because the table does not contain its scatter.
+/// Ends of the 95 % interval of a statistic in `row`, in the unit of the table. The interval comes from the Monte
+/// Carlo error. `None` for fewer than two trials, for a statistic without Monte Carlo error, and for the mean of the
+/// reported standard deviations, because the table does not contain its scatter.
 ///
-/// If a trial observes several places, the errors at these places are not independent. Therefore the intervals of rms
-/// errors, mean absolute errors and shares of places count each trial once. The intervals of other statistics are too
-/// wide, because they assume that all places of a trial have the same error.
+/// If a trial observes several points of a patch, the errors at these points are not independent. Therefore the
+/// intervals of rms errors, mean absolute errors and shares of points count each trial once. The intervals of other
+/// statistics are too wide, because they assume that all points of a trial have the same error.
 pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]> {
     let statistic = Statistic::named(name)?;
     let of = |statistic: Statistic| table.statistic(row, statistic.name());
@@ -77,24 +77,24 @@ pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]
     ends.iter().all(|end| end.is_finite()).then_some(ends)
 }
 
-/// Standard error of the median of n normally distributed numbers, multiplied by √n and divided by the distance between
-/// the 5 % and the 95 % quantile.
+/// Standard error of the median of n normally distributed numbers is this factor times s/√n, where s is the distance
+/// between their 5 % and 95 % quantiles.
 const MEDIAN_PER_SPREAD: f64 = 0.381;
-/// Standard error of the 5 % or 95 % quantile of n normally distributed numbers, multiplied by √n and divided by the
-/// distance between these two quantiles.
+/// Standard error of the 5 % or 95 % quantile of n normally distributed numbers is this factor times s/√n, where s is
+/// the distance between these two quantiles.
 const TAIL_PER_SPREAD: f64 = 0.642;
 
 fn ratio(error: f64, of: f64) -> f64 {
     if of > 0.0 { error / of } else { 0.0 }
 }
 
-/// Standard error of the mean of absolute values. `rms` is their root mean square.
+/// Standard error of the mean of `count` absolute values. `rms` is their root mean square.
 fn of_mean_size(rms: f64, mean: f64, count: f64) -> f64 {
     ((rms * rms - mean * mean).max(0.0) / count).sqrt()
 }
 
-/// Standard error of a standard deviation. If the bias is small, it is computed from the scatter of the squared errors;
-/// otherwise a normal distribution is assumed.
+/// Standard error of a standard deviation. If the bias is small, it is computed from the standard error of the rms
+/// error; otherwise a normal distribution is assumed.
 fn of_std(std: f64, bias: f64, of: &impl Fn(Statistic) -> Option<f64>, count: f64) -> Option<f64> {
     if bias.abs() > 0.5 * std || std == 0.0 {
         return Some(std / (2.0 * (count - 1.0)).sqrt());
@@ -104,7 +104,7 @@ fn of_std(std: f64, bias: f64, of: &impl Fn(Statistic) -> Option<f64>, count: f6
     Some((of_square * of_square - of_bias).max(0.0).sqrt() / (2.0 * std))
 }
 
-/// Wilson's 95 % interval of a share; `None` if the number is not between 0 and 1.
+/// Wilson's 95 % interval of a share; `None` if `share` is not between 0 and 1.
 fn of_share(share: f64, count: f64) -> Option<[f64; 2]> {
     if !(0.0..=1.0).contains(&share) {
         return None;
@@ -125,7 +125,8 @@ mod tests {
     use super::*;
     use crate::Files;
 
-    /// The interval of a statistic in a table with one row. The row has 100 trials, and its statistics are `columns`.
+    /// The interval of a statistic, computed from a table with one row of 100 trials. `columns` are the statistics of
+    /// this row.
     fn found(quantity: &str, columns: &[(Statistic, f64)], of: Statistic) -> Option<[f64; 2]> {
         let names = Statistic::ALL.map(Statistic::name).join(",");
         let texts = Statistic::ALL.map(|statistic| {

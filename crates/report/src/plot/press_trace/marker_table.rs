@@ -14,7 +14,7 @@ const TRACE: [&str; 6] = [
     "tangential_x",
     "tangential_y",
 ];
-/// Columns of `readings.csv` that are read. The last two may be missing.
+/// Names of the columns that are read from `readings.csv`. The last two columns may be missing.
 const READINGS: [&str; 5] = [
     "x",
     "y",
@@ -22,42 +22,43 @@ const READINGS: [&str; 5] = [
     "tangential_x",
     "tangential_y",
 ];
-/// Largest difference between two places that count as equal, relative to the largest coordinate of all markers.
+/// Two positions count as equal if their coordinates differ by less than this share of the largest coordinate of all
+/// markers.
 const RELATIVE_TOLERANCE: f64 = 1e-6;
 
-/// Displacement of a marker, length.
+/// Displacement of a marker, in the length unit of the tables.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Displacement {
-    /// Component inwards along the normal.
+    /// Component along the normal, positive inwards.
     pub(super) normal: f64,
-    /// Components along the skin, in the axes at the marker's place; `None` if they were not measured.
+    /// Components along the skin, in the axes at the marker; `None` if they were not measured.
     pub(super) tangential: Option<[f64; 2]>,
 }
 
 /// A marker on the skin.
 #[derive(Debug, Clone)]
 pub(super) struct Marker {
-    /// Place of the marker on the skin at rest.
+    /// Position of the marker along the skin at rest.
     pub(super) place: [f64; 2],
-    /// Distance from the contact along the skin.
+    /// Distance of the marker from the contact, along the skin.
     pub(super) radial: f64,
     pub(super) truth: Displacement,
-    /// Measured displacement; `None` if the marker was not tracked.
+    /// Measured displacement; `None` if there is no reading of this marker.
     pub(super) reading: Option<Displacement>,
 }
 
 /// The markers of one press.
 #[derive(Debug)]
 pub(super) struct Trace {
-    /// Unit of all lengths, as in the tables; may be empty.
+    /// Unit of all lengths, as the headers state it; may be empty.
     pub(super) unit: String,
-    /// At least one marker, in the order of `trace.csv`.
+    /// The markers in the order of `trace.csv`. There is at least one.
     pub(super) markers: Vec<Marker>,
     /// Whether displacements along the skin were measured.
     pub(super) reads_tangential: bool,
 }
 
-/// Reads both files.
+/// Reads `trace.csv` and `readings.csv`.
 pub(super) fn read(files: &Files) -> Result<Trace, ReportError> {
     let trace = Records::read(files, "trace.csv", &TRACE)?.filled()?;
     one_unit(&trace, trace.unit(0), TRACE.len())?;
@@ -88,7 +89,7 @@ pub(super) fn read(files: &Files) -> Result<Trace, ReportError> {
     })
 }
 
-/// Checks that the first `columns` columns all have this unit.
+/// Rejects a table if one of its first `columns` columns has another unit.
 fn one_unit(table: &Records, unit: &str, columns: usize) -> Result<(), ReportError> {
     match (0..columns).find(|column| table.unit(*column) != unit) {
         None => Ok(()),
@@ -100,7 +101,7 @@ fn pair(table: &Records, row: usize, first: usize) -> Result<[f64; 2], ReportErr
     Ok([table.number(row, first)?, table.number(row, first + 1)?])
 }
 
-/// Assigns each reading to the marker at its place. A marker has at most one reading.
+/// Assigns each reading to the marker at the same position. Each marker gets at most one reading.
 fn add_readings(
     table: &Records,
     with_tangential: bool,
@@ -131,14 +132,14 @@ fn add_readings(
 }
 
 impl Trace {
-    /// Number of markers that have no reading.
+    /// Number of markers without a reading.
     pub(super) fn lost(&self) -> usize {
         let lost = |marker: &&Marker| marker.reading.is_none();
         self.markers.iter().filter(lost).count()
     }
 
-    /// Root-mean-square errors of the readings. The first is for the normal displacement, the second for the
-    /// displacement along the skin (as a distance).
+    /// Root-mean-square errors of the readings: first of the normal displacement, then of the displacement along the
+    /// skin.
     pub(super) fn off(&self) -> (Option<f64>, Option<f64>) {
         let read = || {
             let markers = self.markers.iter();
@@ -152,7 +153,7 @@ impl Trace {
         (rms(normal), rms(tangential))
     }
 
-    /// Text with the number of markers, the number without a reading, and the error of the readings.
+    /// Text with the number of markers, the number of markers without a reading, and the errors of the readings.
     pub(super) fn subtitle(&self) -> String {
         let count = self.markers.len();
         let mut markers = format!("{count} marker{}", if count == 1 { "" } else { "s" });

@@ -1,22 +1,26 @@
-//! Computes the direction away from the contact at each marker. The place of the contact is found by a fit to the
-//! distances between the markers and the contact.
+//! Computes, for each marker, the direction along the skin away from the contact. The tables state only the distance
+//! of each marker from the contact, so the position of the contact is fitted to these distances.
 
-/// Number of equal steps in the first stage of the search for the curvature of the skin.
+/// Number of equal steps in the search for the curvature of the skin.
 const STEPS: u32 = 60;
-/// Number of golden-section steps that then narrow the range around the best curvature.
+/// Number of golden-section steps after the equal steps. They narrow the range around the best curvature.
 const REFINEMENTS: u32 = 60;
-/// Largest curvature of the skin in the search, multiplied by the largest distance from the contact. If this product is
-/// π, the distance is half a great circle.
+/// Largest curvature of the skin that is tried, multiplied by the largest distance from the contact. At π, this
+/// distance would be half a great circle.
 const ROUNDEST: f64 = 3.1;
-/// Regularisation of the least squares, relative to the matrix's trace. It is added to the diagonal of the matrix. It
-/// makes the solution unique even if the places do not determine all unknowns.
+/// Regularisation of the least-squares fit: this number times the matrix's trace is added to the diagonal of the
+/// matrix. The solution is then unique, even if the positions do not determine all unknowns.
 const RIDGE: f64 = 1e-13;
-/// Distance below which a marker counts as being at the contact, relative to the largest distance of all markers.
+/// A marker counts as being at the contact if its distance from the contact is below this share of the largest
+/// distance.
 const AT_CONTACT: f64 = 1e-6;
 
-/// Unit vector away from the contact at each place; `None` at the contact. The components are along the axes of the
-/// apex, parallel-transported along the meridian to the place. `places` are logarithm maps from the apex of a spherical
-/// skin of unknown radius, and `distances` are the great-circle distances of the places from the contact.
+/// Unit vector along the skin away from the contact, for each marker; `None` at the contact.
+///
+/// `places` are the positions of the markers along the skin: (x, y) is the point at the distance √(x² + y²) from the
+/// apex in the direction (x, y). `distances` are the distances of the markers from the contact along the skin. The
+/// skin is a sphere of unknown radius. The components of the result are along the axes at the apex,
+/// parallel-transported along the meridian to the marker.
 pub(super) fn outward(places: &[[f64; 2]], distances: &[f64]) -> Vec<Option<[f64; 2]>> {
     let lengths = places.iter().map(|[x, y]| libm::hypot(*x, *y));
     let size = lengths.chain(distances.iter().copied()).fold(0.0, f64::max);
@@ -51,18 +55,18 @@ pub(super) fn outward(places: &[[f64; 2]], distances: &[f64]) -> Vec<Option<[f64
     places.iter().map(|place| best.away_at(*place)).collect()
 }
 
-/// A contact on a sphere of this curvature. The origin is at the apex, and the centre of the sphere is below it.
+/// Position of the contact on a sphere with this curvature. The origin is at the apex, above the centre of the sphere.
 struct Contact {
     curvature: f64,
     place: [f64; 3],
-    /// Sum of the squared differences between fitted and given squared chords.
+    /// Sum of the squared differences between fitted and given squared chords, from the markers to the contact.
     misfit: f64,
 }
 
 impl Contact {
-    /// Fits the position C of the contact, so that its chords to the places p agree best with the distances. If the
-    /// origin is at the apex and R is the radius, |p − C|² = |p|² − 2 p·C − 2 R C_z. This is linear in C_x, C_y and R
-    /// C_z.
+    /// Fits the position C of the contact on a sphere with this curvature, so that the chords from C to the markers p
+    /// agree best with the distances. With the origin at the apex and the radius R, |p − C|² = |p|² − 2 p·C − 2 R C_z.
+    /// This is linear in the unknowns C_x, C_y and R C_z.
     fn fitted(curvature: f64, places: &[[f64; 2]], distances: &[f64]) -> Self {
         let chord = |length: f64| length * over(0.5 * length * curvature);
         let rows: Vec<([f64; 3], f64)> = places
@@ -87,7 +91,7 @@ impl Contact {
         }
     }
 
-    /// The unit vector away from the contact, in the transported axes at `place`.
+    /// Unit vector away from the contact at a marker, in the parallel-transported axes; `None` at the contact.
     fn away_at(&self, place: [f64; 2]) -> Option<[f64; 2]> {
         let length = libm::hypot(place[0], place[1]);
         let [x, y, z] = on_sphere(place, self.curvature);
@@ -109,7 +113,7 @@ impl Contact {
     }
 }
 
-/// Position in 3D of a place on the skin.
+/// Three-dimensional coordinates of a position along the skin.
 fn on_sphere(place: [f64; 2], curvature: f64) -> [f64; 3] {
     let length = libm::hypot(place[0], place[1]);
     let stretch = over(length * curvature);
@@ -130,7 +134,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Least-squares solution of the rows; the shortest solution if there are several.
+/// Least-squares solution of linear equations. Each row contains the three coefficients and the right-hand side.
 fn least_squares(rows: &[([f64; 3], f64)]) -> [f64; 3] {
     let sum =
         |term: &dyn Fn(&[f64; 3], f64) -> f64| rows.iter().map(|(r, v)| term(r, *v)).sum::<f64>();
@@ -168,8 +172,8 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// `vector` after parallel transport from the apex to the place. The transport rotates it about a horizontal axis
-    /// by the polar angle of the place (Rodrigues' formula).
+    /// Transports a vector in parallel from the apex to a position on the skin. This is a rotation about a horizontal
+    /// axis by the polar angle of the position (Rodrigues' formula).
     fn carried(vector: [f64; 3], place: [f64; 2], radius: f64) -> [f64; 3] {
         let length = libm::hypot(place[0], place[1]);
         let axis = if length > 0.0 {

@@ -1,4 +1,4 @@
-//! Figure of the markers from above. Arrows show their displacements along the skin.
+//! Figure of the markers from above, with arrows for their displacements along the skin.
 
 use super::marker_table::{Marker, Trace};
 use crate::ReportError;
@@ -19,24 +19,25 @@ use plotters::style::text_anchor::HPos;
 const KEY: i32 = 720;
 /// Gap between the key and the box, in drawing units.
 const GAP: i32 = 90;
-/// Displacement below which a marker counts as not displaced.
+/// Smallest displacement along the skin for which arrows are drawn.
 const MIN_DISPLACEMENT: f64 = 1e-290;
 /// Width of the arrow of a true displacement, in drawing units.
 const TRUE: f64 = 15.0;
-/// Width of the arrow of a reading, which is drawn over the true displacement.
+/// Width of the arrow of a reading, in drawing units. It is narrower, because it is drawn on the arrow of the true
+/// displacement.
 const READ: f64 = 6.0;
 /// Length of a sample in the key, in drawing units.
 const SAMPLE: i32 = 120;
-/// Width and height of the strip of shades in the key, in drawing units.
+/// Width and height of the strip in the key that shows the shades of grey, in drawing units.
 const STRIP: Point = (78, 570);
 /// Number of shades in the strip of the key.
 const SHADES: i32 = 95;
-/// Colour of the smallest normal displacement. Arrows are visible on it.
+/// Grey for the smallest normal displacement. Arrows are visible on it.
 const LIGHT: Colour = Colour(252, 252, 252);
-/// Colour of the largest normal displacement. Arrows are visible on it.
+/// Grey for the largest normal displacement. Arrows are visible on it.
 const DARK: Colour = Colour(130, 130, 130);
 
-/// Draws the markers and the key.
+/// Draws the figure `quiver`: the markers with their arrows, and the key.
 pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
     let title = "Displacement of the markers along the skin";
     let words = Words::new("quiver", title, &trace.subtitle(), &[]);
@@ -84,7 +85,7 @@ pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
     })
 }
 
-/// Scales of equal length for x and y that cover all markers.
+/// Scales of x and y that cover all markers. Both have the same length per unit.
 fn scales(trace: &Trace) -> [Scale; 2] {
     let ends = [0, 1].map(|axis| {
         let along = trace.markers.iter().map(|marker| marker.place[axis]);
@@ -100,26 +101,26 @@ fn scales(trace: &Trace) -> [Scale; 2] {
     })
 }
 
-/// A press, with the scales and sizes that its drawing needs.
+/// The markers of a press, with the scales and sizes for drawing them.
 struct Quiver<'a> {
     trace: &'a Trace,
-    /// Scale of the shades, which show the true normal displacement.
+    /// Scale from the true normal displacement to shades of grey.
     shade: Scale,
-    /// Radius of a marker.
+    /// Radius of a marker, in drawing units.
     radius: f64,
     /// Length of the longest displacement along the skin, in the unit of the tables.
     longest: f64,
-    /// Length of an arrow per unit of displacement; `None` if no marker moves along the skin.
+    /// Length of an arrow in drawing units, divided by its displacement; `None` if no marker moves along the skin.
     stretch: Option<f64>,
 }
 
 impl Quiver<'_> {
-    /// The label, followed by the unit of the tables.
+    /// A label with the length unit of the tables.
     fn in_unit(&self, label: &str) -> String {
         with_unit(label, &spoken_unit(&self.trace.unit))
     }
 
-    /// Draws the marker at its place at rest, with a shade for its normal displacement. A marker without a reading is
+    /// Draws a marker at its position at rest, in the grey of its normal displacement. A marker without a reading is
     /// crossed out.
     fn marker(&self, marker: &Marker, panel: &Panel<'_>) -> Drawn {
         let area = panel.plotting_area();
@@ -186,7 +187,7 @@ impl Quiver<'_> {
         Ok(())
     }
 
-    /// Draws the strip of shades, with a scale of values.
+    /// Draws the strip of greys in the key, with the values of the normal displacement.
     fn strip(&self, left: i32, sheet: &Sheet) -> Drawn {
         let (right, bottom) = (left + STRIP.0, sheet.top + STRIP.1);
         for at in 0..SHADES {
@@ -216,7 +217,7 @@ fn read_colour() -> Colour {
     Style::of(1).colour
 }
 
-/// The symbol for a marker without a reading.
+/// Symbol that crosses out a marker without a reading.
 fn lost(size: f64) -> Symbol {
     let style = Style {
         colour: read_colour(),
