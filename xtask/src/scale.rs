@@ -238,7 +238,7 @@ impl TestBench<'_> {
         self.replace_by_failing(&program, 5)?;
         self.hold(false)?;
         let killed = self.running()?;
-        // An error is ignored, because the process may already have ended.
+        // Ignore an error of `kill`, because the process may already have ended.
         let kill = cmd!(shell, "kill -9 {killed}");
         kill.quiet().ignore_status().ignore_stderr().run()?;
         self.running()?;
@@ -246,7 +246,7 @@ impl TestBench<'_> {
             .quiet()
             .run()?;
         sleep(Duration::from_millis(500));
-        // An error is ignored, because the node may already be back.
+        // Ignore an error of `scontrol`, because the node may already be up again.
         let back = cmd!(shell, "scontrol update NodeName=n2 State=RESUME");
         back.quiet().ignore_status().ignore_stderr().run()?;
         self.wait()?;

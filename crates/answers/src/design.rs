@@ -176,8 +176,8 @@ impl Searches<'_> {
             narrowed: found.narrowed,
             ended: found.ended,
         };
-        // If no value meets the target, the answer states how near the best value comes to the target. Therefore more
-        // trials are run at this value.
+        // If no value meets the target, the answer names the best value tried and its result. Run more trials at this
+        // value, so that the result is accurate.
         if column.on(Side::Meets).next().is_none()
             && let Some((_, point, sample)) = region.nearest([&column])
         {

@@ -131,8 +131,8 @@ pub fn count(evaluations: impl IntoIterator<Item = Evaluation>) {
 #[inline(never)]
 fn evaluate_once(run: &mut dyn FnMut()) {
     run();
-    // This line prevents a tail call of the function above. After a tail call, callgrind would consider this function
-    // finished before `run` has finished.
+    // Without this line, the function above could be a tail call. Callgrind would then consider this function finished
+    // before `run` has finished.
     black_box(());
 }
 

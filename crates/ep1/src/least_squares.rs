@@ -312,8 +312,8 @@ impl LeastSquares {
                 travel_per_radian,
             };
         }
-        // Even the longest rotation in this direction moved the contact by less than the resolution. From this follows
-        // a bound on the object's radius of curvature.
+        // In this direction, even the longest rotation moved the contact by less than the resolution. This gives an
+        // upper bound on the object's radius of curvature.
         let rotation = self
             .rotations
             .iter()

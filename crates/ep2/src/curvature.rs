@@ -299,7 +299,8 @@ mod tests {
             3.0_f64.sqrt() * 0.01 / 4.0,
             epsilon = 1e-15
         );
-        // The variance of the mean curvature is Var(r + t)/4, with the second derivatives r and t.
+        // The mean curvature of a plane is −(r + t)/2, so its variance is Var(r + t)/4. Here r and t are second
+        // derivatives.
         assert_relative_eq!(told.mean_std, 0.5_f64.sqrt() * 0.1 / 2.0, epsilon = 1e-15);
     }
 }

@@ -51,8 +51,8 @@ impl LevelSet {
     /// The shape operator as a linear map of 3D vectors, 1/length: `dn = S dq` for a tangent displacement `dq`. It maps
     /// the normal to zero.
     pub fn shape_operator(&self) -> Matrix3<f64> {
-        // The product projects onto the tangent plane. For a unit normal n, it equals I − n nᵀ, but without
-        // cancellation on its diagonal.
+        // `tangential` projects vectors onto the tangent plane. For a unit normal n, it equals I − n nᵀ, but its
+        // diagonal is computed without cancellation.
         let across = self.normal.cross_matrix();
         let tangential = across.transpose() * across;
         tangential * self.second_form * tangential

@@ -359,7 +359,7 @@ impl Contact<'_> {
         pressure.filter(|pressure| pressure.is_finite())
     }
 
-    // The function is inlined. Therefore the compiler removes the parts of its result that a caller does not use.
+    // Inline this function, so that the compiler removes the parts of its result that a caller does not use.
     #[inline(always)]
     pub(crate) fn field(&self, r: f64) -> Field {
         let (a, r) = (self.radius, r.abs());

@@ -111,7 +111,7 @@ struct Moments {
 }
 
 impl Moments {
-    // The function is inlined. Therefore the compiler removes the derivatives that a caller does not use.
+    // Inline this function, so that the compiler removes the derivatives that a caller does not use.
     #[inline(always)]
     fn near(z: f64, a: f64, r: f64) -> Self {
         let difference = (r - a) * (r + a) + z * z;
@@ -161,7 +161,7 @@ impl Moments {
     fn far(z: f64, a: f64, r: f64) -> Self {
         let distance = (r * r + z * z).sqrt();
         let (cosine, s) = (z / distance, a / distance);
-        // The Legendre polynomials P_m and their derivatives P'_m are computed by recurrences.
+        // `legendre` and `slope` are the Legendre polynomials P_m and their derivatives P'_m, computed by recurrences.
         let (mut legendre, mut slope) = ([0.0; ORDERS], [0.0; ORDERS]);
         legendre[0] = 1.0;
         legendre[1] = cosine;

@@ -60,7 +60,8 @@ impl UniformLattice {
     /// Direction of pad `index`, which must be below [`Self::pads`]. Pads are numbered from +z to −z.
     pub fn direction(&self, index: u64) -> Vector3<f64> {
         let below = (2.0 * index as f64 + 1.0) / self.pads as f64;
-        // With z = 1 − below, 1 − z² equals below (2 − below). This form has no cancellation near the pole.
+        // The height of the pad is z = 1 − `below`. Therefore 1 − z² is `below` (2 − `below`), which is computed
+        // without cancellation near the pole.
         let sine = (below * (2.0 - below)).max(0.0).sqrt();
         let (sin, cos) = libm::sincos(azimuth(index));
         Vector3::new(sine * cos, sine * sin, 1.0 - below)
@@ -81,7 +82,7 @@ impl UniformLattice {
             - 0.5;
         let azimuth_here = libm::atan2(direction.y, direction.x);
 
-        // The two Fibonacci numbers that define the basis at this latitude.
+        // `f0` and `f1` are the two Fibonacci numbers that define the basis of the lattice at this latitude.
         let zone = (count * std::f64::consts::PI * 5.0_f64.sqrt() * sine_squared).max(1.0);
         let order = (libm::log(zone) / (2.0 * libm::log(GOLDEN_RATIO)))
             .floor()

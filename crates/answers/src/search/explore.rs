@@ -56,8 +56,8 @@ pub(super) fn explore<C: Curves + ?Sized>(
         SearchRange::Span(span) => span.spread(SCANNED, rules.gap),
         SearchRange::Listed(count) => (0..count).map(|place| place as f64).collect(),
     };
-    // The first round also includes the time of setting up the scenes. The second round measures the time of the trials
-    // alone.
+    // Measure the time of a trial. The first round also includes the time to set up the scenes, so only the second
+    // round counts.
     for trials in [FIRST / 2, FIRST] {
         let mut asks: Vec<ScoreRequest> = Vec::new();
         for &value in &values {

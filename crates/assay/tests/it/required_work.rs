@@ -206,7 +206,7 @@ fn only_round_tips_search_for_contacts() {
         r#"noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05, axis = "z" } }"#;
     let [setup, trial] = work(GLIDE, &[point, ("NOISE", noise)]);
     assert_eq!(setup, Tally::default());
-    // The range allows for normal numbers that need two random words instead of one.
+    // Some normal numbers need two random words instead of one, so the number of draws is a range.
     assert!((30..=40).contains(&trial.draws), "{trial:?}");
 }
 

@@ -313,7 +313,7 @@ impl Layer {
     fn sight(&self, stand: &Stand, motion: &DiscMotion, offset: [f64; 2]) -> Result<Sight, f64> {
         let inward = motion.normal / self.distance;
         let [x, y] = motion.tangential.map(|along| along / self.distance);
-        // These comparisons are false for NaN, so a motion that is NaN is rejected.
+        // Both comparisons are false for NaN, so a motion that contains NaN is rejected.
         let (shorter, beside) = (inward.abs() < 1.0, x * x + y * y < 1.0);
         if !shorter {
             return Err(motion.normal);

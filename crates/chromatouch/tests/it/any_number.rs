@@ -29,7 +29,7 @@ fn layout() -> impl Strategy<Value = Layout> {
             rows,
             row_spacing_deg: 30.0 * spacing,
         }),
-        // The pitches are wide, so that there are few markers and the test is fast.
+        // The pitch is at least 0.1, so that there are few markers and the test is fast.
         (any_number(), any_number()).prop_map(|(pitch, cap)| Layout::Lattice {
             pitch: pitch + 0.1,
             cap_deg: 180.0 * cap,

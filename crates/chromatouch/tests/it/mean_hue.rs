@@ -20,7 +20,7 @@ fn golden_hues() {
         let numbers = line.split(',').map(|number| number.parse().unwrap());
         let row: [f64; 6] = numbers.collect::<Vec<f64>>().try_into().unwrap();
         let [yellow, magenta, offset, mean, _, of_sum] = row;
-        // The sphere is so large that discs near the apex are practically flat.
+        // The sphere is so large that discs near the apex are nearly flat.
         let (depths, discs) = (depths(0.0, 0.0), Discs { magenta, yellow });
         let array = MarkerArray::new(2e4, &[[0.0, 0.0]], discs, depths).unwrap();
         let camera = Camera::new(Lens::Fisheye, 640, 70.0).unwrap();

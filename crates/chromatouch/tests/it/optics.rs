@@ -297,7 +297,8 @@ fn only_what_is_all_in_the_picture_is_seen() {
         let seen = optics.project(motions).unwrap();
         seen.iter().map(Option::is_some).collect()
     };
-    // The angular radius of the discs is 3.4°.
+    // A disc is visible only if all of it is in the field of 70°. The angular radius of the discs is 3.4°, so the
+    // markers at 68° and 80° are not visible.
     assert_eq!(visible(&motions), [true, true, false, false]);
     motions[0] = None;
     assert_eq!(visible(&motions), [false, true, false, false]);

@@ -161,7 +161,7 @@ fn errors_of_pixels_are_independent() {
     for key in [[1, 1], [1, 2], [1, 1 << 40], [2, 0], [3, 1]] {
         scores.extend((0..6).map(|on| common(&own, &noise(key), 0, on)));
     }
-    // With a probability of 0.999, the largest of 220 scores is below 4.6.
+    // If the errors are independent, the largest of 220 scores is below 4.6 with a probability of 0.999.
     let independent = |scores: &[f64; 2]| scores.iter().all(|score| score.abs() < 4.6);
     assert!(scores.iter().all(independent), "{scores:?}");
     assert!(common(&own, &own, 0, 0).iter().all(|score| *score > 100.0));

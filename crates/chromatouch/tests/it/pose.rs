@@ -95,7 +95,8 @@ fn a_turned_camera_sees_markers_turned() {
         [Pose::default(), pose].map(|pose| seen(&optics(&PLACES, 2.0).seen_from(pose).unwrap()));
     let (sine, cosine) = libm::sincos(turn);
     for (before, after) in central.iter().zip(&turned) {
-        // Rows are counted downward, and the image turns in the opposite direction to the camera.
+        // If the camera turns, the image turns in the opposite direction. Because rows are counted downward, this is a
+        // positive turn in pixel coordinates.
         let [x, y] = before.centroid_px.map(|place| place - 349.5);
         let [found_x, found_y] = after.centroid_px.map(|place| place - 349.5);
         assert!((found_x - (x * cosine - y * sine)).abs() < 1e-9);

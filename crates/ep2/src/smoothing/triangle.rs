@@ -247,7 +247,8 @@ mod tests {
         block.push_row(&[1.0, 1.0], 0.0);
         block.push_row(&[0.0, 2.0], 2.0);
         triangle.absorb(1, &mut block);
-        // AᵀA = [[3,0,0],[0,3,1],[0,1,5]], Aᵀb = [6,−1,4]: x = (2, −9/14, 13/14).
+        // For these rows, AᵀA = [[3,0,0],[0,3,1],[0,1,5]] and Aᵀb = [6,−1,4]. The solution of AᵀA x = Aᵀb is x = (2,
+        // −9/14, 13/14).
         let solution = triangle.solve();
         for (value, expected) in solution.iter().zip([2.0, -9.0 / 14.0, 13.0 / 14.0]) {
             assert_relative_eq!(*value, expected, epsilon = 1e-14);

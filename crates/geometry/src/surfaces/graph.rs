@@ -317,8 +317,8 @@ impl<H: Height> Surface for Graph<H> {
         let [fx, fy] = jet.gradient;
         let [fxx, fxy, fyy] = jet.hessian;
         let steepness_squared = 1.0 + fx * fx + fy * fy;
-        // These are the checks of `Graph::jet` that are needed here. A NaN fails them, because both comparisons are
-        // then false.
+        // `Graph::jet` makes the same checks and further ones that are not needed here. If a number is NaN, both
+        // comparisons are false, so the check fails.
         let in_domain = steepness_squared <= H::STEEPEST * H::STEEPEST;
         if !(in_domain && (fxx + fxy + fyy).is_finite()) {
             return Err(SurfaceError::OffDomain {

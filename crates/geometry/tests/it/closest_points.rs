@@ -80,7 +80,7 @@ fn assert_closest(semi_axes: [f64; 3], from: Point3<f64>, found: Point3<f64>) {
         (unit.norm() - 1.0).abs() < 1e-14,
         "{found} is off the ellipsoid {semi_axes:?}"
     );
-    // The vector from the surface to `from` must be parallel to the normal.
+    // `from` must lie on the normal of the surface at `found`.
     let normal = unit.component_div(&axes).normalize();
     let gap = from - found;
     let along = gap.dot(&normal);

@@ -181,7 +181,7 @@ fn arguments_are_refused_by_name() {
     ] {
         desk.refuses(command, table);
     }
-    // Readings that contain only the required columns.
+    // Tables of readings without the optional columns.
     let columns = |csv: &str, count: usize| -> String {
         let row = |line: &str| line.split(',').take(count).collect::<Vec<_>>().join(",") + "\n";
         csv.lines().map(row).collect()

@@ -118,7 +118,7 @@ const QUESTIONS: &str = "
 #[test]
 fn what_cannot_be_told_apart() {
     Desk::with(STUDY).refuses("distinguish c.toml", QUESTIONS);
-    // Tables among the values need no label.
+    // In a sweep, values that are tables need a label. In `--vary`, they do not.
     let shapes = "scene.object={kind=\"sphere\",radius=20},{kind=\"plane\"}";
     Desk::with(STUDY)
         .palpate(&format!("distinguish c.toml --trials 20 --vary {shapes}"))

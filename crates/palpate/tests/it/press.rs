@@ -335,7 +335,7 @@ fn outliers_are_named_by_row_and_line() {
         fields[2] = "-1.5";
         lines[line] = fields.join(",");
     }
-    // A blank line is not a row.
+    // A blank line does not count as a row of the table.
     lines.insert(10, String::new());
     desk.write("r.csv", lines.join("\n"));
     let estimate = json(

@@ -39,7 +39,7 @@ fn a_study_without_plots_gets_the_default_plot() {
     ] {
         assert!(svg.contains(words), "{words}: {svg}");
     }
-    // The next run removes this figure, like the figures of the config's plots.
+    // The next run deletes this figure, as it deletes the figures of `[[plot]]` tables.
     desk.palpate("run c.toml --seed 3 --out o").printed();
     assert_eq!(desk.names("o"), RUN_FILES);
 }

@@ -114,7 +114,7 @@ fn sneddons_indentation_contains_an_inverse_hyperbolic_tangent() {
         for ratio in [1e-140, 1e-9, 0.5, 0.999_999] {
             let a = ratio * radius;
             let found = sneddon_indentation(radius, a).unwrap();
-            // `atanh` amplifies the rounding error of a/R if a/R is nearly 1.
+            // If a/R is nearly 1, `atanh` amplifies the rounding error of a/R.
             let bound = 1e-15 / (1.0 - ratio);
             assert!(
                 (found / (a * libm::atanh(a / radius)) - 1.0).abs() < bound,

@@ -187,7 +187,8 @@ fn intervals_contain_the_truth_for_uncertain_sensors() {
         at_rest += share;
     }
     let count = trials as f64;
-    // For a share of 0.95 in 150 trials, three standard deviations are 0.053.
+    // If 95 % of the intervals hold, their share in 150 trials has a standard error of 0.018. The limit is three
+    // standard errors lower.
     assert!(held / count > 0.89, "{}", held / count);
     let ratio = (stated / squared).sqrt();
     assert!((0.83..1.2).contains(&ratio), "{ratio}");

@@ -102,7 +102,7 @@ fn spinning_and_sliding_on_the_spot() {
             );
             assert!((end.on_probe(1.0) - first.on_probe(1.0)).norm() < 1e-12);
             assert!(end.arc_length < 1e-12);
-            // The probe turns about the z axis of the contact frame, which points into the object.
+            // The probe only spins: it turns about the z axis of the contact frame, which points into the object.
             let turned = end.object_from_probe() * Rotation3::from_scaled_axis(first.normal * 0.8);
             assert!(
                 (turned.matrix() - Matrix3::identity()).norm() < 1e-11,

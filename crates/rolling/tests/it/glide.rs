@@ -107,7 +107,7 @@ fn a_torus_is_touched_towards_its_core() {
             }
         }
     }
-    // Above the middle of the hole, the tip falls through, or it touches all around.
+    // Above the middle of the hole, a small tip falls through the hole, and a large tip touches the object all around.
     assert_eq!(error(&object, 1.0, 0.0, 0.0), "contact-lost");
     assert_eq!(error(&object, 1.5, 0.2, 0.1), "contact-lost");
     assert_eq!(error(&object, 2.5, 0.0, 0.0), "two-contacts");

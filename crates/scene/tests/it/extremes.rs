@@ -152,7 +152,7 @@ fn impossible_scenes_have_named_errors() {
         (glide(1.0, &sphere(5e-324), ""), "scene.object.radius"),
         (glide(1.0, &sphere(0.0), ""), "scene.object.radius"),
     ] {
-        // In TOML, NaN is written in lower case.
+        // TOML writes NaN in lower case.
         let found = relative(&text.replace("NaN", "nan"));
         assert_eq!(found.err().as_deref(), Some(name), "{text}");
     }

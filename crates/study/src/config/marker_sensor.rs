@@ -87,7 +87,7 @@ pub enum DiscColour {
 }
 
 impl DiscColour {
-    // `skip_serializing_if` takes a reference.
+    // The parameter is a reference because `skip_serializing_if` requires one.
     #[allow(clippy::trivially_copy_pass_by_ref)]
     fn is_magenta(&self) -> bool {
         *self == Self::Magenta
@@ -408,7 +408,7 @@ pub struct ViewConfig {
 }
 
 /// Whether a number is 0.
-// `skip_serializing_if` takes a reference.
+// The parameter is a reference because `skip_serializing_if` requires one.
 #[allow(clippy::trivially_copy_pass_by_ref)]
 fn is_zero(number: &f64) -> bool {
     *number == 0.0

@@ -126,8 +126,8 @@ fn a_cancelled_run_starts_no_more_trials_and_returns_no_results() {
         let error = streamed(threads, &sweep, &cancelled).unwrap_err();
         assert!(matches!(error, SweepError::Cancelled), "{error}");
         let begun = begun.load(Ordering::Relaxed);
-        // With a single thread, the run stops after the current trial, not after the block. A second thread stops when
-        // it reads the flag.
+        // A thread stops after its current trial, not after its block. The flag is set in trial 100, so a single thread
+        // starts exactly 100 trials; a second thread may start more before it reads the flag.
         assert!((100..1000 * BLOCK).contains(&begun), "{begun}");
         assert!(threads > 1 || begun == 100, "{begun}");
     }

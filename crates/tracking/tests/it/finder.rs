@@ -71,8 +71,8 @@ fn misaligned_discs_on_a_bright_ground() {
         apart: 0.0,
         blur_px: 0.0,
         falloff: 0.0,
-        // A little noise is added. Without it, all pixels of one colour would have the same rounding error of up to
-        // half a level.
+        // Add a little noise. Without noise, all pixels of one colour would have the same rounding error of up to half
+        // a level.
         noise: 0.5,
     };
     let worst = Bright {

@@ -210,7 +210,7 @@ fn crossed(
     middle: f64,
     within: &Range<usize>,
 ) -> Range<usize> {
-    // The range follows from |x sin φ − y cos φ| ≤ distance, where φ is the angle of the line.
+    // The pixels of the seam satisfy |x sin φ − y cos φ| ≤ distance, where φ is the angle of the line. This limits x.
     let [cosine, sine] = *line;
     let ends = [y * cosine - distance, y * cosine + distance].map(|end| end / sine);
     let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];

@@ -241,7 +241,8 @@ fn every_number_of_a_scene_can_be_swept_and_varied() {
         };
         let cell = |number| study.cell(number).unwrap().config;
         assert_ne!(cell(0), cell(1), "{name}");
-        // `design` looks up a varied field in the study with all defaults, and sets it to at least two values.
+        // Test what `design` does: it looks up a varied field in the study with all defaults, and sets it to at least
+        // two values.
         let plain = to_toml(&cell(0));
         let plain = parse("study.toml", &plain).unwrap_or_else(|error| panic!("{name}: {error}"));
         let filled = plain.varied(&[]).unwrap();

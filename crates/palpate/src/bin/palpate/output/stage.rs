@@ -233,7 +233,7 @@ pub(crate) fn remove_abandoned(folder: &Path) {
         if let Ok(file) = File::open(entry.path())
             && file.try_lock().is_ok()
         {
-            // An error is ignored, because another process may have removed the file already.
+            // Ignore an error, because another process may already have removed the file.
             let _ = fs::remove_file(entry.path());
         }
     }

@@ -240,7 +240,7 @@ pub(super) fn journal_to_resume(
         return Ok(Some(found));
     };
     if !found.has_work() {
-        // The journal has no finished cell, so a new run loses nothing.
+        // The journal belongs to another run, but has no finished cell. So a new run may replace it.
         return Ok(None);
     }
     let state = match found.is_ended {
