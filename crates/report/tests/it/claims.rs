@@ -1,4 +1,5 @@
-//! Each claim is tested with tables that agree with it, tables that contradict it, and tables that do not test it.
+//! Tests each claim with tables that agree with it, tables that contradict it, and tables without the numbers that it
+//! needs.
 
 use crate::fixture::{Cells, Numbers, angular_velocity, config, differs, holds, untestable};
 use palpate_report::{Study, Verdict, score};
@@ -63,7 +64,8 @@ fn claim_2_compares_lengths() {
 
 // ---- Claims 3 and 4: the length of the roll
 
-/// Noiseless errors of rolls on paraboloids, by their exact closed form, in the order of the table.
+/// A study of rolls on paraboloids. `error` returns the relative error without noise for a coefficient c and an arc
+/// length.
 fn paraboloids(claims: &str, error: impl Fn(f64, f64) -> f64) -> Study {
     let mut cells = Cells::new(
         "scene.object.c_per_cm,scene.motion.arc_length_cm,scene.noise.angular_velocity.fraction",
@@ -107,8 +109,8 @@ fn claims_3_and_4_name_the_cell_they_lack() {
 
 // ---- Claims 5 to 8 and 20: pads
 
-/// Errors of a square grid of pads. Rolls that start at the centre of a pad are exact; for random offsets, the errors
-/// follow the law `random`.
+/// A study of rolls on a square grid of pads. A roll that starts at the centre of a pad has only the error of rounding
+/// its shift to whole pads. With random offsets, `random` returns the relative error for a pitch, a radius and a rate.
 fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
     let mut cells = Cells::new(
         "scene.sensor.pitch_cm,scene.object.radius_cm,scene.sensor.offset,scene.motion.rate_rad_per_s",
@@ -143,7 +145,7 @@ fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
     cells.study(&config("sphere", claims))
 }
 
-/// Error of a roll that is caused by rounding the shift of the contact to whole pads.
+/// Relative error of a roll that results from rounding the shift of the contact to whole pads.
 fn rounding(pitch: f64, radius: f64, rate: f64) -> f64 {
     0.2 * pitch / rate * (1.0 + radius).powi(2) / radius
 }

@@ -1,4 +1,4 @@
-//! The tables in `results/` produce exactly the committed figures, scores and page.
+//! Tests that the tables in `results/` produce exactly the committed figures, scores and page.
 
 use palpate_report::{
     Figure, Files, Study, claims_table, figures, page, press_figures, score, tradeoff_figures,
@@ -22,7 +22,7 @@ fn studies() -> Vec<PathBuf> {
     folders
 }
 
-/// Returns the number of figures in the folder. Checks that these figures are identical to `figures`.
+/// Checks that the files in a folder are identical to `figures`. Returns the number of figures.
 #[track_caller]
 fn drawn(folder: &Path, figures: Vec<Figure>) -> usize {
     for figure in &figures {

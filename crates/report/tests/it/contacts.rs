@@ -1,4 +1,4 @@
-//! The figure of contacts in space.
+//! Tests the figure of kind `contacts`.
 
 use crate::fixture::{count, drawn, refused, shows};
 use crate::glides::{cells, config, study};
@@ -9,8 +9,8 @@ const PLOT: &str =
 const HEADER: &str =
     "finger,x_cm,y_cm,z_cm,normal_x,normal_y,normal_z,tip_x_cm,tip_y_cm,tip_z_cm\n";
 
-/// Trace of three fingers on the plane z = 0, `scale` apart, with two contacts each. The radius of the fingertips is
-/// `tip`.
+/// Trace of three fingers on the plane z = 0, with two contacts each. Fingers are `scale` apart, and `tip` is the
+/// radius of their tips.
 fn trace(scale: f64, tip: f64) -> String {
     let mut text = HEADER.to_owned();
     for finger in 0..3 {
@@ -22,7 +22,7 @@ fn trace(scale: f64, tip: f64) -> String {
     text
 }
 
-/// Readings of [`trace`] whose heights are too large by `by`.
+/// Readings of the contacts in [`trace`]. Their heights are too large by `by`.
 fn readings(scale: f64, by: f64) -> String {
     let mut text = "finger,x_cm,y_cm,z_cm,normal_x,normal_y,normal_z\n".to_owned();
     for finger in 0..3 {

@@ -1,11 +1,11 @@
-//! Small studies in memory, and functions that check their scores, figures and errors.
+//! Makes small studies in memory, and checks their scores, figures and errors.
 
 use palpate_report::{Files, Score, Study, Verdict, figures, score};
 
 pub(crate) const STATISTICS: &str = "truth,trials,failures,mean,std,bias,rms_error,rms_error_std,mean_abs_error,\
     relative_rms_error,relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage50,coverage80,coverage95";
 
-/// A config with a spherical probe of radius 1 and an object of `kind`. `rest` is added to it.
+/// A config with a spherical probe of radius 1 and an object of this `kind`. `rest` is inserted before the scene.
 pub(crate) fn config(kind: &str, rest: &str) -> String {
     format!(
         "name = \"study\"\ntitle = \"A question?\"\nsource = \"somewhere\"\nseed = 7\ncrate_version = \"0.1.0\"\n{rest}\n\
@@ -15,14 +15,14 @@ pub(crate) fn config(kind: &str, rest: &str) -> String {
     )
 }
 
-/// Builder of a table with one row per cell.
+/// Builds the text of `cells.csv` with one row per cell, and the text of `failures.csv`.
 pub(crate) struct Cells {
     text: String,
     failures: String,
     rows: usize,
 }
 
-/// Numbers of a row, without the swept values.
+/// True value and statistics in one row of `cells.csv`.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Numbers {
     pub(crate) truth: Option<f64>,
@@ -32,7 +32,7 @@ pub(crate) struct Numbers {
     pub(crate) std: Option<f64>,
     /// Relative rms error.
     pub(crate) rms: Option<f64>,
-    /// Mean of the relative magnitude of the errors.
+    /// Relative mean absolute error.
     pub(crate) abs: Option<f64>,
     /// The 5, 50 and 95 % quantiles.
     pub(crate) quantiles: Option<[f64; 3]>,
@@ -64,12 +64,13 @@ impl Cells {
         }
     }
 
-    /// Adds a cell of the quantity `normal_curvature_u`, whose failures are `unresolved`.
+    /// Adds a cell with the quantity `normal_curvature_u`. `place` is the text of the swept values. Failed trials have
+    /// the kind `unresolved`.
     pub(crate) fn push(&mut self, place: &str, numbers: Numbers) {
         self.push_of(place, "normal_curvature_u,1/cm", numbers, "unresolved");
     }
 
-    /// Adds a cell of a quantity with its unit; `failure` is the kind of its failures.
+    /// Adds a cell with another quantity, given as `quantity,unit`. `failure` is the kind of its failed trials.
     pub(crate) fn push_of(&mut self, place: &str, quantity: &str, of: Numbers, failure: &str) {
         let Numbers {
             trials, failures, ..
@@ -122,7 +123,7 @@ impl Cells {
 
 pub(crate) const NO_FAILURES: &str = "cell,kind,count,first_trial\n";
 
-/// A study with a config, a table of cells and a table of failures. `others` contains names and texts of further files.
+/// A study from the texts of its config, cells and failures. `others` contains names and texts of further files.
 pub(crate) fn study(config: &str, cells: &str, failures: &str, others: &[(&str, &str)]) -> Study {
     let files = [
         ("run.toml", config),
@@ -132,7 +133,7 @@ pub(crate) fn study(config: &str, cells: &str, failures: &str, others: &[(&str, 
     Study::read(Files::in_memory(files.iter().chain(others).copied())).unwrap()
 }
 
-/// Something that contains the score of one claim: the score itself, or a study with only one score.
+/// A value that contains the score of one claim: this score, or a study with only one score.
 pub(crate) trait Scored {
     fn score(&self) -> Score;
 }
@@ -181,7 +182,7 @@ pub(crate) fn drawn(study: &Study) -> String {
     figures(study).unwrap().remove(0).svg
 }
 
-/// Checks that a study cannot be drawn, and that the error message contains these texts.
+/// Checks that drawing a study fails, and that the error message contains these texts.
 #[track_caller]
 pub(crate) fn refused(study: &Study, parts: &[&str]) {
     says(&figures(study).unwrap_err().to_string(), parts);
@@ -205,20 +206,19 @@ pub(crate) fn shows(svg: &str, texts: &[&str]) {
     }
 }
 
-/// Number of elements with this colour.
+/// Number of SVG elements of this kind with this colour.
 pub(crate) fn count(svg: &str, element: &str, colour: &str) -> usize {
     let is_one = |line: &&str| line.starts_with(&format!("<{element} ")) && line.contains(colour);
     svg.lines().filter(is_one).count()
 }
 
-/// The number in an attribute of an element.
+/// The number in an attribute of an SVG element.
 pub(crate) fn attribute(element: &str, name: &str) -> f64 {
     let text = element.split(&format!(" {name}=\"")).nth(1).unwrap();
     text.split('"').next().unwrap().parse().unwrap()
 }
 
-/// A study with several radii and noises, and with the errors that theory predicts. The text `rest` is added to its
-/// config.
+/// A study that sweeps radii and noises. Its errors are those that theory predicts. `rest` is added to its config.
 pub(crate) fn angular_velocity(rest: &str) -> Study {
     let mut cells = Cells::new("scene.object.radius_cm,scene.noise.angular_velocity.fraction");
     for radius in [500.0, 50.0, 5.0, 0.5] {

@@ -1,9 +1,10 @@
-//! Small studies of patches: tables with invented errors, maps with a given layout, and traces of a few contacts.
+//! Makes small studies of glides: tables with invented errors, maps with given classes, and traces of a few contacts.
 
 use crate::fixture::{self, NO_FAILURES, STATISTICS};
 use palpate_report::Study;
 
-/// Config of a glide over a saddle with the coefficient `a` per inter-finger distance. `rest` is added to it.
+/// Config of a glide over a saddle z = a (x² − y²), in units of the distance between fingers. `rest` is added to the
+/// config.
 pub(crate) fn config(a: f64, rest: &str) -> String {
     format!(
         "name = \"study\"\ntitle = \"A question?\"\n{rest}\n\
@@ -13,7 +14,7 @@ pub(crate) fn config(a: f64, rest: &str) -> String {
     )
 }
 
-/// Errors of one method on one surface at one noise level.
+/// Invented errors of one method, on one surface and at one noise level.
 #[derive(Clone, Copy)]
 pub(crate) struct Made {
     pub(crate) gaussian: f64,
@@ -25,8 +26,8 @@ pub(crate) struct Made {
 pub(crate) const SURFACES: [&str; 4] = ["sphere", "cylinder", "turned cylinder", "saddle"];
 pub(crate) const METHODS: [&str; 3] = ["first pass", "two-pass", "penalised"];
 
-/// A study with every surface, noise (0, 5 and 10 %) and method. The errors are those that `made(surface, noise,
-/// method)` returns.
+/// A study with all surfaces, methods and noise levels (0, 5 and 10 %). `made(surface, noise, method)` returns the
+/// errors.
 pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> Study {
     let mut text = format!(
         "cell,scene.object,scene.noise.position.fraction_of_ifd,scene.estimator,quantity,unit,{STATISTICS}\n"
@@ -77,13 +78,13 @@ pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> S
     study(&config(0.1, &format!("claims = {claims}")), &text, &[])
 }
 
-/// A study with this config, this table of cells, and further files by name.
+/// A study from the texts of its config and cells. `others` contains names and texts of further files.
 pub(crate) fn study(config: &str, cells: &str, others: &[(&str, &str)]) -> Study {
     fixture::study(config, cells, NO_FAILURES, others)
 }
 
-/// Table of the cells 0, 1, … with one row of the quantity `class` each. `axes` and `places` are texts in the form of
-/// the file.
+/// Text of `cells.csv` with one row of the quantity `class` per cell. `axes` are the headers of the swept fields, and
+/// `places` the swept values of each cell.
 pub(crate) fn cells(axes: &str, places: &[&str]) -> String {
     let mut text = format!("cell,{axes},quantity,unit,{STATISTICS}\n");
     for (cell, place) in places.iter().enumerate() {
@@ -92,8 +93,8 @@ pub(crate) fn cells(axes: &str, places: &[&str]) -> String {
     text
 }
 
-/// Text of `map.csv` for the cells 0, 1, … over a square grid with steps of 0.5 that begins at −0.5; x changes slowest.
-/// Each letter is the class at a point: r for ridge, p for peak, s for saddle ridge, and a space for none.
+/// Text of `map.csv` for the cells 0, 1, … on a square grid from −0.5 in steps of 0.5. Each letter is the class at a
+/// point: r is ridge, p is peak, s is saddle ridge, and a space is no class. The points are sorted by x, then by y.
 pub(crate) fn map(cells: &[(&str, &str)]) -> String {
     let name = |letter: char| match letter {
         'r' => "ridge",

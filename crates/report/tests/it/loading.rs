@@ -1,4 +1,4 @@
-//! Invalid input, for which the error names the file and the position.
+//! Tests invalid input. The error must name the file and the position.
 
 use crate::fixture::{Cells, NO_FAILURES, Numbers, STATISTICS, config, drawn, says, study};
 use palpate_report::{Files, Study};

@@ -1,4 +1,4 @@
-//! Tests of the public interface with small hand-made studies.
+//! Tests the public functions of the crate with small invented studies.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -1,4 +1,4 @@
-//! The HTML page and the scorecard.
+//! Tests the HTML page and the scorecard.
 
 use crate::fixture::{Cells, Numbers, angular_velocity, config};
 use palpate_report::{ReportError, page};

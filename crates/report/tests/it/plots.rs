@@ -1,4 +1,4 @@
-//! Plots: their content, the notes about missing data, and input that is rejected.
+//! Tests plots of kind `lines`: their content, notes about missing data, and input that is rejected.
 
 use crate::fixture::{Cells, Numbers, angular_velocity, attribute, config, drawn, refused, shows};
 use palpate_report::figures;

@@ -1,4 +1,4 @@
-//! Claims about presses, tested with invented tables that agree with them or contradict them.
+//! Tests the claims about presses with invented tables that agree with them or contradict them.
 
 use crate::fixture::{Cells, Numbers, differs, holds, untestable};
 use crate::presses::{OBJECTS, config};
@@ -6,7 +6,7 @@ use palpate_report::{Study, score};
 
 // ---- Claim 15: R² of the Gaussian
 
-/// Table of R² for each layout of the samples, with this number of trials and this estimator.
+/// Table with an R² for each layout of the samples. All rows have this number of trials and this estimator.
 fn profiles(by_layout: &[(&str, f64)], trials: u64, estimator: &str) -> Cells {
     let mut cells = Cells::new("scene.probe.layout,scene.estimator");
     for (layout, found) in by_layout {
@@ -65,8 +65,8 @@ fn claim_15_needs_a_noiseless_gaussian_on_the_half_space() {
 
 // ---- Claim 16: convergence of the effective radius
 
-/// Table of every object, estimator and indentation. `made` returns the median and the scatter of the paper's estimator
-/// at an indentation, both relative to the true value.
+/// A study with all objects, estimators and indentations. `made` returns the median and the scatter of the paper's
+/// estimator at an indentation, both relative to the true value.
 fn radii(made: impl Fn(f64) -> Option<[f64; 2]>) -> Study {
     let mut cells = Cells::new("scene.object,scene.motion.indentation_mm,scene.estimator");
     for (object, _, radius) in OBJECTS {
@@ -140,8 +140,9 @@ fn claim_16_needs_the_papers_objects_estimator_and_unit() {
 
 // ---- Claim 17: regimes
 
-/// Sensors with radii of 5, 10 and 20 mm on a ball, a plane, and dishes with radii of 20 and 10 mm. `coverage` is the
-/// coverage of the intervals if the object touches at a point. Otherwise `failure` is the kind of failure.
+/// Table of sensors with radii of 5, 10 and 20 mm on a ball, a plane, and dishes with radii of 20 and 10 mm. If the
+/// relative curvature is positive, the object touches at a point, and `coverage` returns the coverage of the
+/// intervals. Otherwise all trials fail, and `failure` returns the kind of failure.
 fn regimes(coverage: impl Fn(f64) -> f64, failure: impl Fn(f64) -> &'static str) -> Cells {
     let mut cells = Cells::new("scene.probe.radius_mm,scene.object");
     for radius in [20.0, 10.0, 5.0] {

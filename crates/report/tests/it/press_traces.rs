@@ -1,4 +1,4 @@
-//! Figures of a single press.
+//! Tests the figures of a single press.
 
 use crate::fixture::{self, attribute};
 use palpate_report::{Figure, Files, ReportError, press_figures};
@@ -9,8 +9,8 @@ const TRACE: &str = "marker,x_mm,y_mm,radial_position_mm,normal_displacement_mm,
     2,0,4,4,0.5,0,0.2\n\
     3,-4,0,4,0.5,-0.2,0\n\
     4,0,-4,4,0.5,0,-0.2\n";
-/// Readings in which the third marker is missing and the other markers are in a different order than in the trace. The
-/// errors of the displacements are 0.1 mm inward and 0.05 mm along the skin.
+/// Readings of the markers, in another order than in the trace. The third marker has no reading. The errors are 0.1 mm
+/// inward and 0.05 mm along the skin.
 const READINGS: &str = "x_mm,y_mm,normal_displacement_mm,tangential_x_mm,tangential_y_mm\n\
     0,-4,0.6,0,-0.25\n\
     4,0,0.4,0.25,0\n\
@@ -25,7 +25,7 @@ fn press(trace: &str, readings: &str) -> Result<Vec<Figure>, ReportError> {
     ]))
 }
 
-/// The figures `quiver` and `profile`, as SVG.
+/// The figures `quiver` and `trace-profile`, as SVG.
 #[track_caller]
 fn drawn(trace: &str, readings: &str) -> [String; 2] {
     let figures = press(trace, readings).unwrap();

@@ -1,6 +1,6 @@
-//! Configs of small studies of presses.
+//! Configs for small studies of presses.
 
-/// Objects: label, config, and effective radius of a contact with a sensor of radius 20 mm.
+/// Label, config and effective radius of each object. The effective radius is for a sensor of radius 20 mm.
 pub(crate) const OBJECTS: [(&str, &str, f64); 3] = [
     (
         "dish of 80 mm",
@@ -11,7 +11,7 @@ pub(crate) const OBJECTS: [(&str, &str, f64); 3] = [
     ("ball of 80 mm", "kind = \"sphere\", radius = 80.0", 16.0),
 ];
 
-/// Config of presses in mm, which sweeps over objects and estimators. `rest` is added to it.
+/// Config of presses in millimetres that sweeps objects and estimators. `rest` is added to the config.
 pub(crate) fn config(claims: &str, rest: &str) -> String {
     let objects = OBJECTS.map(|(label, shape, _)| format!("{{ label = \"{label}\", {shape} }}"));
     format!(

@@ -1,4 +1,5 @@
-//! Profiles of presses, reference points and the bound: their lines and texts, and input that is rejected.
+//! Tests figures of kind `profile`, reference points and lower bounds: their lines and texts, and input that is
+//! rejected.
 
 use crate::fixture::{Cells, Numbers, drawn, refused};
 use crate::presses::{OBJECTS, config};
@@ -10,7 +11,7 @@ const LINES: &str = "[[plot]]\nname = \"p\"\nx = \"scene.motion.indentation\"\ny
 const HEADER: &str = "cell,radial_position_mm,normal_displacement_mm,radial_displacement_mm,\
     estimated_normal_displacement_mm,estimated_radial_displacement_mm\n";
 const POINTS: &str = "[[plot.points]]\nlabel = \"published\"\n";
-/// Cells 0 to 5: each of three objects with two estimators. The second estimator has no radial component.
+/// Table of six cells: three objects with two estimators each. The second estimator has no radial component.
 fn cells() -> Cells {
     let mut cells = Cells::new("scene.object,scene.estimator");
     for (object, ..) in OBJECTS {
@@ -30,7 +31,8 @@ fn cells() -> Cells {
     cells
 }
 
-/// A map with three positions per cell. The true values differ between objects, and the estimates between all cells.
+/// Text of `map.csv` with three positions per cell. The true values differ between objects, the estimates between all
+/// cells.
 fn map() -> String {
     let mut text = HEADER.to_owned();
     for cell in 0..6_u8 {

@@ -1,4 +1,4 @@
-//! Claims about the camera and the skin, tested with invented tables that agree with them or contradict them.
+//! Tests the claims about camera and skin with invented tables that agree with them or contradict them.
 
 use crate::fixture::{Cells, Numbers, differs, holds, untestable};
 use crate::presses::{OBJECTS, config};
@@ -14,8 +14,9 @@ fn mean(mean: f64) -> Numbers {
 
 // ---- Claim 14: straight lines
 
-/// Table of the change of hue at several indentations for each object, which is given by its number. The table also
-/// contains the shift of the centroid at several shifts and two indentations.
+/// Table with the changes of hue and the shift of the centroid, for all objects, three indentations and three
+/// displacements along the skin. `hue` computes the changes of hue from the number of the object and the indentation.
+/// `centroid` computes the shift from the number of the object and the displacement.
 fn lines(hue: impl Fn(usize, f64) -> Numbers, centroid: impl Fn(usize, f64) -> f64) -> Cells {
     let mut cells = Cells::new("scene.object,scene.motion.indentation_mm,scene.motion.shift_mm");
     for (at, (object, ..)) in OBJECTS.iter().enumerate() {
@@ -111,13 +112,13 @@ fn claim_14_needs_three_indentations_and_three_shifts() {
 
 // ---- Claim 22: slopes of the straight lines
 
-/// A study with the mean hue and the centroid of two sensors, with these slopes per millimetre. The hue of the summed
+/// A study of two sensors with these slopes of the mean hue and of the centroid, per millimetre. The hue of the summed
 /// light does not change.
 fn slopes(hue: [f64; 2], centroid: [f64; 2]) -> Study {
     slopes_with("", hue, centroid)
 }
 
-/// The same study with the additional keys `probe` in the config of the probe.
+/// The study that [`slopes`] returns, with the additional keys `probe` in the config of the probe.
 fn slopes_with(probe: &str, hue: [f64; 2], centroid: [f64; 2]) -> Study {
     let mut cells = Cells::new("scene.sensor,scene.motion.indentation_mm,scene.motion.shift_mm");
     for (at, sensor) in ["as designed", "nearer camera"].into_iter().enumerate() {
@@ -220,7 +221,7 @@ fn claim_18_needs_each_number_of_gores() {
 
 // ---- Claim 19: the fisheye
 
-/// Image areas at 0, 30 and 60° for each lens.
+/// A study with the image area of a marker at 0°, 30° and 60°, for each lens.
 fn areas(lenses: &[(&str, [Option<f64>; 3])]) -> Study {
     let mut cells = Cells::new("scene.sensor.lens,scene.view.polar_deg");
     for (lens, areas) in lenses {

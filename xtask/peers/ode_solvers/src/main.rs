@@ -1,5 +1,5 @@
-//! Simulates a unit sphere that rolls by 6 rad over a unit sphere and over the paraboloid z = −r². DOP853 of
-//! ode_solvers integrates Montana's contact equations in charts.
+//! Simulates a unit sphere that rolls by 6 rad over a unit sphere and over the paraboloid z = −r². The method DOP853 of
+//! the crate ode_solvers integrates Montana's contact equations, in coordinates (charts) of both surfaces.
 //!
 //! Prints one line of JSON per task. The error is the largest difference from the closed form, in any coordinate of the
 //! contact on either body.
