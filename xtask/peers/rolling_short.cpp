@@ -31,11 +31,11 @@ struct OverSphere {
 
 struct OverParaboloid {
     void operator()(const State& at, State& change, double) const {
-        // Slopes of z, and the Gauss frame that follows from them: x' and y' per unit of velocity along its axes.
+        // p and q are the slopes of z. x1, x2 and y2 are the changes of x and y per unit of velocity along the Gauss frame.
         const double p = -2 * at[2], q = -2 * at[3], square = 1 + p * p;
         const double first = std::sqrt(square), area = std::sqrt(square + q * q);
         const double x1 = 1 / first, x2 = -p * q / (first * area), y2 = first / area;
-        // Curvature of the object in its own frame, and relative curvature in the probe's frame.
+        // k11, k12, k22: curvature of the object in its own frame. r11, r22, r12: relative curvature in the probe's frame.
         const double bend = 2 / area, k11 = bend * x1 * x1, k12 = bend * x1 * x2, k22 = bend * (x2 * x2 + y2 * y2);
         const double c = std::cos(at[4]), s = std::sin(at[4]);
         const double r11 = k11 * c * c - 2 * k12 * c * s + k22 * s * s + 1;
@@ -108,7 +108,7 @@ double median_us(Job job) {
     return times[batches / 2];
 }
 
-// In such a short roll the first step determines the error; the tolerance bounds it only loosely.
+// In such a short roll, the error depends on the size of the first step more than on the tolerance. So measure two sizes.
 template <class System, class Error>
 void measure(const char* object, const System& system, double start, Error error) {
     for (const double first_step : {1.0, 0.1}) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# down.sh DIR: ends the cluster that up.sh started: its jobs, then the daemons of Slurm, then munged.
+# down.sh DIR: ends the cluster that up.sh started. It ends first the jobs, then the daemons of Slurm, then munged.
 dir=$1
 export SLURM_CONF=$dir/slurm.conf
 [[ -e $dir/pids ]] || exit 0
@@ -10,7 +10,7 @@ for _ in $(seq 40); do
     sleep 0.2
 done
 tac "$dir/pids" | while read -r pid; do
-    # The number may belong to another process by now.
+    # The daemon may have ended, and its process number may belong to another process now. So check the name.
     case $(cat "/proc/$pid/comm" 2> /dev/null) in
         slurmd | slurmctld | munged)
             kill "$pid"

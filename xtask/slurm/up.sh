@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# up.sh DIR: a cluster of two nodes on this machine's loopback, for tests; needs root and Debian's slurmctld, slurmd,
-# slurm-client and munge. Afterwards `. DIR/env` lets Slurm's commands find it, and down.sh DIR ends it. It writes to DIR
-# only.
+# up.sh DIR: starts a Slurm cluster of two nodes on the loopback address of this machine, for tests. It needs root and
+# Debian's slurmctld, slurmd, slurm-client and munge, and writes only to DIR. Afterwards, `. DIR/env` sets the environment
+# in which Slurm's commands find the cluster, and down.sh DIR ends the cluster.
 set -euo pipefail
 dir=$(mkdir -p "$1" && cd "$1" && pwd)
 port=${PORT:-17317}
 host=$(hostname -s)
 
-# Daemons bind to the address of the host name. It must be the loopback address, so they get their own /etc/hosts.
+# Slurm's daemons bind to the address of the host name. It must be the loopback address, so they get their own /etc/hosts.
 printf '127.0.0.1 %s\n%s\n' "$host" "$(cat /etc/hosts)" > "$dir/hosts"
 export HOSTS=$dir/hosts
 mkdir -p "$dir"/{log,state}
