@@ -1,4 +1,4 @@
-//! Measures the time from the text of a config to its scenes.
+//! Measures the time from parsing the text of a config to building its scenes.
 
 use palpate_scene::Scenes;
 use std::hint::black_box;

@@ -1,4 +1,4 @@
-//! A cache of values that are computed only once, and the models of presses that several scenes share.
+//! A cache for values that are expensive to compute, and the models of presses that several scenes share.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -12,9 +12,9 @@ const LAYERS: usize = 16;
 /// Maximum number of cached marker images, each of at most 300 bytes.
 const IMAGES: usize = 1 << 17;
 
-/// Cache of values by key. The first thread that needs a value computes it; other threads that need the same value
-/// wait. If the total size exceeds `room`, the least recently used values are removed, and computed again when they are
-/// needed.
+/// Cache of values, each with a key. The first thread that needs a value computes it, and other threads that need the
+/// same value wait. If the total size exceeds `room`, the least recently used values are removed. They are computed
+/// again when they are needed.
 #[derive(Debug)]
 struct Cache<K, V> {
     room: usize,
@@ -63,9 +63,9 @@ impl<K: PartialEq, V: Clone> Cache<K, V> {
     }
 }
 
-/// Models that several scenes share, such as the scenes of a study's cells: layers with their tables, and camera
-/// readings at rest and in calibration presses. The first scene that needs a model computes it, and scenes with the
-/// same inputs reuse it. The cache has a limited size and never changes results.
+/// Models that several scenes share, such as the scenes of a study's grid points. The models are layers with their
+/// tables, and camera readings at rest and in calibration presses. The first scene that needs a model computes it, and
+/// scenes with the same inputs reuse it. The cache has a limited size and never changes results.
 ///
 /// ```
 /// use palpate_scene::{Scenes, SharedModels};
@@ -111,13 +111,14 @@ impl Default for SharedModels {
 }
 
 impl SharedModels {
-    /// Returns a layer with tables, the same that [`Body::bonded_layer`] builds.
+    /// Returns a layer with tables, as from [`Body::bonded_layer`]. It is computed only if it is not in the cache.
     pub(crate) fn layer(&self, thickness: f64, depth: f64) -> Result<Body, PressError> {
         let mut layers = self.layers(thickness, &[depth])?;
         layers.pop().ok_or(PressError::OutOfRange)
     }
 
-    /// Returns one layer at several depths, with tables, the same that [`Body::bonded_layers`] builds.
+    /// Returns one layer at several depths, with tables, as from [`Body::bonded_layers`]. It is computed only if it is
+    /// not in the cache.
     pub(crate) fn layers(&self, thickness: f64, depths: &[f64]) -> Result<Vec<Body>, PressError> {
         let numbers = [thickness].into_iter().chain(depths.iter().copied());
         let key = numbers.map(f64::to_bits).collect();
@@ -125,7 +126,7 @@ impl SharedModels {
             .get(key, depths.len(), || Body::bonded_layers(thickness, depths))
     }
 
-    /// Images of the markers in frames at rest.
+    /// Images of the markers in the frames at rest `frames`.
     pub(crate) fn at_rest(&self, frames: &RestFrames) -> Result<RestMarkers, PressFailure> {
         let markers = || frames.markers().map(RestMarkers::from);
         self.at_rest.get(frames.clone(), frames.size(), markers)

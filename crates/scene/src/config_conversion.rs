@@ -1,4 +1,4 @@
-//! Converts the parts of a config that rolls and glides have in common: objects, pads and their errors.
+//! Converts the parts that the configs of rolls and glides have in common: objects, pads and their errors.
 
 use std::fmt::Display;
 
@@ -16,7 +16,8 @@ pub(crate) fn range_error(path: &str, expected: impl Display, value: f64) -> Fie
     FieldError::at(path, format!("must be {expected}, is {}", Number(value)))
 }
 
-/// Error for a sensor parameter whose config field is in the table `table`.
+/// Converts an error of a sensor's parameter to an error with a path in the config. `table` is the path of the table in
+/// which the parameter is a field.
 pub(crate) fn sensor_error(table: &str, error: InvalidSensor) -> FieldError {
     let path = format!("{table}.{}", error.setting);
     range_error(&path, error.expected, error.value)

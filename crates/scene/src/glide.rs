@@ -1,4 +1,4 @@
-//! A glide: fingers slide over a patch, and the curvature of the patch is estimated by EP2.
+//! A glide: fingers slide over a patch. The method EP2 estimates the curvature of the patch.
 
 mod fingertip_sensor;
 mod glide_plan;

@@ -1,15 +1,16 @@
-//! Moments of inverse quantities, such as radii. They are defined only if the inverted quantity is not near 0.
+//! Means and standard deviations of inverse quantities, such as radii. They are defined only if the inverted quantity
+//! is not near 0.
 
 use palpate_study::Quantity;
 use palpate_sweep::Summary;
 
-/// Moments of an inverse quantity are reported only if the inverted quantity is at least this number of standard
-/// deviations from 0. If the estimates are Gaussian, one in 30,000 then has the wrong sign.
+/// Smallest distance of the inverted quantity from 0, in standard deviations, for which means and standard deviations
+/// are reported. If the estimates are Gaussian, one in 30,000 then has the wrong sign.
 const MIN_DEVIATIONS: f64 = 4.0;
 
 /// Removes means and standard deviations of inverse quantities, such as radii, if the trials do not determine the sign
-/// of the inverted quantity. The inverse of a Gaussian number has no moments: its mean would depend on the few trials
-/// nearest to 0. Quantiles of the inverse are kept.
+/// of the inverted quantity. The inverse of a Gaussian number has no mean and no standard deviation: a computed mean
+/// would depend on the few trials nearest to 0. Quantiles of inverse quantities are kept, because they are defined.
 pub fn drop_undefined_moments(quantities: &[Quantity], summaries: &mut [Summary]) {
     for (place, quantity) in quantities.iter().enumerate() {
         let Some(of) = quantity.inverse_of() else {

@@ -1,9 +1,9 @@
-//! The models that can compute the true values of a scene (its ladder), and the model that is used.
+//! The ladder of a scene: the models that can compute its true values, and the model that is used.
 
 use palpate_study::config::ModelConfig;
 
-/// The models that can compute the true values of a scene, each with its error, the fastest first. Each model is a rung
-/// of the ladder.
+/// The models that can compute the true values of a scene, each with its error. They are sorted from the fastest to the
+/// slowest. Each model is a rung of the ladder.
 ///
 /// ```
 /// use palpate_scene::Scenes;
@@ -24,13 +24,13 @@ use palpate_study::config::ModelConfig;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ladder {
-    /// The models, the fastest first, including models that cannot simulate the scene.
+    /// The models, sorted from the fastest to the slowest. The list includes models that cannot simulate the scene.
     pub rungs: Vec<Rung>,
-    /// Index of the model that is used. Either the config names this model or `auto` chose it.
+    /// Index of the model that is used. Either the config names this model, or `auto` chose it.
     pub taken: usize,
     /// Index of the model with which all other models are compared; `None` if there is no common reference.
     pub reference: Option<usize>,
-    /// Reason for which the model is used.
+    /// Reason why this model is used.
     pub reason: String,
     /// Largest error that `auto` allows; `None` if the config names the model.
     pub tolerance: Option<f64>,
@@ -43,9 +43,10 @@ pub struct Rung {
     pub name: String,
     /// The model in the form of a config; it is never `auto`.
     pub model: ModelConfig,
-    /// Error of the noiseless true values, compared with the most accurate model. Roll: error of the last contacts,
-    /// relative to the length scale at the first contact. Glide: error of the contacts, relative to the radius of the
-    /// fingertip. Press: error of the markers' displacements, relative to the largest displacement.
+    /// Error of the true values, compared with the most accurate model. For a roll, it is the error of the last
+    /// contacts, relative to the length scale at the first contact. For a glide, it is the error of the contacts,
+    /// relative to the radius of the fingertip. For a press, it is the error of the markers' displacements, relative to
+    /// the largest displacement.
     pub accuracy: Accuracy,
 }
 
@@ -54,7 +55,7 @@ pub struct Rung {
 pub enum Accuracy {
     /// The model simulates the scene with this relative error.
     Error(f64),
-    /// The model cannot simulate the scene, for this reason.
+    /// The model cannot simulate the scene. The text states the reason.
     Impossible(String),
 }
 
@@ -75,7 +76,7 @@ impl From<Result<f64, String>> for Accuracy {
 }
 
 impl Ladder {
-    /// Builds the ladder of models in which the model `taken` is used. The models have no common reference.
+    /// A ladder without a common reference model. `taken` is the index of the model that is used.
     pub(crate) fn new(
         rungs: Vec<Rung>,
         taken: &ModelConfig,

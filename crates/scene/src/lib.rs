@@ -1,9 +1,9 @@
-//! Simulates trials, in which a sensor reads a true scene, and true values are estimated from the readings. Also
-//! chooses the models that a scene needs.
+//! Simulates trials. In a trial, a sensor reads a true scene, and true values are estimated from the readings. This
+//! crate also chooses the models that a scene needs.
 //!
-//! Only this crate compares the true values of a trial with its estimate. [`Scenes`] builds the [`Scene`] of a cell of
-//! a study, whose [`Scene::trial`] simulates a contact, reads it with a sensor and estimates from the reading;
-//! [`Trials`] is the interface of all kinds of scenes.
+//! Only this crate compares the true values of a trial with its estimate. [`Scenes`] builds the [`Scene`] of a grid
+//! point (cell) of a study. [`Scene::trial`] simulates a contact, reads it with a sensor, and estimates the curvature
+//! from the reading. [`Trials`] is the interface of all kinds of scenes.
 
 mod cache;
 mod config_conversion;

@@ -1,4 +1,4 @@
-//! A sensor without contact, of which two properties are computed: the strain of its folded skin, and the image area of
+//! A sensor without contact. Two of its properties are computed: the strain of its folded skin, and the image area of
 //! its markers.
 
 use palpate_chromatouch::{Camera, FoldStrain, Layout, Lens};
@@ -19,8 +19,8 @@ pub struct MeasuredSensor {
 }
 
 impl MeasuredSensor {
-    /// Quantities of the sensor in a config: folding strains if the skin is cut into gores, and the marker area if the
-    /// markers have discs.
+    /// Quantities that are computed for the sensor of a config. They include folding strains if the skin is cut into
+    /// gores, and the marker area if the markers have discs.
     pub(crate) fn quantities_of(probe: &PressProbeConfig) -> &'static [Quantity] {
         let sphere = MarkerSphere::of(probe);
         let all: &'static [Quantity] = &[

@@ -47,11 +47,11 @@ pub struct CutPattern {
 }
 
 impl CutPattern {
-    /// The pattern of the sensor of a study's first cell.
+    /// The pattern of the sensor in the first grid point of a study.
     ///
     /// # Errors
-    /// [`ConfigError`] at the field because of which there is no pattern: a scene without a marker sensor, a layout
-    /// without gores, missing discs, a missing length unit, or discs that overlap or would be cut.
+    /// [`ConfigError`] if there is no pattern. The error is at the field that causes it: a scene without a marker
+    /// sensor, a layout without gores, missing discs, a missing length unit, or discs that overlap or would be cut.
     pub fn of(study: &Study) -> Result<Self, ConfigError> {
         let refuse = |error: FieldError| study.error_at(0, &error.path, error.message);
         let (config, probe) = (&study.config, probe(study)?);
@@ -63,7 +63,7 @@ impl CutPattern {
     }
 }
 
-/// The sensor in the first cell of a study.
+/// The sensor in the first grid point of a study.
 fn probe(study: &Study) -> Result<&PressProbeConfig, ConfigError> {
     match &study.config.scene {
         SceneConfig::Press(PressConfig { probe, .. })
@@ -75,8 +75,8 @@ fn probe(study: &Study) -> Result<&PressProbeConfig, ConfigError> {
     }
 }
 
-/// Chart coordinates of the markers in the first cell of a study. The marker (x, y) lies in the direction (x, y) from
-/// the apex, at the distance √(x² + y²) along the skin.
+/// Chart coordinates of the markers in the first grid point of a study. The marker (x, y) lies in the direction (x, y)
+/// from the apex, at the distance √(x² + y²) along the skin.
 ///
 /// ```
 /// use palpate_scene::marker_places;

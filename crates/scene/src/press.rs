@@ -1,5 +1,5 @@
-//! A press: a soft spherical sensor touches an object once, and the curvature of the object is estimated from the
-//! motions of the markers under the skin.
+//! A press: a soft spherical sensor touches an object once. The curvature of the object is estimated from the
+//! displacements of the markers under the skin.
 
 mod camera_calibration;
 mod camera_model;
@@ -22,14 +22,14 @@ pub(crate) use camera_calibration::{CalibrationFrames, ImageChanges, RestFrames,
 pub use flawed_trial::PressFlaw;
 pub use trial::PressScene;
 
-/// Reason for which a press, or one of its trials, has no estimate.
+/// Reason why a press or one of its trials has no estimate.
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
 pub enum PressFailure {
     /// The press is impossible, or no press fits its readings.
     #[error(transparent)]
     #[strum(transparent)]
     Press(#[from] PressError),
-    /// The moved markers cannot be imaged by the camera.
+    /// The camera cannot image the displaced markers.
     #[error(transparent)]
     #[strum(transparent)]
     Optics(#[from] OpticsError),

@@ -1,4 +1,5 @@
-//! A roll: probes roll from a first contact, and the curvature of the object there is estimated by EP1.
+//! A roll: probes roll on an object from a first contact. The method EP1 estimates the curvature of the object at the
+//! first contact.
 
 mod linear_rolls;
 mod motion_noise;

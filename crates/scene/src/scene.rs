@@ -1,4 +1,4 @@
-//! Scenes of all kinds, their trials, and the scenes of a study's cells.
+//! Scenes of all kinds, their trials, and the scenes of a study's grid points.
 
 use std::fmt;
 use std::ops::Deref;
@@ -63,7 +63,7 @@ impl Deref for Scene {
     }
 }
 
-/// Quantities of the scene in a config, the same as [`Trials::quantities`] returns, without building the scene.
+/// Quantities that the scene of a config reports, as in [`Trials::quantities`]. The scene is not built.
 pub fn quantities_of(config: &SceneConfig) -> &'static [Quantity] {
     match config {
         SceneConfig::Roll(_) => &ROLL_QUANTITIES,
@@ -73,8 +73,8 @@ pub fn quantities_of(config: &SceneConfig) -> &'static [Quantity] {
     }
 }
 
-/// Empty table for the maps of the scene in a config, the same as [`Trials::map_table`] returns. The scene is not
-/// built. `None` if the scene has no maps.
+/// Empty table for the maps of a scene, as from [`Trials::map_table`]. The scene is not built. `None` if scenes of this
+/// kind have no maps.
 pub fn map_table_of(config: &SceneConfig, unit: LengthUnit) -> Option<MapTable> {
     match config {
         SceneConfig::Glide(_) => Some(map_table(unit, true)),
@@ -84,7 +84,8 @@ pub fn map_table_of(config: &SceneConfig, unit: LengthUnit) -> Option<MapTable> 
 }
 
 impl Scene {
-    /// Builds the scene of a config whose lengths are in `unit`. `seed` is the seed of its random numbers.
+    /// Builds the scene of a config. The lengths in the config are in `unit`. `seed` is the seed of the scene's random
+    /// numbers.
     ///
     /// # Errors
     /// [`FieldError`] with the path of the invalid field.
@@ -92,7 +93,7 @@ impl Scene {
         Self::of(config, unit, seed, &SharedModels::default())
     }
 
-    /// Does the same as [`Scene::new`]. Several scenes may share `models`.
+    /// Builds the scene of a config like [`Scene::new`], but with a cache of models. Several scenes may share `models`.
     ///
     /// # Errors
     /// The errors of [`Scene::new`].
@@ -112,7 +113,7 @@ impl Scene {
         }
     }
 
-    /// Runs a trial as [`Trials::trial`] does.
+    /// Runs a trial, like [`Trials::trial`].
     ///
     /// # Errors
     /// The name of the failure, which stays the same in all versions. Outcomes of a failed trial must be ignored.
@@ -125,24 +126,25 @@ impl Scene {
     }
 }
 
-/// Builds the scenes of a study's cells.
+/// Builds the scenes of a study's grid points (cells).
 pub trait Scenes {
-    /// Builds the scene of a cell.
+    /// Builds the scene of the grid point with the number `cell`.
     ///
     /// # Errors
-    /// [`ConfigError`] if there is no cell with this number; otherwise at the field because of which there is no scene:
-    /// for example, a pitch larger than the probe, a formula with a syntax error, or a first contact that is not on the
-    /// object.
+    /// [`ConfigError`] if there is no grid point with this number, or if the scene is impossible. In the second case,
+    /// the error is at the field that causes it: for example, a pitch larger than the probe, a formula with a syntax
+    /// error, or a first contact that is not on the object.
     fn scene(&self, cell: usize) -> Result<Scene, ConfigError>;
 
-    /// Builds the scene of a cell, and checks that its readings determine an estimate. Traces do not need this check.
+    /// Builds the scene of the grid point with the number `cell`, and checks that its readings determine an estimate.
+    /// Traces do not need this check.
     ///
     /// # Errors
     /// The errors of [`Scenes::scene`] and [`Trials::estimable`].
     fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError>;
 
-    /// Does the same as [`Scenes::estimable_scene`] for a cell that is already parsed. Several cells may share
-    /// `models`.
+    /// Builds and checks a scene like [`Scenes::estimable_scene`], for a grid point that is already parsed. Several
+    /// grid points may share `models`.
     ///
     /// # Errors
     /// The errors of [`Scenes::estimable_scene`].
@@ -153,13 +155,15 @@ pub trait Scenes {
         models: &SharedModels,
     ) -> Result<Scene, ConfigError>;
 
-    /// Builds the scene of a cell, but with the model of `rung` instead of the model in the config.
+    /// Builds the scene of the grid point with the number `cell`. It uses the model of `rung` instead of the model in
+    /// the config.
     ///
     /// # Errors
     /// The errors of [`Scenes::scene`]. The error is at `scene.model` if the model cannot simulate the scene.
     fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError>;
 
-    /// Measures the errors of the models that can compute the scene of a cell; `None` if there is only one model.
+    /// Measures the errors of the models that can compute the scene of the grid point with the number `cell`; `None` if
+    /// there is only one model.
     ///
     /// # Errors
     /// The errors of [`Scenes::estimable_scene`].
@@ -167,7 +171,7 @@ pub trait Scenes {
         self.ladder_of(cell, &self.estimable_scene(cell)?)
     }
 
-    /// Does the same as [`Scenes::ladder`] for a scene that is already built.
+    /// Measures the errors of the models like [`Scenes::ladder`], for a scene that is already built.
     ///
     /// # Errors
     /// The errors of [`Trials::ladder`], with their place in the config.
@@ -222,7 +226,7 @@ fn located(study: &Study, cell: usize, error: FieldError) -> ConfigError {
     }
 }
 
-/// Trials of a scene, which simulate readings and estimate the true values from them.
+/// Trials of a scene. A trial simulates readings and estimates the true values from them.
 ///
 /// ```
 /// use palpate_scene::Scenes;
@@ -247,10 +251,10 @@ pub trait Trials {
     /// Quantities that a trial reports. Their order defines the indices in [`Trials::trial`].
     fn quantities(&self) -> &'static [Quantity];
 
-    /// Whether trials differ because something is random.
+    /// Whether the outcomes of trials differ, because something in them is random.
     fn is_random(&self) -> bool;
 
-    /// Number of trials that are useful: `wanted`, or 1 if nothing is random.
+    /// Number of trials to run: `wanted`, or 1 if nothing is random.
     fn trials(&self, wanted: u64) -> u64 {
         if self.is_random() { wanted } else { 1 }
     }
@@ -258,8 +262,9 @@ pub trait Trials {
     /// Checks that readings without noise determine the quantities.
     ///
     /// # Errors
-    /// [`FieldError`] at the field because of which they do not: for example, fewer than two probes or only parallel
-    /// rolls, too few contacts or contacts on one line, or too few markers.
+    /// [`FieldError`] if the readings do not determine the quantities. The error is at the field that causes it: for
+    /// example, fewer than two probes or only parallel rolls, too few contacts or contacts on one line, or too few
+    /// markers.
     fn estimable(&self) -> Result<(), FieldError> {
         Ok(())
     }
@@ -275,8 +280,8 @@ pub trait Trials {
         observe: &mut dyn FnMut(usize, Observation),
     ) -> Result<(), &'static str>;
 
-    /// Runs a trial as [`Trials::trial`] does, and returns the names of the warnings of its estimate, which state how
-    /// the readings contradict the estimator's model.
+    /// Runs a trial like [`Trials::trial`]. In addition, it returns the names of the warnings about the estimate. The
+    /// warnings state how the readings contradict the estimator's model.
     ///
     /// # Errors
     /// The errors of [`Trials::trial`].
@@ -288,17 +293,18 @@ pub trait Trials {
         self.trial(trial, observe).map(|()| Vec::new())
     }
 
-    /// True value of the quantity with this index; `None` if it is not the same everywhere.
+    /// True value of the quantity with the index `quantity`; `None` if the true value is not the same at all points of
+    /// the scene.
     fn truth(&self, quantity: usize) -> Option<f64>;
 
-    /// Name of the true shape class of more than half of a patch's points. `None` if there is no such class, and for
-    /// scenes without a patch.
+    /// Name of the true shape class of the patch: the class of more than half of its points. `None` if there is no such
+    /// class, and for scenes without a patch.
     fn true_class(&self) -> Option<&'static str> {
         None
     }
 
-    /// Cramér–Rao bound on the standard deviation of an estimate of the quantity with this index. Only presses with
-    /// noise have this bound.
+    /// Cramér–Rao bound on the standard deviation of an estimate. `_quantity` is the index of the quantity. Only
+    /// presses with noise have this bound.
     fn std_bound(&self, _quantity: usize) -> Option<f64> {
         None
     }
@@ -314,7 +320,7 @@ pub trait Trials {
         Ok(None)
     }
 
-    /// Records one simulation of the scene: with the noise of trial number `trial`, or without noise if it is `None`.
+    /// Records one simulation of the scene. It has the noise of a trial; it has no noise if the trial number is `None`.
     ///
     /// # Errors
     /// [`TraceError`] if the scene has no contact, or if its simulation ends early.
@@ -325,14 +331,15 @@ pub trait Trials {
     /// Empty table for the maps of scenes of this kind.
     ///
     /// # Errors
-    /// The reason for which there is no map, as text.
+    /// A text that states the reason if there are no maps.
     fn map_table(&self, unit: LengthUnit) -> Result<MapTable, &'static str>;
 
-    /// Adds the map of trial number `trial` to a table that was made by [`Trials::map_table`]. Its rows begin with the
-    /// number of their cell.
+    /// Adds the map of a trial to a table from [`Trials::map_table`]. The rows begin with the number of the grid point
+    /// (`cell`).
     ///
     /// # Errors
-    /// The name of the failure, which stays the same in all versions. The map then contains no estimates of the cell.
+    /// The name of the failure, which stays the same in all versions. The table then contains no estimates for this
+    /// grid point.
     fn map(&self, _cell: usize, _trial: u64, _table: &mut MapTable) -> Result<(), &'static str> {
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! Trials of a scene, in the form that the runner of sweeps needs.
+//! Trials of a scene, in the form that the runner of sweeps uses.
 
 use std::ops::Range;
 
@@ -7,17 +7,17 @@ use palpate_sweep::{Record, Trial};
 use crate::roll::Arch;
 use crate::scene::Scene;
 
-/// A scene whose trials the runner repeats.
+/// A scene for the runner of sweeps, which runs its trials.
 #[derive(Debug)]
 pub struct SceneTrial {
     /// The scene whose trials are run.
     pub scene: Scene,
-    /// Vector instructions with which batches of trials run. They do not affect any result.
+    /// Vector instructions that run batches of trials. The results do not depend on them.
     pub arch: Arch,
 }
 
 impl SceneTrial {
-    /// Trials of a scene, which use the widest vectors of the processor.
+    /// Trials of a scene. Batches use the widest vector instructions of the processor.
     pub fn new(scene: Scene) -> Self {
         Self {
             scene,

@@ -16,9 +16,9 @@ pub struct Trace {
     /// the fingertip. Columns of a press: `marker,x,y,radial_position,normal_displacement,tangential_x,tangential_y`,
     /// where `radial_position` is the distance from the contact.
     pub contacts: Table,
-    /// Table of readings, in the form that `estimate` can read.
+    /// Table of readings, in a format that `palpate estimate` can read.
     pub readings: Table,
-    /// Camera readings of a press; `None` without a camera.
+    /// Camera readings of a press; `None` if the press has no camera.
     pub camera: Option<CameraTrace>,
     /// Summary of the simulation as text, such as "404 contacts of 4 probes".
     pub what: String,
@@ -30,11 +30,11 @@ pub struct CameraTrace {
     /// Table of the markers' tracks:
     /// `marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status,mean_hue_turns,dmean_hue_turns`.
     pub markers: Table,
-    /// Frames at rest and pressed; `None` if they were not rendered.
+    /// The frame at rest and the pressed frame; `None` if no frames were rendered.
     pub frames: Option<[RgbImage; 2]>,
 }
 
-/// Reason for which a simulation was not completed.
+/// Reason why a simulation was not completed.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TraceError {
     /// The simulation of a roll ended early.
@@ -42,7 +42,7 @@ pub enum TraceError {
     Roll {
         /// Index of the probe, from 0.
         probe: usize,
-        /// Reason for the early end, with the time and the position.
+        /// Reason why the roll ended early, with the time and the position.
         error: RollError,
     },
     /// The sensor cannot read the contact of a probe.
@@ -50,7 +50,7 @@ pub enum TraceError {
     Sensor {
         /// Index of the probe, from 0.
         probe: usize,
-        /// Reason for which the sensor cannot read the contact.
+        /// Reason why the sensor cannot read the contact.
         error: BeyondPads,
     },
     /// The press is impossible, or the camera cannot image it.

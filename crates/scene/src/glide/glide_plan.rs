@@ -1,4 +1,4 @@
-//! Builds a [`GlideScene`] from its config, and compares the models that can compute its contacts.
+//! Builds a [`GlideScene`] from its config, and compares the models that can compute the contacts.
 
 use palpate_ep2::{Contact, RoundTip};
 use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
@@ -22,7 +22,7 @@ use palpate_study::config::{
 };
 use palpate_study::{FieldError, Warning};
 
-/// Relative tolerances of Newton's method whose errors are compared.
+/// Relative tolerances of Newton's method. `palpate check` compares the errors of the contacts for these tolerances.
 const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
 impl GlideScene {
@@ -143,7 +143,7 @@ impl GlideScene {
     }
 }
 
-/// The fingertip in a config, and its radius (0 for a point).
+/// The fingertip that a config states, and its radius (0 for a point).
 fn tip(config: &GlideConfig) -> (Fingertip, f64) {
     match config.probe {
         FingertipConfig::Point {} => (Fingertip::Point, 0.0),
@@ -220,8 +220,8 @@ fn touches(
     Ok(touches)
 }
 
-/// Position of the item with the index `index` if `count` items are equally spaced from −1 to 1. A single item has the
-/// position 0.
+/// Position of an item if `count` items are equally spaced from −1 to 1. `index` is the index of the item. A single
+/// item has the position 0.
 fn share(index: u32, count: u32) -> f64 {
     if count == 1 {
         0.0
@@ -380,8 +380,8 @@ fn grid(
     })
 }
 
-/// Relative difference between the stated and the true distance between fingers. Up to this value, it counts as a
-/// rounding error.
+/// Largest relative difference between the stated and the true distance between fingers that counts as a rounding
+/// error.
 const SPACING_TOLERANCE: f64 = 1e-6;
 
 /// Returns a warning if `inter_finger_distance` differs from the distance between neighbouring fingers.
@@ -425,7 +425,7 @@ fn distance(touches: &[FingerTouch], others: &[FingerTouch]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Name of the model, and the same model in the form of a config.
+/// Name of the model, and the model in the form of a config.
 fn named(model: TouchModel) -> (String, GlideModelConfig) {
     match model {
         TouchModel::Auto { tolerance } => (

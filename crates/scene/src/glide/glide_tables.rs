@@ -11,7 +11,8 @@ use crate::trace::{Trace, counted};
 const NORMAL: [&str; 3] = ["normal_x", "normal_y", "normal_z"];
 
 impl GlideScene {
-    /// Records one glide of every finger: with the noise of trial number `trial`, or without noise if it is `None`.
+    /// Records the true contacts and the readings of one glide. The readings have the noise of trial number `trial`;
+    /// they have no noise if `trial` is `None`.
     pub(super) fn record(&self, trial: Option<u64>, unit: LengthUnit) -> Trace {
         let tip = Column::in_length(["tip_x", "tip_y", "tip_z"], Unit::Length, unit);
         let mut contacts = Table::new(places(unit).chain(Column::pure(NORMAL)).chain(tip));
@@ -30,7 +31,7 @@ impl GlideScene {
         }
     }
 
-    /// Adds the map of trial number `trial`, with one row per grid point; x changes slowest.
+    /// Adds the map of trial number `trial` to a table. There is one row per grid point, and x changes slowest.
     pub(super) fn push_map(
         &self,
         cell: usize,
@@ -55,7 +56,7 @@ impl GlideScene {
     }
 }
 
-/// Readings as a table that `palpate estimate glide` can read, one row per contact.
+/// Readings as a table in the format of `palpate estimate glide`, one row per contact.
 fn readings_table(contacts: &[Contact], unit: LengthUnit) -> Table {
     let with_normals = contacts
         .first()
@@ -70,7 +71,7 @@ fn readings_table(contacts: &[Contact], unit: LengthUnit) -> Table {
     table
 }
 
-/// Columns with the number of the finger and its position.
+/// Columns for the number of the finger and for the position.
 fn places(unit: LengthUnit) -> impl Iterator<Item = Column> {
     let places = Column::in_length(["x", "y", "z"], Unit::Length, unit);
     std::iter::once(Column::count("finger")).chain(places)

@@ -24,12 +24,13 @@ pub(crate) const GLIDE_QUANTITIES: [Quantity; 3] = [
     Quantity::CLASS,
 ];
 
-/// A glide that is ready to run: the true contacts, the sensor, the noise and the estimator of a study's cell.
+/// A glide that is ready to run. It contains the true contacts, the sensor, the noise and the estimator of a grid point
+/// of a study.
 #[derive(Clone, Debug)]
 pub struct GlideScene {
     pub(super) seed: u64,
     pub(super) config: GlideConfig,
-    /// The true contacts, for all fingers.
+    /// The true contacts of all fingers.
     pub(super) touches: Vec<FingerTouch>,
     /// Contacts that the sensor reports without noise.
     pub(super) noiseless_readings: Vec<Contact>,
@@ -41,7 +42,7 @@ pub struct GlideScene {
     pub(super) needs: Vec<Need>,
 }
 
-/// The fitted surface: a graph over a plane, or a simple shape.
+/// The fitted surface: a graph (height over a plane) or a simple shape.
 pub(super) enum GlideSurface {
     Graph(Box<Fit>),
     Shape(Box<ShapeFit>),
@@ -69,7 +70,7 @@ pub(super) struct FingerTouch {
     pub(super) touch: Touch,
 }
 
-/// Errors of the positions and the normals of contacts. An error is `None` if the readings are exact.
+/// Errors of the positions and of the normals of contacts. A field is `None` if the readings have no such error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ContactNoise {
     pub(super) position: Option<PositionError>,
@@ -81,7 +82,7 @@ pub(super) struct ContactNoise {
 pub(super) struct TrueGrid {
     /// Number of points along each side.
     pub(super) side: usize,
-    /// Properties of the true surface at each point; x changes slowest.
+    /// Properties of the true surface at each point. In the order of the points, x changes slowest.
     pub(super) places: Vec<TruePlace>,
     pub(super) thresholds: ShapeThresholds,
 }
@@ -107,7 +108,8 @@ impl TruePlace {
 }
 
 impl GlideScene {
-    /// Contacts that the sensor reports: with the noise of trial number `trial`, or without noise if it is `None`.
+    /// Contacts that the sensor reports. They have the noise of trial number `trial`; they have no noise if `trial` is
+    /// `None`.
     pub(super) fn readings(&self, trial: Option<u64>) -> Vec<Contact> {
         let mut contacts = self.noiseless_readings.clone();
         let Some(trial) = trial else {
@@ -128,8 +130,8 @@ impl GlideScene {
         contacts
     }
 
-    /// Patch of the contacts that are read in a trial, for a fit of a graph. If `trial` is `None`, the contacts have no
-    /// noise.
+    /// Patch of the contacts that the sensor reports, for a fit of a graph. They have the noise of trial number
+    /// `trial`; they have no noise if `trial` is `None`.
     fn patch(&self, method: &GlideFit, trial: Option<u64>) -> Result<Patch, Ep2Error> {
         let readings = self.readings(trial);
         let contacts = match &self.tip {
@@ -139,7 +141,8 @@ impl GlideScene {
         Patch::new(&contacts, &Vector3::z())
     }
 
-    /// Fits a surface to the contacts that are read in a trial. If `trial` is `None`, the contacts have no noise.
+    /// Fits a surface to the contacts that the sensor reports. They have the noise of trial number `trial`; they have
+    /// no noise if `trial` is `None`.
     pub(super) fn fit(&self, trial: Option<u64>) -> Result<GlideSurface, ShapeError> {
         Ok(match &self.method {
             GlideMethod::Graph(method) => {
@@ -260,7 +263,7 @@ impl Trials for GlideScene {
     }
 }
 
-/// Error of a fit to noiseless contacts. It names the config field because of which the fit fails.
+/// Converts the error of a fit to noiseless contacts. The new error names the config field that causes the failure.
 fn fit_error(error: &ShapeError) -> FieldError {
     let ShapeError::Contacts(error) = error else {
         return FieldError::at("scene", error);

@@ -1,4 +1,4 @@
-//! Calibration of a camera sensor, by frames at rest and by presses on a plane.
+//! Calibration of a camera sensor. It needs frames at rest, and presses on a plane.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use super::truth::{DiscMarkers, PressGeometry};
 
 const PATH: &str = "scene.sensor.calibration";
 
-/// A calibration, and the errors of the displacements that it computes.
+/// A calibration, and the errors of the displacements that are computed with it.
 #[derive(Clone, Debug)]
 pub(super) struct CameraCalibration {
     pub(super) calibration: Calibration,
@@ -36,8 +36,8 @@ struct CalibrationPoint {
 }
 
 impl CameraCalibration {
-    /// Calibrates a sensor by presses of its apex on a plane. The true displacements in these presses are used. `rest`
-    /// contains the images of the markers at rest.
+    /// Calibrates a sensor by presses of its apex on a plane, whose true displacements are known. `rest` contains the
+    /// images of the markers at rest.
     pub(super) fn new(
         setup: &PressSetup<'_>,
         config: &CameraConfig,
@@ -138,8 +138,8 @@ fn failed_press(plane: &PressGeometry, error: PressError) -> FieldError {
 }
 
 /// Root mean square errors of displacements in the calibration presses. Only markers that move at least half as much as
-/// the marker that moves most are used: near the contact, the motions of a marker's two discs differ most, and the
-/// readings depend most on the shape of the object.
+/// the marker that moves most are used. These markers are near the contact, where the motions of a marker's two discs
+/// differ most and where the readings depend most on the shape of the object.
 fn residual_stds(calibration: &Calibration, presses: &[Vec<CalibrationPoint>]) -> [Option<f64>; 2] {
     let mut errors = [Vec::new(), Vec::new()];
     for points in presses {
@@ -182,11 +182,11 @@ fn along(moved: &MarkerDisplacement) -> f64 {
     libm::hypot(moved.tangential[0], moved.tangential[1])
 }
 
-/// Trial numbers seed the noise of frames. Numbers below this limit are for calibration presses, larger numbers are for
-/// frames at rest.
+/// Limit between two ranges of trial numbers, which seed the noise of frames. Calibration presses have smaller numbers,
+/// frames at rest have larger numbers.
 const ABOVE_PRESSES: u64 = AT_REST - 1000;
 
-/// Inputs that determine the images of the markers at rest. They are the key of a cache.
+/// Inputs that determine the images of the markers at rest. They are a key of the cache.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct RestFrames {
     camera: SimulatedCamera,
@@ -195,7 +195,8 @@ pub(crate) struct RestFrames {
 }
 
 impl RestFrames {
-    /// Frames at rest whose images are averaged over `frames` frames. If frames have no noise, one frame is used.
+    /// The frames at rest of a camera. The images are averaged over `frames` frames, or one frame is used if the frames
+    /// have no noise.
     pub(super) fn new(camera: &SimulatedCamera, frames: u32) -> Self {
         Self {
             camera: camera.clone(),
@@ -214,8 +215,8 @@ impl RestFrames {
         Ok(measured.map(|one| one.map(|one| one.marker)).collect())
     }
 
-    /// Mean images of the markers, with their errors. The noise of the frames is seeded by the trial numbers `first`,
-    /// `first` − 1 and so on.
+    /// Images of the markers, averaged over the frames, with their errors. The trial numbers `first`, `first` − 1 and
+    /// so on seed the noise of the frames.
     pub(super) fn measurements(
         &self,
         first: u64,
@@ -241,7 +242,7 @@ impl RestFrames {
 /// Image of each marker at rest; `None` if the camera does not find the marker.
 pub(crate) type RestMarkers = Arc<[Option<Marker>]>;
 
-/// Inputs that determine the changes of images in calibration presses. They are the key of a cache.
+/// Inputs that determine the changes of images in calibration presses. They are a key of the cache.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CalibrationFrames {
     rest: RestFrames,
@@ -253,12 +254,12 @@ pub(crate) struct CalibrationFrames {
 pub(crate) type ImageChanges = Arc<[Vec<Option<Change>>]>;
 
 impl CalibrationFrames {
-    /// Number of marker images, both in all presses and at rest.
+    /// Total number of marker images: in all presses and at rest.
     pub(crate) fn size(&self) -> usize {
         self.rest.size() * (1 + self.motions.len())
     }
 
-    /// Changes of the markers' images from `rest` to each press.
+    /// Changes of the markers' images from `rest` to each calibration press.
     pub(crate) fn changes(&self, rest: &[Option<Marker>]) -> Result<ImageChanges, PressFailure> {
         let camera = &self.rest.camera;
         let change = |(motions, press): (&Vec<MarkerMotion>, u64)| {
@@ -273,7 +274,7 @@ impl CalibrationFrames {
     }
 }
 
-/// Mean of several images of one marker.
+/// Mean of several images of one marker: `first` and `others`.
 fn mean(first: Marker, others: &[Marker]) -> Marker {
     // Sum the differences from the first image: of both centroid coordinates, the hue, the mean hue and the size. Hues
     // are angles, so they cannot be summed directly.

@@ -1,4 +1,4 @@
-//! A camera in the centre of the sensor, which images the markers after their discs moved.
+//! A camera in the centre of the sensor. It images the markers after their discs were displaced.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, Layout, Lens, MarkerMotion, OddTerms, Optics, Pose, Seams,
@@ -17,17 +17,17 @@ use super::PressFailure;
 use super::plan::PressSetup;
 use super::reading::gaussian;
 
-/// Trial number that seeds the noise of the first frame at rest. Further frames have smaller numbers.
+/// Trial number that seeds the noise of the first frame at rest. Each further frame has the next smaller number.
 pub(super) const AT_REST: u64 = u64::MAX;
 
 /// The simulated camera: its optics, and the level of detail of its simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SimulatedCamera {
     pub(super) optics: Optics,
-    /// Lens model that is used for tracking.
+    /// Lens model that the tracking uses.
     pub(super) lens: Equidistant,
     pub(super) model: CameraModel,
-    /// Whether noise makes two images of the same markers differ.
+    /// Whether two images of the same markers differ, because of noise.
     pub(super) is_random: bool,
     pub(super) seed: u64,
 }
@@ -96,7 +96,7 @@ pub(super) struct MarkerTracks {
     pub(super) tracks: Vec<Option<Track>>,
     /// Number of markers that were matched with a wrong marker.
     pub(super) wrong_matches: usize,
-    /// Errors of each marker's image in the press; `None` if the marker was not found as a single marker.
+    /// Errors of each marker's image in the press; `None` if the marker was not found as a separate marker.
     pub(super) errors: Vec<Option<MarkerErrors>>,
 }
 
@@ -115,7 +115,8 @@ impl MarkerMeasurement {
 }
 
 impl SimulatedCamera {
-    /// The camera of a config. If `is_rendered`, frames are rendered; otherwise, images are computed in closed form.
+    /// The camera of a config. If `is_rendered`, frames are rendered. Otherwise, the images of the markers are computed
+    /// directly, without pixels.
     pub(super) fn new(
         setup: &PressSetup<'_>,
         config: &CameraConfig,
@@ -172,7 +173,7 @@ impl SimulatedCamera {
         })
     }
 
-    /// The same camera without noise and without pixels.
+    /// The same camera without noise and without pixels; `None` if there is no such camera.
     pub(super) fn exact(&self) -> Option<Self> {
         let noise = ImageNoise::new(&PressNoiseConfig::default()).ok()?;
         Some(Self {
@@ -181,7 +182,8 @@ impl SimulatedCamera {
         })
     }
 
-    /// Images of the markers at rest, with the noise of trial number `trial`, or without noise if it is `None`.
+    /// Images of the markers at rest. They have the noise of trial number `trial`; they have no noise if `trial` is
+    /// `None`.
     pub(super) fn at_rest(
         &self,
         trial: Option<u64>,
@@ -209,8 +211,8 @@ impl SimulatedCamera {
         }
     }
 
-    /// Tracks markers that moved by `motions` (`None` for a lost marker), with the noise of trial number `trial`, or
-    /// without noise if it is `None`.
+    /// Tracks the markers from rest to a press. `motions` contains the motion of each marker in the press; `None` for a
+    /// lost marker. The images have the noise of trial number `trial`; they have no noise if `trial` is `None`.
     pub(super) fn track(
         &self,
         rest: &[Option<Marker>],
@@ -266,7 +268,7 @@ impl SimulatedCamera {
         }
     }
 
-    /// Renders a frame, with the pixel noise of trial number `trial`, or without noise if it is `None`.
+    /// Renders a frame. It has the pixel noise of trial number `trial`; it has no noise if `trial` is `None`.
     pub(super) fn render(
         &self,
         motions: &[Option<MarkerMotion>],

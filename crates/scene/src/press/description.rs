@@ -1,4 +1,4 @@
-//! Lines of `palpate check` about a press: its models, its noise, and warnings.
+//! The lines that `palpate check` prints about a press: its models, its noise, and warnings.
 
 use palpate_estimators::large_contact_warning;
 use palpate_press::{ContactRegime, PressEstimate};
@@ -54,7 +54,7 @@ impl PressScene {
         }
     }
 
-    /// Contact regime of the press, with warnings about the size of the contact.
+    /// Lines about the contact regime of the press, with warnings about the size of the contact.
     fn contact_needs(&self, truth: &TruePress) -> Vec<Need> {
         let skin = self.markers.skin();
         let (object, shift) = (truth.geometry.object.curvature, truth.geometry.shift);
@@ -96,7 +96,7 @@ impl PressScene {
         needs
     }
 
-    /// Sensor of the press, and the errors of its readings.
+    /// Lines about the sensor of the press and the errors of its readings.
     fn reading_needs(&self) -> Vec<Need> {
         let camera = self.case.camera();
         let mut needs = Vec::new();
@@ -155,7 +155,7 @@ impl PressScene {
         needs
     }
 
-    /// Estimator of the press, with warnings about it.
+    /// Lines about the estimator of the press, with warnings about it.
     fn estimator_needs(&self) -> Vec<Need> {
         let (body, has_depth) = assumed_body(&self.config.estimator);
         let priors = self.config.estimator.priors();
@@ -282,9 +282,11 @@ fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
     (!errors.is_empty()).then(|| format!("noise of the camera: {}", errors.join("; ")))
 }
 
-/// Limit of the error of a noiseless estimate, relative to the relative curvature. A larger error counts as a bias.
+/// Largest accepted error of an estimate from noiseless readings, relative to the relative curvature. A larger error is
+/// reported as a bias.
 const BIAS_LIMIT: f64 = 0.5;
-/// The same limit if the interval of the noiseless estimate excludes the true value.
+/// Largest accepted error of an estimate from noiseless readings whose interval excludes the true value, relative to
+/// the relative curvature.
 const EXCLUDED_BIAS_LIMIT: f64 = 0.05;
 
 /// Returns a warning if an estimate without noise is far from the true curvature of the object.
@@ -311,11 +313,12 @@ fn bias_warning(estimate: &PressEstimate, object: f64) -> Option<Warning> {
     }
 }
 
-/// A fit to noiseless readings with the correct body explains at least this share of the variance of normal
-/// displacements.
+/// Smallest accepted share of the variance of normal displacements that a fit to noiseless readings explains. With the
+/// correct body, a fit explains more.
 const MIN_R_SQUARED: f64 = 0.95;
 
-/// Returns a warning if the fit explains noiseless readings badly. With noise, its result is then unpredictable.
+/// Returns a warning if the fit explains noiseless readings badly. The estimates from noisy readings are then
+/// unpredictable.
 fn unexplained_warning(estimate: &PressEstimate) -> Option<Warning> {
     let explained = estimate.r_squared;
     (explained < MIN_R_SQUARED).then(|| {

@@ -1,4 +1,4 @@
-//! Trials in which the readings may have a flaw, and the warnings of their estimates.
+//! Trials whose readings have an additional error (a flaw), and the warnings about their estimates.
 
 use super::PressFailure;
 use super::reading::PressReading;
@@ -6,13 +6,13 @@ use super::trial::PressScene;
 use palpate_press::Reading;
 use palpate_sweep::Observation;
 
-/// Errors of the readings of a press in addition to the noise of its scene.
+/// Additional errors of the readings of a press, which are not part of the noise of its scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PressFlaw {
-    /// Error of one normal displacement, length. In each trial, another marker has this error.
+    /// Additional error of one normal displacement, length. The marker with this error differs from trial to trial.
     pub outlier: f64,
-    /// Error of the stated indentation, in standard deviations of its difference from the indentation that is estimated
-    /// from the displacements alone.
+    /// Additional error of the stated indentation. Its unit is the standard deviation of the difference between the
+    /// stated indentation and the indentation that is estimated from the displacements alone.
     pub indentation: f64,
 }
 
@@ -41,7 +41,7 @@ impl PressScene {
     }
 
     /// Standard deviation of the difference between the stated indentation and the indentation that is estimated from
-    /// the displacements alone. It is computed for readings without noise.
+    /// the displacements alone. It is computed from the estimate for noiseless readings.
     fn indentation_difference_std(&self) -> Result<f64, PressFailure> {
         self.with_fit(&self.reading(None)?, |fit, reading| {
             let alone = fit.estimate(&Reading {

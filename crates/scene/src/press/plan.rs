@@ -26,10 +26,9 @@ use super::truth::{DiscMarkers, PressGeometry, SoftBody, TrueContact, TruePress}
 use crate::cache::SharedModels;
 use crate::ladder::{Accuracy, Ladder, Rung};
 
-/// Error of displacements that are computed from a layer's tables, relative to the largest displacement.
+/// Error of the displacements that are computed from the tables of a layer, relative to the largest displacement.
 const TABLE_ERROR: f64 = 1e-7;
-/// If there are at least this number of markers, the tables of a layer are faster than direct solutions for all
-/// markers.
+/// Number of markers above which the tables of a layer are faster than direct solutions for all markers.
 const MANY_MARKERS: usize = 1000;
 
 impl PressScene {
@@ -130,8 +129,9 @@ fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), FieldE
     Ok((markers, places))
 }
 
-/// Thickness of the layer if its true displacements are computed from tables; `None` if they are solved directly.
-/// Tables are used if they are accurate enough for `auto`, and if the fit shares them or there are many markers.
+/// Decides how the true displacements in a layer are computed: from tables (the result is the thickness of the layer)
+/// or by direct solutions (the result is `None`). Tables are used if two conditions are met. They are accurate enough
+/// for `auto`, and either the fit uses the same tables or there are many markers.
 fn layer_with_tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> {
     let thickness = config.model.thickness();
     let is_shared = matches!(config.estimator, PressEstimatorConfig::BondedLayer { .. })
@@ -143,7 +143,7 @@ fn layer_with_tables(config: &PressConfig, choice: &Choice, markers: usize) -> O
     layer.filter(|_| is_accurate && (is_shared || markers > MANY_MARKERS))
 }
 
-/// Inputs from which the parts of a press are built.
+/// Inputs from which the true press, the sensor and the estimator are built.
 pub(super) struct PressSetup<'a> {
     pub(super) config: &'a PressConfig,
     /// Model of the body; it is never `auto`.
@@ -159,7 +159,7 @@ pub(super) struct PressSetup<'a> {
 }
 
 impl PressSetup<'_> {
-    /// The true press of a contact and its sensor, or the reason for which such a press is impossible.
+    /// The true press and its sensor, or the reason why the press is impossible.
     fn case(
         &self,
         contact: &TrueContact<'_>,
@@ -192,7 +192,8 @@ impl PressSetup<'_> {
         Ok(PressCase::Press { truth, sensor })
     }
 
-    /// The estimator of the config. `tables` is the thickness of the body's layer, if fits can share its tables.
+    /// The estimator that the config states. `tables` is the thickness of the body's layer, if the fits can use the
+    /// tables of this layer.
     fn estimator(
         &self,
         noise: &PressNoise,
@@ -277,8 +278,8 @@ impl PressSetup<'_> {
         Ok(Some(ImageEstimator::new(fit, rest.collect())))
     }
 
-    /// Cramér–Rao bounds of a fit that assumes the true body. `None` for a fit that cannot describe the true press: a
-    /// Gaussian, or a fit of one curvature to an object with two curvatures.
+    /// Cramér–Rao bounds of a fit that assumes the true body. `None` for a fit that cannot describe the true press.
+    /// Such fits are a Gaussian, and a fit of one curvature to an object with two curvatures.
     fn bounds(
         &self,
         noise: &PressNoise,
@@ -336,13 +337,14 @@ const SMALLEST_TOLERANCE: f64 = 1e-9;
 /// Largest tolerance that `auto` accepts.
 const LARGEST_TOLERANCE: f64 = 1.0;
 
-/// Models that can compute a press, and the depths at which their displacements are compared.
+/// The models that can compute a press, and the depths at which their displacements are compared.
 #[derive(Clone, Debug)]
 pub(super) struct PressRungs {
     /// Model in the config, which may be `auto`.
     requested: PressModelConfig,
     radius: f64,
-    /// Depth of the markers (midway between their discs). With a camera, the depths of both discs follow.
+    /// Depths at which displacements are compared. The first is the depth of the markers, midway between their discs.
+    /// With a camera, the depths of both discs follow.
     depths: Vec<f64>,
 }
 
@@ -364,7 +366,7 @@ impl PressRungs {
         })
     }
 
-    /// The model of a press, which the config names or `auto` chooses.
+    /// The model of a press: either the config names it, or `auto` chooses it.
     fn choice(&self, markers: &Markers, geometry: &PressGeometry) -> Result<Choice, FieldError> {
         let PressModelConfig::Auto { tolerance, .. } = self.requested else {
             return Ok(Choice {
@@ -417,7 +419,7 @@ impl PressRungs {
         })
     }
 
-    /// All models, from the fastest to the slowest. Their errors are relative to the last model.
+    /// Measures the errors of all models, from the fastest to the slowest. The errors are relative to the last model.
     fn measure(
         &self,
         markers: &Markers,

@@ -16,7 +16,8 @@ const PLACES: u32 = 121;
 const REACH: f64 = 3.0;
 
 impl PressScene {
-    /// Records one press. `trial` is the number of the trial whose noise is used; `None` for a press without noise.
+    /// Records the true displacements and the readings of one press. The readings have the noise of trial number
+    /// `trial`; they have no noise if `trial` is `None`.
     pub(super) fn record(
         &self,
         trial: Option<u64>,
@@ -75,8 +76,8 @@ impl PressScene {
         })
     }
 
-    /// Empty table of profiles, which contain true and estimated displacements as functions of the distance from the
-    /// contact. Fields for values that an estimate lacks stay empty.
+    /// Empty table of profiles. A profile contains true and estimated displacements as functions of the distance from
+    /// the contact. Fields stay empty if there is no estimate.
     pub(crate) fn profile_table(unit: LengthUnit) -> MapTable {
         let names = [
             "radial_position",
@@ -119,7 +120,7 @@ impl PressScene {
         estimated.map(drop)
     }
 
-    /// Estimated normal and radial displacement in a trial, as a function of the distance from its contact.
+    /// Estimated normal and radial displacement in a trial, as functions of the distance from the estimated contact.
     fn estimated_displacement(
         &self,
         trial: u64,

@@ -1,4 +1,4 @@
-//! Readings of a press: sensors of the markers and of the indentation, and their noise.
+//! Readings of a press: the sensors that read the markers and the indentation, and their noise.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use super::plan::PressSetup;
 use super::sensor_variation::SensorVariation;
 use super::truth::{DiscMarkers, PressGeometry, TruePress};
 
-/// Largest shift of a marker's image that counts as a rounding error, px. Such shifts are set to 0.
+/// Largest shift of a marker's image that counts as a rounding error, px. Such a shift is replaced by 0.
 const ROUNDING_PX: f64 = 1e-9;
 
 /// Reading of one tracked marker.
@@ -37,7 +37,7 @@ pub(super) struct PressReading {
     /// Tangential displacement of each tracked marker.
     tangential: Vec<[f64; 2]>,
     pub(super) indentation: f64,
-    /// The camera's tracks and images of all markers; `None` for a direct sensor.
+    /// Tracks and images of all markers, as the camera reads them; `None` for a direct sensor.
     pub(super) camera: Option<CameraReading>,
 }
 
@@ -55,13 +55,13 @@ impl PressReading {
         tracked.map(|(&marker, (&normal, &tangential))| (marker, normal, tangential))
     }
 
-    /// The tracked markers of a layout; `None` if all markers are tracked.
+    /// The tracked markers of the layout `layout`; `None` if all markers are tracked.
     pub(super) fn subset(&self, layout: &Markers) -> Option<Markers> {
         let has_lost = self.tracked.len() < layout.places().len();
         has_lost.then(|| layout.subset(&self.tracked))
     }
 
-    /// Adds an error to one normal displacement. The number of the trial determines the marker.
+    /// Adds an error to the normal displacement of one marker. The marker is determined by the trial number.
     pub(super) fn add_outlier(&mut self, error: f64, trial: u64) {
         let count = self.normal.len() as u64;
         let marker = trial.checked_rem(count).unwrap_or(0) as usize;
@@ -70,7 +70,7 @@ impl PressReading {
         }
     }
 
-    /// The readings in the form that a fit needs; `markers` are the tracked markers.
+    /// The readings in the form that a fit needs. `markers` contains the tracked markers.
     pub(super) fn fit_input<'a>(
         &'a self,
         markers: &'a Markers,
@@ -96,7 +96,7 @@ pub(super) enum PressSensor {
 }
 
 impl PressSensor {
-    /// Reads a press. `trial` is the number of the trial whose noise is used; `None` for a reading without noise.
+    /// Reads a press. The reading has the noise of trial number `trial`; it has no noise if `trial` is `None`.
     pub(super) fn read(
         &self,
         truth: &TruePress,
@@ -141,7 +141,7 @@ impl PressSensor {
     }
 }
 
-/// Sensor of the indentation, for example by the pose of a robot.
+/// Sensor that reads the indentation, for example from the pose of a robot.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct IndentationSensor {
     pub(super) error: GaussianError,
@@ -149,8 +149,8 @@ pub(super) struct IndentationSensor {
 }
 
 impl IndentationSensor {
-    /// Reads the indentation of a press. `trial` is the number of the trial whose noise is used; `None` for a reading
-    /// without noise.
+    /// Reads the indentation of a press. The reading has the noise of trial number `trial`; it has no noise if `trial`
+    /// is `None`.
     pub(super) fn read(&self, geometry: &PressGeometry, trial: Option<u64>) -> f64 {
         let error = trial.map_or(0.0, |trial| {
             let mut stream = Stream::new(self.seed, trial, Channel::Indentation);
@@ -168,17 +168,17 @@ pub(super) struct PressNoise {
     /// Error of each component of each tangential displacement.
     pub(super) tangential: GaussianError,
     pub(super) indentation: IndentationSensor,
-    /// Error of the factor by which all normal displacements are multiplied.
+    /// Error of the gain, the factor on all normal displacements.
     pub(super) gain: GaussianError,
-    /// Number of markers that are outliers.
+    /// Number of markers whose readings are outliers.
     outliers: usize,
-    /// Error of an outlier, in addition to the other errors.
+    /// Error of an outlier. It is added to the other errors of the marker.
     outlier: GaussianError,
     seed: u64,
 }
 
 impl PressNoise {
-    /// The noise in a config for this number of markers, averaged over `frames` frames.
+    /// The noise that a config states, for a given number of markers. It is reduced by averaging over `frames` frames.
     pub(super) fn new(
         config: &PressNoiseConfig,
         frames: u32,
@@ -213,8 +213,8 @@ impl PressNoise {
         })
     }
 
-    /// Whether the readings differ between trials. The arguments state whether tangential displacements and the
-    /// indentation are read.
+    /// Whether the readings differ between trials. The arguments state which readings exist: `has_tangential` is for
+    /// tangential displacements, and `has_indentation` for the indentation.
     pub(super) fn is_random(&self, has_tangential: bool, has_indentation: bool) -> bool {
         self.normal.is_random()
             || (has_tangential && self.tangential.is_random())
@@ -228,7 +228,7 @@ impl PressNoise {
     }
 
     /// Adds the errors of a trial to the readings of all markers of the layout. Errors are also drawn for markers that
-    /// are not tracked. Therefore the error of a marker does not depend on the tracking of other markers.
+    /// are not tracked, so that the error of a marker does not depend on the tracking of other markers.
     fn add_to(&self, markers: &mut [Option<MarkerReading>], trial: u64) {
         let stream = |channel| Stream::new(self.seed, trial, channel);
         let gain = 1.0 + self.gain.draw(&mut stream(Channel::Gain));
@@ -261,14 +261,14 @@ impl MarkerReading {
     }
 }
 
-/// Gaussian error with the standard deviation `std`; without `std`, the error is 0. `noise` is the name of the config
-/// field of the error.
+/// Gaussian error with the standard deviation `std`. If `std` is `None`, the error is 0. `noise` is the name of the
+/// config field that states the error.
 pub(super) fn gaussian(std: Option<f64>, noise: &str) -> Result<GaussianError, FieldError> {
     GaussianError::new(std.unwrap_or(0.0))
         .map_err(|error: InvalidSensor| FieldError::at(format!("scene.noise.{noise}.std"), error))
 }
 
-/// Number of markers that a kind of noise affects. Returns an error if it exceeds `markers`, the number of all markers.
+/// Number of markers that a kind of noise affects. Returns an error if it exceeds the number of all markers, `markers`.
 fn marker_count(count: Option<u32>, noise: &str, markers: usize) -> Result<usize, FieldError> {
     let count = count.unwrap_or(0) as usize;
     if count <= markers {
@@ -281,7 +281,7 @@ fn marker_count(count: Option<u32>, noise: &str, markers: usize) -> Result<usize
     ))
 }
 
-/// A calibrated camera that reads one press.
+/// A calibrated camera that reads the displacements of the markers in a press.
 #[derive(Clone, Debug)]
 pub(super) struct CameraPressSensor {
     pub(super) camera: SimulatedCamera,
@@ -305,12 +305,12 @@ pub(super) struct MarkerChange {
     pub(super) hue_turns: f64,
     /// Change of the marker's mean hue from rest to press, turns.
     pub(super) mean_hue_turns: f64,
-    /// Shift of the marker's centroid, px at the scale of the image centre.
+    /// Shift of the marker's centroid, px. It is scaled to the pixel size at the image centre.
     pub(super) shift_px: f64,
 }
 
 impl CameraPressSensor {
-    /// Builds and calibrates the camera of a config, for a press whose markers have these `discs`.
+    /// Builds and calibrates the camera of a config. `discs` contains the markers with their discs.
     pub(super) fn new(
         setup: &PressSetup<'_>,
         (config, is_rendered): (&CameraConfig, bool),
@@ -354,8 +354,8 @@ impl CameraPressSensor {
         self.lost_markers > 0 || self.camera.is_random || self.variation.is_some()
     }
 
-    /// Tracks the markers of a press. `trial` is the number of the trial whose noise and sensor are used; `None` for
-    /// tracks without noise.
+    /// Tracks the markers of a press. The tracks have the noise and the sensor of trial number `trial`; they have no
+    /// noise if `trial` is `None`.
     fn read(&self, truth: &TruePress, trial: Option<u64>) -> Result<CameraReading, PressFailure> {
         let (tracks, own_rest) = match (&self.variation, trial) {
             (Some(variation), Some(number)) => {
@@ -376,7 +376,8 @@ impl CameraPressSensor {
         Ok(CameraReading { tracks, images })
     }
 
-    /// Displacement of each marker of the layout, computed with the calibration; `None` if the marker is not tracked.
+    /// Displacement of each marker of the layout, computed from its track by the calibration; `None` if the marker is
+    /// not tracked.
     fn displacements(&self, tracks: &MarkerTracks) -> Vec<Option<MarkerReading>> {
         let calibration = &self.calibration.calibration;
         let reading = |(marker, change): (usize, Option<Change>)| {
@@ -390,7 +391,7 @@ impl CameraPressSensor {
         changes.enumerate().map(reading).collect()
     }
 
-    /// Frames at rest and pressed; `None` if the camera does not render frames.
+    /// The frame at rest and the pressed frame; `None` if the camera does not render frames.
     pub(super) fn frames(
         &self,
         truth: &TruePress,

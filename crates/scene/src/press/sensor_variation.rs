@@ -16,11 +16,11 @@ use super::camera_model::{AT_REST, SimulatedCamera};
 use super::plan::PressSetup;
 use super::truth::{PressGeometry, SoftBody, marker_motions};
 
-/// Number of trial numbers that a trial with its own sensor reserves for the noise of its frames. They are smaller than
-/// the numbers of the frames that all trials share.
+/// Each trial with its own sensor reserves this number of trial numbers for the noise of its frames. They are smaller
+/// than the trial numbers for frames that all trials share.
 const NUMBERS_PER_TRIAL: u64 = 1000;
 
-/// Trial number that seeds the noise of the first frame at rest, for the sensor of trial number `trial`.
+/// Trial number that seeds the noise of the first frame at rest, for the sensor that belongs to trial `trial`.
 const fn rest_number(trial: u64) -> u64 {
     AT_REST.wrapping_sub(NUMBERS_PER_TRIAL.wrapping_mul(trial.wrapping_add(2)))
 }
@@ -38,7 +38,7 @@ pub(super) struct SensorVariation {
     misalignment: f64,
 }
 
-/// The sensor of one trial.
+/// The sensor of one trial, and its markers in a press.
 pub(super) struct VariedSensor {
     pub(super) camera: SimulatedCamera,
     /// Motions of both discs of each marker in the press.

@@ -22,10 +22,11 @@ use crate::ladder::Ladder;
 use crate::scene::{Need, Trials};
 use crate::trace::{Trace, TraceError};
 
-/// Quantities of presses, in the order of the tables. Each element lists the quantities of one kind of press: of all
-/// presses; of a camera (errors of each tracked marker, change of hue and shift of the marker under the contact, and
-/// results of tracking); of an object with a radius; of an elliptic fit; of an elliptic fit to an object with an axis;
-/// and of a body whose modulus is stated.
+/// Quantities of presses, in the order of the tables. The first element lists the quantities of all presses. The other
+/// elements list the additional quantities of special presses, in this order: presses that a camera reads (errors of
+/// each tracked marker, change of hue and shift of the marker under the contact, results of tracking); presses on an
+/// object with a radius; elliptic fits; elliptic fits to an object with an axis; presses with a stated modulus of the
+/// body.
 const QUANTITIES: [&[Quantity]; 6] = [
     &[
         Quantity::RELATIVE_CURVATURE,
@@ -66,7 +67,8 @@ static COMBINATIONS: LazyLock<Vec<Vec<Quantity>>> = LazyLock::new(|| {
     (0..1 << QUANTITIES.len()).map(combination).collect()
 });
 
-/// A press that is ready to run: the true press, the sensor, the noise and the estimator of a study's cell.
+/// A press that is ready to run. It contains the true press, the sensor, the noise and the estimator of a grid point of
+/// a study.
 #[derive(Clone, Debug)]
 pub struct PressScene {
     pub(super) config: PressConfig,
@@ -78,18 +80,18 @@ pub struct PressScene {
     pub(super) body: SoftBody,
     pub(super) geometry: PressGeometry,
     pub(super) case: PressCase,
-    /// Whether displacements along the skin are read.
+    /// Whether the sensor reads displacements along the skin.
     pub(super) has_tangential: bool,
     pub(super) noise: PressNoise,
     pub(super) estimator: PressEstimator,
     pub(super) bounds: Option<Bounds>,
     /// Young's modulus of the body, N/length²; `None` if the config does not state it.
     pub(super) young: Option<f64>,
-    /// Estimate from readings without noise, which is computed when it is first used.
+    /// Estimate from noiseless readings. It is computed when it is first used.
     pub(super) exact: OnceLock<Result<PressEstimate, PressFailure>>,
 }
 
-/// A press with its sensor, or the reason for which the press is impossible.
+/// A press with its sensor, or the reason why the press is impossible.
 #[derive(Clone, Debug)]
 pub(super) enum PressCase {
     Press {
@@ -117,7 +119,8 @@ impl PressCase {
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub(super) enum PressEstimator {
-    /// A fit to displacements of markers and, if the config uses it, a fit to images of markers.
+    /// A fit to the displacements of the markers. The second field is a fit to the images of the markers, if the config
+    /// states this estimator.
     Fit(ForwardFit, Option<ImageEstimator>),
     /// The fit cannot be built. Every trial fails with the name of the error.
     NoFit(PressError),
@@ -131,7 +134,7 @@ impl PressEstimator {
         }
     }
 
-    /// The fit to images, and the images of a reading; `None` if the estimator uses displacements.
+    /// The fit to images, and the images from `reading`; `None` if the estimator uses displacements.
     pub(super) fn images<'a>(
         &'a self,
         reading: &'a PressReading,
@@ -145,7 +148,7 @@ impl PressEstimator {
     }
 }
 
-/// Standard deviation of the indentation that is given to the estimator; `None` if the estimator fits the indentation.
+/// Standard deviation of the indentation that the estimator receives; `None` if the estimator fits the indentation.
 pub(super) fn given_indentation_std(estimator: &PressEstimatorConfig) -> Option<f64> {
     let priors = estimator.priors();
     (priors.indentation == Indentation::Known).then_some(priors.indentation_std)
@@ -159,14 +162,13 @@ impl PressScene {
         fit.map_or([None; 2], |fit| [fit.normal_std, fit.tangential_std])
     }
 
-    /// Readings of the sensor. `trial` is the number of the trial whose noise is used; `None` for readings without
-    /// noise.
+    /// Readings of the sensor. They have the noise of trial number `trial`; they have no noise if `trial` is `None`.
     pub(super) fn reading(&self, trial: Option<u64>) -> Result<PressReading, PressFailure> {
         let (truth, sensor) = self.case.press()?;
         sensor.read(truth, &self.noise, trial)
     }
 
-    /// Estimate from readings without noise.
+    /// Estimate from noiseless readings.
     pub(super) fn exact(&self) -> Result<&PressEstimate, &PressFailure> {
         let estimate = || self.estimate(&self.reading(None)?);
         self.exact.get_or_init(estimate).as_ref()
@@ -179,7 +181,7 @@ impl PressScene {
         }
     }
 
-    /// The indentation that is given to the estimator; `None` if the estimator fits it.
+    /// The indentation that the estimator receives; `None` if the estimator fits the indentation.
     pub(super) fn given_indentation(&self, reading: &PressReading) -> Option<Measured> {
         given_indentation_std(&self.config.estimator).map(|std| Measured {
             value: reading.indentation,
@@ -187,7 +189,7 @@ impl PressScene {
         })
     }
 
-    /// Calls `then` with the fit to displacements, and with the readings in the form that this fit needs.
+    /// Calls `then` with the fit to displacements and with the readings in the form of this fit.
     pub(super) fn with_fit<T>(
         &self,
         reading: &PressReading,
@@ -312,7 +314,7 @@ impl PressScene {
         self.observe_camera(reading, observe);
     }
 
-    /// Force of an estimated press on the body that the fit assumes; `None` for a Gaussian.
+    /// Force of an estimated press on the body that the fit assumes; `None` for a Gaussian, which has no stress.
     fn force(&self, estimate: &PressEstimate, young: f64) -> Option<f64> {
         if let Some(principal) = &estimate.principal {
             return finite(principal.contact.force(young));
@@ -365,7 +367,7 @@ impl PressScene {
         report(Quantity::PIXELS, Observation::exact(sensor.camera.pixels()));
     }
 
-    /// Quantities that trials of the press in a config report.
+    /// Quantities that the trials of a press report. `config` is the config of the press.
     pub(crate) fn quantities_of(config: &PressConfig) -> &'static [Quantity] {
         let is_elliptic = matches!(config.estimator, PressEstimatorConfig::Elliptic { .. });
         let is_plane = matches!(config.object, PressObjectConfig::Plane {});
@@ -399,7 +401,7 @@ impl Trials for PressScene {
     }
 
     /// Returns an error if there are too few markers, or if a setting of the estimator is invalid. It is no error if
-    /// the press is impossible or if the camera cannot image it: the scene can still run, but its trials fail.
+    /// the press is impossible or if the camera cannot image it: such a scene can run, but all its trials fail.
     fn estimable(&self) -> Result<(), FieldError> {
         match self.exact() {
             Err(PressFailure::Press(error @ PressError::TooFewMarkers { .. })) => {
@@ -435,8 +437,9 @@ impl Trials for PressScene {
         self.true_value(*self.quantities().get(quantity)?)
     }
 
-    /// Cramér–Rao bound for the scene's own body and noise. Fitted parameters count as unknown. Given parameters have
-    /// the noise that trials draw. If trials draw no noise for them, they have the standard deviation in the config.
+    /// Cramér–Rao bound of a quantity, for the true body and the noise of the scene. Fitted parameters are treated as
+    /// unknown. A given parameter, such as the indentation, has the noise that trials draw. If trials draw no noise for
+    /// it, it has the standard deviation that the config states.
     fn std_bound(&self, quantity: usize) -> Option<f64> {
         let bounds = self.bounds?;
         let quantity = *self.quantities().get(quantity)?;
@@ -486,8 +489,8 @@ fn outcome(estimated: &Estimated, truth: f64) -> Observation {
 }
 
 /// Whether the 50, 80 and 95 % intervals contain the true value. The 95 % interval is part of the estimate. The
-/// half-widths of the other intervals follow from its half-width, as for a normal distribution. On a side without a
-/// bound, they follow from `std`.
+/// half-widths of the other intervals are computed from the half-width of the 95 % interval, as for a normal
+/// distribution. On a side where this interval has no bound, they are computed from `std`.
 fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
     let Estimated {
         value,

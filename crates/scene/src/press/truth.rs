@@ -14,22 +14,22 @@ use palpate_study::config::{DiscsConfig, PressConfig, PressModelConfig, PressObj
 
 use crate::cache::SharedModels;
 
-/// True values of a press. The sensor reads them; the estimator has no access to them.
+/// True values of a press. The sensor reads them, but the estimator has no access to them.
 #[derive(Clone, Debug)]
 pub(super) struct TruePress {
     pub(super) geometry: PressGeometry,
     pub(super) contact_radius: f64,
     /// Force divided by Young's modulus of the body, length²; `None` if it is not finite.
     pub(super) force_per_young: Option<f64>,
-    /// Displacements of the markers, at the point midway between their discs.
+    /// Displacements of the markers. A marker is the point midway between its two discs.
     pub(super) markers: Vec<MarkerDisplacement>,
     /// Motions of both discs of each marker; empty if there is no camera.
     pub(super) discs: Vec<MarkerMotion>,
 }
 
 impl TruePress {
-    /// Computes the true values of the press with this contact. `discs` are the discs of the markers, if there is a
-    /// camera.
+    /// Computes the true values of a press from its contact. If there is a camera, `discs` contains the discs of the
+    /// markers.
     pub(super) fn new(
         body: &SoftBody,
         markers: &Markers,
@@ -51,11 +51,12 @@ impl TruePress {
 /// Properties of the object that affect a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TouchedObject {
-    /// Curvature 1/R_o of the object, positive if it is convex; the mean if the object has two different curvatures.
+    /// Curvature 1/R_o of the object, positive if the object is convex. If the object has two different curvatures, it
+    /// is their mean.
     pub(super) curvature: f64,
     /// Radius R_o of the object, negative for a dish; `None` for a plane, and if there are two different curvatures.
     pub(super) radius: Option<f64>,
-    /// The principal curvatures, if they differ; otherwise `None`.
+    /// The principal curvatures of the object; `None` if they are equal.
     pub(super) principal: Option<UnequalCurvatures>,
 }
 
@@ -116,7 +117,7 @@ pub(super) struct PressGeometry {
     pub(super) indentation: f64,
     /// Chart coordinates of the contact.
     pub(super) at: [f64; 2],
-    /// Displacement of the object along x after it has touched the skin, length.
+    /// Sideways displacement of the object along x, after it has touched the skin, length.
     pub(super) shift: f64,
 }
 
@@ -138,7 +139,7 @@ impl PressGeometry {
         })
     }
 
-    /// A press of the sensor's apex on a plane.
+    /// Geometry of a press of the sensor's apex on a plane.
     pub(super) const fn on_plane(indentation: f64) -> Self {
         Self {
             object: TouchedObject::PLANE,
@@ -149,7 +150,7 @@ impl PressGeometry {
     }
 }
 
-/// Chart coordinates of the point with this polar angle and azimuth.
+/// Chart coordinates of the point at the angles `polar` and `azimuth`.
 fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], FieldError> {
     if !(0.0..=180.0).contains(&polar) {
         let message = format!(
@@ -173,14 +174,15 @@ fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], Fi
 /// The true contact of an object with the soft body of the sensor.
 #[derive(Clone, Debug)]
 pub(super) enum TrueContact<'b> {
-    /// Contact with an object that has one curvature.
+    /// Contact with an object that has the same curvature in all directions.
     Round(Contact<'b>),
-    /// Contact with an object that has two curvatures, and the depth of the points whose displacements are computed.
+    /// Contact with an object that has two different curvatures. The number is the depth of the points whose
+    /// displacements are computed.
     Elliptic(EllipticContact, f64),
 }
 
 impl TrueContact<'_> {
-    /// Radius of the contact; for an ellipse, the geometric mean of its semi-axes.
+    /// Radius of the contact. For an elliptic contact, it is the geometric mean of the semi-axes.
     pub(super) fn radius(&self) -> f64 {
         match self {
             Self::Round(contact) => contact.radius,
@@ -188,8 +190,8 @@ impl TrueContact<'_> {
         }
     }
 
-    /// Force for this Young's modulus of the soft body, in the unit of the modulus times length²; `None` if it is not
-    /// finite.
+    /// Force between the bodies; `None` if it is not finite. `young` is the Young's modulus of the soft body. The unit
+    /// of the force is the unit of `young` times length².
     fn force(&self, young: f64) -> Option<f64> {
         match self {
             Self::Round(contact) => contact.force(young),
@@ -197,7 +199,8 @@ impl TrueContact<'_> {
         }
     }
 
-    /// Displacement of the skin at a distance from the middle of the contact; for an ellipse, along its longer axis.
+    /// Displacement of the skin at the distance `distance` from the middle of the contact. For an elliptic contact, the
+    /// distance is along the longer axis.
     pub(super) fn displacement(&self, distance: f64) -> Displacement {
         match self {
             Self::Round(contact) => contact.displacement(distance),
@@ -212,17 +215,18 @@ impl TrueContact<'_> {
     }
 }
 
-/// Model of the sensor's soft body. It computes the displacements of points at one depth under the skin.
+/// Model of the sensor's soft body. It computes the displacements of points at a fixed depth under the skin.
 #[derive(Clone, Debug)]
 pub(super) struct SoftBody {
     pub(super) body: Body,
-    /// Poisson's ratio, and the depth of the points (0 for the model Hertz). Displacements by a sideways shift are
-    /// computed from them. `None` if the model has no such displacements.
+    /// Poisson's ratio, and the depth of the points (0 for the model `hertz`). Displacements by a sideways shift of the
+    /// object are computed from these two numbers. `None` if the model has no such displacements.
     pub(super) sideways: Option<(f64, f64)>,
 }
 
 impl SoftBody {
-    /// Builds the body of a model for a sensor of radius `radius`. `layer` builds a layer from its thickness and depth.
+    /// Builds the soft body for a model and a sensor of the radius `radius`. The function `layer` builds a layer from
+    /// its thickness and depth.
     pub(super) fn new(
         model: &PressModelConfig,
         radius: f64,
@@ -242,7 +246,7 @@ impl SoftBody {
         Ok(Self { body, sideways })
     }
 
-    /// Contact of a press with the skin. The skin is that of these markers.
+    /// Contact of a press between the object and the skin under which the markers lie.
     pub(super) fn contact(
         &self,
         markers: &Markers,
@@ -265,7 +269,7 @@ impl SoftBody {
         Ok(TrueContact::Round(contact))
     }
 
-    /// Displacements of the markers by this contact and by the sideways shift of the object, during which the skin
+    /// Displacements of the markers by the contact and by the sideways shift of the object. During the shift, the skin
     /// sticks to the object.
     fn displacements_by(
         &self,
@@ -301,15 +305,16 @@ impl SoftBody {
     }
 }
 
-/// The discs of one colour.
+/// The discs of one colour, that is, one disc of each marker.
 struct Discs {
     body: SoftBody,
     /// Computes the strain of the discs; `None` if the discs do not follow the strain of the skin.
     strain: Option<DiscStrain>,
 }
 
-/// Displacements of the discs of one colour. If the discs follow the strain of the skin, the second part is the
-/// relative widening of each disc and of the skin around it.
+/// Displacements of the discs of one colour. The second part is `None` unless the discs follow the strain of the skin.
+/// It contains two numbers for each disc: the relative widening of the disc, and the relative widening of the skin
+/// around it.
 type DiscDisplacements = (Vec<MarkerDisplacement>, Option<Vec<[f64; 2]>>);
 
 impl Discs {
@@ -345,10 +350,10 @@ pub(super) fn marker_motions(discs: [DiscDisplacements; 2]) -> Vec<MarkerMotion>
         .collect()
 }
 
-/// Markers with two discs, and the soft bodies that move them.
+/// Markers with two discs, and the models of the soft body that compute the displacements of the discs.
 pub(super) struct DiscMarkers<'a> {
     markers: &'a Markers,
-    /// Soft body at the depth of the markers, midway between their discs.
+    /// Model of the soft body at the depth of the markers, midway between their two discs.
     midway: &'a SoftBody,
     magenta: Discs,
     yellow: Discs,
@@ -384,7 +389,7 @@ impl<'a> DiscMarkers<'a> {
         })
     }
 
-    /// Displacements of the markers, at the point midway between their discs.
+    /// Displacements of the markers, at the points midway between their two discs.
     pub(super) fn displacements(
         &self,
         geometry: &PressGeometry,
@@ -408,13 +413,14 @@ impl<'a> DiscMarkers<'a> {
     }
 }
 
-/// Distance above and below a disc at which displacements of the skin are computed, in radii of the sensor.
+/// Distance above and below a disc at which displacements of the skin are computed to find its strain, as a share of
+/// the sensor's radius.
 const STRAIN_STEP: f64 = 0.0025;
 
-/// Skin just above and just below the discs of one colour. The strain of the discs follows from the difference between
-/// the displacements of the two.
+/// Models of the skin just above and just below the discs of one colour. The difference between the two displacements
+/// determines the strain of the discs.
 struct DiscStrain {
-    /// Share of the skin's strain that the discs follow: 1 if they strain like the skin.
+    /// Share of the skin's strain that the discs follow. 1 means that the discs strain as much as the skin.
     share: f64,
     above: SoftBody,
     below: SoftBody,
@@ -423,8 +429,8 @@ struct DiscStrain {
 }
 
 impl DiscStrain {
-    /// Skin just above and just below discs at `depth`, but not deeper than `deepest`. `body` builds the soft body at a
-    /// depth.
+    /// The skin just above and just below discs at `depth`. The lower depth is at most `deepest`. The function `body`
+    /// builds the soft body for a depth.
     fn new(
         share: f64,
         depth: f64,
@@ -441,8 +447,8 @@ impl DiscStrain {
         })
     }
 
-    /// Relative widening of each disc in a press, and of the skin around it. An incompressible skin that is compressed
-    /// along its normal widens in both tangential directions, by half of the normal strain.
+    /// For each disc in a press, the relative widening of the disc and of the skin around it. If an incompressible skin
+    /// is compressed along its normal, it widens in both tangential directions, each by half of the normal strain.
     fn stretches(
         &self,
         markers: &Markers,

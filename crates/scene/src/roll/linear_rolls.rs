@@ -1,4 +1,4 @@
-//! Rolls with a closed form in which the path of the contact is a constant matrix times the rotation.
+//! Rolls with a linear closed form: the path of the contact is a constant matrix times the rotation.
 
 use nalgebra::{Matrix2, Vector2};
 use palpate_ep1::{BATCH_SIZE, BatchMoments, Moments, ProbeRotation};
@@ -8,19 +8,19 @@ use palpate_study::config::Side;
 
 use super::motion_noise::{MotionNoise, Roll};
 
-/// Steady rolls on a plane, sphere, dish or cylinder. The reported rotations have no errors.
+/// Steady rolls on a plane, sphere, dish or cylinder. The sensor reports the commanded rotations.
 #[derive(Clone, Debug)]
 pub(super) struct LinearRolls {
     radius: f64,
     probes: Vec<LinearRoll>,
-    /// Distribution of the error of each component of the rotation; `None` if the rotation has no error.
+    /// Distribution of the error of each component of the true rotation; `None` if the rotation has no error.
     error: Option<Distribution>,
 }
 
 /// The roll of one probe.
 #[derive(Clone, Copy, Debug)]
 struct LinearRoll {
-    /// Path of the contact along u and v, for the commanded rotation.
+    /// Path of the contact along u and v if the probe rotates exactly as commanded.
     commanded: [f64; 2],
     /// Change of the contact's path per unit error of the rotation about x.
     per_error_x: [f64; 2],
@@ -51,7 +51,8 @@ impl LinearRoll {
         }
     }
 
-    /// Path of the contact if the rotation has these errors, which are in units of the size of the errors.
+    /// Path of the contact for a rotation with errors. The errors are in units of the error's size (standard deviation
+    /// or bound).
     #[inline(always)]
     fn path(&self, [error_x, error_y]: [f64; 2]) -> [f64; 2] {
         // Do not use a closure here. A closure that is not inlined would be compiled without the vector instructions of
@@ -65,8 +66,8 @@ impl LinearRoll {
 }
 
 impl LinearRolls {
-    /// Rolls of probes that report the commanded rotations. Returns `None` in three cases: the rolls have no linear
-    /// closed form, noise changes the motion during a roll, or the noise is a measurement error.
+    /// Builds the closed form of rolls. Returns `None` in three cases: the rolls have no linear closed form, the noise
+    /// changes during a roll, or the noise is an error of the measured rotation instead of the motion.
     pub(super) fn new(
         roller: &Roller,
         rolls: &[Roll],
@@ -95,7 +96,7 @@ impl LinearRolls {
     }
 
     /// Rolls every probe and returns the moments of the readings. Returns `None` if a contact moves more than halfway
-    /// around its probe, because its shift then differs from its path.
+    /// around its probe, because the shift that the sensor reads then differs from the path.
     #[inline(always)]
     pub(super) fn short(&self, seed: u64, trial: u64) -> Option<Moments> {
         let mut moments = Moments::default();
@@ -110,8 +111,9 @@ impl LinearRolls {
         are_short.then_some(moments)
     }
 
-    /// Rolls the probes in up to [`BATCH_SIZE`] trials, from number `first` on, and stores the moments of the readings
-    /// in `many`. Returns the number of trials before the first for which [`LinearRolls::short`] returns `None`.
+    /// Rolls the probes in up to [`BATCH_SIZE`] trials, starting with trial number `first`, and stores the moments of
+    /// the readings in `many`. Returns the number of trials before the first trial for which [`LinearRolls::short`]
+    /// would return `None`.
     ///
     /// The function is inlined, so that it uses the vector instructions of its caller.
     #[inline(always)]
@@ -148,7 +150,7 @@ impl LinearRolls {
         half_turn * half_turn
     }
 
-    /// Draws the errors of a rotation, in units of their size.
+    /// Draws the errors of a rotation, in units of the error's size.
     #[inline(always)]
     fn errors(&self, stream: &mut Stream) -> [f64; 2] {
         match self.error {
@@ -157,8 +159,8 @@ impl LinearRolls {
         }
     }
 
-    /// Rolls every probe. `read` converts the displacement of the contact on the probe (logarithm map) to the reading
-    /// of the sensor.
+    /// Rolls every probe and returns the moments of the readings. The function `read` converts the displacement of the
+    /// contact on the probe (logarithm map) to the reading of the sensor.
     pub(super) fn read<E>(
         &self,
         seed: u64,
@@ -177,7 +179,7 @@ impl LinearRolls {
     }
 }
 
-/// Whether the contact moves at most halfway around the probe along this path.
+/// Whether a path of the contact, with the components `u` and `v`, leads at most halfway around the probe.
 #[inline(always)]
 fn is_short([u, v]: [f64; 2], half_turn_squared: f64) -> bool {
     u * u + v * v <= half_turn_squared
@@ -189,7 +191,7 @@ pub(super) struct ManyRolls {
     pub(super) moments: BatchMoments,
     /// For each trial, the number of paths that lead more than halfway around their probe.
     long: [u64; BATCH_SIZE],
-    /// Errors of the rotation of one probe in each trial, in units of their size.
+    /// For each trial, the errors of the rotation of the current probe, in units of the error's size.
     errors: [[f64; BATCH_SIZE]; 2],
 }
 
@@ -204,7 +206,7 @@ impl Default for ManyRolls {
 }
 
 impl ManyRolls {
-    /// Draws the errors of a probe's rotation in the first `count` trials; without a distribution, nothing is drawn.
+    /// Draws the errors of a probe's rotation in the first `count` trials. If `error` is `None`, nothing is drawn.
     #[inline(always)]
     fn draw(
         &mut self,
@@ -230,7 +232,7 @@ impl ManyRolls {
         }
     }
 
-    /// Adds the roll of a probe to the moments. The roll of the first probe replaces earlier moments.
+    /// Adds the roll of a probe to the moments of each trial. If `IS_FIRST`, the moments start from 0.
     #[inline(always)]
     fn add<const IS_FIRST: bool>(
         &mut self,

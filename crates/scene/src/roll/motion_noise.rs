@@ -1,4 +1,4 @@
-//! Error of the angular velocity, either of the motion or of its measurement.
+//! Error of the angular velocity of a probe. It is an error of the motion or of the measurement.
 
 use nalgebra::Vector2;
 use palpate_rolling::{Motion, RollError, Roller, Terrain};
@@ -9,10 +9,10 @@ use palpate_study::config::Side;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MotionNoise {
     pub(super) error: AngularVelocityError,
-    /// Number of times in a roll at which an error is drawn.
+    /// Number of times during a roll at which a new error is drawn.
     pub(super) instants: u32,
-    /// With `Motion`, the motion of the probe is noisy, and the commanded rotation is reported. With `Measurement`, the
-    /// probe moves as commanded, and a noisy rotation is reported.
+    /// If the value is `Motion`, the motion of the probe has the error, and the sensor reports the commanded rotation.
+    /// If the value is `Measurement`, the probe moves as commanded, and the reported rotation has the error.
     pub(super) side: Side,
 }
 
@@ -24,19 +24,19 @@ pub(super) struct Roll {
     pub(super) rotation: Vector2<f64>,
     /// Displacement of the contact on the probe.
     pub(super) displacement: Vector2<f64>,
-    /// Relief of the object along the roll; `None` if noise cannot move the probe so far that it overlaps the object.
+    /// Terrain (height of the object) along the roll. `None` if the probe cannot overlap the object, even with noise.
     pub(super) terrain: Option<Terrain>,
 }
 
 pub(super) struct NoiseTrial(Option<(MotionNoise, Stream)>);
 
 impl MotionNoise {
-    /// Whether the noise is in the motion of the probe, and not only in its measurement.
+    /// Whether the noise is an error of the motion, not of the measurement.
     pub(super) fn is_of_motion(&self) -> bool {
         self.side == Side::Motion
     }
 
-    /// Number of pieces of a roll, each with its own error of the motion.
+    /// Number of pieces into which noise divides the motion of a roll. Each piece has its own error.
     pub(super) const fn pieces(&self) -> u32 {
         match self.side {
             Side::Motion => self.instants,
@@ -44,9 +44,9 @@ impl MotionNoise {
         }
     }
 
-    /// Bound on the distance (length) by which noise moves the centre of a probe away from its commanded position. The
-    /// probe has the radius `radius` and rolls by `rotation` (rad). The bound is the largest possible distance, but at
-    /// most six standard deviations.
+    /// Bound on the distance, length, between the centre of a probe and its commanded position. The distance is due to
+    /// noise. The probe has the radius `radius` and rolls by `rotation` (rad). The bound is the largest possible
+    /// distance, but at most six standard deviations.
     pub(super) fn stray(&self, radius: f64, rotation: &Vector2<f64>) -> f64 {
         if self.side == Side::Measurement {
             return 0.0;
@@ -87,8 +87,8 @@ impl NoiseTrial {
         Self(noise.map(|noise| (noise, stream())))
     }
 
-    /// Displacement of the contact on a probe, and the rotation that the probe reports. The reported rotation contains
-    /// the noise only if the noise is a measurement error.
+    /// Displacement of the contact on a probe, and the rotation that the sensor reports. The reported rotation has an
+    /// error only if the noise is an error of the measurement.
     #[inline]
     pub(super) fn roll(
         &mut self,
@@ -127,7 +127,8 @@ impl NoiseTrial {
         }
     }
 
-    /// Errors of the measured rotation at these fractions of a roll, rad; they are 0 if the motion has the noise.
+    /// Errors of the measured rotation, rad, at the given fractions of a roll. They are 0 if the noise is an error of
+    /// the motion.
     pub(super) fn measured(&mut self, command: &Motion, fractions: &[f64]) -> Vec<Vector2<f64>> {
         let Some((noise, stream)) = self.0.as_mut().filter(|(noise, _)| !noise.is_of_motion())
         else {
@@ -148,7 +149,7 @@ impl NoiseTrial {
         fractions.iter().map(at).collect()
     }
 
-    /// The motions that the probe actually makes when `command` is commanded.
+    /// The true motions of the probe, with their errors, for the commanded motion `command`.
     pub(super) fn motions(&mut self, command: &Motion) -> Vec<Motion> {
         let Some((noise, stream)) = &mut self.0 else {
             return vec![*command];
@@ -166,7 +167,8 @@ impl NoiseTrial {
     }
 }
 
-/// Displacement of the contact on a probe. Returns an error if the probe overlaps the terrain.
+/// Displacement of the contact on a probe. Returns an error if the probe overlaps the terrain, which would be a second
+/// contact.
 #[inline]
 fn cleared_shift(
     roller: &Roller,

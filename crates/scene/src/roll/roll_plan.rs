@@ -96,7 +96,8 @@ impl RollScene {
         })
     }
 
-    /// Commanded motion of each probe without noise, cut into the pieces in which noise would act.
+    /// Commanded motion of each probe, without noise. Each motion is divided into the pieces that would have separate
+    /// errors with noise.
     pub fn noiseless(&self) -> Vec<Vec<Motion>> {
         let pieces = self.noise.map_or(1, |noise| noise.pieces());
         let commands: Vec<Motion> = self.commands().copied().collect();
@@ -162,9 +163,8 @@ fn motion_noise(config: &RollConfig) -> Result<Option<MotionNoise>, FieldError> 
     Ok(Some(noise))
 }
 
-/// Chart of the integrators that are compared: the chart of the model in the config, if it states one. Otherwise it
-/// depends on the axis of the motion: `Free` for a transported axis, `Montana` for an axis that is constant in the
-/// chart.
+/// Chart of the integrators that are compared. If the config states a chart, it is used. Otherwise the chart depends on
+/// the axis of the motion: `Free` for a transported axis, `Montana` for an axis that is constant in the chart.
 fn ladder_chart(config: &RollConfig) -> Chart {
     let axis = config.motion.axis;
     let form = config.model.chart().unwrap_or(match axis {
@@ -210,7 +210,8 @@ fn model(config: &RollModelConfig, axis: RollAxis) -> Model {
     }
 }
 
-/// The roller and the commands. If the config states an arc length, the noiseless rolls have this length.
+/// The roller and the commanded motions. If the config states an arc length, the motions are chosen such that rolls
+/// without noise have this length.
 fn roller(
     config: &RollConfig,
     probe: Probe,
@@ -257,13 +258,13 @@ fn roller(
     Ok((roller, commands))
 }
 
-/// Rate of rotation, rad/s. If the config states none, it is 1, because no result depends on it.
+/// Rate of rotation, rad/s. If the config states no rate, it is 1; the results do not depend on it.
 fn rate(config: &RollMotionConfig) -> f64 {
     config.rate_rad_per_s.unwrap_or(1.0)
 }
 
-/// The commanded motions, with the duration or the angle in the config. If the config states an arc length, the motions
-/// rotate by 1 rad.
+/// The commanded motions, with the duration or the angle that the config states. If the config states an arc length
+/// instead, the motions rotate by 1 rad, and their durations are corrected later.
 fn commands(config: &RollMotionConfig) -> Vec<Motion> {
     let rate = rate(config);
     let angle_rad = config.angle_deg.map_or(1.0, f64::to_radians);
@@ -279,7 +280,7 @@ fn commands(config: &RollMotionConfig) -> Vec<Motion> {
         .collect()
 }
 
-/// The commands without repetitions. Each command is cut into `pieces` motions.
+/// The different commands, without repetitions. Each command is divided into `pieces` motions.
 fn distinct(commands: &[Motion], pieces: u32) -> Vec<Vec<Motion>> {
     let mut rolls: Vec<Vec<Motion>> = Vec::new();
     for command in commands {
@@ -294,7 +295,7 @@ fn distinct(commands: &[Motion], pieces: u32) -> Vec<Vec<Motion>> {
     rolls
 }
 
-/// The commanded rolls without noise, and the true values.
+/// Computes the commanded rolls without noise, and the true values.
 fn noiseless(
     roller: &Roller,
     commands: &[Motion],
@@ -345,8 +346,8 @@ fn noiseless(
     ))
 }
 
-/// Terrain with which noisy rolls might overlap; `None` if the distance between the commanded roll and the terrain is
-/// always at least `stray`.
+/// The terrain along a roll, if the probe may overlap it because of noise. `None` if the distance between the commanded
+/// roll and the terrain is always at least `stray`.
 fn terrain(roller: &Roller, command: &Motion, stray: f64) -> Result<Option<Terrain>, RollError> {
     if !roller.may_touch_twice() {
         return Ok(None);
@@ -357,7 +358,7 @@ fn terrain(roller: &Roller, command: &Motion, stray: f64) -> Result<Option<Terra
     Ok((clearance < stray).then_some(terrain))
 }
 
-/// The model in the form of a config.
+/// Converts a model to the form of a config.
 fn named(model: Model) -> RollModelConfig {
     let config_chart = |chart: Chart| match chart {
         Chart::Free => config::Chart::Free,

@@ -1,4 +1,4 @@
-//! Sensors of a roll, which read the contact on the probe and the rotation of the probe.
+//! Sensors of a roll. They read the position of the contact on the probe, and the rotation of the probe.
 
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 use palpate_ep1::{PadCell, PadStart, Places, ReadingNoise, SeriesNoise};
@@ -19,17 +19,17 @@ pub(super) enum RollSensor {
     Pads(Pads),
 }
 
-/// The sensor in one trial.
+/// The sensor of the contact in one trial.
 pub(super) enum SensorTrial<'a> {
     Ideal,
     Wrist(&'a Wrist, Stream),
-    /// Pads, and the random numbers by which each roll starts at its own place on a pad.
+    /// Pads. Each roll starts at its own random place on a pad; the stream draws these places.
     RandomPads(&'a Pads, Stream),
     Pads(&'a Pads, PadPlacement),
 }
 
 impl RollSensor {
-    /// The sensor in a config, on a probe of this radius.
+    /// Builds the sensor of a config. `radius` is the radius of the probe.
     pub(super) fn new(config: &RollSensorConfig, radius: f64) -> Result<Self, FieldError> {
         match config {
             RollSensorConfig::Ideal => Ok(Self::Ideal),
@@ -104,7 +104,7 @@ impl RollSensor {
         }
     }
 
-    /// The sensor without noise. Pads still round positions; the centre of one pad is at the first contact.
+    /// The sensor without noise. Pads still round positions, and the centre of one pad is at the first contact.
     pub(super) fn noiseless(&self) -> Self {
         match self {
             Self::Ideal | Self::Wrist(_) => Self::Ideal,
@@ -112,7 +112,7 @@ impl RollSensor {
         }
     }
 
-    /// What the places in a time series are; `None` for pads without straight edges.
+    /// Meaning of the positions in a time series: contact points or pads. `None` for pads without straight edges.
     pub(super) fn places(&self) -> Option<Places> {
         Some(match self {
             Self::Ideal => Places::Contacts { std: 0.0 },
@@ -153,9 +153,9 @@ impl SensorTrial<'_> {
         }
     }
 
-    /// The readings of one roll at all its samples, and the place of the first contact. Both are in the exponential map
-    /// at the pads' origin; without pads, the origin is the first contact. The true contacts are displacements from the
-    /// first contact.
+    /// The readings at all samples of one roll, and the position of the first contact. Both are displacements from the
+    /// origin of the pads (exponential map) or, for sensors without pads, from the first contact. The true contacts
+    /// `contacts` are displacements from the first contact.
     pub(super) fn read_samples(
         &mut self,
         radius: f64,
@@ -188,14 +188,14 @@ impl SensorTrial<'_> {
     }
 }
 
-/// Sensor of the rotation of a probe, with its errors.
+/// Sensor that reads the rotation of a probe, with its errors.
 #[derive(Clone, Debug)]
 pub(super) struct RotationSensor {
     error: GaussianError,
     /// Rate at which the error of each component of the rotation grows during a roll, rad/s.
     drift_rad_per_s: f64,
     encoder: Option<Encoder>,
-    /// Error that is drawn for each sample of a roll.
+    /// Error that is drawn separately for each sample of a roll.
     sample_error: GaussianError,
 }
 
@@ -232,7 +232,7 @@ impl RotationSensor {
         })
     }
 
-    /// Whether the error of a roll or of its samples is random.
+    /// Whether the reported rotations have random errors, per roll or per sample.
     pub(super) fn is_random(&self) -> bool {
         self.is_random_per_roll() || self.sample_error.is_random()
     }
@@ -241,12 +241,13 @@ impl RotationSensor {
         self.error.is_random() || self.encoder.is_some()
     }
 
-    /// Whether the sensor reports the true rotations at the ends of rolls.
+    /// Whether the sensor reports the true rotation at the end of a roll.
     pub(super) fn is_exact(&self) -> bool {
         !self.is_random_per_roll() && self.error.bias() == 0.0 && self.drift_rad_per_s == 0.0
     }
 
-    /// Config path of the larger of the sensor's two errors.
+    /// Path of the config field that states the larger of two errors: the error of the rotation and the error of the
+    /// encoder.
     pub(super) fn path(&self) -> &'static str {
         match self.encoder {
             Some(encoder) if encoder.std_rad() >= self.error.std() => "scene.noise.encoder",
@@ -254,7 +255,7 @@ impl RotationSensor {
         }
     }
 
-    /// Standard deviation of each component of the rotation, rad.
+    /// Standard deviation of each component of the reported rotation at the end of a roll, rad.
     pub(super) fn std_rad(&self) -> f64 {
         libm::hypot(
             self.error.std(),
@@ -262,7 +263,7 @@ impl RotationSensor {
         )
     }
 
-    /// Noise of sampled rotations, if the rolls end at rotations of this size (rad).
+    /// Noise of the sampled rotations. `rotation_rad` is the rotation at the end of a roll, rad.
     pub(super) fn series_noise(&self, rotation_rad: f64) -> SeriesNoise {
         let step = self.encoder.map_or(0.0, |encoder| encoder.std_rad());
         SeriesNoise {
@@ -316,7 +317,8 @@ impl RotationSensor {
 }
 
 impl RotationTrial<'_> {
-    /// The rotation (rad) that the sensor reports if the true rotation is `rotation` and the roll lasts `duration_s`.
+    /// Returns the rotation (rad) that the sensor reports for the true rotation `rotation`. `duration_s` is the
+    /// duration of the roll, over which the drift accumulates.
     pub(super) fn read(&mut self, rotation: Vector2<f64>, duration_s: f64) -> Vector2<f64> {
         let RotationSensor {
             error,
@@ -332,8 +334,8 @@ impl RotationTrial<'_> {
         }
     }
 
-    /// The rotations (rad) that the sensor reports at these fractions of a roll. The error of a roll grows from 0 at its
-    /// start; its size at the end is that of [`RotationTrial::read`].
+    /// Replaces true rotations (rad) at the given fractions of a roll by the rotations that the sensor reports. The
+    /// error of a roll grows from 0 at its start. At its end, the error is as large as in [`RotationTrial::read`].
     pub(super) fn read_samples(
         &mut self,
         rotations: &mut [Vector2<f64>],

@@ -1,4 +1,4 @@
-//! Tables of one roll of every probe.
+//! Tables of one simulated roll of every probe.
 
 use palpate_rolling::{Contact, Motion};
 
@@ -13,7 +13,8 @@ use palpate_study::{Column, Table, Unit};
 const SAMPLES: usize = 100;
 
 impl RollScene {
-    /// Records one roll of every probe: with the noise of trial number `trial`, or without noise if it is `None`.
+    /// Records the true contacts and the readings of one roll of every probe. They have the noise of trial number
+    /// `trial`; they have no noise if `trial` is `None`.
     pub(super) fn record(&self, trial: Option<u64>, unit: LengthUnit) -> Result<Trace, TraceError> {
         let noiseless = self.sensor.noiseless();
         let sensor = trial.map_or(&noiseless, |_| &self.sensor);
@@ -105,7 +106,7 @@ fn row(contact: &Contact, t_s: f64, radius: f64) -> Vec<f64> {
     row
 }
 
-/// The part of the motions before time `t_s`.
+/// The motions up to the time `t_s`; the motion at this time is cut.
 fn cut_at(motions: &[Motion], t_s: f64) -> Vec<Motion> {
     let mut left = t_s;
     let mut until = Vec::new();

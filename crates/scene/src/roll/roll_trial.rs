@@ -31,8 +31,8 @@ pub(crate) const ROLL_QUANTITIES: [Quantity; 5] = [
     Quantity::ARC_LENGTH,
 ];
 
-/// All that a trial of rolls needs, prepared from one cell of a study: the true rolls, the noise, the sensor and the
-/// estimator.
+/// Rolls that are ready to run. The scene contains the true rolls, the noise, the sensor and the estimator of a grid
+/// point of a study.
 #[derive(Clone, Debug)]
 pub struct RollScene {
     pub(super) seed: u64,
@@ -47,18 +47,18 @@ pub struct RollScene {
     /// Closed form of the rolls. `None` unless all rolls are linear and the reported rotations are the same in every
     /// trial.
     pub(super) linear: Option<LinearRolls>,
-    /// Samples of the rolls; `None` if only their ends are read.
+    /// Samples of the rolls; `None` if only the ends of the rolls are read.
     pub(super) sampled: Option<SampledRolls>,
     pub(super) estimator: RollEstimatorConfig,
     pub(super) truth: Truth,
     pub(super) directions_path: &'static str,
-    /// Largest error that `auto` allows when it chooses the model; `None` if the config names the model.
+    /// Largest error that `auto` allows when it chooses a model; `None` if the config names the model.
     pub(super) tolerance: Option<f64>,
-    /// Form of the contact equations, with or without charts, that the compared integrators use.
+    /// Form of the contact equations that the compared integrators use, with or without charts.
     pub(super) chart: Chart,
 }
 
-/// The fit for the commanded rotations. A trace does not need this fit.
+/// The least-squares fit, prepared for the commanded rotations. A trace does not need this fit.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub(super) enum RollFit {
@@ -77,14 +77,14 @@ impl RollFit {
     }
 }
 
-/// True values: curvature of the object at the first contact, and length of the noiseless rolls.
+/// True values: the curvature of the object at the first contact, and the length of the rolls without noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Truth {
     pub(super) curvature: CurvatureForm,
     pub(super) arc_length: f64,
 }
 
-/// A batch of trials that run together. Its code is compiled for every vector width.
+/// A batch of trials that run together by vector instructions. The code is compiled separately for each vector width.
 struct Together<'a> {
     seed: u64,
     linear: &'a LinearRolls,
@@ -122,7 +122,7 @@ impl Together<'_> {
 }
 
 impl RollScene {
-    /// Noise of the readings that the estimator assumes.
+    /// Noise of the readings that the estimator assumes, for readings at the ends of rolls.
     pub const fn reading_noise(&self) -> ReadingNoise {
         self.reading_noise
     }
@@ -178,11 +178,11 @@ impl RollScene {
         }
     }
 
-    /// Runs trials in batches of at most [`BATCH_SIZE`], and passes the outcomes of each trial to `take`, in the order
-    /// of [`Trials::quantities`]. The outcomes are exactly those of [`RollScene::outcomes`] but are computed faster,
-    /// above all on processors with wide vectors. `take` returns the number of trials that it accepts. The function
-    /// stops if a batch is not accepted as a whole, or if a trial cannot run in a batch. It returns the number of
-    /// accepted trials.
+    /// Runs trials in batches of at most [`BATCH_SIZE`], and passes the outcomes of each batch to `take`, in the order
+    /// of [`Trials::quantities`]. The outcomes are exactly the same as from [`RollScene::outcomes`], but they are
+    /// computed faster, above all on processors with wide vectors. `take` returns the number of trials that it accepts.
+    /// The function stops if `take` does not accept all trials of a batch, or if a trial cannot run in a batch. It
+    /// returns the number of accepted trials.
     pub fn side_by_side(
         &self,
         arch: Arch,
@@ -229,7 +229,7 @@ impl RollScene {
         }
     }
 
-    /// The samples and the estimator that uses them; `None` for least squares.
+    /// The samples, and the estimator for time series; `None` if the estimator is least squares.
     fn series_method(&self) -> Option<(&SampledRolls, SeriesMethod)> {
         let sampled = self.sampled.as_ref()?;
         Some((sampled, sampled.method?))
@@ -261,7 +261,7 @@ impl RollScene {
         ]
     }
 
-    /// Runs a trial of rolls of any kind, with or without errors of the reported rotations.
+    /// Runs a trial with any kind of rolls, with or without errors of the reported rotations.
     #[inline(never)]
     fn sensor_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let is_measured = !self.rotation_sensor.is_exact()
@@ -275,7 +275,7 @@ impl RollScene {
         }
     }
 
-    /// Runs a trial in which all rolls are linear; motions and states are not computed.
+    /// Runs a trial in which all rolls have a linear closed form. This is fast, because no motion is simulated.
     fn linear_trial(&self, linear: &LinearRolls, trial: u64) -> Result<Estimate, &'static str> {
         let fit = self.fit.get()?;
         let mut sensor = self.sensor.begin(self.seed, trial);
@@ -285,8 +285,8 @@ impl RollScene {
         fit.estimate(&moments).map_err(|error| error.name())
     }
 
-    /// Runs a trial in which the reported rotations are the same as in every other trial, but the rolls may be of any
-    /// kind.
+    /// Runs a trial with any kind of rolls in which the reported rotations have no errors. The fit was therefore
+    /// prepared once for all trials.
     fn general_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let fit = self.fit.get()?;
         let mut moments = Moments::default();
@@ -296,7 +296,7 @@ impl RollScene {
         fit.estimate(&moments).map_err(|error| error.name())
     }
 
-    /// Runs a trial in which the reported rotations have errors.
+    /// Runs a trial in which the reported rotations have errors, so the fit is computed anew.
     fn measured_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
         let mut readings = Vec::with_capacity(self.rolls.len());
         self.readings(trial, |reading| readings.push(reading))?;
@@ -324,7 +324,7 @@ impl RollScene {
         Ok(())
     }
 
-    /// The estimator with its readings, and the reason if `auto` chose it.
+    /// Text that states the estimator and its readings and, if `auto` chose the estimator, the reason.
     fn method_need(&self) -> String {
         let probes = self.rolls.len();
         let sampled = self.sampled.as_ref();

@@ -19,17 +19,17 @@ use super::roll_sensor::{RollSensor, RotationSensor};
 use super::roll_trial::{ROLL_QUANTITIES, RollScene};
 use crate::trace::TraceError;
 
-/// Largest number of samples of all rolls of a trial.
+/// Largest total number of samples of the rolls in a trial.
 const MAX_SAMPLES: f64 = 1e7;
-/// Component of a rotation about the normal that is only a rounding error, rad.
+/// Largest rotation about the normal that counts as a rounding error, rad. If all are smaller, they are replaced by 0.
 const ROUNDING_RAD: f64 = 1e-12;
 
-/// The times at which rolls are sampled, the rolls without noise, and the estimator.
+/// Sampled rolls: the times at which rolls are sampled, the samples without noise, and the estimator.
 #[derive(Clone, Debug)]
 pub(super) struct SampledRolls {
-    /// One for each roll; rolls by the same command share their samples.
+    /// The samples of each roll. Rolls with the same command share their samples.
     rolls: Vec<Arc<SampledRoll>>,
-    /// The estimator that uses the samples; `None` for least squares.
+    /// The estimator for time series; `None` if the estimator is least squares.
     pub(super) method: Option<SeriesMethod>,
     places: Option<Places>,
     pub(super) noise: SeriesNoise,
@@ -40,7 +40,7 @@ pub(super) struct SampledRolls {
 #[derive(Clone, Debug)]
 struct SampledRoll {
     times_s: Vec<f64>,
-    /// Times as fractions of the duration.
+    /// Times of the samples, as fractions of the roll's duration.
     fractions: Vec<f64>,
     points: Vec<PathPoint>,
 }
@@ -64,7 +64,7 @@ impl SampledRoll {
 }
 
 impl SampledRolls {
-    /// Samples of the commanded rolls; `None` if the config states no rate of sampling.
+    /// Samples of the commanded rolls; `None` if the config states no sampling rate.
     pub(super) fn new(
         config: &RollConfig,
         roller: &Roller,
@@ -137,14 +137,14 @@ impl SampledRolls {
     }
 }
 
-/// Reason for which a roll has no time series.
+/// Reason why a roll has no time series.
 enum NoSeries {
     Roll(palpate_rolling::RollError),
     Sensor(BeyondPads),
 }
 
 impl RollScene {
-    /// The outcomes of a trial with an estimator of time series.
+    /// The outcomes of a trial whose estimator uses time series.
     pub(super) fn series_outcomes(
         &self,
         sampled: &SampledRolls,
@@ -167,7 +167,8 @@ impl RollScene {
         Ok(outcomes)
     }
 
-    /// Time series of all rolls, as [`SampledRolls`] describes: of a trial, or without noise. Else the roll that fails.
+    /// Time series of all rolls. They have the noise of trial number `trial`; they have no noise if `trial` is `None`.
+    /// If a roll fails, the error is its index and the reason.
     fn series(
         &self,
         sampled: &SampledRolls,
@@ -233,7 +234,7 @@ impl RollScene {
         Ok(all)
     }
 
-    /// Readings of a trace: one row for each sample, with the number of its roll.
+    /// Rows of readings for a trace: one row for each sample, with the index of its roll.
     pub(super) fn series_rows(
         &self,
         sampled: &SampledRolls,
@@ -262,7 +263,8 @@ const QUANTITIES: [Quantity; 4] = [
     Quantity::Mean,
 ];
 
-/// Whether the 50, 80 and 95 % intervals contain the true value. The first two are those of a normal distribution.
+/// Whether the 50, 80 and 95 % intervals contain the true value. The first two intervals are computed from the standard
+/// error, as for a normal distribution.
 fn holds(outcome: &Observation, estimate: &SeriesEstimate, quantity: Quantity) -> [bool; 3] {
     let error = (outcome.estimate - outcome.truth).abs();
     let within = |scores: f64| outcome.std.is_some_and(|std| error <= scores * std);

@@ -1,5 +1,4 @@
-//! Presses that are read by a camera: readings and random draws at each level of detail, and settings that are
-//! rejected.
+//! Presses that a camera reads: readings and random draws at each level of detail, and settings that are rejected.
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{Camera, Lens, OddTerms};
@@ -10,8 +9,8 @@ use palpate_study::config::{LengthUnit, Study, parse};
 use palpate_sweep::Observation;
 use palpate_tracking::Equidistant;
 
-/// Config of a press with the sensor of the 2020 paper: a layer with a thickness of 5 mm on a core. The indentation on
-/// a plane is 1 mm.
+/// Config of a press of the sensor of the 2020 paper on a plane. The soft body is a layer with a thickness of 5 mm on a
+/// core. The indentation is 1 mm.
 fn text(sensor: &str, noise: &str) -> String {
     format!(
         r#"name = "a-study"
@@ -51,7 +50,7 @@ fn refused(text: &str) -> String {
     format!("{}: {}", error.path(), error.message())
 }
 
-/// The outcomes of one quantity in a trial.
+/// The outcomes of the quantity `name` in a trial.
 fn outcomes(scene: &Scene, trial: u64, name: &str) -> Vec<Observation> {
     let mut outcomes = Vec::new();
     scene

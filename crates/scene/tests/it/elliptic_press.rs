@@ -1,4 +1,4 @@
-//! Presses on cylinders and ellipsoids, and forces of presses.
+//! Presses on cylinders and ellipsoids, and the forces of presses.
 
 use palpate_scene::Trials;
 use palpate_study::config::LengthUnit;

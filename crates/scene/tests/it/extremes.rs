@@ -14,13 +14,13 @@ fn scene(kind: &str, probe: &str, object: &str, motion: &str, lines: &str) -> St
     )
 }
 
-/// Config of a probe with radius `unit` that rolls by `angle`.
+/// Config of a roll: a probe with the radius `unit` rolls by the angle `angle`.
 pub(crate) fn roll(unit: f64, object: &str, angle: f64, lines: &str) -> String {
     let motion = format!("{{ rate_rad_per_s = {angle:e}, duration_s = 1.0 }}");
     scene("roll", &sphere(unit), object, &motion, lines)
 }
 
-/// Config of three fingers that slide over a patch with a side length of 2 units.
+/// Config of a glide: three fingers slide over a patch with a side length of 2 units.
 pub(crate) fn glide(unit: f64, object: &str, lines: &str) -> String {
     let [side, half, third] = [2.0 * unit, unit, 0.5 * unit];
     let motion = format!(
@@ -36,7 +36,7 @@ pub(crate) fn glide(unit: f64, object: &str, lines: &str) -> String {
     scene("glide", &sphere(third), object, &motion, &lines)
 }
 
-/// Config of a sensor with a radius of 20 units. The indentation is `share` of its radius.
+/// Config of a press: the sensor has a radius of 20 units, and the indentation is the share `share` of this radius.
 pub(crate) fn press(unit: f64, object: &str, share: f64, lines: &str) -> String {
     let [radius, depth, indentation] = [20.0 * unit, 2.0 * unit, 20.0 * unit * share];
     let probe = format!(
@@ -61,8 +61,8 @@ fn layered(thickness: f64) -> String {
     press(1.0, PLANE, 0.02, &lines)
 }
 
-/// Estimates and true values of the first trials, divided by the largest true value of their quantity. Quantities whose
-/// true values are all 0 are left out. The error is the name of a failure or the path of a field.
+/// Estimates and true values in the first trials. Both are divided by the largest true value of their quantity.
+/// Quantities whose true values are all 0 are left out. The error is the name of a failure or the path of a field.
 fn relative(text: &str) -> Result<Vec<[f64; 2]>, String> {
     let study = parse("study.toml", text);
     let scene = study.and_then(|study| study.estimable_scene(0));

@@ -1,4 +1,4 @@
-//! Fingertips without contact: strain of the folded skin, image area of markers, and cutting patterns.
+//! Sensors without contact: strain of the folded skin, image area of markers, and cutting patterns.
 
 use palpate_scene::{CutPattern, Scene, Scenes};
 use palpate_study::config::{Study, parse};

@@ -37,7 +37,7 @@ fn refused(text: &str) -> String {
     format!("{}: {}", error.path(), error.message())
 }
 
-/// Estimates, true values and standard deviations of a trial, by quantity.
+/// Estimate, true value and standard deviation at each point of a trial, for each of the three quantities.
 fn trial(scene: &Scene, trial: u64) -> [Vec<(f64, f64, Option<f64>)>; 3] {
     let mut outcomes: [Vec<_>; 3] = Default::default();
     scene

@@ -1,11 +1,11 @@
-//! Presses that are estimated from the camera's images of the markers.
+//! Presses whose estimate is a fit to the camera's images of the markers.
 
 use palpate_scene::{Scene, Scenes, SharedModels};
 use palpate_study::config::parse;
 use palpate_sweep::Observation;
 
-/// Config of a press on a ball with radius 40 mm, which is read by a camera and estimated from the images of the
-/// markers.
+/// Config of a press on a ball with a radius of 40 mm. A camera reads the press, and the estimator uses the images of
+/// the markers.
 fn text(sensor: &str, noise: &str, model: &str) -> String {
     format!(
         r#"
@@ -66,7 +66,7 @@ fn images_without_errors_determine_the_press() {
     }
 }
 
-/// In every trial, the sensor has new random parameters. The estimator uses only the nominal parameters and their
+/// The sensor parameters are drawn anew in every trial. The estimator uses only the nominal parameters and their
 /// standard deviations.
 #[test]
 fn intervals_hold_over_redrawn_sensors() {

@@ -1,4 +1,4 @@
-//! Statistics of quantities that are the inverse of another quantity.
+//! Statistics of inverse quantities, such as radii.
 
 use palpate_scene::drop_undefined_moments;
 use palpate_study::Quantity;

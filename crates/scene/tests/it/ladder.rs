@@ -1,4 +1,4 @@
-//! The models that can compute a scene (its ladder), and the model (rung) that `auto` chooses.
+//! The ladder of a scene (the models that can compute it), and the model that `auto` chooses.
 
 use palpate_scene::Scenes;
 use palpate_scene::{Ladder, Rung, Scene};

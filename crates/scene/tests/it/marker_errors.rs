@@ -1,5 +1,5 @@
-//! Compares the errors of markers that the tracker states with the scatter of the markers over frames that differ only
-//! in pixel noise.
+//! Compares the errors of markers that the tracker states with the observed scatter of the markers. The frames differ
+//! only in pixel noise.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, Discs, Layout, Lens, MarkerArray, MarkerMotion, Optics,
@@ -15,8 +15,8 @@ struct Look {
 }
 
 impl Look {
-    /// A sensor with the published layout and this misalignment. The centre of the lens is `offset_px` away from the
-    /// centre of the frame.
+    /// A sensor with the layout of the 2020 paper and with misaligned discs. The centre of the lens is `offset_px` away
+    /// from the centre of the frame.
     fn new(size_px: u32, pixel_std: f64, misalignment: f64, offset_px: [f64; 2]) -> Self {
         let places = Layout::published().places(20.0).expect("places");
         let (magenta, yellow) = (2.0, 2.0);
@@ -63,8 +63,8 @@ impl Look {
     }
 }
 
-/// Differences between `at` and the marker nearest to it: in x and y (px), in hue (turns), and in the logarithm of the
-/// size. Also returns the index of the marker.
+/// Differences between the expected image `at` and the nearest marker that was found: in x and y (px), in hue (turns),
+/// and in the logarithm of the size. The second result is the index of the marker.
 fn beyond(found: &Found, at: &[f64; 4]) -> ([f64; 4], usize) {
     let away = |marker: &Marker| {
         let [x, y] = [0, 1].map(|axis| marker.centroid_px[axis] - at[axis]);
@@ -85,8 +85,8 @@ fn beyond(found: &Found, at: &[f64; 4]) -> ([f64; 4], usize) {
     (numbers, nearest)
 }
 
-/// Root mean squares over all markers of three values: the mean error (bias), the scatter about the mean, and the
-/// standard deviation that the tracker states. The frames differ only in pixel noise.
+/// Errors of the markers: mean error (bias), scatter about the mean, and standard deviation that the tracker states.
+/// Each is the root mean square over all markers. The frames differ only in pixel noise.
 #[derive(Debug, Default)]
 struct Errors {
     bias: [f64; 4],
@@ -134,7 +134,7 @@ fn errors(looks: &mut [Look], frames: u64) -> Errors {
     errors
 }
 
-/// Sensors whose markers have different positions relative to the pixels.
+/// Several sensors. In each of them, the markers have another position relative to the pixels.
 fn looks(size_px: u32, pixel_std: f64, misalignment: f64) -> Vec<Look> {
     let offsets = [[0.0, 0.0], [0.31, -0.44], [-0.17, 0.23], [0.48, 0.12]];
     offsets
@@ -142,8 +142,8 @@ fn looks(size_px: u32, pixel_std: f64, misalignment: f64) -> Vec<Look> {
         .into()
 }
 
-/// If the pixel noise is 3 levels of 255, the bias is less than half of the scatter, for all positions relative to the
-/// pixels.
+/// If the pixel noise is 3 levels (of 255), the bias of a marker is less than half of its scatter, whatever its
+/// position relative to the pixels is.
 #[test]
 fn markers_are_where_they_are_projected() {
     for (size_px, misalignment) in [(400, 0.0), (400, 0.3), (700, 0.15), (1024, 0.0)] {
@@ -172,8 +172,8 @@ fn the_stated_errors_of_markers_equal_their_scatter() {
     }
 }
 
-/// In frames, the mean hue is biased by pixels at the edges of discs, which mix colours. The smaller the pixels are,
-/// the smaller is the bias.
+/// In frames, the mean hue has a bias, because pixels at the edges of discs mix two colours. The bias is smaller if the
+/// pixels are smaller.
 #[test]
 fn mean_hues_of_frames_have_the_bias_of_their_edges() {
     for (size_px, bias, scatter) in [(265, 0.0..0.006, 0.010), (1060, 0.0..0.003, 0.002)] {

@@ -14,7 +14,7 @@ use palpate_study::config::parse;
 use palpate_study::glossary::meaning;
 use strum::VariantNames;
 
-/// Names that palpate prints in addition to the names of error variants, which `VariantNames` lists.
+/// Names that palpate prints, except the names of error variants, which `VariantNames` lists.
 const PRINTED: &str = "beyond-pads out-of-field not-seen tracked lost merged split new \
     polynomial interpolating smoothing knots-exhausted unsettled \
     roll glide press fingertip least-squares pad-edge trajectory quadric penalised two-pass half-space bonded-layer gaussian hertz \

@@ -7,8 +7,8 @@ use palpate_sweep::Observation;
 
 use super::elliptic_press::{cylinder, ellipsoid};
 
-/// Config of a press by a sensor with the radius 20 and the indentation 1. `lines` contains additional fields of the
-/// scene.
+/// Config of a press: the sensor has a radius of 20, and the indentation is 1. `lines` contains additional fields of
+/// the scene.
 pub(super) fn text(object: &str, lines: &str) -> String {
     format!(
         r#"name = "a-study"

@@ -5,7 +5,7 @@ use palpate_scene::Scenes;
 use palpate_study::config::{LengthUnit, parse};
 use palpate_sweep::Observation;
 
-/// A scene in which a probe of radius 1 rolls by 0.1 rad. `lines` adds fields of the scene.
+/// Config of a roll: a probe with a radius of 1 rolls by 0.1 rad. `lines` contains additional fields of the scene.
 fn text(object: &str, lines: &str) -> String {
     format!(
         r#"name = "a-study"
@@ -244,7 +244,7 @@ fn the_stated_deviation_counts_spin() {
     assert!((0.85..1.15).contains(&ratio), "{ratio}");
 }
 
-/// A scene with this motion.
+/// A scene of a roll with the motion `motion`.
 fn with_motion(motion: &str, lines: &str) -> Scene {
     let text = format!(
         r#"name = "a-study"
@@ -261,7 +261,8 @@ scene.{lines}"#
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The path of the contact is R r/(R + r) times the angle: 0.08 for 0.1 rad, a ball with R = 4 and a probe with r = 1.
+/// The path of the contact is R r/(R + r) times the angle. It is 0.08 for a ball with the radius R = 4, a probe with
+/// the radius r = 1 and the angle 0.1 rad.
 #[test]
 fn duration_angle_or_path_determine_the_length_of_a_roll() {
     let of_time = trial(
@@ -289,8 +290,9 @@ fn duration_angle_or_path_determine_the_length_of_a_roll() {
     assert!((twice[4].1 - 2.0 * of_time[4].1).abs() < 1e-14);
 }
 
-/// Three values for the normal curvature along u, over 500 trials: root mean square error, mean error, and mean
-/// reported standard error. A star consists of four rolls of 20° by a probe with radius 9 on a cylinder with radius 20.
+/// Errors of the normal curvature along u in 500 trials: root mean square error, mean error, and mean reported standard
+/// error. A star consists of four rolls by 20°. The probe has a radius of 9, and the object is a cylinder with a radius
+/// of 20.
 fn errors_of_stars(stars: usize, lines: &str) -> [f64; 3] {
     let directions = [[0, 90, 180, 270]].repeat(stars).concat();
     let text = format!(
