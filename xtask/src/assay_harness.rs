@@ -1,4 +1,4 @@
-//! Runs two test programs of palpate-assay: one compares answers with references, the other measures the coverage of
+//! Runs two test programs of palpate-assay. One compares answers with references, the other measures the coverage of
 //! intervals.
 
 use anyhow::Result;
@@ -10,25 +10,25 @@ use crate::programs;
 #[derive(Args)]
 #[command(disable_help_flag = true)]
 pub(crate) struct Options {
-    /// Options that are passed to the test program; its --help lists them.
+    /// Options for the test program. Add --help to list them.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     options: Vec<String>,
 }
 
-/// Folder of the tables with the measured coverage of intervals.
+/// Folder of the tables into which the measured coverage of intervals is written.
 const FAMILIES: &str = "crates/palpate/src/coverage";
 
-/// Compares answers with references, and writes `results/answers.csv`.
+/// Compares the answers of `design` and `distinguish` with references, and writes `results/answers.csv`.
 pub(crate) fn answers(shell: &Shell, options: &Options) -> Result<()> {
     harness(shell, ["answers", "--out", "results/answers.csv"], options)
 }
 
-/// Measures the coverage of intervals, and writes the measured columns of its tables.
+/// Measures the coverage of intervals and the warnings, and writes the measured columns of the tables in [`FAMILIES`].
 pub(crate) fn intervals(shell: &Shell, options: &Options) -> Result<()> {
     harness(shell, ["intervals", "--tables", FAMILIES], options)
 }
 
-/// Step of CI: compares some of the answers with references. It takes only a few seconds.
+/// A step of CI that compares only some answers with references. It takes a few seconds.
 pub(crate) fn check_answers(shell: &Shell) -> Result<()> {
     let table = programs::target_dir(shell).join("answers.csv");
     let options = "--seeds 5 --pairs 100000 --only cylinder".split(' ');

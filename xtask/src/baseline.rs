@@ -1,4 +1,4 @@
-//! Compares a table of named numbers with a committed table, the baseline.
+//! Compares a table of named numbers with the baseline, which is a committed table of the same form.
 
 use std::fmt;
 
@@ -32,7 +32,7 @@ fn find(figures: &[(String, f64)], name: &str) -> Option<f64> {
     found.map(|(_, figure)| *figure)
 }
 
-/// A number of the table as text. Counts are written with all digits, errors with six digits.
+/// A number as text in the table. Counts are written with all digits, errors with six digits.
 fn text(figure: f64) -> String {
     if figure.fract() == 0.0 {
         figure.to_string()
@@ -41,15 +41,15 @@ fn text(figure: f64) -> String {
     }
 }
 
-/// Limits for the changes of numbers, compared with the baseline.
+/// How much numbers may differ from the baseline.
 #[derive(Debug)]
 pub(crate) struct Limits {
     pub(crate) what: &'static str,
     /// Name of the test program that prints the numbers. The baseline file has the same name.
     pub(crate) harness: &'static str,
-    /// Allowed increase of a number, as a share of the number in the baseline.
+    /// Largest allowed increase of a number, as a share of the number in the baseline.
     pub(crate) allowed: f64,
-    /// Smallest number that is compared. Smaller numbers are replaced by this number.
+    /// Numbers below this value are replaced by this value before they are compared.
     pub(crate) floor: f64,
 }
 
@@ -59,14 +59,14 @@ impl Limits {
     }
 }
 
-/// Change of a number relative to the baseline.
+/// How a number differs from the baseline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Change {
     /// The number is within the limits.
     Same,
-    /// The number is larger than allowed.
+    /// The number is larger than the limits allow.
     Worse,
-    /// The number is smaller than in the baseline, by more than the allowed increase.
+    /// The number is smaller than in the baseline, by more than the largest allowed increase.
     Better,
     /// The number was measured, but is not in the baseline.
     New,
@@ -94,15 +94,15 @@ pub(crate) struct Comparison {
 }
 
 impl Comparison {
-    /// Whether a number is worse than allowed, is new or is missing.
+    /// Whether a number is larger than allowed, new or missing.
     pub(crate) fn fails(&self) -> bool {
         let is_failure = |change| matches!(change, Change::Worse | Change::New | Change::Missing);
         self.rows()
             .any(|(_, figures)| is_failure(self.change(figures)))
     }
 
-    /// Whether a number is new or missing, or differs from the baseline by more than the floor and the rounding of the
-    /// baseline.
+    /// Whether the baseline must be replaced: a number is new or missing, or differs by more than the floor and the
+    /// rounding of the table.
     pub(crate) fn alters(&self) -> bool {
         self.rows().any(|(_, figures)| match figures {
             [Some(before), Some(now)] => {
@@ -122,8 +122,7 @@ impl Comparison {
         Ok(String::from_utf8(writer.into_inner()?)?)
     }
 
-    /// Each name with two numbers: the number in the baseline and the measured number. Names that were not measured are
-    /// at the end.
+    /// Each name with its number in the baseline and its measured number. The names that were not measured come last.
     fn rows(&self) -> impl Iterator<Item = (&str, [Option<f64>; 2])> {
         let now = self.now.iter();
         let now = now.map(|(name, now)| (name.as_str(), [find(&self.before, name), Some(*now)]));

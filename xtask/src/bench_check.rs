@@ -1,7 +1,7 @@
 //! Compares instruction counts and errors with the committed baseline.
 //!
-//! Run times are not compared, but `cargo bench` reports them. The page crates/assay/BENCHES.md lists all bench
-//! targets. This task also checks that the list is complete, and that the changelog describes every change of an error.
+//! Run times are not compared, because they vary too much; `cargo bench` reports them. This task also checks that the
+//! page crates/assay/BENCHES.md lists all bench targets, and that the changelog describes every change of an error.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -16,15 +16,16 @@ use crate::peers::replace;
 use crate::programs;
 use crate::tools::has;
 
-/// Limits for instruction counts. Counts hardly vary between runs, but they depend on the order in which the linker
-/// arranges the code.
+/// Limits for instruction counts. The counts hardly vary between runs, but they change if the linker arranges the code
+/// in another order.
 pub(crate) const COST: Limits = Limits {
     what: "instructions",
     harness: "instructions",
     allowed: 0.03,
     floor: 0.0,
 };
-/// Limits for errors. Errors below the floor (about 20 rounding errors) depend on the mathematical library.
+/// Limits for errors. Errors below the floor (about 20 rounding errors) vary with the mathematical library of the
+/// machine.
 pub(crate) const ERROR: Limits = Limits {
     what: "error",
     harness: "accuracy",
@@ -34,7 +35,7 @@ pub(crate) const ERROR: Limits = Limits {
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Replace the baseline by the measured numbers. If an error changes, CHANGELOG.md must describe the reason.
+    /// Replace the baseline by the measured numbers. If an error changes, describe the reason in CHANGELOG.md.
     #[arg(long)]
     pub(crate) accept: bool,
 }
@@ -117,7 +118,7 @@ fn check_page(shell: &Shell) -> Result<()> {
     Ok(())
 }
 
-/// Names of all bench targets, in the form `package/target`.
+/// Names of all bench targets in these packages, in the form `package/target`.
 fn targets(packages: &[Value]) -> Result<BTreeSet<String>> {
     let mut benches = BTreeSet::new();
     for package in packages {
@@ -134,7 +135,7 @@ fn targets(packages: &[Value]) -> Result<BTreeSet<String>> {
     Ok(benches)
 }
 
-/// Bench targets in the first column of the page's table, in the form `` `package/target` ``.
+/// Bench targets that the page lists: the entries of the form `` `package/target` `` in the first column of its table.
 fn listed(page: &str) -> BTreeSet<String> {
     let cell = |line: &str| {
         line.strip_prefix("| `")?
@@ -145,10 +146,10 @@ fn listed(page: &str) -> BTreeSet<String> {
 }
 
 const CHANGELOG: &str = "CHANGELOG.md";
-/// Section that must have a line for every change of an error.
+/// Heading of the section of the changelog that must describe every change of an error.
 const HEADING: &str = "### Numerical changes";
 
-/// Fails unless the section "Numerical changes" of the changelog has a line that the last commit does not have.
+/// Fails unless the section "Numerical changes" of the changelog has a line that is not in the last commit.
 fn require_changelog_line(shell: &Shell) -> Result<()> {
     let committed = cmd!(shell, "git show HEAD:{CHANGELOG}")
         .quiet()
@@ -168,7 +169,7 @@ fn has_new_line(committed: &str, now: &str) -> bool {
     section(now).any(|line| !known.contains(line))
 }
 
-/// The lines between the heading and the next heading, without empty lines.
+/// The lines of the section below [`HEADING`], without empty lines.
 fn section(text: &str) -> impl Iterator<Item = &str> {
     let below = text
         .lines()

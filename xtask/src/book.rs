@@ -1,4 +1,5 @@
-//! Builds the book in `docs/`, and checks README.md and the book by running every command in them.
+//! Builds the book from `docs/`, and checks README.md and the book. The check also runs every command in these
+//! documents.
 
 use std::env;
 use std::ffi::OsString;
@@ -11,13 +12,13 @@ use xshell::{Shell, cmd};
 
 use crate::{Cli, programs, python};
 
-/// Folders of the repository that the commands in the documents need.
+/// Folders of the repository that the commands in the documents read.
 const COPIED: [&str; 3] = ["sim-configs", "examples", "results"];
-/// Folder for the output of the commands, which git ignores.
+/// Folder into which the commands write their output. Git ignores this folder.
 const OUTPUT: &str = "out";
 /// Folder with the pages of the book.
 const BOOK: &str = "docs";
-/// Documents outside of the book's folder to which its pages link.
+/// Documents outside of the book's folder to which pages of the book link.
 const PAGES: [&str; 6] = [
     "README.md",
     "ARCHITECTURE.md",
@@ -28,9 +29,9 @@ const PAGES: [&str; 6] = [
 ];
 /// Page that `palpate explain --markdown` generates.
 const GLOSSARY: &str = "docs/glossary.md";
-/// The page that lists the papers' claims with their verdicts.
+/// Page that lists the claims of the papers and states whether palpate confirms them.
 const CLAIMS: &str = "docs/papers.md";
-/// Documents, each with its largest allowed number of lines and of words.
+/// Documents with a limited length: the largest number of lines and the largest number of words.
 const LIMITS: [(&str, usize, usize); 3] = [
     ("README.md", 200, 2200),
     ("ARCHITECTURE.md", 150, usize::MAX),
@@ -44,10 +45,10 @@ pub(crate) fn run(shell: &Shell) -> Result<()> {
     build(shell)
 }
 
-/// Checks the documents: their length, the glossary, links, claims, quoted files, commands and paths in them.
+/// Checks the documents: their length, the glossary, links, claims, quoted files, commands and paths.
 ///
-/// Commands that begin with `cargo` are not run, because they would run this check again. But each `cargo xtask …` is
-/// checked to be a valid command.
+/// Commands that begin with `cargo` are not run, because they could run this check again. For each `cargo xtask …`, the
+/// check only tests that the command exists.
 pub(crate) fn check(shell: &Shell) -> Result<()> {
     check_texts(shell)?;
     let program = programs::build(shell, "palpate")?;
@@ -61,7 +62,7 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     run_commands(shell, &program)
 }
 
-/// Checks everything in the documents that needs no other program: lengths, claims, quoted files and paths.
+/// Checks lengths, claims, quoted files and paths, which need no other program.
 fn check_texts(shell: &Shell) -> Result<()> {
     for (name, lines, words) in LIMITS {
         let text = shell.read_file(name)?;
@@ -93,7 +94,7 @@ fn check_texts(shell: &Shell) -> Result<()> {
     Ok(())
 }
 
-/// Checks that the page of the papers states the same verdicts as `results/*/claims.csv`.
+/// Checks that the page of the papers' claims states the same verdicts as `results/*/claims.csv`.
 fn check_claims(shell: &Shell) -> Result<()> {
     let page = shell.read_file(CLAIMS)?;
     let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| ")).collect();
@@ -120,7 +121,8 @@ fn check_claims(shell: &Shell) -> Result<()> {
     Ok(())
 }
 
-/// Paths of source files in the code spans of a document. Braces such as `{a,b}` are expanded.
+/// Paths of source files that a document mentions in code spans. A path with braces, such as `{a,b}`, stands for
+/// several paths.
 fn source_paths(markdown: &str) -> Vec<String> {
     let spans = markdown.split('`').skip(1).step_by(2);
     let is_path = |span: &&str| {
@@ -144,12 +146,12 @@ fn source_paths(markdown: &str) -> Vec<String> {
         .collect()
 }
 
-/// The glossary as Markdown, printed by the program.
+/// The glossary as Markdown, as the program prints it.
 fn glossary(shell: &Shell, program: &Path) -> Result<String> {
     Ok(cmd!(shell, "{program} explain --markdown").quiet().read()? + "\n")
 }
 
-/// Builds the book with MkDocs. A broken link is an error.
+/// Builds the book with MkDocs. Fails if a link is broken.
 fn build(shell: &Shell) -> Result<()> {
     let place = programs::target_dir(shell).join("book");
     let source = place.join("source");
@@ -170,7 +172,7 @@ fn build(shell: &Shell) -> Result<()> {
     Ok(())
 }
 
-/// Runs the commands of the `sh` blocks in a copy of the repository's inputs, with `palpate` on the path.
+/// Runs the commands of all `sh` blocks in a copy of the folders that they read. `palpate` is on the path.
 fn run_commands(shell: &Shell, program: &Path) -> Result<()> {
     let directory = tempfile::tempdir()?;
     for name in COPIED {
@@ -202,7 +204,7 @@ fn run_commands(shell: &Shell, program: &Path) -> Result<()> {
     }
 }
 
-/// README.md, then the pages of the book in the order of their names.
+/// README.md, and then the pages of the book in alphabetical order.
 fn pages(shell: &Shell) -> Result<Vec<PathBuf>> {
     let mut pages = shell.read_dir(BOOK)?;
     pages.retain(|page| page.extension().is_some_and(|kind| kind == "md"));
@@ -210,7 +212,8 @@ fn pages(shell: &Shell) -> Result<Vec<PathBuf>> {
     Ok(pages)
 }
 
-/// Files that `toml` blocks quote, each with the quoted lines. The first line of such a block is `# from FILE`.
+/// Files that the `toml` blocks of a document quote, each with the quoted lines. The first line of a quoting block is
+/// `# from FILE`.
 fn quotes(markdown: &str) -> Vec<(&str, String)> {
     markdown
         .split("```toml\n# from ")
@@ -220,7 +223,7 @@ fn quotes(markdown: &str) -> Vec<(&str, String)> {
         .collect()
 }
 
-/// Names of files and folders that the commands of the documents wrote outside the output folder.
+/// Names of the files and folders that commands wrote outside of the output folder.
 fn strays(directory: &Path) -> Result<Vec<OsString>> {
     let names = fs::read_dir(directory)?.map(|entry| Ok(entry?.file_name()));
     let mut names: Vec<OsString> = names.collect::<Result<_>>()?;
@@ -245,7 +248,7 @@ fn run_command(sandbox: &Shell, command: &str) -> Result<()> {
     Ok(())
 }
 
-/// The commands in all `sh` blocks. A line that ends with `\` continues on the next line.
+/// The commands in all `sh` blocks of a document. If a line ends with `\`, the command continues on the next line.
 fn commands(markdown: &str) -> Vec<String> {
     let mut commands = Vec::new();
     let mut block: Option<bool> = None;

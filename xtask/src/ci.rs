@@ -8,8 +8,7 @@ use xshell::{Shell, cmd};
 use crate::programs::{FEATURES, PYTHON};
 use crate::{assay_harness, bench_check, book, crate_imports, programs, python, reproduce, tools};
 
-/// Environment variables for checks of the Python package. With these variables, the package can be linked without a
-/// Python interpreter.
+/// Environment variables for checks of the Python package. They allow linking the package without a Python interpreter.
 const NO_INTERPRETER: [(&str, &str); 2] = [
     ("PYO3_NO_PYTHON", "1"),
     ("PYO3_BUILD_EXTENSION_MODULE", "1"),
@@ -59,8 +58,8 @@ fn clippy(shell: &Shell) -> Result<()> {
     Ok(clippy.envs(NO_INTERPRETER).run()?)
 }
 
-/// Runs all tests and doc tests, but no benchmarks. Property tests use the same random cases in every run of CI, so
-/// that only a change of the code can change their result. Tests that a developer runs by hand use other random cases.
+/// Runs all tests and doc tests, but no benchmarks. In CI, property tests use the same random cases in every run. So if
+/// a result changes, the code is the reason. Tests that a developer runs by hand use new random cases.
 fn tests(shell: &Shell) -> Result<()> {
     let tests = cmd!(
         shell,
@@ -69,7 +68,7 @@ fn tests(shell: &Shell) -> Result<()> {
     Ok(tests.env("PROPTEST_RNG_SEED", "1996").run()?)
 }
 
-/// Runs every example program of the library. The step `tests` has built them.
+/// Runs all example programs of the library, which the step `tests` has built.
 fn examples(shell: &Shell) -> Result<()> {
     for file in shell.read_dir("crates/palpate/examples")? {
         let name = file.file_stem().unwrap_or_default();
@@ -90,8 +89,8 @@ fn docs(shell: &Shell) -> Result<()> {
     Ok(doc.envs(NO_INTERPRETER).run()?)
 }
 
-/// Checks the licences of all dependencies. If cargo-deny is missing, this check is skipped; the first step has already
-/// reported it.
+/// Checks the licences of all dependencies. Skipped if cargo-deny is missing, because the first step has reported that
+/// already.
 fn licences(shell: &Shell) -> Result<()> {
     match tools::has(shell, tools::DENY) {
         true => Ok(cmd!(shell, "cargo deny --offline check licenses bans sources").run()?),
@@ -99,14 +98,14 @@ fn licences(shell: &Shell) -> Result<()> {
     }
 }
 
-/// Compares instructions and accuracy with the baseline. The check of `auto` and the fuzz corpus run in the step
-/// `tests`.
+/// Compares instruction counts and errors with the baseline. The models that `auto` chooses and the fuzz corpus are
+/// checked in the step `tests`.
 fn bench(shell: &Shell) -> Result<()> {
     bench_check::run(shell, &bench_check::Options { accept: false })
 }
 
-/// Tests the Python package. The wheel uses the crates that the earlier steps have built. If there is no interpreter,
-/// this step is skipped; the first step has already reported that.
+/// Tests the Python package. Its wheel uses the crates that earlier steps have compiled. Skipped if there is no
+/// interpreter, because the first step has reported that already.
 fn python(shell: &Shell) -> Result<()> {
     match tools::has(shell, "python3") {
         true => python::check(shell),

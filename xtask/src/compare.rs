@@ -1,4 +1,4 @@
-//! Compares a study's files with the committed files.
+//! Compares the files of a study with the committed files.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,30 +6,30 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 
-/// Table that has rows for every cell of a run.
+/// Table of a run with at least one row for every cell.
 const CELLS: &str = "cells.csv";
 /// Table that `palpate report` writes, but `palpate run` does not.
 const SCORED: &str = "claims.csv";
-/// Palpate's list of the files that it wrote. It is not committed.
+/// File in which palpate lists the files that it wrote. It is not committed.
 pub(crate) const MANIFEST: &str = ".palpate.toml";
-/// Name of the column by which the rows of a partial run are found in the committed tables.
+/// Column with the number of the cell. After a partial run, it shows which committed rows to compare.
 const CELL: &str = "cell";
-/// Relative tolerance for differences between machines with different C libraries or processors.
+/// Relative tolerance for numbers, because results differ slightly between C libraries and processors.
 const TOLERANCE: f64 = 1e-9;
-/// Numbers with a smaller absolute value are compared with the fixed absolute tolerance `TOLERANCE * SMALL`.
+/// For numbers with a smaller absolute value, the tolerance is absolute: `TOLERANCE * SMALL`.
 const SMALL: f64 = 1e-3;
-/// Statistics that are computed from a histogram. The next constant is the width of a bin of this histogram, relative
-/// to the distance from the true value.
+/// Statistics that are computed from a histogram. Their tolerance is the next constant: the width of a bin, relative to
+/// the distance from the true value.
 const QUANTILES: [&str; 3] = ["q05", "q50", "q95"];
 const BIN: f64 = 0.008;
-/// Text that is shown for a missing file.
+/// Text that replaces the value if a file is missing.
 const ABSENT: &str = "–";
 
-/// A number, text or row that differs from the committed one.
+/// A difference from a committed table or config: a number, a text or a row.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Difference {
     file: String,
-    /// The first fields of the row, up to the field that differs.
+    /// The fields of the row before the field that differs.
     row: String,
     column: String,
     committed: String,
@@ -37,14 +37,14 @@ pub(crate) struct Difference {
 }
 
 impl Difference {
-    /// Difference of the old and the new number, divided by the larger number; `None` for texts.
+    /// Absolute difference of the old and the new number, divided by the larger of the two; `None` for texts.
     fn relative(&self) -> Option<f64> {
         let (old, new): (f64, f64) = (self.committed.parse().ok()?, self.now.parse().ok()?);
         Some((old - new).abs() / old.abs().max(new.abs()))
     }
 }
 
-/// Whether a field equals the committed field, apart from differences that are normal between machines.
+/// Whether a field agrees with the committed field. Differences that are normal between machines are ignored.
 fn is_alike(header: &[String], place: usize, old: &[String], new: &[String]) -> bool {
     let number = |text: &String| text.parse::<f64>().ok();
     let (Some(then), Some(now)) = (number(&old[place]), number(&new[place])) else {
@@ -62,8 +62,8 @@ fn is_alike(header: &[String], place: usize, old: &[String], new: &[String]) -> 
     (then - now).abs() <= bin + TOLERANCE * then.abs().max(now.abs()).max(SMALL)
 }
 
-/// Differences between the tables and configs of a study and the committed ones. Differences in the last digits, which
-/// are normal between machines, are ignored. After a partial run, only the cells that were run are compared.
+/// Differences between the tables and configs of a study and the committed files. Differences that are normal between
+/// machines are ignored. If only some cells were run, only these cells are compared.
 pub(crate) fn study(
     name: &str,
     committed: &Path,
@@ -98,7 +98,7 @@ pub(crate) fn study(
     Ok(differences)
 }
 
-/// Numbers of the cells that a run has in its table.
+/// Numbers of the cells in the table of a run.
 fn cells_run(folder: &Path) -> Result<BTreeSet<String>> {
     let (header, rows) = table(&fs::read_to_string(folder.join(CELLS))?)?;
     let place = header.iter().position(|name| name == CELL);
@@ -113,7 +113,7 @@ fn cells_run(folder: &Path) -> Result<BTreeSet<String>> {
     }
 }
 
-/// Names of the tables and configs in a folder. Files that `palpate report` writes are left out.
+/// Names of the tables and configs in a folder, without the files that `palpate report` writes.
 fn texts(folder: &Path) -> Result<BTreeSet<String>> {
     let names = fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name().into_string().ok()));
     let names: Vec<Option<String>> = names.collect::<Result<_>>()?;
@@ -123,7 +123,7 @@ fn texts(folder: &Path) -> Result<BTreeSet<String>> {
     Ok(names.into_iter().flatten().filter(is_text).collect())
 }
 
-/// Differences in a file. If `cells` is given, only the rows of these cells are compared.
+/// Differences between two versions of a file. If `cells` is given, only the rows of these cells are compared.
 fn compare(
     file: &str,
     committed: &str,
@@ -173,7 +173,7 @@ fn compare(
 
 type Row = Vec<String>;
 
-/// Header and rows of a table; all rows have the same length.
+/// Header and rows of a table. Fails unless all rows have the same length.
 fn table(text: &str) -> Result<(Row, Vec<Row>)> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let owned = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect::<Row>();

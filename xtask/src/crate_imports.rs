@@ -1,4 +1,4 @@
-//! Checks which crates of the workspace import which other crates.
+//! Checks that the crates of the workspace import only the crates that they may import.
 
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
@@ -6,14 +6,14 @@ use xshell::Shell;
 
 use crate::programs;
 
-/// Document whose table lists the crates that each crate may import in addition to [`COMMON`].
+/// Document with a table that lists, for each crate, the crates that it may import in addition to [`COMMON`].
 const DOCUMENT: &str = "ARCHITECTURE.md";
 /// Word in the table for a crate that may import every other crate.
 const ANY: &str = "any";
 /// Crates that every crate may import.
 const COMMON: [&str; 1] = ["statistics"];
 
-/// Checks that crates import only the crates that the table allows. Imports of tests and benchmarks are not checked.
+/// Checks that every crate imports only crates that the table allows. Imports in tests and benchmarks are not checked.
 pub(crate) fn check(shell: &Shell) -> Result<()> {
     let packages = programs::packages(shell)?;
     let document = shell.read_file(DOCUMENT)?;
@@ -28,8 +28,8 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     Ok(())
 }
 
-/// The crates that each crate may import. A row of the table is `| `crate` | … | a, b |`: the first column has the name
-/// of a crate, and the last column the crates that it may import.
+/// The table of the document: each crate with the crates that it may import. A row is `| `crate` | … | a, b |`, with
+/// the name of a crate in the first column and the allowed crates in the last column.
 fn allowed_imports(document: &str) -> Vec<(&str, Vec<&str>)> {
     let cells = |line| {
         let row = str::strip_prefix(line, "| `")?.strip_suffix(" |")?;
@@ -40,7 +40,7 @@ fn allowed_imports(document: &str) -> Vec<(&str, Vec<&str>)> {
     document.lines().filter_map(cells).collect()
 }
 
-/// Messages about imports that the table forbids.
+/// One message for each import that the table does not allow.
 fn faults(packages: &[Value], table: &[(&str, Vec<&str>)]) -> Result<Vec<String>> {
     let short = |value: &Value| -> Result<String> {
         let name = value["name"].as_str().context("a name is missing")?;

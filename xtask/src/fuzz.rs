@@ -1,4 +1,4 @@
-//! Fuzzes the parsers of files.
+//! Fuzzes the parsers of files, that is, runs them on random inputs to find inputs that cause a panic.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -9,13 +9,13 @@ use xshell::{Shell, cmd};
 
 use crate::programs::target_dir;
 
-/// Names of the parsers in `palpate-fuzz`.
+/// Names of the parsers that `palpate-fuzz` can fuzz.
 const TARGETS: [&str; 5] = ["config", "formula", "readings", "frame", "calibration"];
 
-/// Folder of the corpus, with one folder for each parser.
+/// Folder of the input files (corpus), with one folder for each parser.
 const CORPUS: &str = "crates/fuzz/corpus";
 
-/// Parsers with further input files outside the corpus, each with the folder of these files.
+/// Further folders with input files. Each entry is the name of a parser and a folder.
 const SEEDS: [(&str, &str); 2] = [("config", "sim-configs"), ("config", "examples")];
 
 /// Compiler flags that libFuzzer needs: coverage counters, comparisons and a table of code addresses.
@@ -30,10 +30,10 @@ pub(crate) struct Options {
     /// Parsers to fuzz: config, formula, readings, frame, calibration; by default all of them.
     #[arg(value_name = "READER")]
     readers: Vec<String>,
-    /// Time for each parser, s.
+    /// Time for which each parser is fuzzed, s.
     #[arg(long, default_value_t = 60)]
     seconds: u32,
-    /// Add inputs that reach new code to the corpus, crates/fuzz/corpus.
+    /// Keep inputs that reach new code: add them to crates/fuzz/corpus.
     #[arg(long)]
     keep: bool,
 }

@@ -1,4 +1,4 @@
-//! Development tasks: `cargo xtask ci`, `cargo xtask reproduce`.
+//! Development tasks, such as `cargo xtask ci` and `cargo xtask reproduce`.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod assay_harness;
@@ -36,25 +36,25 @@ pub(crate) struct Cli {
 enum Task {
     /// Run all checks that a change must pass: format, lints, tests, docs, licences, results, documents.
     Ci,
-    /// Run the studies in sim-configs/, draw their figures and score the papers' claims.
+    /// Run the studies in sim-configs/, draw their figures and test the papers' claims.
     Reproduce(reproduce::Options),
-    /// Kill runs, fill a disk, and share a study on a local cluster. Each run must write the same bytes as a run
-    /// without interruption.
+    /// Test long runs: kill and resume them, fill the disk, and divide a study among the nodes of a local cluster. Each
+    /// run must write the same bytes as a run without interruption.
     Scale(scale::Options),
-    /// Measure error against cost of all contact models; writes results/tradeoff/.
+    /// Measure the error and the cost of all contact models; writes results/tradeoff/.
     Tradeoff(tradeoff::Options),
-    /// Compare the answers of design and distinguish on fixed scenes with references; writes results/answers.csv.
+    /// Check the answers of design and distinguish on fixed scenes against references; writes results/answers.csv.
     Answers(assay_harness::Options),
-    /// Compare the intervals and warnings of estimates on random scenes with the true values; writes the tables that
+    /// Check the intervals and warnings of estimates on random scenes against the true values; writes the tables that
     /// `palpate check` reads.
     Intervals(assay_harness::Options),
-    /// Compare instruction counts and accuracy with the committed baseline.
+    /// Compare instruction counts and errors with the committed baseline.
     BenchCheck(bench_check::Options),
     /// Compare palpate with other programs on the same tasks; writes results/peers.csv.
     Peers(peers::Options),
-    /// Build the wheel of the Python package, install it into a separate environment, and test it there.
+    /// Build the wheel of the Python package, install it into a virtual environment, and test it there.
     Python(python::Options),
-    /// Fuzz the parsers of files.
+    /// Fuzz the parsers of files with random inputs.
     Fuzz(fuzz::Options),
     /// Write the glossary, and build the book from README.md and docs/.
     Book,

@@ -1,5 +1,5 @@
-//! Compares palpate with other programs (peers) that a user could use instead. Palpate and the peers solve the same
-//! tasks with the same inputs in the same run, on one core.
+//! Compares palpate with other programs that a user could use instead (peers). In the same run and on one processor
+//! core, palpate and the peers solve the same tasks with the same inputs.
 
 mod peer_programs;
 mod peer_table;
@@ -15,19 +15,19 @@ use crate::programs;
 use peer_programs::{Absent, Kind, PeerPrograms};
 use peer_table::{Figure, medians};
 
-/// Name of the Python package in the table. The script xtask/peers/python_package.py measures it together with its
-/// peers.
+/// Name of palpate's Python package in the table. The script xtask/peers/python_package.py measures the package
+/// together with its peers.
 const PACKAGE: &str = "palpate for Python";
 
-/// The committed table of results.
+/// The committed table with the results of the comparison.
 const RESULTS: &str = "results/peers.csv";
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Groups of tasks to run; all of them by default.
+    /// Groups of tasks to run; by default all groups.
     #[arg(value_name = "GROUP")]
     groups: Vec<String>,
-    /// Number of runs of a peer and of palpate. The runs alternate.
+    /// Number of runs of each program. Runs of a peer and runs of palpate alternate.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
     rounds: u32,
     /// Number of the processor core to run on.
@@ -35,15 +35,15 @@ pub(crate) struct Options {
     core: usize,
 }
 
-/// Tasks that a peer runs in one process.
+/// A group of tasks, which a peer runs in one process.
 struct Group {
     name: &'static str,
     peer: Kind,
-    /// Required ratio of the peer's time to palpate's time.
+    /// Required ratio: the peer's time divided by palpate's time.
     target: f64,
-    /// Required ratios of single tasks that differ from `target`.
+    /// Tasks with another required ratio than `target`, and their ratios.
     task_targets: &'static [(&'static str, f64)],
-    /// Allowed excess of palpate's error over the peer's error, as a share of the peer's error. It is 0 if both
+    /// By how much palpate's error may exceed the peer's error, as a share of the peer's error. It is 0 if both
     /// programs use the same inputs. If each program draws its own random inputs, it is the sampling error.
     slack: f64,
 }
@@ -216,7 +216,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// For each task, the smallest error of all peers. A model of palpate with a tolerance must not exceed this error.
+/// For each task, the smallest error of all peers, in the form of an option for palpate's test program. A model of
+/// palpate with a tolerance must not have a larger error.
 fn strictest(theirs: &[Figure]) -> Vec<String> {
     let mut least: Vec<(&str, f64)> = Vec::new();
     for figure in theirs {
@@ -241,7 +242,7 @@ fn chosen(asked: &[String]) -> Result<Vec<&'static Group>> {
     asked.iter().map(find).collect()
 }
 
-/// Writes a file completely or not at all.
+/// Writes a file in one step, so that it is never incomplete.
 pub(crate) fn replace(path: &Path, text: &str) -> Result<()> {
     let unfinished = path.with_extension("unfinished");
     fs::write(&unfinished, text)

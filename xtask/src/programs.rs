@@ -1,4 +1,4 @@
-//! Builds the programs under test, lists the packages of the workspace, and describes the machine.
+//! Builds the programs that are tested, lists the packages of the workspace, and describes the machine.
 
 use std::env;
 use std::fs;
@@ -13,16 +13,16 @@ pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
     shell.current_dir().join(target)
 }
 
-/// The crate that needs a Python interpreter. `cargo xtask python` builds and tests it.
+/// Name of the crate for Python. It needs a Python interpreter, so only `cargo xtask python` builds and tests it.
 pub(crate) const PYTHON: &str = "palpate-python";
 
-/// Features that are off by default, but on for lints and tests. Tests are built only with these features, because
-/// another build without them would take minutes. Later steps build the program without these features.
+/// Features that lints and tests switch on. By default they are off, and later steps build the program without them.
+/// Tests are built only with these features, because a second build would take minutes.
 pub(crate) const FEATURES: &str = "palpate/parquet";
 
-/// Packages that every release build selects. They are built without the feature that counts work, like the program
-/// that users install. Cargo combines the features of all selected packages, so another selection would build most
-/// crates again.
+/// Packages that every release build compiles. As in the program that users install, the feature that counts
+/// computational work is off. Cargo combines the features of all selected packages, so with another selection most
+/// crates would be compiled again.
 const RELEASED: [&str; 7] = [
     "-p",
     "palpate",
@@ -40,7 +40,7 @@ pub(crate) fn build(shell: &Shell, program: &str) -> Result<PathBuf> {
     Ok(released(shell, program))
 }
 
-/// Builds only the release program `palpate`, in half the time, and returns its path.
+/// Builds only the release program `palpate`, which takes half the time of [`build`], and returns its path.
 pub(crate) fn build_alone(shell: &Shell) -> Result<PathBuf> {
     let build = cmd!(
         shell,
@@ -68,7 +68,7 @@ pub(crate) fn packages(shell: &Shell) -> Result<Vec<Value>> {
     }
 }
 
-/// Description of the machine: processor, cores, compiler.
+/// Description of this machine: its processor, number of cores and compiler.
 pub(crate) fn machine(shell: &Shell) -> String {
     let processors = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = processors

@@ -13,24 +13,24 @@ use crate::programs;
 /// Folder of the Python package.
 const PACKAGE: &str = "crates/python";
 
-/// File with the list of Python packages that the environment contains besides palpate.
+/// File that lists the Python packages in the environment, except palpate.
 const REQUIREMENTS: &str = "crates/python/requirements.txt";
 
-/// Largest size of a wheel, MB.
+/// Largest allowed size of a wheel, MB.
 const MAX_WHEEL_MB: f64 = 8.0;
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Build and install the wheel, but test nothing.
+    /// Only build and install the wheel, without tests.
     #[arg(long)]
     install: bool,
-    /// Install the package in the way a new user does: `pip install .` in a new clone and an empty virtual environment.
-    /// Then run the Python lines of README.md, and print the time.
+    /// Install the package as a new user does: with `pip install .` in a new clone and an empty virtual environment.
+    /// Then run the Python lines of README.md there, and print the time.
     #[arg(long, conflicts_with = "install")]
     from_clone: bool,
 }
 
-/// Does the part `what` of the work, and prints the time that this part takes.
+/// Runs `work` and prints its run time. `what` describes the work.
 fn timed<T>(what: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     let start = Instant::now();
     let done = work()?;
@@ -38,7 +38,7 @@ fn timed<T>(what: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     Ok(done)
 }
 
-/// Folder of the environment and of the wheels.
+/// Folder that contains the environment and the wheels.
 fn place(shell: &Shell) -> PathBuf {
     programs::target_dir(shell).join("python")
 }
@@ -53,8 +53,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     check(shell)
 }
 
-/// Builds the wheel and installs it into the virtual environment under the target directory. Returns the interpreter
-/// of this environment.
+/// Builds the wheel, and installs it into a virtual environment under the target directory. Returns the path of the
+/// environment's interpreter.
 pub(crate) fn installed(shell: &Shell) -> Result<PathBuf> {
     let place = place(shell);
     shell.create_dir(&place)?;
@@ -163,8 +163,8 @@ fn notebooks(shell: &Shell, python: &Path, root: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Interpreter of a virtual environment that contains the packages of a list. If the environment is missing or has
-/// other packages, it is created.
+/// Path of the interpreter in a virtual environment with the packages that the file `list` names. If there is no such
+/// environment, or if its packages differ, it is created.
 pub(crate) fn environment(shell: &Shell, environment: &Path, list: &str) -> Result<PathBuf> {
     let python = environment.join("bin").join("python");
     let wanted = shell.current_dir().join(list);
@@ -190,8 +190,8 @@ pub(crate) fn environment(shell: &Shell, environment: &Path, list: &str) -> Resu
     Ok(python)
 }
 
-/// Builds the wheel with the settings of the release programs, so that it can use the crates that were compiled for
-/// them.
+/// Builds the wheel. The settings are those of the release programs, so that crates which were compiled for these
+/// programs are used again.
 fn wheel(shell: &Shell, python: &Path, place: &Path) -> Result<PathBuf> {
     let wheels = place.join("wheels");
     shell.remove_path(&wheels)?;

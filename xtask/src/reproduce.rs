@@ -1,4 +1,4 @@
-//! Reproduces the results: runs the configs in `sim-configs/`, and draws their plots.
+//! Reproduces the results: runs the configs in `sim-configs/` and draws their plots.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -9,9 +9,9 @@ use xshell::{Shell, cmd};
 
 use crate::{compare, programs};
 
-/// With `--quick`, only every n-th cell is run. This constant is n.
+/// With `--quick`, the distance from one cell that is run to the next.
 const QUICK_STRIDE: usize = 13;
-/// Number of differences from the committed tables that are printed at most.
+/// Largest number of differences from the committed tables that are printed.
 const SHOWN: usize = 20;
 
 #[derive(Args)]
@@ -25,13 +25,13 @@ pub(crate) struct Options {
     /// Run only every thirteenth cell, and do not write to results/.
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Compare with the committed results instead of replacing them. Numbers must agree within 1e-9, quantiles within a
-    /// bin of their histogram.
+    /// Compare the results with the committed results instead of replacing them. Numbers must agree within 1e-9,
+    /// quantiles within one bin of their histogram.
     #[arg(long)]
     pub(crate) check: bool,
 }
 
-/// Builds only the program `palpate`, and runs the studies with it.
+/// Builds the program `palpate`, and runs the studies with it.
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     chosen(&known_studies(shell)?, &options.studies)?;
     run_with(shell, &programs::build_alone(shell)?, options)
@@ -58,7 +58,7 @@ pub(crate) fn run_with(shell: &Shell, palpate: &Path, options: &Options) -> Resu
     Ok(())
 }
 
-/// Runs the studies and draws their plots. Then scores the claims of all studies that have results.
+/// Runs the studies and draws their plots. Then tests the claims of all studies that have results.
 fn draw(
     shell: &Shell,
     palpate: &Path,
@@ -154,13 +154,13 @@ fn known_studies(shell: &Shell) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// Whether the config of a study lists claims of the papers.
+/// Whether the config of a study lists claims of the papers that its tables test.
 fn scores_claims(shell: &Shell, study: &str) -> bool {
     let config = shell.read_file(format!("sim-configs/{study}.toml"));
     config.is_ok_and(|config| config.lines().any(|line| line.starts_with("claims =")))
 }
 
-/// The studies that the user requested. An unknown name is an error.
+/// The studies that the user asked for. Fails if a name is unknown.
 fn chosen(known: &[String], asked: &[String]) -> Result<Vec<String>> {
     if let Some(name) = asked.iter().find(|name| !known.contains(name)) {
         bail!(

@@ -1,5 +1,5 @@
-//! Tests runs that are killed, runs on a full disk, and runs on a cluster. Each run must write the same bytes as a run
-//! without interruption.
+//! Tests long runs under difficult conditions: runs that are killed, runs on a full disk, and runs on a cluster. Each
+//! run must write the same bytes as a run without interruption.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,16 +15,16 @@ use crate::programs;
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Number of runs that are killed, each at a random time.
+    /// Number of runs that are killed at a random time.
     #[arg(long, value_name = "N", default_value_t = 50)]
     pub(crate) kills: u32,
 }
 
 /// Tables that are compared.
 const TABLES: [&str; 3] = ["cells.csv", "failures.csv", "run.toml"];
-/// Number of shards on the cluster.
+/// Number of shards into which the study on the cluster is divided.
 const SHARDS: u64 = 16;
-/// Longest time to wait for a submission to the cluster.
+/// Longest time to wait until the cluster has finished a job.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
@@ -45,7 +45,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     }
 }
 
-/// The first requirement of a cluster that this machine does not meet; `None` if the machine meets all requirements.
+/// Text about the first requirement of a local cluster that this machine does not meet; `None` if it meets all of them.
 fn missing(shell: &Shell) -> Option<String> {
     // Slurm's daemons are in /usr/sbin, which may not be in PATH. Look for the files instead of running the commands,
     // because the commands fail without a config.
@@ -72,7 +72,7 @@ fn is_root(shell: &Shell) -> bool {
         .is_ok_and(|id| id == "0")
 }
 
-/// Directory for the runs, and the program under test.
+/// The program under test, and the directory in which it runs.
 struct TestBench<'a> {
     shell: &'a Shell,
     program: PathBuf,
@@ -84,8 +84,8 @@ impl TestBench<'_> {
         self.dir.path().join(name)
     }
 
-    /// Writes a config of rolls on balls of different radii, one radius per cell. `trials` contains the number of
-    /// trials of the first cell, and the number of trials of every other cell.
+    /// Writes a config of rolls on balls, with one radius per cell. `trials` contains the number of trials of the first
+    /// cell, and that of every other cell.
     fn config(&self, name: &str, cells: u64, trials: [u64; 2]) -> Result<PathBuf> {
         let rows: Vec<String> = (0..cells)
             .map(|cell| format!("[{}, {}]", 20 + cell, trials[usize::from(cell > 0)]))
@@ -110,7 +110,7 @@ impl TestBench<'_> {
         child.context("cannot start palpate")
     }
 
-    /// Runs a study to its end.
+    /// Runs a study without interruption.
     fn complete(&self, config: &Path, out: &Path) -> Result<()> {
         let status = self.start(config, out)?.wait()?;
         ensure!(
@@ -146,7 +146,7 @@ impl TestBench<'_> {
         Ok(())
     }
 
-    /// Runs a study until the disk is full, enlarges the disk, and resumes the run.
+    /// Runs a study until the disk is full. Then enlarges the disk and resumes the run.
     fn fill_a_disk(&self) -> Result<()> {
         if !is_root(self.shell) {
             println!("the full disk is skipped: only root can mount one");
@@ -192,7 +192,7 @@ impl TestBench<'_> {
         bail!("a disk of 8 MB was too small")
     }
 
-    /// Runs a study on several nodes of a cluster. One shard is killed, one fails, and one node goes down.
+    /// Runs a study on several nodes of a cluster. One shard is killed, one shard fails, and one node is shut down.
     fn cluster(&self) -> Result<()> {
         let shell = self.shell;
         let start = Instant::now();
@@ -289,7 +289,7 @@ impl TestBench<'_> {
         Ok(())
     }
 
-    /// Submits the shards, and returns the number of their job.
+    /// Submits the shards to the cluster, and returns the number of their job.
     fn submit(&self, program: &Path, config: &Path, out: &Path) -> Result<String> {
         let (shell, shards) = (self.shell, SHARDS.to_string());
         let said = cmd!(
@@ -302,7 +302,7 @@ impl TestBench<'_> {
         Ok(job.with_context(|| said.clone())?.to_owned())
     }
 
-    /// Stops or restarts the queue of the cluster.
+    /// Holds or releases the jobs in the queue of the cluster.
     fn hold(&self, is_held: bool) -> Result<()> {
         let state = if is_held { "DOWN" } else { "UP" };
         let shell = self.shell;
@@ -310,8 +310,7 @@ impl TestBench<'_> {
         Ok(update.quiet().run()?)
     }
 
-    /// Replaces the program by a script. For one of the shards, the script exits with status 3; for all others, it runs
-    /// the program.
+    /// Replaces the program by a script that runs it. For the given shard, the script fails with exit status 3 instead.
     fn replace_by_failing(&self, program: &Path, shard: u64) -> Result<()> {
         let real = self.program.display();
         let script = format!(
@@ -323,7 +322,8 @@ impl TestBench<'_> {
         Ok(cmd!(shell, "chmod +x {program}").quiet().run()?)
     }
 
-    /// Process number of a running shard. Shard 5 fails immediately, so this function never finds it.
+    /// Waits until a shard is running, and returns the number of its process. Shard 5 is never returned, because it
+    /// fails at once.
     fn running(&self) -> Result<String> {
         let shell = self.shell;
         let start = Instant::now();
@@ -340,7 +340,7 @@ impl TestBench<'_> {
         bail!("no shard is running")
     }
 
-    /// Waits until the queue is empty.
+    /// Waits until the queue of the cluster is empty.
     fn wait(&self) -> Result<()> {
         let shell = self.shell;
         let start = Instant::now();
@@ -355,7 +355,7 @@ impl TestBench<'_> {
     }
 }
 
-/// Compares the tables of two runs.
+/// Fails unless two runs have written the same tables.
 fn same(one: &Path, other: &Path) -> Result<()> {
     for name in TABLES {
         let [one, other] = [one, other].map(|dir| fs::read(dir.join(name)));

@@ -1,15 +1,16 @@
-//! Checks the tools that tasks call. Missing tools are installed with cargo or rustup; missing system programs are only
-//! reported.
+//! Checks whether the tools that the tasks need are installed. Missing tools of Rust are installed with cargo or
+//! rustup. Missing programs of the system are only reported.
 
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
-/// Target without threads, vectors or a C library, for which the libraries must compile.
+/// Compilation target without threads, vector instructions and a C library. The libraries must compile for this target.
 pub(crate) const WASM: &str = "wasm32-unknown-unknown";
 /// Program that checks the licences of all dependencies.
 pub(crate) const DENY: &str = "cargo-deny";
 
-/// For each tool: a command, the text that it prints if the tool is installed, and the command that installs the tool.
+/// Tools that are installed if they are missing. Each row has a command, the text that it prints if the tool is
+/// installed, and the command that installs the tool.
 const INSTALLED: [[&str; 3]; 3] = [
     [
         "cargo fmt --version",
@@ -29,7 +30,7 @@ const INSTALLED: [[&str; 3]; 3] = [
 ];
 
 /// Optional programs. Each row has a program, the check that is skipped without it, and the command that installs it.
-/// These programs are not installed automatically, because building cargo-deny would take longer than most steps.
+/// They are not installed automatically, because building cargo-deny would take longer than most checks.
 const OPTIONAL: [[&str; 3]; 3] = [
     [
         "valgrind",
@@ -48,7 +49,7 @@ const OPTIONAL: [[&str; 3]; 3] = [
     ],
 ];
 
-/// Installs missing tools, and reports missing programs of the system.
+/// Installs missing tools of Rust, and reports missing programs of the system.
 ///
 /// # Errors
 /// An error if an installation fails.
@@ -78,7 +79,7 @@ pub(crate) fn has(shell: &Shell, program: &str) -> bool {
     output(shell, &format!("{program} --version")).is_some()
 }
 
-/// Standard output of a command; `None` if it fails.
+/// Standard output of a command; `None` if the command fails.
 fn output(shell: &Shell, command: &str) -> Option<String> {
     let (program, arguments) = words(command);
     let run = cmd!(shell, "{program} {arguments...}").quiet();

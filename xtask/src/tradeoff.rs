@@ -1,5 +1,5 @@
-//! Measures error and cost of all contact models, draws them into `results/tradeoff/`, and checks the choices of `auto`
-//! (`promise.csv`).
+//! Measures the error and the cost of all contact models, draws figures of them into `results/tradeoff/`, and checks
+//! the choices of `auto` (`promise.csv`).
 
 use std::path::Path;
 use std::time::Instant;
@@ -11,15 +11,15 @@ use xshell::{Shell, cmd};
 use crate::programs;
 
 const RESULTS: &str = "results/tradeoff";
-/// File name of the table that checks the choices of `auto`.
+/// File name of the table with the checks of `auto`'s choices.
 const AUTO_CHECK: &str = "promise.csv";
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Measure only for a short time, and write into the target directory instead of results/.
+    /// Measure only briefly, and write into the target directory instead of results/.
     #[arg(long)]
     quick: bool,
-    /// Draw the figures of the committed tables again, without measuring.
+    /// Only draw the figures again from the committed tables, without measuring.
     #[arg(long, conflicts_with = "quick")]
     draw: bool,
 }
@@ -60,7 +60,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Measures the models. If taskset is available, the last core is used.
+/// Measures the models on the last processor core. Without the program taskset, any core is used.
 fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
     let machine = programs::machine(shell);
     let quick = quick.then_some("--quick");
@@ -98,7 +98,7 @@ fn check_auto(shell: &Shell, assay: &Path, table: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Copies a file from the old folder to the new folder, if the new folder does not have it.
+/// Copies a file from the old folder `out` to the new folder `fresh`, unless `fresh` has this file already.
 fn keep(name: &str, fresh: &Path, out: &Path) -> Result<()> {
     let (missing, known) = (fresh.join(name), out.join(name));
     if !missing.exists() && known.exists() {
@@ -108,7 +108,8 @@ fn keep(name: &str, fresh: &Path, out: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Replaces a folder by a new folder. The old folder is moved into the parent of the new folder, which is temporary.
+/// Replaces the folder `out` by the folder `fresh`. The old folder is moved into the parent of `fresh`, which is
+/// temporary.
 fn replace(fresh: &Path, out: &Path) -> Result<()> {
     if out.exists() {
         std::fs::rename(out, fresh.with_file_name("replaced"))

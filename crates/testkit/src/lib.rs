@@ -1,5 +1,5 @@
-//! Draws frames of markers and returns them with the true features of the markers, for tests, benchmarks and
-//! measurements of the tracker. The drawing method differs from the renderer of `palpate-chromatouch`, so the frames
+//! Draws camera frames with markers, and returns the true features of these markers. Tests, benchmarks and measurements
+//! of the tracker use such frames. The drawing method differs from the renderer of `palpate-chromatouch`, so the frames
 //! are an independent reference.
 //!
 //! ```
@@ -11,7 +11,7 @@
 
 use image::RgbImage;
 
-/// True features of a marker, which is a pair of discs or a single disc.
+/// True features of a marker in a frame. A marker consists of one disc or of a pair of discs.
 #[derive(Clone, Copy, Debug)]
 pub struct Truth {
     /// True centroid of the marker, px.
@@ -22,7 +22,7 @@ pub struct Truth {
     pub size_px2: f64,
 }
 
-/// Random numbers by SplitMix64 (Steele, Lea and Flood 2014), from a seed.
+/// A generator of random numbers (SplitMix64; Steele, Lea and Flood 2014). The field is the seed.
 #[derive(Clone, Debug)]
 pub struct Random(pub u64);
 
@@ -79,8 +79,8 @@ fn colour(hue: f64) -> [f64; 3] {
     })
 }
 
-/// The pixels near a disc, each as (column, row, covered share). The share is estimated with 8 × 8 sample points per
-/// pixel.
+/// The pixels near a disc, each as (column, row, covered share). The covered share of a pixel is estimated with 8 × 8
+/// sample points.
 fn covered(disc: [f64; 2], radius: f64, size: usize) -> Vec<(usize, usize, f64)> {
     let bounds = |at: f64| {
         let first = (at - radius - 2.0).max(0.0) as usize;
@@ -100,7 +100,7 @@ fn covered(disc: [f64; 2], radius: f64, size: usize) -> Vec<(usize, usize, f64)>
     pixels
 }
 
-/// Converts an image to bytes, and adds normal noise. Its standard deviation is `noise` of the 255 grey levels.
+/// Converts an image to bytes, and adds normal noise. The standard deviation `noise` is in grey levels, from 0 to 255.
 fn bytes(plane: &[[f64; 3]], size: usize, noise: f64, random: &mut Random) -> RgbImage {
     let mut frame = RgbImage::new(size as u32, size as u32);
     for (pixel, colour) in frame.pixels_mut().zip(plane) {
@@ -111,8 +111,8 @@ fn bytes(plane: &[[f64; 3]], size: usize, noise: f64, random: &mut Random) -> Rg
 }
 
 /// A frame of 77 discs of random hues on a dark background with uneven illumination. The noise has a standard deviation
-/// of 3 of the 255 grey levels. Outside a circle around the middle, whose radius is 0.48 × `size`, there is random
-/// clutter.
+/// of 3 of the 255 grey levels. The discs are within a circle around the middle of the frame. Outside this circle,
+/// whose radius is 0.48 × `size`, the frame contains random clutter.
 pub fn dark(size: usize, seed: u64) -> (RgbImage, Vec<Truth>) {
     let mut random = Random(seed);
     let n = size as f64;
@@ -162,7 +162,7 @@ pub struct Bright {
     pub apart: f64,
     /// Standard deviation of the blur, px.
     pub blur_px: f64,
-    /// Share of light that is lost at the rim of the image.
+    /// Share of the light that is missing at the rim of the image, compared with the middle.
     pub falloff: f64,
     /// Standard deviation of the noise, in grey levels from 0 to 255.
     pub noise: f64,
@@ -173,8 +173,8 @@ pub const MAGENTA: [f64; 3] = [0.95, 0.25, 0.85];
 /// Shares of red, green and blue light that a yellow disc transmits.
 pub const YELLOW: [f64; 3] = [0.98, 0.9, 0.1];
 
-/// A frame of markers at `places` on a white background. Each marker consists of a magenta and a yellow disc, which are
-/// displaced from each other in a random direction.
+/// A frame of markers at `places` on a white background. Each marker consists of a magenta and a yellow disc. The
+/// centres of the two discs differ in a random direction.
 pub fn bright(how: Bright, places: &[[f64; 2]], seed: u64) -> (RgbImage, Vec<Truth>) {
     let Bright { size, disc_px, .. } = how;
     let mut random = Random(seed);
@@ -224,7 +224,8 @@ pub fn bright(how: Bright, places: &[[f64; 2]], seed: u64) -> (RgbImage, Vec<Tru
     (bytes(&lit, size, how.noise, &mut random), truth)
 }
 
-/// Blurs an image with a Gaussian, first along rows and then along columns.
+/// Blurs an image with a Gaussian whose standard deviation is `std` pixels: first along the rows, then along the
+/// columns.
 fn blur(plane: &[[f64; 3]], size: usize, std: f64) -> Vec<[f64; 3]> {
     if std == 0.0 {
         return plane.to_vec();
@@ -256,8 +257,8 @@ fn blur(plane: &[[f64; 3]], size: usize, std: f64) -> Vec<[f64; 3]> {
     pass(&across, size, |at, size| at / size)
 }
 
-/// Places of a sensor's markers: one in the middle, and rings around it at distances of `spacing` px, in a frame with a
-/// side of `size` px.
+/// Places for the markers of a sensor in a frame with a side of `size` px: one place in the middle, and places on
+/// `rings` rings around it. The rings are `spacing` px apart.
 pub fn rings(size: usize, spacing: f64, rings: usize) -> Vec<[f64; 2]> {
     let middle = 0.5 * (size as f64 - 1.0);
     let mut places = vec![[middle + 0.3, middle - 0.2]];

@@ -1,5 +1,5 @@
-//! Builds the programs with which palpate is compared: a virtual Python environment for scripts, and compiled programs
-//! under the target directory.
+//! Prepares the programs with which palpate is compared: creates a virtual Python environment for scripts, and compiles
+//! other programs under the target directory.
 
 use std::env;
 use std::ffi::OsString;
@@ -14,14 +14,14 @@ use crate::python;
 
 /// File that lists the Python packages of the peers.
 const REQUIREMENTS: &str = "xtask/peers/requirements.txt";
-/// Environment variables that keep libraries from using several cores.
+/// Environment variables that restrict libraries to one thread.
 const ONE_THREAD: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"];
 
-/// Kind of program.
+/// How a program is written, and where it is.
 pub(crate) enum Kind {
     /// A Python script in xtask/peers/.
     Python(&'static str),
-    /// A group of tasks in xtask/peers/python_package.py, which also measures palpate for Python.
+    /// A group of tasks in xtask/peers/python_package.py. This script also measures palpate's Python package.
     Package(&'static str),
     /// A C++ source file in xtask/peers/, compiled with g++.
     Cpp(&'static str),
@@ -36,15 +36,15 @@ pub(crate) struct PeerPrograms<'s> {
     shell: &'s Shell,
     sources: PathBuf,
     directory: PathBuf,
-    /// The Python interpreter of an environment with the pinned packages, or the reason why this environment is
-    /// missing.
+    /// The interpreter of a Python environment with the required packages, or the reason why there is no such
+    /// environment.
     python: Result<PathBuf, String>,
 }
 
-/// A program that can be run.
+/// A program that has been prepared and can be run.
 pub(crate) struct Peer {
     command: Vec<OsString>,
-    /// Group of tasks to run, if the program has several groups.
+    /// Group of tasks to run; `None` if the program has only one group.
     group: Option<&'static str>,
 }
 
@@ -70,7 +70,7 @@ impl Peer {
 }
 
 impl<'s> PeerPrograms<'s> {
-    /// Prepares the Python environment for the scripts.
+    /// Prepares the Python environment in which the scripts run.
     pub(crate) fn new(shell: &'s Shell, directory: &Path) -> Self {
         let sources = shell.current_dir().join("xtask").join("peers");
         let python = python::environment(shell, &directory.join("venv"), REQUIREMENTS);
@@ -82,7 +82,7 @@ impl<'s> PeerPrograms<'s> {
         }
     }
 
-    /// Builds a peer.
+    /// Prepares a program. The result is [`Absent`] if this machine lacks a required tool.
     ///
     /// # Errors
     /// An error if the peer cannot be built. If this machine lacks a required program, the result is [`Absent`] and not
@@ -106,7 +106,7 @@ impl<'s> PeerPrograms<'s> {
         }
     }
 
-    /// Compiles a program with all optimisations for this machine, as a user would do.
+    /// Compiles a C++ program with all optimisations for this machine, as a user would.
     fn compile(&self, source: &str) -> Result<Result<Peer, Absent>> {
         let shell = self.shell;
         let header = "#include <boost/numeric/odeint.hpp>";

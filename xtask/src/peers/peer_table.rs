@@ -1,11 +1,11 @@
-//! Makes the table that compares times and errors of palpate and of the other programs.
+//! The table that compares the times and errors of palpate with those of other programs.
 
 use std::fmt;
 
 use anyhow::{Context, Result};
 use serde::Deserialize;
 
-/// Time and error of one task.
+/// Time and error of one program on one task.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub(crate) struct Figure {
     pub(crate) task: String,
@@ -16,7 +16,7 @@ pub(crate) struct Figure {
 }
 
 impl Figure {
-    /// Reads lines of JSON, one per task.
+    /// Reads the output of a program, which has one line of JSON per task.
     pub(crate) fn read(lines: &str) -> Result<Vec<Figure>> {
         let lines = lines.lines().filter(|line| !line.trim().is_empty());
         let figure =
@@ -25,7 +25,8 @@ impl Figure {
     }
 }
 
-/// Median time and median error of each program on each task, in the order in which programs and tasks first appear.
+/// Median time and median error of each program on each task. Programs and tasks are in the order in which they first
+/// appear.
 pub(crate) fn medians(figures: Vec<Figure>) -> Vec<Figure> {
     let mut medians: Vec<Figure> = Vec::new();
     for figure in &figures {
@@ -47,7 +48,7 @@ pub(crate) fn medians(figures: Vec<Figure>) -> Vec<Figure> {
     medians
 }
 
-/// Comparison of another program with a model of palpate on the same task.
+/// A row of the table: another program compared with a model of palpate on the same task.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Row {
     peer: Figure,
@@ -57,14 +58,14 @@ pub(crate) struct Row {
     verdict: Verdict,
 }
 
-/// Result of a comparison with the required ratio.
+/// Whether palpate is as fast and as accurate as required.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// Palpate reaches the required ratio of speeds, and is at least as accurate as the other program.
+    /// Palpate reaches the required ratio of times, and is at least as accurate as the other program.
     Met,
-    /// Palpate is at least as accurate as the other program, but does not reach the required ratio of speeds.
+    /// Palpate is at least as accurate as the other program, but does not reach the required ratio of times.
     Short,
-    /// Palpate is less accurate than the other program, so the ratio of speeds is not compared with the required ratio.
+    /// Palpate is less accurate than the other program, so the times cannot be compared.
     ErrsMore,
 }
 
@@ -93,7 +94,7 @@ const HEADER: [&str; 12] = [
     "machine",
 ];
 
-/// Comparisons of every other program with every model of palpate, task by task.
+/// One row for each task, each other program and each model of palpate.
 pub(crate) fn rows(
     peers: &[Figure],
     ours: &[Figure],
@@ -151,7 +152,7 @@ pub(crate) fn render(rows: &[Row]) -> String {
     text
 }
 
-/// The rows as CSV, in the form that is committed.
+/// The rows as CSV, in the form of the committed table.
 pub(crate) fn csv(rows: &[Row], machine: &str) -> Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(HEADER)?;
@@ -181,7 +182,7 @@ pub(crate) fn csv(rows: &[Row], machine: &str) -> Result<String> {
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
-/// The committed table, in which the rows of the measured tasks are replaced by new rows.
+/// The committed table, with new rows for the tasks that were measured.
 pub(crate) fn merged(committed: &str, measured: &str) -> Result<String> {
     let read = |text: &str| -> Result<Vec<csv::StringRecord>> {
         let mut reader = csv::Reader::from_reader(text.as_bytes());
