@@ -1,4 +1,4 @@
-//! Runs libFuzzer with the reader that the environment variable `FUZZ_READER` names.
+//! Runs libFuzzer on the fuzz target that the environment variable `FUZZ_READER` names.
 #![no_main]
 
 use std::sync::LazyLock;

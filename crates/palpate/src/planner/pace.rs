@@ -5,10 +5,9 @@ use std::time::Duration;
 
 use palpate_sweep::{Cell, Clock, JOB, Runner, Trial};
 
-/// The time per trial of a cell is measured with trials that take at most this time together. A single trial may take
-/// longer.
+/// Largest value of `long_enough`, the time that a measurement of one cell must take in [`seconds_per_trial`].
 const LONGEST: Duration = Duration::from_millis(10);
-/// The time per trial of a cell is measured with trials that take at least this time together.
+/// Smallest value of `long_enough`, the time that a measurement of one cell must take in [`seconds_per_trial`].
 const SHORTEST: Duration = Duration::from_millis(1);
 /// A measurement longer than this time is not repeated. The delay of waking the threads is negligible in such a long
 /// time.

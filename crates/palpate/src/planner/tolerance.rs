@@ -39,7 +39,8 @@ pub(super) struct Allowance {
     /// Largest allowed shift, relative to the rms error of a quantity. If no rms error was estimated, it is relative
     /// to [`PassQuantity::scale`].
     pub(super) share: f64,
-    /// Rms error of each quantity of the cell's experiment; `None` if it was not estimated. The list may be too short.
+    /// Rms error of each quantity of the cell's experiment; `None` if it was not estimated. The list may be shorter than the
+    /// list of quantities.
     pub(super) rms_errors: Vec<Option<f64>>,
 }
 

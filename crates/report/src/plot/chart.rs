@@ -23,9 +23,9 @@ const PANEL_HEIGHT: i32 = 1170;
 const LARGEST_WIDTH: i32 = 4500;
 /// Gap between neighbouring names along x, in drawing units.
 const BESIDE: i32 = 36;
-/// Length of a sample (the symbol beside a text) in the legend, in drawing units.
+/// Length of the symbol beside each text of the legend, in drawing units.
 const SAMPLE: i32 = 120;
-/// Length of a sample (the symbol beside a text) in the key above the panels, in drawing units.
+/// Length of the symbol beside each text of the key above the panels, in drawing units.
 const KEY_SAMPLE: i32 = 78;
 /// Largest width of a line of text in the legend, in drawing units.
 const LIMIT: i32 = 750;

@@ -57,7 +57,7 @@ const NAME: i32 = 510;
 const GAP: i32 = 102;
 /// Gap between names along x, in drawing units.
 const BESIDE: i32 = 12;
-/// Width of a sample in the key, in drawing units.
+/// Width of the symbol beside each text of the key, in drawing units.
 const SAMPLE: i32 = 78;
 /// Share above which a square is so dark that its number is written in white.
 const MIN_DARK: f64 = 0.6;

@@ -23,7 +23,7 @@ const PANEL_HEIGHT: i32 = 705;
 const MARKER: f64 = 15.0;
 const OTHER: f64 = 12.0;
 const STROKE: u32 = 6;
-/// Length of a sample in the key, in drawing units (1/3 px).
+/// Length of the symbol beside each text of the key, in drawing units (1/3 px).
 const SAMPLE: i32 = 36;
 /// Largest relative error on the axis. Models with a larger error are useless; they are drawn as arrows at the edge.
 const MAX_ERROR: f64 = 10.0;

@@ -27,7 +27,7 @@ pub(crate) const LINE: i32 = 73;
 pub(crate) const EDGE: i32 = 66;
 /// Gap between a panel and the labels of its ticks, in drawing units.
 pub(crate) const TICK_GAP: i32 = 30;
-/// Gap between a sample (a symbol in a key) and its label, in drawing units.
+/// Gap between a symbol of a key and its text, in drawing units.
 pub(crate) const SAMPLE_GAP: i32 = 24;
 /// Horizontal gap between entries of a key, in drawing units.
 const ENTRY_GAP: i32 = 78;
@@ -91,7 +91,7 @@ pub(crate) struct Sample {
     pub(crate) symbol: Option<Symbol>,
 }
 
-/// Entries of a key: the sample and the text of each entry.
+/// Entries of a key: the symbol (sample) and the text of each entry.
 pub(crate) type Key = Vec<(Sample, String)>;
 
 /// Draws a figure: first the title, then the content with `draw`, then the notes.

@@ -77,11 +77,11 @@ pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]
     ends.iter().all(|end| end.is_finite()).then_some(ends)
 }
 
-/// Standard error of the median of n normally distributed numbers is this factor times s/√n, where s is the distance
-/// between their 5 % and 95 % quantiles.
+/// Factor in the standard error of the median of n normally distributed numbers. The standard error is this factor
+/// times s/√n, where s is the distance between the 5 % and the 95 % quantile.
 const MEDIAN_PER_SPREAD: f64 = 0.381;
-/// Standard error of the 5 % or 95 % quantile of n normally distributed numbers is this factor times s/√n, where s is
-/// the distance between these two quantiles.
+/// Factor in the standard error of the 5 % or 95 % quantile of n normally distributed numbers. The standard error is
+/// this factor times s/√n, where s is the distance between these two quantiles.
 const TAIL_PER_SPREAD: f64 = 0.642;
 
 fn ratio(error: f64, of: f64) -> f64 {

@@ -26,7 +26,7 @@ const TRUE: f64 = 15.0;
 /// Width of the arrow of a reading, in drawing units. It is narrower, because it is drawn on the arrow of the true
 /// displacement.
 const READ: f64 = 6.0;
-/// Length of a sample in the key, in drawing units.
+/// Length of the symbol beside each text of the key, in drawing units.
 const SAMPLE: i32 = 120;
 /// Width and height of the strip in the key that shows the shades of grey, in drawing units.
 const STRIP: Point = (78, 570);

@@ -21,7 +21,7 @@ const MAX_LINKS: usize = 40;
 pub(crate) enum Contents<'a> {
     /// Bytes in memory.
     Bytes(&'a [u8]),
-    /// Bytes on disk.
+    /// Bytes in a temporary file.
     Draft(Draft),
 }
 
