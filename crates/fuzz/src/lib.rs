@@ -60,9 +60,11 @@ const MAX_PIXELS: u32 = 200 * 200;
 
 /// Reads a study's config.
 ///
-/// # Errors Message of the reader if it rejects the input.
+/// # Errors
+/// Message of the reader if it rejects the input.
 ///
-/// # Panics If a config with all its defaults changes when it is written and read again, or an error has no message.
+/// # Panics
+/// If a config with all its defaults changes when it is written and read again, or an error has no message.
 pub fn config(bytes: &[u8]) -> Outcome {
     let study = with_message(config::parse("fuzz.toml", text(bytes)?))?;
     let written = config::to_toml(&study.config);
@@ -77,10 +79,11 @@ pub fn config(bytes: &[u8]) -> Outcome {
 /// Parses the formula of a height field, and evaluates it at three points. This is done once with two parameters and
 /// once without parameters.
 ///
-/// # Errors Message of the parser if both attempts fail.
+/// # Errors
+/// Message of the parser if both attempts fail.
 ///
-/// # Panics If `Formula::value` and `Formula::jet` return different heights at the same point, or an error has no
-/// message.
+/// # Panics
+/// If `Formula::value` and `Formula::jet` return different heights at the same point, or an error has no message.
 pub fn formula(bytes: &[u8]) -> Outcome {
     let text = text(bytes)?;
     let parameters = BTreeMap::from([("A".to_owned(), 0.15), ("k".to_owned(), 0.7)]);

@@ -168,7 +168,8 @@ impl Plan {
 /// `clock` returns the time since planning began. Without a budget, the plan depends only on the trials and not on the
 /// clock.
 ///
-/// # Errors [`PlanError`] if no plan reaches the goal, or if a cell cannot be set up.
+/// # Errors
+/// [`PlanError`] if no plan reaches the goal, or if a cell cannot be set up.
 pub(crate) fn plan<C: Plannable>(
     cells: &C,
     goal: &Goal,

@@ -82,9 +82,9 @@ pub struct Simulation<'a> {
 impl<'a> Simulation<'a> {
     /// Simulation of the cells with these numbers. The runner's threads set up the cells to check them.
     ///
-    /// # Errors [`ConfigError`] of the first cell that is invalid: it has an invalid field, its readings allow no
-    /// estimate, or the config requests a map that its scene does not have. Also an error if a number is not that of a
-    /// cell.
+    /// # Errors
+    /// [`ConfigError`] of the first cell that is invalid: it has an invalid field, its readings allow no estimate, or
+    /// the config requests a map that its scene does not have. Also an error if a number is not that of a cell.
     pub fn new(
         study: &'a Study,
         numbers: impl IntoIterator<Item = usize>,
@@ -96,8 +96,9 @@ impl<'a> Simulation<'a> {
 
     /// Simulation of one shard. `numbers` are the cells of all shards together. The cells are not checked.
     ///
-    /// # Errors [`ConfigError`] of the first cell. This cell is set up only if the config requests maps, because its
-    /// scene determines the columns of the map.
+    /// # Errors
+    /// [`ConfigError`] of the first cell. This cell is set up only if the config requests maps, because its scene
+    /// determines the columns of the map.
     pub fn of_shard(
         study: &'a Study,
         numbers: Vec<usize>,
@@ -131,7 +132,8 @@ impl<'a> Simulation<'a> {
     /// Checks the cells by setting them up. If there are more than 10,000 cells, only the cells of the study's
     /// [sample](Study::sample) are set up.
     ///
-    /// # Errors The same [`ConfigError`] as [`Simulation::new`].
+    /// # Errors
+    /// The same [`ConfigError`] as [`Simulation::new`].
     pub fn checked(self) -> Result<Self, ConfigError> {
         let warnings = Mutex::new(Warnings::default());
         let count = self.tasks.tasks() as usize;
@@ -234,10 +236,11 @@ impl<'a> Simulation<'a> {
     /// `progress` receives the number of trials that were done since its previous call; it may be called on any
     /// thread.
     ///
-    /// # Errors [`SweepError::Cancelled`], also if `take` returns `Break`; [`SweepError::SetUp`] if a cell cannot be
-    /// set up.
+    /// # Errors
+    /// [`SweepError::Cancelled`], also if `take` returns `Break`; [`SweepError::SetUp`] if a cell cannot be set up.
     ///
-    /// # Panics Panics if `progress`, `make` or `take` panics.
+    /// # Panics
+    /// Panics if `progress`, `make` or `take` panics.
     pub fn stream<R: Send>(
         &self,
         first: u64,
@@ -258,9 +261,11 @@ impl<'a> Simulation<'a> {
     /// Runs all trials. Stops if another thread sets `cancelled`. `progress` receives the number of trials that were
     /// done since its previous call; it may be called on any thread.
     ///
-    /// # Errors [`SweepError`] if a cell cannot be set up; [`SweepError::Cancelled`] if `cancelled` is set.
+    /// # Errors
+    /// [`SweepError`] if a cell cannot be set up; [`SweepError::Cancelled`] if `cancelled` is set.
     ///
-    /// # Panics Panics if `progress` panics.
+    /// # Panics
+    /// Panics if `progress` panics.
     pub fn run(
         &self,
         cancelled: &AtomicBool,

@@ -5,8 +5,9 @@
 //!
 //! Each function converts the study's lengths to the unit of the readings.
 //!
-//! # Errors [`StudyMismatch`] if the study is of another kind, if its unit cannot be converted, or if its config does
-//! not describe a possible scene.
+//! # Errors
+//! [`StudyMismatch`] if the study is of another kind, if its unit cannot be converted, or if its config does not
+//! describe a possible scene.
 
 use palpate_recorded::{PressOptions, RollOptions, StudyMismatch};
 use palpate_scene::{PressScene, RollScene, SharedModels};

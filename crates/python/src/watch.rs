@@ -58,7 +58,8 @@ const PATIENCE: Duration = Duration::from_millis(60);
 /// Runs work on another thread, without the interpreter's lock. Meanwhile, this thread checks for signals and calls
 /// `progress`. After a signal, the work may continue for a short time, until it finds that it is cancelled.
 ///
-/// # Errors The exception that the signal or `progress` raises.
+/// # Errors
+/// The exception that the signal or `progress` raises.
 pub(crate) fn watched<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,

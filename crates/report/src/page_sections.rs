@@ -18,7 +18,8 @@ const MIN_COVERAGE: f64 = 0.90;
 
 /// Section about the coverage of the intervals of each estimator; `None` if the studies have no intervals.
 ///
-/// # Errors [`ReportError`] if the figure cannot be drawn.
+/// # Errors
+/// [`ReportError`] if the figure cannot be drawn.
 pub(crate) fn coverage(studies: &[Study]) -> Result<Option<Value>, ReportError> {
     let estimators = Estimator::all(studies);
     if estimators.is_empty() {
@@ -91,7 +92,8 @@ pub(crate) fn folder(studies: &[Study]) -> Option<Files> {
 
 /// Sections about the measurements in `tradeoff/` and `peers.csv`, if the folder contains them.
 ///
-/// # Errors [`ReportError`] if a table is malformed.
+/// # Errors
+/// [`ReportError`] if a table is malformed.
 pub(crate) fn measurements(folder: &Files) -> Result<Value, ReportError> {
     type Section = fn(&Files) -> Result<Value, ReportError>;
     let section = |name: &str, make: Section| {

@@ -63,7 +63,8 @@ impl Figure {
 
     /// The image as PNG, with the built-in fonts. It has the same size in pixels as the SVG.
     ///
-    /// # Errors [`ReportError`] if the image is too large.
+    /// # Errors
+    /// [`ReportError`] if the image is too large.
     #[cfg(feature = "png")]
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
         self.drawing.png().map_err(|message| ReportError::Draw {

@@ -30,7 +30,8 @@ const MAX_ERROR: f64 = 10.0;
 
 /// Draws one Pareto figure for each comparison of models in a folder that `cargo xtask tradeoff` wrote.
 ///
-/// # Errors [`ReportError`] if a table is missing or malformed.
+/// # Errors
+/// [`ReportError`] if a table is missing or malformed.
 pub fn tradeoff_figures(files: &Files) -> Result<Vec<Figure>, ReportError> {
     figures(&Tradeoff::read(files)?)
 }

@@ -22,8 +22,9 @@ use palpate_study::label::{spoken_unit, with_unit};
 ///
 /// A reading belongs to the marker at the same position. A marker without a reading is crossed out.
 ///
-/// # Errors [`ReportError`] if a table is missing or malformed, if its lengths have different units, or if a reading
-/// is not at the position of a marker.
+/// # Errors
+/// [`ReportError`] if a table is missing or malformed, if its lengths have different units, or if a reading is not at
+/// the position of a marker.
 pub fn press_figures(files: &Files) -> Result<Vec<Figure>, ReportError> {
     let trace = marker_table::read(files)?;
     Ok(vec![quiver::figure(&trace)?, profile(&trace)?])
