@@ -218,9 +218,10 @@ pub(crate) struct RunArgs {
     /// Format of the tables; with --shard, choose the format in `palpate merge`.
     #[arg(long, value_enum, value_name = "FORMAT", default_value = "csv")]
     pub(crate) format: Format,
-    /// Also write a table with one row per trial and quantity; a failed trial has one row with its kind of failure. -
-    /// is standard output. The extension .csv or .parquet of the name determines the format, otherwise --format does.
-    /// With --shard the journal stores the rows, and `palpate merge` writes the table.
+    /// Also write a table of all trials to this file, or to standard output (-). The table has one row per trial and
+    /// quantity; a failed trial has one row with its kind of failure. A name that ends in .csv or .parquet sets the
+    /// format of the table, otherwise --format does. With --shard, the journal stores the rows, and `palpate merge`
+    /// writes the table.
     #[arg(long, value_name = "FILE")]
     pub(crate) trials_out: Option<PathBuf>,
     /// Do not print the warnings of cells. The warnings are still written to warnings.txt or, with --shard, to the
@@ -248,8 +249,8 @@ pub(crate) struct MergeArgs {
     /// Format of the tables.
     #[arg(long, value_enum, value_name = "FORMAT", default_value = "csv")]
     pub(crate) format: Format,
-    /// Also write the table of trials, if the shards were run with --trials-out. The extension .csv or .parquet of the
-    /// name determines the format, otherwise --format does.
+    /// Also write the table of trials, if the shards were run with --trials-out. A name that ends in .csv or .parquet
+    /// sets the format of the table, otherwise --format does.
     #[arg(long, value_name = "FILE")]
     pub(crate) trials_out: Option<PathBuf>,
     /// Also overwrite files that palpate did not write, and files that were edited after palpate wrote them.
