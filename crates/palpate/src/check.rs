@@ -36,7 +36,7 @@ pub struct Check {
     /// Number of cells that were checked. In the other cells, each swept value was checked only in another
     /// combination.
     pub checked: usize,
-    /// Number of cells that were set up completely. Further cells were set up without a camera, until the time limit.
+    /// Number of cells that were set up completely. After the first time limit, cells were set up only without a camera.
     pub set_up: usize,
     /// Number of set-up cells that run only one trial, because they use no random numbers.
     pub single: usize,

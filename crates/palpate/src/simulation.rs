@@ -456,7 +456,7 @@ pub struct Ran {
     pub cells: Table,
     /// Table `failures.csv`: one row per cell and kind of failure.
     pub failures: Table,
-    /// Table `map.csv` of the first trial of every cell; `None` if the config does not request it.
+    /// Table `map.csv`: the map of the first trial of every cell; `None` if the config requests no maps.
     pub map: Option<Table>,
     /// Warnings of the cells, one for each warning code.
     pub warnings: Vec<Warning>,

@@ -14,7 +14,7 @@ pub struct Warnings {
 /// All warnings with the same code.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Group {
-    /// Warning of the first cell that has a warning with this code.
+    /// The warning with this code from the first cell that has one.
     warning: Warning,
     /// Number of the cell with this warning, and index of the warning among the warnings of the cell.
     first: (usize, usize),

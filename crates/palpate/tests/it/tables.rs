@@ -10,7 +10,7 @@ use super::readings::{
     GLIDE, ROLLS, glide, mean_curvature, named, press, refuses, roll, scaled, warnings,
 };
 
-/// Estimate from a table of rolls. The form of the table is detected without options.
+/// Estimate from a table of rolls. The format of the table is detected, because no options state it.
 #[track_caller]
 fn rolls(contents: impl AsRef<[u8]>) -> Value {
     roll(contents, Form::default()).unwrap_or_else(|error| panic!("{error}"))

@@ -76,8 +76,8 @@ pub(crate) struct DesignArgs {
     /// Largest number of trials of each cell at one tried value.
     #[arg(long, value_name = "N", default_value = "4194304")]
     pub(crate) most_trials: NonZeroU64,
-    /// Time after which the search tries no further values: 30s, 5m, 1.5h, or a plain number of seconds. The first scan
-    /// and the verification run in any case.
+    /// Time after which the search tries no further values: 30s, 5m, 1.5h, or a plain number of seconds. The first values
+    /// and the verification always run.
     #[arg(long, value_name = "DURATION", value_parser = duration::parse, allow_hyphen_values = true, default_value = "60s")]
     pub(crate) budget: Duration,
 }
