@@ -9,8 +9,8 @@
 //! itself sweeps fields, each combination of the swept values (a cell of the study) must meet the target. Failed trials
 //! count as misses, because the result of the remaining trials alone would be too good.
 //!
-//! The allowed probability of a wrong answer is divided evenly among the searches, so that all parts of the answer are
-//! right together with the confidence that the question states.
+//! The question states a confidence with which all parts of the answer must be right together. Therefore, the allowed
+//! probability of an error is divided evenly among the searches.
 
 use std::cell::Cell;
 

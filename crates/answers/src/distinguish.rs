@@ -14,9 +14,9 @@ const MAJORITY: f64 = 0.5;
 /// trial numbers. Equal trial numbers would mean equal random numbers.
 const TRIALS_PER_CELL: u64 = 1 << 40;
 
-/// For each pair of objects that a study sweeps, computes the probability that the estimates of one trial of each
-/// object are in the right order, and the number of trials whose means are in the right order with the probability
-/// `confidence`.
+/// Computes two results for each pair of objects that a study sweeps. The first is the probability that the estimates
+/// of one trial of each object are in the right order. The second is the number of trials whose means are in the right
+/// order with the probability `confidence`.
 ///
 /// Without `quantity`, the object's curvature is compared: `object_curvature` for a press, otherwise `mean_curvature`.
 /// A failed trial distinguishes no objects. With the quantity `class` of a glide, two objects are distinguished if most

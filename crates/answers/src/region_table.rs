@@ -9,10 +9,10 @@ use crate::region::{DesignPoint, Region, RegionColumn, Sample};
 use crate::search::Side;
 
 impl Region {
-    /// Table of the results of all trials. It has one row for each combination of four things: the values of the grid
-    /// fields, the tested value of the searched field, the cell, and the kind of trials (trials of the search, or fresh
-    /// trials that verify the answer). A row contains the statistic that is compared with the target, its standard
-    /// error, and whether the tested value meets the target.
+    /// Table of the results of all trials. It has one row for each combination of the grid's values, each tested value
+    /// of the searched field, each cell, and each kind of trials. The kinds are trials of the search, and fresh trials
+    /// that verify the answer. A row contains the statistic that is compared with the target, its standard error, and
+    /// whether the tested value meets the target.
     pub fn table(&self) -> Table {
         let grid = self.grid.iter().map(|field| &field.column);
         let fields = grid.chain([&self.searched.column]).cloned();

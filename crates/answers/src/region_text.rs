@@ -28,8 +28,8 @@ impl Region {
         format!("{}.", capitalized(&text))
     }
 
-    /// The lines that follow the sentence: the target, the numbers of values and trials, notes on searches that reached
-    /// a limit, and the answer at each combination of the grid.
+    /// The lines that follow the sentence. They state the target, the numbers of values and trials, the searches that
+    /// reached a limit, and the answer at each combination of the grid.
     pub fn lines(&self) -> Vec<String> {
         let samples = || self.columns.iter().flat_map(RegionColumn::samples);
         let points = self.columns.iter().flat_map(|column| &column.points);

@@ -1,5 +1,5 @@
-//! Errors of palpate on fixed scenes with fixed seeds: errors of models against closed forms, of estimators against the
-//! true values of the scenes, and of the marker tracker against the true places of the discs in its frames.
+//! Errors of palpate on fixed scenes with fixed seeds. Models are compared with closed forms, estimators with the true
+//! values of the scenes, and the marker tracker with the true positions of the discs in its frames.
 //!
 //! `cargo xtask bench-check` compares these errors with `baseline/accuracy.csv`, to detect changes of the code that
 //! make results less accurate. An error is relative unless its name ends with a unit.

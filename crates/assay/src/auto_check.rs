@@ -138,7 +138,7 @@ fn write(verdicts: &[Verdict<'_>], out: &Path) -> Result<()> {
     csv_table::write(out, verdicts.iter().map(row))
 }
 
-/// Summary for each kind of scene: how many scenes pass the check, how many have competing models, how many have an
+/// Summary for each kind of scene. It states how many scenes pass the check, how many have competing models or an
 /// independent reference, and the largest ratio of costs. Returns an error if a scene fails the check.
 fn summary(verdicts: &[Verdict<'_>]) -> Result<String, String> {
     let of_kind = Kind::ALL.map(|kind| {

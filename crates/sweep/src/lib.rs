@@ -7,9 +7,9 @@
 //!
 //! Guarantees, for trials that depend only on their number:
 //!
-//! - The result is the same to the last bit for any number of threads. Trials run in blocks of [`BLOCK`]; the sums of
-//!   the blocks of a cell are added in the order of the blocks, and everything else that is merged is an integer or an
-//!   extremum.
+//! - The result is the same to the last bit for any number of threads. Trials run in blocks of [`BLOCK`], and the sums
+//!   of a cell's blocks are added in the order of the blocks. All other results of blocks are integers or extremes, which
+//!   can be merged in any order.
 //! - Memory does not grow with the number of trials.
 //! - No number in a result is NaN or infinite. An undefined statistic is `None`.
 //!

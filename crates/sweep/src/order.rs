@@ -45,8 +45,8 @@ pub enum Repeats {
 
 /// Smallest number of groups of trials from which a probability is estimated.
 const GROUPS: usize = 256;
-/// If this number of trials is uncertain (see [`interval`]), the interval uses the mean of two numbers of independent
-/// trials: the smallest possible number, and the number that follows from the estimated variance.
+/// Number of uncertain trials (see [`interval`]) at which two numbers have equal weight: the smallest possible number
+/// of independent trials, and the number that follows from the estimated variance.
 const HALF_WEIGHT: f64 = 20.0;
 /// Largest number of trials that is returned. A larger number is reported as unknown.
 const MOST_REPEATS: f64 = 1e9;
@@ -345,9 +345,9 @@ fn mean_and_variance(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> (f6
 }
 
 /// Computes the 95 % interval of a probability from its variance and from the numbers of trials of the two experiments.
-/// Every trial of one experiment forms a pair with every trial of the other. `uncertain` is the smaller of two numbers:
-/// the number of trials with a pair in the wrong order, and the number of trials with a pair in the right order. If
-/// `uncertain` is small, the variance is inaccurate.
+/// Every trial of one experiment forms a pair with every trial of the other. Some trials have a pair in the wrong
+/// order, and some have a pair in the right order. `uncertain` is the number of the rarer kind. If it is small, the
+/// variance is inaccurate.
 fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [usize; 2]) -> Order {
     let order = |probability: f64, (low, high): (f64, f64)| Order {
         probability,

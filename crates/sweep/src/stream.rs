@@ -77,9 +77,8 @@ impl Runner {
     /// ends early if another thread sets `cancelled`, or if `take` returns `Break`. A thread calls `progress` each time
     /// it has run some trials, with the number of these trials.
     ///
-    /// The memory does not grow with the number of tasks or trials, because it contains only the experiments that are
-    /// in use, and results that wait for an earlier result. The results do not depend on which thread runs which
-    /// trials.
+    /// Memory contains only the experiments that are in use, and results that wait for an earlier result. Therefore it
+    /// does not grow with the number of tasks or trials. The results do not depend on which thread runs which trials.
     ///
     /// ```
     /// use std::convert::Infallible;

@@ -137,9 +137,9 @@ impl Record {
     /// Records an observation of a quantity, whose index must be below `Trial::quantities()`. A trial may record any
     /// number of observations.
     ///
-    /// An invalid observation makes the trial fail. The kind of failure is `not-finite` if the error or standard
-    /// deviation is not finite, `negative-std` if the standard deviation is negative, and `unknown-quantity` if the
-    /// quantity is out of range.
+    /// An invalid observation makes the trial fail. The kind of failure is `not-finite` for an error or a standard
+    /// deviation that is not finite, `negative-std` for a negative standard deviation, and `unknown-quantity` for an
+    /// unknown quantity.
     ///
     /// ```
     /// use palpate_sweep::{Cell, Observation, Record, RunOptions, Runner, Trial};

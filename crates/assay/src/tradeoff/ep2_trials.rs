@@ -142,8 +142,9 @@ impl Squares {
     }
 }
 
-/// The larger of two relative errors: the rms error of the mean curvature divided by the rms of the true curvedness C,
-/// and the rms error of the Gaussian curvature divided by the rms of C². All trials must have the same true values.
+/// The larger of two relative errors. The first is the rms error of the mean curvature, divided by the rms of the true
+/// curvedness C. The second is the rms error of the Gaussian curvature, divided by the rms of C². All trials must have
+/// the same true values.
 fn larger(trials: &[Squares]) -> Result<RungError> {
     let [mean, gaussian] = [0, 1].map(|which| {
         let shares = trials.iter().map(|squares| squares.shares()[which]);

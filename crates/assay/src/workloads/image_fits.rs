@@ -18,9 +18,9 @@ use crate::timing::Evaluation;
 const DEPTHS: [f64; 2] = [3.0, 1.0];
 /// Change of a disc's depth with which derivatives are computed by finite differences, mm.
 const DEPTH_STEP: f64 = 1e-3 * SKIN;
-/// Standard deviations of the parameters of a [`Departure`], that is, of the differences between a real sensor and its
-/// config: depths, diameters, image centre, focal length, position and rotation of the camera, colours. They are 0 for
-/// the odd terms of the lens.
+/// Standard deviations of the parameters of a [`Departure`], which describes how a real sensor differs from its config.
+/// The parameters are the depths and diameters of the discs, the image centre, the focal length, the position and
+/// rotation of the camera, and colours. The odd terms of the lens do not differ, so their standard deviations are 0.
 const DEPARTURE_STDS: [f64; Departure::NUMBERS] = [
     0.03, 0.03, 0.01, 0.01, 0.3, 0.3, 0.002, 0.05, 0.05, 0.05, 0.005, 0.005, 0.005, 0.01, 0.01,
     0.01, 0.01, 0.01, 0.01, 0.0, 0.0,

@@ -9,8 +9,7 @@ use toml::Value;
 /// The config as TOML text, including all defaults. Parsing the text returns the same config.
 ///
 /// The default of `directions_deg` is omitted if the config states `rolls` instead. If a sweep varies the `kind` of a
-/// table, those keys of the table that have their default values are omitted, because other kinds may not have these
-/// keys.
+/// table, its keys with default values are omitted, because other kinds may not have these keys.
 ///
 /// ```
 /// use palpate_study::config::{parse, to_toml};

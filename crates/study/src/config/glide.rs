@@ -258,8 +258,8 @@ pub enum NormalNoise {
     },
 }
 
-/// Points at which estimates are compared with the true values (a square grid around the middle of the patch), and
-/// thresholds below which a curvature counts as zero when points are classified.
+/// Points at which estimates are compared with the true values, on a square grid around the middle of the patch. When
+/// these points are classified, curvatures below the thresholds count as zero.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EvaluateConfig {

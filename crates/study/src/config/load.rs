@@ -235,7 +235,7 @@ fn check_stop(base: &Value, axes: &[Axis]) -> Result<(), Fault> {
 }
 
 /// Validates the rows of all sweep axes, one axis after the other. For each row, the values of the axis's fields are
-/// validated; if one is invalid, the error is that of the cell with this row and the first rows of all other axes.
+/// validated. If one is invalid, the error refers to the cell with this row and the first rows of all other axes.
 fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
     let (first, _) = grid.tree(0);
     for (place, axis) in grid.axes.iter().enumerate() {
