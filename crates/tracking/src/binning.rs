@@ -1,12 +1,12 @@
-//! A frame at a lower resolution, as sums over square bins of pixels. The search for markers uses it.
+//! A frame at a lower resolution, in which markers are searched. It consists of sums over square bins of pixels.
 
 use image::RgbImage;
 
 /// Largest side of a bin, px. The limit ensures that the sum over a bin fits into 16 bits.
 pub(crate) const LARGEST_BIN: usize = 16;
 
-/// Sums of red, green and blue over bins of `bin` by `bin` pixels, row by row. Pixels at the right and at the bottom
-/// that fill no complete bin are ignored.
+/// Sums of red, green and blue over bins of `bin` by `bin` pixels, row by row. Pixels at the right and bottom edges
+/// that do not fill a complete bin are ignored.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BinnedFrame {
     pub(crate) width: usize,

@@ -42,7 +42,7 @@ impl Calibration {
     /// A calibration for normal displacements, for tangential displacements, or for both. `markers` is the number of
     /// markers that the sensor shows at rest; `None` if it is not known.
     ///
-    /// # Errors [`CalibrationError::TooFewPoints`] if both calibrations are missing; [`CalibrationError::OutOfRange`]
+    /// # Errors [`CalibrationError::TooFewPoints`] if both parts are missing; [`CalibrationError::OutOfRange`]
     /// for a number that is not finite, or for a slope of 0.
     pub fn new(
         normal: Option<NormalCalibration>,
@@ -73,14 +73,14 @@ impl Calibration {
         self.lateral.as_ref()
     }
 
-    /// Number of markers that the sensor shows at rest, if it is available.
+    /// Number of markers that the sensor shows at rest; `None` if it is not known.
     pub const fn markers(&self) -> Option<usize> {
         self.markers
     }
 
     /// Checks the number of markers that a sensor shows at rest. It may differ by 10 % from the number in the
-    /// calibration, because some markers may be hidden. If markers have their own slopes, the two numbers must be
-    /// equal, because these slopes are stored by marker index.
+    /// calibration, because some markers may be hidden. If the calibration uses a separate slope for each marker, the
+    /// two numbers must be equal, because the slopes are stored by marker index.
     ///
     /// # Errors
     /// [`CalibrationError::AnotherLayout`] if the number of markers does not fit.
@@ -96,16 +96,16 @@ impl Calibration {
         Ok(())
     }
 
-    /// The inward displacement of a marker, length. `None` without a calibration for normal displacements, or if the
-    /// change is not finite.
+    /// The inward displacement of a marker, length, computed from the change of its image. `None` if there is no
+    /// calibration for normal displacements, or if the change is not finite.
     pub fn normal(&self, marker: usize, change: &Change) -> Option<f64> {
         self.normal.as_ref()?.read(marker, change)
     }
 
     /// The displacement of a marker along the skin (length). `normal` is the marker's inward displacement. `shift_px`
-    /// is the shift of the marker's image along the axes at its place, px. It is the focal length (px per radian)
-    /// multiplied by the angle of the shift. `None` without a calibration for tangential displacements, or if a number
-    /// is not finite.
+    /// is the shift of the marker's image along the axes at its place, px. The shift in px is the focal length (px per
+    /// radian) multiplied by the angle of the shift. `None` if there is no calibration for tangential displacements, or
+    /// if a number is not finite.
     pub fn tangential(&self, shift_px: [f64; 2], normal: f64) -> Option<[f64; 2]> {
         self.lateral.as_ref()?.read(shift_px, normal)
     }

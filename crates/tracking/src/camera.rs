@@ -6,9 +6,9 @@ use nalgebra::Vector3;
 
 use crate::{CalibrationError, Change, Marker, Track};
 
-/// An equidistant fisheye camera in the centre of a spherical sensor, with its axis through the apex. A direction at
-/// the angle θ from the axis is imaged at the distance r = f θ from the image's centre, where f is the focal length.
-/// With odd terms, r = f (θ + k3 θ³ + k5 θ⁵).
+/// An equidistant fisheye camera in the centre of a spherical sensor. Its axis passes through the apex. A direction at
+/// the angle θ from the axis has its image at the distance r = f θ from the image's centre, where f is the focal
+/// length. If the lens has odd terms, r = f (θ + k3 θ³ + k5 θ⁵).
 ///
 /// A place is a direction from the centre. Its two coordinates are the logarithm map from the apex, in radians: √(x² +
 /// y²) is the angle from the apex, and (x, y) points from the apex to the place. Image columns increase along x, and
@@ -62,8 +62,8 @@ impl Equidistant {
         Err(CalibrationError::out_of_range(what, value, needed))
     }
 
-    /// This camera with odd terms in its lens, r = f (θ + k3 θ³ + k5 θ⁵). Here r is the distance from the image's
-    /// centre. Image points beyond the angle at which r stops increasing are not valid places.
+    /// This camera with odd terms in its lens: r = f (θ + k3 θ³ + k5 θ⁵), where r is the distance from the image's
+    /// centre. Image points are not valid places beyond the angle at which r stops increasing.
     ///
     /// # Errors
     /// [`CalibrationError::OutOfRange`] unless `k3` and `k5` lie between -100 and 100.
@@ -87,7 +87,7 @@ impl Equidistant {
         self.px_per_rad
     }
 
-    /// Place of an image point, rad; the place of the apex if the point is not a valid place.
+    /// Place of an image point, rad. If the point is not a valid place, the result is the apex.
     pub fn place(&self, point_px: [f64; 2]) -> [f64; 2] {
         self.finite_place(point_px).unwrap_or_default()
     }
@@ -110,8 +110,8 @@ impl Equidistant {
     /// Great-circle displacement from one image point to another, rad, along the axes at the first place; 0 if a point
     /// is not a valid place.
     ///
-    /// The distance in pixels divided by the focal length equals this displacement only along the radius of the image.
-    /// Perpendicular to the radius, the image is stretched by the factor θ/sin θ.
+    /// In the radial direction of the image, this displacement equals the distance in pixels divided by the focal
+    /// length. In the perpendicular direction, the image is stretched by the factor θ/sin θ.
     fn shift(&self, rest_px: [f64; 2], pressed_px: [f64; 2]) -> [f64; 2] {
         match (self.finite_place(rest_px), self.finite_place(pressed_px)) {
             (Some(rest), Some(pressed)) => great_circle(rest, pressed),
@@ -119,8 +119,8 @@ impl Equidistant {
         }
     }
 
-    /// Change of a tracked marker, corrected for the distortion of the image. The shift is the focal length (px per
-    /// radian) multiplied by the angle of the displacement. The growth is half the change of the logarithm of the
+    /// Change of a tracked marker, corrected for the distortion of the image. The shift in px is the focal length (px
+    /// per radian) multiplied by the angle of the displacement. The growth is half the change of the logarithm of the
     /// marker's solid angle.
     pub fn change(&self, track: &Track) -> Option<Change> {
         let (rest, pressed) = (track.rest?, track.pressed?);
@@ -142,15 +142,15 @@ impl Equidistant {
         Some(change).filter(Change::is_finite)
     }
 
-    /// Factor by which the image enlarges an area at this angle from the camera's axis, compared with an area on the
-    /// axis.
+    /// Factor by which the image enlarges an area at the angle `angle` from the camera's axis, compared with an area on
+    /// the axis.
     fn stretching(&self, angle: f64) -> f64 {
         let [even, slope] = self.terms.map_or([1.0; 2], |terms| terms.stretches(angle));
         stretching(angle) * (even * slope)
     }
 }
 
-/// Factor θ/sin θ by which an equidistant image enlarges an area at this angle θ from the camera's axis. Beyond a right
+/// Factor θ/sin θ by which an equidistant image enlarges an area at the angle θ from the camera's axis. Beyond a right
 /// angle, the factor stays constant.
 fn stretching(angle: f64) -> f64 {
     let angle = angle.min(FRAC_PI_2);
@@ -161,7 +161,7 @@ fn stretching(angle: f64) -> f64 {
     }
 }
 
-/// The direction of a place, and the axes of the apex after parallel transport to this place.
+/// The direction of a place, and the two axes of the apex after parallel transport to this place.
 fn frame([x, y]: [f64; 2]) -> [Vector3<f64>; 3] {
     let angle = libm::hypot(x, y);
     let [along_x, along_y] = if angle > 0.0 {
@@ -201,7 +201,7 @@ const MIN_SLOPE: f64 = 0.01;
 /// Maximum number of Newton steps. A step that would leave the bracket is replaced by a bisection.
 const MAX_STEPS: usize = 64;
 
-/// The odd terms of a fisheye lens, r = f (θ + k3 θ³ + k5 θ⁵), with k3 and k5 of any finite size.
+/// The odd terms of a fisheye lens, r = f (θ + k3 θ³ + k5 θ⁵), where k3 and k5 may have any finite size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct OddTerms {
     k3: f64,
@@ -211,7 +211,7 @@ struct OddTerms {
 }
 
 impl OddTerms {
-    /// The terms with these coefficients, which may have any finite size.
+    /// The terms with the coefficients `k3` and `k5`, which may have any finite size.
     fn new(k3: f64, k5: f64) -> Self {
         let terms = Self {
             k3,
@@ -224,8 +224,8 @@ impl OddTerms {
         }
     }
 
-    /// Largest angle θ up to which the relative slope of the lens is at least [`MIN_SLOPE`]. It follows from the
-    /// smallest positive root of 5 k5 u² + 3 k3 u + 1 − `MIN_SLOPE`, where u = θ².
+    /// Largest angle θ up to which the relative slope of the lens is at least [`MIN_SLOPE`]. With u = θ², it is
+    /// computed from the smallest positive root of 5 k5 u² + 3 k3 u + 1 − `MIN_SLOPE`.
     fn first_root(self) -> f64 {
         let (square, linear, constant) = (5.0 * self.k5, 3.0 * self.k3, 1.0 - MIN_SLOPE);
         let inside = linear * linear - 4.0 * square * constant;
@@ -247,8 +247,8 @@ impl OddTerms {
         [term(1.0, 1.0), term(3.0, 5.0)]
     }
 
-    /// The angle from the axis at which the distance from the image's centre, divided by the focal length, is `scaled`.
-    /// `None` beyond the largest distance of a valid place.
+    /// The angle from the axis for a distance from the image's centre. `scaled` is this distance divided by the focal
+    /// length. `None` if no valid place has this distance.
     fn angle(self, scaled: f64) -> Option<f64> {
         let (mut low, mut high) = (0.0, self.max_angle);
         let distance = |angle: f64| angle * self.stretches(angle)[0];

@@ -9,15 +9,16 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error("the frame at rest has {} x {} px, the pressed one {} x {}", rest[0], rest[1], pressed[0], pressed[1])]
 pub struct SizesDiffer {
-    /// Width and height of the rest frame, px.
+    /// Width and height of the frame at rest, px.
     pub rest: [u32; 2],
     /// Width and height of the pressed frame, px.
     pub pressed: [u32; 2],
 }
 
-/// Image of the signed difference between the green channels of two frames, on white, as in Fig. 7b of the 2020 paper.
-/// Where the pressed frame has more green light, the image is green. Where it has less, the image is magenta, because
-/// magenta absorbs green light. A difference of `full_levels` grey levels (of 255) or more has the full colour.
+/// Image of the signed difference between the green channels of two frames, as in Fig. 7b of the 2020 paper. A pixel
+/// without a difference is white. A pixel with more green light in the pressed frame is green. A pixel with less green
+/// light is magenta, because magenta absorbs green light. A difference of `full_levels` levels (of 255) or more has the
+/// full colour.
 ///
 /// ```
 /// use std::num::NonZeroU8;

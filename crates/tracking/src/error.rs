@@ -1,10 +1,10 @@
-//! Errors of frames in which no markers can be found.
+//! Errors of the search for markers in a frame.
 
 use palpate_statistics::Number;
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Reason for which no markers can be found in a frame.
+/// Reason why no markers can be found in a frame.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum TrackingError {
@@ -43,11 +43,11 @@ pub enum TrackingError {
         x_px = Number(*x_px), y_px = Number(*y_px), radius_px = Number(*radius_px)
     )]
     MaskOutside {
-        /// Column of the circle's centre.
+        /// Column of the centre of the image circle.
         x_px: f64,
-        /// Row of the circle's centre.
+        /// Row of the centre of the image circle.
         y_px: f64,
-        /// Radius of the circle.
+        /// Radius of the image circle, px.
         radius_px: f64,
     },
     /// No shape in the frame has the size, form and colour of a marker.
@@ -59,7 +59,8 @@ pub enum TrackingError {
         /// Number of connected shapes that were examined.
         shapes: usize,
     },
-    /// The frame has more shapes than a sensor has markers: it is noisy, or it is not a frame of a sensor.
+    /// The frame has more connected shapes than a sensor has markers. Either it is noisy, or it is not a frame of a
+    /// sensor.
     #[error("{shapes} shapes differ from the background; at most {most} are allowed")]
     TooMany {
         /// Number of shapes.

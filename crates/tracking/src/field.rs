@@ -6,10 +6,10 @@ use thiserror::Error;
 
 use crate::camera::great_circle;
 
-/// A place on the skin, and the displacement of the skin there.
+/// A place on the skin, and the displacement of the skin at this place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Displaced {
-    /// The place at rest: its logarithm map from the apex, rad.
+    /// The place at rest, as its logarithm map from the apex, rad.
     pub place: [f64; 2],
     /// Displacement along the skin (length). Its components are along the axes of the apex, parallel-transported along
     /// the meridian to the place.
@@ -24,7 +24,7 @@ pub enum FieldError {
     /// There are no markers.
     #[error("a displacement field needs at least one marker, but there is none")]
     NoMarkers,
-    /// A number of a marker is not finite or too large, or the marker's place is more than half a turn from the apex.
+    /// A number of a marker is not finite or too large, or the marker is more than half a turn away from the apex.
     #[error(
         "marker {marker} (counting from 0): its displacement is not finite or beyond 1e100, or \
          its position is more than half a turn from the apex"
@@ -50,9 +50,9 @@ pub enum FieldError {
     },
 }
 
-/// The displacement field of the skin. Between the markers, the displacements are interpolated by natural neighbours.
-/// The interpolation is continuous everywhere, and smooth except at the markers. Outside of the convex hull of the
-/// markers, there is no displacement.
+/// The displacement field of the skin. Between the markers, the displacements are interpolated by natural-neighbour
+/// interpolation. The interpolation is continuous everywhere, and smooth except at the markers. Outside of the convex
+/// hull of the markers, the field is not defined.
 ///
 /// ```
 /// use palpate_tracking::{Displaced, Field};
@@ -91,7 +91,7 @@ impl HasPosition for Site {
 }
 
 impl Field {
-    /// The displacement field that interpolates between these markers.
+    /// The displacement field that interpolates between the given markers.
     ///
     /// # Errors
     /// [`FieldError`] if there are no markers, if a number is out of range, or if two markers have the same place.
@@ -134,7 +134,7 @@ impl Field {
         &self.markers
     }
 
-    /// The field in which the displacement of each marker is replaced by a weighted mean over all markers. The weights
+    /// A smoothed field: the displacement of each marker is replaced by a weighted mean over all markers. The weights
     /// are a Gaussian function of the great-circle distance, with the standard deviation `std_rad`. If `std_rad` is 0,
     /// the field does not change.
     ///
@@ -198,8 +198,8 @@ impl Field {
             .collect()
     }
 
-    /// Displacements on a grid of `count` by `count` places, which covers the bounding rectangle of the markers, row by
-    /// row with increasing y. Places outside the convex hull are omitted.
+    /// Displacements on a grid of `count` by `count` places, row by row with increasing y. The grid covers the bounding
+    /// rectangle of the markers. Places outside the convex hull of the markers are omitted.
     pub fn grid(&self, count: usize) -> Vec<Displaced> {
         let [columns, rows] = [0, 1].map(|axis| self.steps(axis, count));
         let places = rows
@@ -208,7 +208,8 @@ impl Field {
         places.filter_map(|place| self.at(place)).collect()
     }
 
-    /// Evenly spaced coordinates from the smallest to the largest coordinate of the markers.
+    /// The `count` coordinates of the grid along an axis, evenly spaced from the smallest to the largest coordinate of
+    /// the markers.
     fn steps(&self, axis: usize, count: usize) -> Vec<f64> {
         let all = || self.markers.iter().map(|marker| marker.place[axis]);
         let low = all().fold(f64::INFINITY, f64::min);
@@ -224,7 +225,7 @@ impl Field {
         }
     }
 
-    /// The displacement at `place`: the weighted mean of the markers' displacements.
+    /// The weighted mean of the markers' displacements, as the displacement at `place`.
     fn mean(&self, place: [f64; 2], weights: impl Iterator<Item = (usize, f64)>) -> Displaced {
         let mut sum = [0.0; 4];
         for (marker, weight) in weights {
@@ -246,9 +247,9 @@ impl Field {
     }
 
     /// Mean displacement of the skin away from the centre of the contact. The centre is the marker with the largest
-    /// normal displacement. The mean is over the other markers, weighted by their inward displacement. A positive
-    /// result means that the skin slips on the object, or that the object pushes it aside. `None` if no other marker
-    /// was displaced inward.
+    /// normal displacement. The mean is over the other markers, and their inward displacements are the weights. A
+    /// positive result means that the skin slips on the object, or that the object pushes it aside. `None` if no other
+    /// marker was displaced inward.
     pub fn outward(&self) -> Option<f64> {
         let normals = self.markers.iter().map(|marker| marker.normal).enumerate();
         let (centre, largest) = normals.fold((0, f64::NEG_INFINITY), |best, one| {
@@ -285,7 +286,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// The places of a 5 x 5 grid, all without displacement.
+    /// Markers on a 5 × 5 grid, all without displacement.
     fn still() -> Vec<Displaced> {
         let place = |index: i32| [index % 5, index / 5].map(|step| f64::from(step) * 0.1 - 0.2);
         (0..25)
@@ -344,8 +345,8 @@ mod tests {
         assert_relative_eq!(mean, (0.5 * 0.2 - 0.25 * 0.1) / 0.75, max_relative = 1e-12);
     }
 
-    /// Few markers, markers on a line, and markers that are almost at the same place also form a field, although only
-    /// on a small convex hull.
+    /// A field is also possible for few markers, for markers on a line, and for markers that are almost at the same
+    /// place. Its convex hull is then small.
     #[test]
     fn thin_fields() {
         let of = |x: f64, y: f64| Displaced {

@@ -12,20 +12,21 @@ use crate::selection::{self, Selection};
 use crate::shapes::{Shape, shapes};
 use crate::{Ground, Marker, Mask, TrackingError};
 
-/// The result of a search for the markers of a frame.
+/// The markers that were found in a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The image circle. If it was neither given by the caller nor found in the frame, it is a circle around the whole
-    /// frame.
+    /// The image circle. It was given by the caller or found in the frame. If neither is the case, it is a circle
+    /// around the whole frame.
     pub mask: Mask,
     /// Whether the background of the markers is bright or dark.
     pub ground: Ground,
     /// The markers that are completely visible, sorted by their distance from the middle of the circle.
     pub markers: Vec<Marker>,
-    /// Standard errors and covariances of each marker in `markers`, computed from the noise of the frame's pixels.
+    /// Standard errors and covariances of the markers, in the order of `markers`. They are computed from the noise of
+    /// the frame's pixels.
     pub errors: Vec<MarkerErrors>,
-    /// Markers that the circle or the frame cuts off, sorted by their distance from the middle of the circle. Only
-    /// their visible part is measured.
+    /// Markers that are cut off by the edge of the circle or of the frame, sorted by their distance from the middle of
+    /// the circle. Only their visible part is measured.
     pub cut: Vec<Marker>,
 }
 
@@ -41,13 +42,13 @@ impl Found {
 const MIN_SIDE: u32 = 16;
 /// Largest width and height of a frame, px.
 const MAX_SIDE: u32 = 32_768;
-/// Number of bins across the image circle. This number is enough to find markers.
+/// Number of bins across the image circle. With this resolution, all markers are found.
 const SQUARES_PER_CIRCLE: f64 = 256.0;
-/// Largest number of connected shapes that are accepted in a frame.
+/// Largest accepted number of connected shapes in a frame.
 const MAX_SHAPES: usize = 16_384;
 
 /// Finds the markers of frames. The diameter of a marker may be from 1/50 to 1/8 of the image circle's diameter. The
-/// finder reuses its memory for frames of the same size.
+/// finder reuses its memory, which saves time for frames of the same size.
 ///
 /// ```
 /// use image::{Rgb, RgbImage};
@@ -72,10 +73,11 @@ pub struct Finder {
 }
 
 impl Finder {
-    /// A finder for this image circle and this background. If an argument is `None`, it is estimated from the frame.
-    /// The circle is fitted to the rim, which is where the colour of the frame's corners ends. If the rim is not
-    /// approximately a circle, the whole frame is used. The background counts as bright if, in green and blue, the
-    /// darkest values are farther from the median than the brightest values.
+    /// A finder for frames with the image circle `circle` and the background `ground`. If an argument is `None`, it is
+    /// estimated from each frame. The circle is fitted to the rim, where the colour of the frame's corners ends. If the
+    /// rim is not approximately a circle, the whole frame is used. For the background, the green and blue values are
+    /// compared with their median. It is bright if the darkest values are farther from the median than the brightest
+    /// values.
     pub fn new(circle: Option<Mask>, ground: Option<Ground>) -> Self {
         Self {
             circle,
@@ -133,7 +135,7 @@ impl Finder {
         Ok(found)
     }
 
-    /// Half the side of the square of the top-hat transform, in bins.
+    /// Half the side of the square that the top-hat transform uses, in bins.
     fn half(&self, mask: &Mask, frame: &RgbImage) -> usize {
         let circle = (2.0 * mask.radius_px).min(f64::from(frame.width().min(frame.height())));
         let half = (circle / 16.0 / self.mask.frame.bin as f64).ceil() as usize;
@@ -149,7 +151,7 @@ impl Finder {
         )
     }
 
-    /// Measures the selected shapes, and returns only those that are markers.
+    /// Measures the selected shapes. Returns only the shapes that are markers.
     fn measure(
         &mut self,
         frame: &RgbImage,
@@ -201,7 +203,7 @@ impl Finder {
     }
 }
 
-/// Side of the bins with which markers are searched in a circle of this diameter, px.
+/// Side of the bins in which markers are searched, px. `circle_px` is the diameter of the image circle.
 fn bin(circle_px: f64) -> usize {
     ((circle_px / SQUARES_PER_CIRCLE) as usize)
         .clamp(1, LARGEST_BIN.min(circle_px as usize / 16).max(1))

@@ -7,16 +7,17 @@ use crate::image_circle::Rim;
 use crate::opening::Opening;
 use crate::selection::Selection;
 
-/// Width of the outer band of the image circle in which the rim may lie, relative to the radius.
+/// Width of the outer band of the image circle that may contain the rim, relative to the radius of the circle.
 const RIM_BAND: f64 = 0.08;
-/// Smallest contrast of markers, in standard deviations of the background's top-hat values.
+/// Smallest accepted contrast of markers, in standard deviations of the background's values in the top-hat transform.
 const MIN_CONTRAST_STDS: f64 = 4.0;
-/// Smallest contrast of markers, in grey levels; full light is 255.
+/// Smallest accepted contrast of markers, in levels (0 to 255).
 const MIN_CONTRAST: f64 = 10.0;
-/// Smallest brightness of a background on which dark markers can be found, in grey levels; full light is 255.
+/// Smallest brightness of a bright background on which dark markers can be found, in levels (0 to 255).
 const MIN_GROUND_BRIGHTNESS: usize = 12;
 
-/// Brightness of the background, which determines whether the markers are darker or brighter.
+/// Brightness of the background between the markers. The markers are darker than a bright background, and brighter than
+/// a dark background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Ground {
     /// The markers are dark on a bright background: they absorb light.
@@ -25,15 +26,15 @@ pub enum Ground {
     Dark,
 }
 
-/// A frame at lower resolution, and masks and images of the same size.
+/// A frame at lower resolution, with masks and intermediate images of the same size.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct GroundMask {
     pub(crate) frame: BinnedFrame,
-    /// Whether each bin shows the sensor.
+    /// For each bin, whether it shows the sensor.
     pub(crate) inside: Vec<bool>,
-    /// Top-hat transform of the frame: brightness of each bin above the brightness of the background around it.
+    /// Top-hat transform of the frame: for each bin, its brightness minus the brightness of the background around it.
     pub(crate) top_hat: Vec<u8>,
-    /// Whether each bin shows the background, that is, neither a marker nor a place near a marker.
+    /// For each bin, whether it shows the background, that is, neither a marker nor the surroundings of a marker.
     pub(crate) is_ground: Vec<bool>,
     middles: Vec<bool>,
     plane: Vec<u8>,
@@ -41,8 +42,8 @@ pub(crate) struct GroundMask {
 }
 
 impl GroundMask {
-    /// Marks the bins that show the sensor. If the rim was found, they are the bins inside the rim, otherwise the bins
-    /// inside the circle.
+    /// Marks the bins that show the sensor. They are the bins inside the rim or, if no rim was found, the bins inside
+    /// the circle.
     pub(crate) fn set_inside(&mut self, mask: &Mask, rim: Option<&Rim>) {
         let circle = mask.coarse(self.frame.bin);
         let band = RIM_BAND * circle.radius_px;
@@ -79,8 +80,8 @@ impl GroundMask {
         }
     }
 
-    /// Computes the image in which markers are bright. On a dark background, it is the brightest of the three colours.
-    /// On a bright background, it is the inverse of the smaller of green and blue.
+    /// Computes a grey image in which markers are bright. On a dark background, a pixel is the brightest of its three
+    /// colours. On a bright background, it is the inverse of the smaller of green and blue.
     fn set_plane(&mut self, ground: Ground) {
         let share = share_of(self.frame.pixels());
         let sums = self.frame.sums.iter();
@@ -95,8 +96,8 @@ impl GroundMask {
         }
     }
 
-    /// Computes the top-hat transform, with a structuring element of `2 half + 1` bins a side. On a bright background,
-    /// the result is divided by the brightness of the background.
+    /// Computes the top-hat transform. The structuring element is a square of `2 half + 1` bins a side. On a bright
+    /// background, the result is divided by the brightness of the background.
     pub(crate) fn set_top_hat(&mut self, ground: Ground, mask: &Mask, half: usize) {
         self.set_plane(ground);
         let size = [self.frame.width, self.frame.height];
@@ -120,7 +121,8 @@ impl GroundMask {
             }));
     }
 
-    /// The two classes of the top-hat values, background and markers; `None` if their contrast is too small.
+    /// Divides the values of the top-hat transform into two classes, background and markers. `None` if the contrast of
+    /// the classes is too small.
     pub(crate) fn classes(&self) -> Option<Classes> {
         let mut histogram = [0u32; 256];
         let squares = self.top_hat.iter().zip(&self.inside);
@@ -134,7 +136,7 @@ impl GroundMask {
         is_clear.then_some(classes)
     }
 
-    /// Marks the bins that show the background, that is, neither a marker nor a place near a marker.
+    /// Marks the bins that show the background, that is, neither a marker nor the surroundings of a marker.
     pub(crate) fn set_is_ground(&mut self, limit: u8, selection: &Selection) {
         self.is_ground.clear();
         self.is_ground.extend(
@@ -155,7 +157,7 @@ impl GroundMask {
         }
     }
 
-    /// First and last pixel that show the sensor, for each row of the full-resolution frame.
+    /// For each row of the full-resolution frame, the first and the last column that show the sensor.
     pub(crate) fn rows(&self, height: usize) -> Vec<(i32, i32)> {
         let bin = self.frame.bin;
         let mut rows = Vec::with_capacity(height);
@@ -174,7 +176,7 @@ impl GroundMask {
     }
 }
 
-/// Returns a function that divides a sum over `pixels` bytes by the number of bytes.
+/// Returns a function that converts a sum of `pixels` bytes to their mean.
 fn share_of(pixels: usize) -> impl Fn(u16) -> u8 {
     let scale = 65_536_u32.div_ceil(pixels as u32);
     move |sum| ((u32::from(sum) * scale) >> 16).min(255) as u8
@@ -197,11 +199,11 @@ fn scales() -> [u32; 256] {
 pub(crate) struct Classes {
     /// Limit between the classes. Pixels above this value belong to markers.
     pub(crate) limit: u8,
-    /// Mean of the background pixels.
+    /// Mean value of the background pixels.
     pub(crate) ground: f64,
-    /// Standard deviation of the background pixels.
+    /// Standard deviation of the values of the background pixels.
     pub(crate) ground_std: f64,
-    /// Mean of the marker pixels.
+    /// Mean value of the marker pixels.
     pub(crate) markers: f64,
 }
 

@@ -12,18 +12,18 @@ pub struct Mask {
     pub radius_px: f64,
 }
 
-/// Smallest share of the rim's points that must lie on one circle.
+/// Smallest accepted share of the rim's points that lie on one circle.
 const MIN_POINTS_ON_CIRCLE: f64 = 0.5;
-/// Smallest share of the circle along which the rim must be visible. Parts of the circle outside of the frame do not
-/// count.
+/// Smallest accepted share of the circle along which the rim is visible. Parts of the circle outside of the frame do
+/// not count.
 const MIN_VISIBLE: f64 = 0.8;
-/// Length of the steps along the circle, in bins. The rim counts as visible along a step that contains a point of the
-/// rim.
+/// Length of the arcs into which the circle is divided, in bins. The rim is visible along an arc if a point of the rim
+/// lies on it.
 const STEP: f64 = 4.0;
-/// Largest distance of a point of the rim from its circle: the first number (in bins) plus the second number multiplied
-/// by the radius of the circle.
+/// Largest accepted distance of a point of the rim from the circle. It is the first number (in bins) plus the second
+/// number multiplied by the radius of the circle.
 const MAX_DISTANCE: [f64; 2] = [1.5, 0.01];
-/// Number of circles that are tried. Each circle goes through three points of the rim.
+/// Number of circles that are tried. Each of them goes through three points of the rim.
 const TRIES: usize = 64;
 /// Largest number of rim points that are used.
 const MAX_POINTS: usize = 256;
@@ -38,8 +38,8 @@ impl Mask {
         }
     }
 
-    /// Returns the circle if its centre is in a frame of this size and its radius is positive and finite; otherwise an
-    /// error.
+    /// Returns the circle if its centre is in a frame of `width` columns and `height` rows and its radius is positive
+    /// and finite. Otherwise returns an error.
     pub(crate) fn check(self, width: u32, height: u32) -> Result<Self, TrackingError> {
         let [x, y] = self.centre_px;
         let within = (0.0..f64::from(width)).contains(&x) && (0.0..f64::from(height)).contains(&y);
@@ -54,8 +54,8 @@ impl Mask {
         }
     }
 
-    /// First column (inclusive) and end column (exclusive) of the pixels of a row that are inside the circle. The frame
-    /// has `width` columns. The radius of the circle is reduced by `less` px.
+    /// Columns of the pixels of a row that are inside the circle: the first column, and the column after the last. The
+    /// frame has `width` columns. The radius of the circle is reduced by `less` px.
     pub(crate) fn columns(&self, row: f64, less: f64, width: usize) -> (usize, usize) {
         let radius = self.radius_px - less;
         let across = radius * radius - (row - self.centre_px[1]).powi(2);
@@ -72,7 +72,7 @@ impl Mask {
         }
     }
 
-    /// The circle in units of bins of `bin` pixels a side.
+    /// The circle in the coordinates of bins. A bin has `bin` pixels a side.
     pub(crate) fn coarse(&self, bin: usize) -> Self {
         let bin = bin as f64;
         Self {
@@ -92,8 +92,8 @@ impl Mask {
         }
     }
 
-    /// The circle on which the rim lies, if the rim is visible along most of it. A ring of markers has gaps and is not
-    /// accepted.
+    /// The circle on which the rim lies, if the rim is visible along most of it. A ring of markers is not accepted,
+    /// because it has gaps.
     pub(crate) fn fit(rim: &Rim, binned: &BinnedFrame) -> Option<Self> {
         let points = rim.points();
         let circle = Circle::through_most(&points)?;
@@ -157,7 +157,8 @@ impl Circle {
             < MAX_DISTANCE[0] + MAX_DISTANCE[1] * self.radius
     }
 
-    /// Share of the circle that is covered by points. Parts of the circle outside of a frame of this size do not count.
+    /// Share of the circle that is covered by points. Parts of the circle outside of a frame with the size `size` do
+    /// not count.
     fn visible_share(&self, points: &[[f64; 2]], size: [f64; 2]) -> f64 {
         use std::f64::consts::TAU;
         let steps = (TAU * self.radius / STEP).ceil().max(8.0);
@@ -212,22 +213,21 @@ impl Circle {
     }
 }
 
-/// The rim of the visible part of the sensor. For each row and each column, it contains the first and the last bin
-/// whose colour differs from the colour of the frame's corners.
+/// The rim of the sensor in a frame. For each row and each column, it contains the first and the last bin whose colour
+/// differs from the colour of the frame's corners.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rim {
     rows: Vec<Option<[usize; 2]>>,
     columns: Vec<Option<[usize; 2]>>,
 }
 
-/// Largest colour difference between the corners, in grey levels; full light is 255.
+/// Largest accepted colour difference between the corners, in levels (0 to 255).
 const MAX_CORNER_DIFFERENCE: f64 = 16.0;
-/// Smallest difference from the colour of the corners at which a bin counts as part of the sensor, in grey levels; full
-/// light is 255.
+/// Smallest colour difference from the corners at which a bin counts as part of the sensor, in levels (0 to 255).
 const MIN_DIFFERENCE: f64 = 8.0;
 
 impl Rim {
-    /// Finds the rim if at least three of the frame's four corners have the same colour.
+    /// Finds the rim. `None` unless at least three of the frame's four corners have the same colour.
     pub(crate) fn find(binned: &BinnedFrame) -> Option<Self> {
         let (colour, tolerance) = corner_colour(binned)?;
         let (width, height) = (binned.width, binned.height);
@@ -249,7 +249,7 @@ impl Rim {
         })
     }
 
-    /// Whether a bin is outside of the rim along its row or its column.
+    /// Whether the bin (x, y) lies outside of the rim, along its row or along its column.
     pub(crate) fn excludes(&self, x: usize, y: usize) -> bool {
         let beyond = |ends: &Option<[usize; 2]>, at: usize| {
             ends.is_none_or(|[first, last]| at < first || at > last)
@@ -257,7 +257,7 @@ impl Rim {
         beyond(&self.rows[y], x) || beyond(&self.columns[x], y)
     }
 
-    /// Points of the rim, in bins. There are no points where the border of the frame cuts off the rim.
+    /// Points of the rim, in bins. Where the border of the frame cuts off the sensor, there are no points.
     pub(crate) fn points(&self) -> Vec<[f64; 2]> {
         let across = self.rows.iter().enumerate().filter_map(|(y, ends)| {
             let [left, right] = ends.as_ref()?;
@@ -285,8 +285,8 @@ impl Rim {
     }
 }
 
-/// The colour of the corners, as sums over bins, and the largest difference between the colour of a corner bin and this
-/// colour.
+/// The colour of the corners, as sums over bins. The second result is the largest difference between the colour of a
+/// bin in the corners and this colour.
 fn corner_colour(binned: &BinnedFrame) -> Option<([f64; 3], f64)> {
     let (width, height) = (binned.width, binned.height);
     let side = (width.min(height) / 40).max(2);
@@ -334,7 +334,7 @@ fn mean(values: &[[f64; 3]]) -> [f64; 3] {
         .map(|colour| values.iter().map(|value| value[colour]).sum::<f64>() / values.len() as f64)
 }
 
-/// The largest of the absolute differences between two colours in red, green and blue.
+/// The largest absolute difference between two colours, over red, green and blue.
 fn away(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a.iter()
         .zip(b)

@@ -24,41 +24,41 @@ const POWERS: [(i32, i32); 15] = [
     (1, 3),
     (0, 4),
 ];
-/// Side of the patches over which the background is averaged before the fit, in bins.
+/// Side of the patches, in bins. The background is averaged over a patch before the fit.
 const PATCH: usize = 8;
 /// Weight of the regularisation, relative to the weight of the patches. The regularisation limits the polynomial in
 /// areas where no background is visible.
 const REGULARISATION: f64 = 1e-7;
-/// Largest deviation of a patch from the fitted light, in standard deviations. Patches with a larger deviation are
-/// rejected.
+/// Largest accepted deviation of a patch from the fitted light, in standard deviations. Patches with a larger deviation
+/// are not used.
 const MAX_DEVIATION: f64 = 3.0;
 
 type Terms = SVector<f64, 15>;
 
-/// The colours of the background, 0 to 255, as a function of the position in the frame.
+/// The colour of the background as a function of the position in the frame. Colours are in levels (0 to 255).
 #[derive(Clone, Debug)]
 pub(crate) struct Lighting {
     centre: [f64; 2],
     radius: f64,
     /// Coefficients of the polynomial of each colour (red, green, blue), in the order of [`POWERS`].
     terms: [Terms; 3],
-    /// Standard deviation of the noise of a pixel's colour, in grey levels; full light is 255.
+    /// Standard deviation of the noise of each colour of a pixel, in levels (0 to 255).
     pub(crate) noise: f64,
 }
 
-/// One colour of the background at a place: its value, slopes and second derivatives.
+/// One colour of the background around a place: its value, slopes and second derivatives at this place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Local {
     value: f64,
     slope: [f64; 2],
-    /// Second derivatives: half the derivative with respect to x twice, the mixed derivative, and half the derivative
-    /// with respect to y twice.
+    /// Second derivatives at the place: half the derivative ∂²/∂x², the mixed derivative ∂²/∂x∂y, and half the
+    /// derivative ∂²/∂y².
     bend: [f64; 3],
 }
 
 impl Local {
-    /// The brightness along the row that is `dy` rows below the place, as a polynomial in x: its constant, linear and
-    /// quadratic coefficients.
+    /// The brightness along a row, as a polynomial in x: its constant, linear and quadratic coefficient. The row is
+    /// `dy` rows below the place.
     pub(crate) fn row(&self, dy: f64) -> [f32; 3] {
         [
             (self.value + dy * (self.slope[1] + dy * self.bend[2])) as f32,
@@ -76,7 +76,7 @@ struct Patch {
 }
 
 impl Lighting {
-    /// Fits the light to the bins for which `ground` is true, that is, which show the background.
+    /// Fits the light to the bins that show the background, that is, for which `ground` is true.
     pub(crate) fn fit(binned: &BinnedFrame, ground: &[bool], mask: &Mask) -> Self {
         let mut lighting = Self {
             centre: mask.centre_px,
@@ -104,7 +104,7 @@ impl Lighting {
         lighting
     }
 
-    /// Value and derivatives of one colour of the background at a place in the frame.
+    /// Value and derivatives of one colour of the background at the place `place` in the frame.
     pub(crate) fn about(&self, place: [f64; 2], colour: usize) -> Local {
         let [x, y] = [0, 1].map(|axis| (place[axis] - self.centre[axis]) / self.radius);
         let power = |base: f64, power: i32| match power {
@@ -235,8 +235,9 @@ impl Lighting {
     }
 }
 
-/// Standard deviation of a pixel's noise, from the median difference between neighbouring background bins. For three
-/// independent normally distributed colours, this median is 1.5382 √2 standard deviations of one colour.
+/// Standard deviation of the noise of a pixel. It is computed from the median colour difference between neighbouring
+/// background bins. If the noise of the three colours is independent and normally distributed, this median is 1.5382 √2
+/// standard deviations of one colour.
 fn noise(binned: &BinnedFrame, ground: &[bool]) -> f64 {
     let mut differences: Vec<i32> = Vec::new();
     let rows = binned

@@ -1,29 +1,29 @@
-//! A marker in a frame, and its change between a rest frame and a pressed frame.
+//! A marker in a frame, and its change from a frame at rest to a pressed frame.
 
 use strum::IntoStaticStr;
 
-/// A marker in a frame. In its coordinates, the middle of the first pixel is (0, 0); x counts columns to the right and
-/// y counts rows downward.
+/// A marker in a frame. The middle of the first pixel has the coordinates (0, 0). x counts columns to the right, and y
+/// counts rows downward.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Marker {
-    /// Centroid of the marker's contrast to the background, px.
+    /// Centroid of the marker, px. Each pixel is weighted by its contrast to the background.
     pub centroid_px: [f64; 2],
-    /// Hue of the marker, in turns, from 0 (red) to below 1: the HSV hue of the summed light of its pixels. Each pixel
-    /// is thereby weighted by its chroma.
+    /// Hue of the marker, in turns, from 0 (red) to below 1. It is the HSV hue of the sum of the light of its pixels.
     pub hue_turns: f64,
-    /// Mean of the HSV hues of the marker's pixels, in turns. It is not cyclic: the hue of red is both 0 and 1. Only
-    /// pixels with a saturation above 1/4 count; if there are none, the mean is `hue_turns`.
+    /// Mean of the HSV hues of the marker's pixels, in turns. The mean is arithmetic, not cyclic, although the hues 0
+    /// and 1 are both red. Only pixels with a saturation above 1/4 count. If there are no such pixels, the mean is
+    /// `hue_turns`.
     pub mean_hue_turns: f64,
-    /// Size: the total contrast to the background, px². On a bright background, each pixel contributes the absorbed
-    /// share of green light plus the absorbed share of blue light. The size of a disc that absorbs all light of one
-    /// colour equals its area. On a dark background, it is the sum of the light that the marker adds to its strongest
-    /// colour, as a share of full scale.
+    /// Size of the marker, px²: its total contrast to the background. On a bright background, each pixel contributes
+    /// the absorbed share of green light plus the absorbed share of blue light. A disc that absorbs all light of one of
+    /// these colours has the size of its area. On a dark background, each pixel contributes the light that the marker
+    /// adds to its strongest colour, as a share of full scale.
     pub size_px2: f64,
     /// Number of pixels of the marker's shape.
     pub pixels: u32,
 }
 
-/// Status of a marker between the rest frame and the pressed frame.
+/// Result of tracking a marker from the frame at rest to the pressed frame.
 #[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Status {
@@ -46,10 +46,10 @@ impl Status {
     }
 }
 
-/// A marker in a rest frame and in a pressed frame.
+/// A marker in the frame at rest and in the pressed frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Track {
-    /// The marker in the rest frame; `None` for a new marker.
+    /// The marker in the frame at rest; `None` for a new marker.
     pub rest: Option<Marker>,
     /// The marker in the pressed frame; `None` for a lost marker.
     pub pressed: Option<Marker>,
@@ -57,7 +57,7 @@ pub struct Track {
     pub status: Status,
 }
 
-/// Change of a marker between the rest frame and the pressed frame.
+/// Change of a marker from the frame at rest to the pressed frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Change {
     /// Shift of the centroid, px.
@@ -69,7 +69,7 @@ pub struct Change {
 }
 
 impl Track {
-    /// The change of a marker with the status `Tracked`. `None` for other statuses, or if a number is not finite.
+    /// The change of a marker. `None` unless its status is `Tracked` and all numbers are finite.
     ///
     /// ```
     /// use palpate_tracking::{Marker, Status, Track};
@@ -98,7 +98,8 @@ impl Track {
         Some(change).filter(Change::is_finite)
     }
 
-    /// Change of the mean hue of a tracked marker, turns; the mean is not cyclic. `None` for other statuses.
+    /// Change of the mean hue of a marker, turns. The mean hue is arithmetic, not cyclic. `None` unless the status of
+    /// the marker is `Tracked`.
     pub fn mean_hue_change(&self) -> Option<f64> {
         let (rest, pressed) = self.rest.zip(self.pressed)?;
         let change = pressed.mean_hue_turns - rest.mean_hue_turns;

@@ -1,5 +1,5 @@
-//! Centroid, hue and size of a marker, and their standard errors. They are computed from sums over the marker's window
-//! of pixels.
+//! Centroid, hue and size of a marker, and their standard errors. They are computed from sums over the window of pixels
+//! around the marker.
 
 use crate::measure::{PixelErrors, Sums};
 use crate::{Ground, Marker};
@@ -7,19 +7,20 @@ use palpate_statistics::hue_turns;
 
 /// Range of hues of markers on a bright background, in turns: from magenta over red to yellow.
 const MAGENTA_TO_YELLOW: [f64; 2] = [0.75, 0.22];
-/// Smallest chroma of markers on a bright background, relative to the absorbed green and blue light. The limit excludes
-/// grey dust. This ratio is 1 for pure magenta and pure yellow, and 1/2 where magenta lies over yellow.
+/// Smallest accepted chroma of markers on a bright background, relative to the absorbed green and blue light. Shapes
+/// with a lower ratio may be grey dust. The ratio is 1 for pure magenta and pure yellow, and 1/2 where magenta and
+/// yellow overlap.
 const MIN_CHROMA: f64 = 0.2;
-/// Relative standard deviation of the light of a pixel on a marker's edge, multiplied by the marker's radius in px. The
-/// light varies because the edge crosses the pixel grid differently at every place, and because the light of a pixel is
-/// assigned to its middle. The value was measured on discs of 8 to 26 px radius, with pixels that integrate the light
-/// over their area.
+/// Error of the light of a pixel on a marker's edge: its relative standard deviation multiplied by the marker's radius
+/// in px. The light varies because the edge crosses the pixel grid differently at every place, and because the light of
+/// a pixel is assigned to its middle. The value was measured on discs with radii of 8 to 26 px, with pixels that
+/// integrate the light over their area.
 const EDGE_PX: f64 = 0.067;
-/// Share of the variance of edge pixels that comes from an error which is the same in all colours.
+/// Share of the variance of edge pixels that is due to errors that are equal in all colours.
 const COMMON_SHARE: f64 = 0.5;
 
-/// The marker that follows from these sums; `None` if its hue is outside the range of markers or a number is out of
-/// range.
+/// The marker with the sums `sums` over its pixels. `None` if its hue is outside the range of markers, or if a number
+/// is out of range.
 pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marker> {
     let weights = weights(sums, ground);
     let light = dot(weights, sums.light);
@@ -45,7 +46,7 @@ pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marke
     })
 }
 
-/// Weights of the colours in a marker's centroid.
+/// Weights of red, green and blue light in the centroid of a marker.
 pub(crate) fn weights(sums: &Sums, ground: Ground) -> [f64; 3] {
     match ground {
         Ground::Bright => [0.0, 1.0, 1.0],
@@ -76,13 +77,13 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// the pixel grid at the marker's edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MarkerErrors {
-    /// Covariance of both coordinates of the centroid, px, the hue of the summed light, turns, and the natural
-    /// logarithm of the size.
+    /// Covariance of the errors of four numbers: both coordinates of the centroid (px), hue of the summed light
+    /// (turns), and natural logarithm of the size.
     pub covariance: [[f64; 4]; 4],
 }
 
 impl MarkerErrors {
-    /// Errors of the mean over `frames` frames, each of which has these errors.
+    /// Errors of the mean over `frames` frames, if each frame has the errors `self`.
     pub fn averaged(&self, frames: u32) -> Self {
         let share = f64::from(frames.max(1)).recip();
         Self {
@@ -175,7 +176,8 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
     MarkerErrors { covariance }
 }
 
-/// Mean share of light that a pixel of a marker of this radius absorbs or adds. `light` is the sum over the marker.
+/// Share of light that a pixel of a marker absorbs or adds, on average. `light` is the sum over the pixels of the
+/// marker, and `radius_px` its radius.
 fn share(light: f64, radius_px: f64) -> f64 {
     (light / (std::f64::consts::PI * radius_px * radius_px)).clamp(-1.0, 1.0)
 }

@@ -1,33 +1,37 @@
-//! Matches the markers of a rest frame with the markers of a pressed frame.
+//! Matches the markers of a frame at rest with the markers of a pressed frame.
 //!
-//! The method uses that neighbouring markers move similarly. In the first step, two markers are matched if each is the
-//! nearest marker to the other, and their distance is below half the distance to the next marker. The second step
-//! removes matches whose displacement differs from the displacement of their neighbours. It then searches each marker
-//! at the place that its matched neighbours predict. The second step is repeated until nothing changes.
+//! The method is based on the fact that neighbouring markers move similarly. In the first step, a marker at rest and a
+//! pressed marker are matched under two conditions: each is the nearest marker to the other, and their distance is less
+//! than half the distance between neighbouring markers. The second step removes matches whose displacement differs from
+//! the displacements of the neighbours. It then searches each marker at the place that its matched neighbours predict.
+//! The second step is repeated until nothing changes.
 
 use crate::{Marker, Status, Track};
 
-/// Largest distance of a match in the first step, relative to the distance to the next marker.
+/// Largest accepted distance between matched markers in the first step, relative to the distance between neighbouring
+/// markers.
 const FIRST_GATE: f64 = 0.5;
-/// Largest distance of a marker from its predicted place, relative to the distance to the next marker.
+/// Largest accepted distance of a marker from its predicted place, relative to the distance between neighbouring
+/// markers.
 const GATE: f64 = 0.3;
-/// Number of neighbours that predict a marker's place.
+/// Number of neighbours from which the place of a marker is predicted.
 const PREDICTORS: usize = 6;
 /// Largest number of repetitions of the second step of the method.
 const MAX_ITERATIONS: usize = 8;
-/// Largest relative difference between the size of a merged marker and the sum of the sizes of its parts.
+/// Largest accepted relative difference between the size of a merged marker and the sum of the sizes of its two parts.
 const SIZE_GATE: f64 = 0.3;
-/// Largest distance between two merging markers or between the pieces of a split marker, relative to the distance to
-/// the next marker.
+/// Largest distance between two markers that merge, or between the pieces of a split marker, relative to the distance
+/// between neighbouring markers.
 const REACH: f64 = 1.5;
 
 /// Matches the markers of a frame at rest with the markers of a pressed frame. Returns one track for each marker at
 /// rest, in the order of these markers, followed by one track for each new marker, in the order of the pressed markers.
 ///
-/// Markers are matched if they move by less than about a third of the distance to the next marker, or farther if all
-/// markers around them move in the same way. A merged marker is the pressed marker of both of its tracks. The pieces of
-/// a split marker are combined in its track, with their common centroid and total size. Markers with numbers that are
-/// not finite are not matched. The computing time is proportional to the product of the two numbers of markers.
+/// A marker is matched if it moves by less than about a third of the distance between neighbouring markers. It may move
+/// farther if all markers around it move in the same way. If two markers merged, both of their tracks contain the
+/// merged marker. If a marker was split, its track contains one marker with the common centroid and the total size of
+/// the pieces. Markers with numbers that are not finite are not matched. The computing time is proportional to the
+/// number of markers at rest multiplied by the number of pressed markers.
 ///
 /// ```
 /// use palpate_tracking::{Marker, Status, match_markers};
@@ -57,11 +61,11 @@ pub fn match_markers(rest: &[Marker], pressed: &[Marker]) -> Vec<Track> {
 struct Matching<'a> {
     rest: &'a [Marker],
     pressed: &'a [Marker],
-    /// Distance from each marker of the rest frame to its nearest neighbour, px.
+    /// Distance from each marker at rest to its nearest neighbour, px.
     spacing: Vec<f64>,
-    /// Neighbours of each marker of the rest frame, nearest first.
+    /// Neighbours of each marker at rest, sorted by increasing distance.
     around: Vec<Vec<usize>>,
-    /// For each marker of the rest frame, the index of the matched pressed marker; `None` without a match.
+    /// For each marker at rest, the index of the matched pressed marker; `None` if it is not matched.
     pairs: Vec<Option<usize>>,
 }
 
@@ -94,15 +98,15 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Matches pairs of markers in which each is the nearest marker to the other.
+    /// First step: matches pairs of markers in which each is the nearest marker to the other.
     fn match_nearest(&mut self) {
         let places: Vec<[f64; 2]> = self.rest.iter().map(|marker| marker.centroid_px).collect();
         self.pair(&places, FIRST_GATE);
     }
 
-    /// Matches markers of the rest frame with pressed markers. Each marker is expected at its place in `places`, and
-    /// may be matched with a pressed marker whose distance from this place is at most `gate` times the marker's
-    /// spacing.
+    /// Matches markers at rest with pressed markers. `places` contains the expected place of each marker at rest. It
+    /// may be matched with a pressed marker whose distance from this place is at most `gate` times the distance to the
+    /// marker's nearest neighbour.
     fn pair(&mut self, places: &[[f64; 2]], gate: f64) {
         let away = |at: usize, other: usize| distance(places[at], self.pressed[other].centroid_px);
         let closest = |count: usize, away: &dyn Fn(usize) -> f64| {
@@ -123,8 +127,8 @@ impl<'a> Matching<'a> {
         self.pairs = pairs;
     }
 
-    /// Removes matches whose displacement differs from the displacement of their neighbours. Then matches all markers
-    /// again at their predicted places.
+    /// Second step: removes matches whose displacement differs from the displacements of the neighbours. Then matches
+    /// all markers again at their predicted places.
     fn match_predicted(&mut self) {
         let is_outlier = |at: usize| {
             let moves = self.displacement(at).zip(self.expected_move(at));
@@ -144,7 +148,7 @@ impl<'a> Matching<'a> {
         Some([0, 1].map(|axis| pressed[axis] - rest[axis]))
     }
 
-    /// Displacement that the neighbours predict, that is, the median of their displacements along each axis.
+    /// Predicted displacement of a marker: along each axis, the median of the displacements of its neighbours.
     fn expected_move(&self, at: usize) -> Option<[f64; 2]> {
         let moves: Vec<[f64; 2]> = self.around[at]
             .iter()
@@ -194,7 +198,7 @@ impl<'a> Matching<'a> {
         tracks
     }
 
-    /// Finds lost markers that form one shape in the pressed frame together with another marker.
+    /// Finds lost markers that merged: they form one shape together with another marker in the pressed frame.
     fn merge(&self, places: &[[f64; 2]], tracks: &mut [Track], used: &mut [bool]) {
         for at in 0..self.rest.len() {
             if tracks[at].status != Status::Lost {
@@ -220,8 +224,9 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Index of the pressed marker that may be two merged markers `parts`. Of the pressed markers that are not `used`
-    /// and are near enough, it is the one closest to the midpoint between the expected places of both markers.
+    /// Index of the pressed marker that may be the two merged markers `parts`. It must not be `used`, and it must be
+    /// near the midpoint between the expected places of both markers. If there are several such markers, the nearest
+    /// one is returned.
     fn closest_free(&self, places: &[[f64; 2]], parts: [usize; 2], used: &[bool]) -> Option<usize> {
         let middle = [0, 1].map(|axis| 0.5 * (places[parts[0]][axis] + places[parts[1]][axis]));
         (0..self.pressed.len())
@@ -232,7 +237,7 @@ impl<'a> Matching<'a> {
             .map(|(other, _)| other)
     }
 
-    /// Finds lost markers that appear as two pieces in the pressed frame.
+    /// Finds lost markers that were split into two pieces in the pressed frame.
     fn split(&self, places: &[[f64; 2]], tracks: &mut [Track], used: &mut [bool]) {
         for at in 0..self.rest.len() {
             let reach = REACH * self.spacing[at];
@@ -271,8 +276,8 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Whether the size of `whole` is approximately the total size of the two parts, and its centroid is approximately
-    /// their common centroid.
+    /// Whether the marker `whole` may consist of two parts: its size is approximately the sum of their sizes, and its
+    /// centroid is approximately their common centroid.
     fn is_sum(&self, parts: &[([f64; 2], f64); 2], whole: &Marker, spacing: f64) -> bool {
         let size = parts[0].1 + parts[1].1;
         let centre = [0, 1]
@@ -305,7 +310,7 @@ fn pairs_of(items: &[usize]) -> impl Iterator<Item = [usize; 2]> {
     (0..items.len()).flat_map(move |a| (a + 1..items.len()).map(move |b| [items[a], items[b]]))
 }
 
-/// Indices of the `count` other markers that are nearest to this marker.
+/// Indices of the `count` other markers that are nearest to `marker`.
 fn nearest(markers: &[Marker], marker: &Marker, count: usize) -> Vec<usize> {
     let mut others: Vec<(usize, f64)> = markers
         .iter()

@@ -8,33 +8,34 @@ use crate::Ground;
 use crate::lighting::{Lighting, Local};
 use crate::shapes::{Shape, Window};
 
-/// Width of the ring in which the background is measured, px. The ring surrounds the window of a marker.
+/// Width of the ring in which the background around a marker is measured, px. The ring surrounds the window of the
+/// marker.
 const RING_PX: i32 = 4;
-/// Signal at which a marker ends, as a share of the mean signal of the markers.
+/// A marker ends where the mean signal of the markers falls below this share of its full value.
 const END_SIGNAL: f64 = 0.004;
-/// Largest distance from a shape at which a saturated pixel still counts as part of the shape's marker, px.
+/// Largest distance of a saturated pixel from a shape at which the pixel still counts as part of the marker, px.
 const HUE_REACH_PX: i32 = 2;
-/// Number of markers that are used to measure how far markers extend beyond their shapes.
+/// Number of markers on which the distance by which markers extend beyond their shapes is measured.
 const SAMPLE_SIZE: usize = 12;
-/// Smallest brightness of the background by which light is divided, in grey levels; full light is 255.
+/// Smallest brightness of the background that is used as a divisor, in levels (0 to 255).
 const MIN_BRIGHTNESS: f32 = 8.0;
-/// Largest relative difference between a background pixel and the fitted light. Pixels with a larger difference are not
-/// used.
+/// Largest accepted relative difference between a background pixel and the fitted light. Pixels with a larger
+/// difference are not used.
 const MAX_DIFFERENCE: f64 = 0.15;
 
-/// Sums over the pixels of a window. The light of a pixel is the share that a marker absorbs from a bright background
-/// or adds to a dark background.
+/// Sums over the pixels of a window. The light of a pixel is the share of light that a marker absorbs from a bright
+/// background or adds to a dark background.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     /// Number of pixels.
     pub(crate) count: f64,
-    /// Sum of the offsets of the pixels from the point `middle`, px.
+    /// Sum of the offsets of the pixels from the origin `middle`, px.
     pub(crate) place: [f64; 2],
     /// Sum over the pixels of the light of each colour. On a bright background, this light is the absorbed share of the
     /// background's light. On a dark background, it is the added light as a share of full scale.
     pub(crate) light: [f64; 3],
-    /// First moment of each colour about the point `middle`, px, that is, the sum of each pixel's light multiplied by
-    /// its offset.
+    /// First moment of each colour about the origin `middle`, px: the sum over the pixels of light multiplied by
+    /// offset.
     pub(crate) moment: [[f64; 2]; 3],
     /// Sums of red, green and blue over the pixels that determine the hue. On a bright background, these are all pixels
     /// of the window. On a dark background, they are the pixels of the shape, because the other pixels only add noise.
@@ -43,7 +44,7 @@ pub(crate) struct Sums {
     pub(crate) mean_hue: Option<f64>,
     /// Origin from which offsets are measured, px.
     pub(crate) middle: [f64; 2],
-    /// Variances of the summed pixels, for the errors of the marker.
+    /// Variances of the pixels, from which the errors of the marker are computed.
     pub(crate) errors: PixelErrors,
 }
 
@@ -52,19 +53,19 @@ pub(crate) struct Sums {
 pub(crate) struct PixelErrors {
     /// Sums of 1, x, y, x², xy and y² over the pixels of the window, where x and y are offsets from `middle`.
     pub(crate) window: [f64; 6],
-    /// Variance of each colour of a pixel, in squared shares of light.
+    /// Variance of the noise of a pixel, for each colour, in squared shares of light.
     pub(crate) pixel: [f64; 3],
-    /// Variance of the error that all pixels of the window have in common, in squared shares of light.
+    /// Variance of an error that is equal for all pixels of the window, for each colour, in squared shares of light.
     pub(crate) common: [f64; 3],
     /// Radius of a circle that has the area of the marker, px.
     pub(crate) radius_px: f64,
 }
 
-/// A frame with its background.
+/// A frame, with the light of its background.
 pub(crate) struct Scene<'a> {
     pub(crate) frame: &'a RgbImage,
     pub(crate) ground: Ground,
-    /// First and last column that show the sensor, for each row of the frame.
+    /// For each row of the frame, the first and the last column that show the sensor.
     pub(crate) rows: &'a [(i32, i32)],
     pub(crate) lighting: &'a Lighting,
     pub(crate) bin: usize,
@@ -72,7 +73,7 @@ pub(crate) struct Scene<'a> {
     pub(crate) diameter_px: f64,
 }
 
-/// A shape with its windows and its neighbours.
+/// A shape, with the windows of pixels around it and the indices of its neighbours.
 struct Patch {
     middle: [f64; 2],
     radius: f64,
@@ -83,21 +84,21 @@ struct Patch {
     local: [Local; 3],
 }
 
-/// Rule for pixels that are also in the window of a neighbouring marker.
+/// Rule for a pixel that lies in the windows of two neighbouring markers.
 #[derive(Clone, Copy, PartialEq)]
 enum Contested {
-    /// A pixel in two windows belongs to the nearer marker.
+    /// The pixel belongs to the nearer marker.
     Nearest,
-    /// A pixel in two windows belongs to neither marker.
+    /// The pixel belongs to neither marker.
     Nobody,
 }
 
-/// Relative difference between the background around a marker and the fitted light.
+/// Difference between the background around a marker and the fitted light, as a share of the light.
 #[derive(Clone, Copy, Default)]
 struct Offset {
     share: [f64; 3],
     variance: [f64; 3],
-    /// Variance of the error that remains in the difference after shrinkage.
+    /// Variance of the error of the difference that remains after shrinkage (see [`shrink`]).
     left: [f64; 3],
 }
 
@@ -171,8 +172,8 @@ impl Scene<'_> {
         }
     }
 
-    /// Distance by which markers extend beyond their shapes, px. It is the distance at which the mean signal of several
-    /// markers ends.
+    /// Distance by which markers extend beyond their shapes, px. It is the distance from the shape at which the mean
+    /// signal of several markers ends.
     fn reach(&self, patches: &mut [Patch]) -> i32 {
         let most = (0.4 * self.diameter_px).clamp(4.0, 16.0) as i32;
         self.grow(patches, most);
@@ -215,7 +216,7 @@ impl Scene<'_> {
     }
 
     /// Calls `pixel` for each pixel of `outer` that is not in `inner` and does not belong to a neighbour. The arguments
-    /// are the offset from the middle and the shares of light.
+    /// of `pixel` are the offset from the marker's middle and the shares of light.
     fn for_each_pixel(
         &self,
         patches: &[Patch],
@@ -267,8 +268,8 @@ impl Scene<'_> {
         }
     }
 
-    /// For each of red, green and blue: on a bright background, the share of the background's light that a pixel
-    /// absorbs; on a dark background, the light that it adds, as a share of full scale.
+    /// The light of a pixel, for red, green and blue. On a bright background, it is the share of the background's light
+    /// that the pixel absorbs. On a dark background, it is the light that the pixel adds, as a share of full scale.
     fn shares(&self, value: [u8; 3], light: &[[f32; 3]; 3], dx: f32) -> [f32; 3] {
         let ground = light.map(|[constant, linear, square]| constant + dx * (linear + dx * square));
         match self.ground {
@@ -320,7 +321,8 @@ impl Scene<'_> {
         }
     }
 
-    /// Mean of the hues, in turns, of the saturated pixels in and around a shape; the mean is not cyclic.
+    /// Mean hue of the saturated pixels in and around a shape, in turns. The mean is arithmetic, not cyclic. `None` if
+    /// there are no such pixels.
     fn mean_hue(&self, patch: &Patch) -> Option<f64> {
         let width = self.frame.width() as usize;
         let window = patch.hull.grown(HUE_REACH_PX, self.rows);
@@ -362,7 +364,7 @@ impl Scene<'_> {
     }
 
     /// Difference between the fitted light and the background in the ring around a window. The difference is computed
-    /// twice: the second time, pixels are rejected that differ too much from the first mean.
+    /// twice. The second time, pixels that differ too much from the first result are excluded.
     fn offset(&self, patches: &[Patch], at: usize) -> Offset {
         let patch = &patches[at];
         let mut ring: Vec<[f32; 3]> = Vec::new();
@@ -461,9 +463,9 @@ impl Patch {
     }
 }
 
-/// Multiplies each difference by the ratio of its true variance to its total variance (empirical Bayes shrinkage). This
-/// is useful because, in an evenly lit frame, the fitted light is much more accurate than the mean of the few pixels
-/// around a marker.
+/// Multiplies each difference by the ratio of its true variance to its total variance (empirical Bayes shrinkage). The
+/// reason is that the fitted light of an evenly lit frame is much more accurate than the mean of the few pixels around
+/// a marker.
 fn shrink(offsets: &mut [Offset]) {
     for colour in 0..3 {
         let (mut square, mut noise, mut count) = (0.0, 0.0, 0.0);

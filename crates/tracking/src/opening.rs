@@ -1,8 +1,8 @@
-//! Morphological opening of a grey image by a square, which is a part of the top-hat transform.
+//! Morphological opening of a grey image by a square. The top-hat transform needs it.
 //!
-//! The minimum over `n` neighbours can be computed from two minima over `n/2` neighbours. So the window is doubled
-//! until two overlapping windows cover `n` pixels. Along columns and along rows, the image is compared with a shifted
-//! copy of itself. No transposition is needed, and all operations use whole vectors.
+//! The minimum over `n` neighbours can be computed from two minima over `n/2` neighbours. Therefore the window is
+//! doubled until two overlapping windows cover `n` pixels. Along columns and along rows, the image is compared with a
+//! shifted copy of itself. No transposition is needed, and all operations use whole vectors.
 
 /// Buffers that the opening reuses.
 #[derive(Clone, Debug, Default)]
@@ -13,9 +13,9 @@ pub(crate) struct Opening {
 }
 
 impl Opening {
-    /// The opening of the grey image `plane`, whose rows have `width` bytes, by a square of `2 half + 1` pixels a side.
-    /// The middle of the square is only placed where `middles` is true. Pixels for which `inside` is false are ignored,
-    /// and the result at these pixels is meaningless.
+    /// The opening of a grey image by a square of `2 half + 1` pixels a side. The rows of the image `plane` have
+    /// `width` bytes. The middle of the square is only placed at pixels for which `middles` is true. Pixels for which
+    /// `inside` is false are ignored, and the result at these pixels is meaningless.
     pub(crate) fn open(
         &mut self,
         plane: &[u8],
@@ -107,8 +107,8 @@ impl Extreme for Greatest {
 mod tests {
     use super::*;
 
-    /// The opening by its definition. At each place, it is the maximum over all squares that have an allowed middle and
-    /// contain the place. The value of a square is the smallest brightness inside the square.
+    /// The opening by its definition. The value of a square is the smallest brightness inside the square. The opening
+    /// at a place is the largest value of all squares that contain the place and have an allowed middle.
     fn by_definition(
         plane: &[u8],
         width: usize,

@@ -7,36 +7,38 @@ use crate::shapes::{Run, Shape, join};
 pub(crate) struct Selection {
     /// Completely visible shapes.
     pub(crate) whole: Vec<Shape>,
-    /// Shapes that are cut off by the circle or the frame.
+    /// Shapes that the edge of the circle or of the frame cuts off.
     pub(crate) cut: Vec<Shape>,
     /// Diameter of a typical marker, in bins.
     pub(crate) diameter: f64,
 }
 
-/// Smallest area of a shape, in bins (the squares of pixels over which the frame is summed).
+/// Smallest area of a shape, in bins. A bin is a square of pixels.
 const MIN_AREA: usize = 9;
 /// Smallest and largest area of a complete marker, relative to the area of a typical marker.
 const AREAS: [f64; 2] = [0.3, 3.0];
 /// Smallest visible area of a cut-off marker, relative to the area of a typical marker.
 const MIN_CUT_AREA: f64 = 0.1;
-/// Area above which a shape is split into several markers if possible, relative to the area of a typical marker.
+/// Area above which a shape may be several markers, relative to the area of a typical marker. Such a shape is split if
+/// possible.
 const SPLIT_AREA: f64 = 1.6;
 /// Largest ratio of a marker's length to its width.
 const MAX_ELONGATION: f64 = 3.0;
-/// Smallest ratio of a marker's area to the area of the ellipse with the same second moments.
+/// Smallest accepted ratio of a marker's area to the area of the ellipse with the same second moments.
 const MIN_FILL: f64 = 0.7;
-/// Limit for the pixels of markers, relative to the 90 % quantile of a shape's values. Pixels below this limit may be
-/// shade.
+/// Smallest value of a marker's pixels, relative to the 90 % quantile of the values in its shape. Pixels with smaller
+/// values may be shade.
 const STEEP: f64 = 0.6;
 
 impl Selection {
-    /// All shapes: first the complete ones, then those that are cut off.
+    /// All shapes: first the complete shapes, then the shapes that are cut off.
     pub(crate) fn shapes(&self) -> impl Iterator<Item = &Shape> {
         self.whole.iter().chain(&self.cut)
     }
 }
 
-/// Selects the shapes that may be markers. `shapes` are the connected pixels whose value in `top_hat` is above `limit`.
+/// Selects the shapes that may be markers. `shapes` contains all connected shapes of pixels whose value in `top_hat` is
+/// above `limit`.
 pub(crate) fn select(
     shapes: Vec<Shape>,
     top_hat: &[u8],
@@ -88,8 +90,8 @@ pub(crate) fn select(
     }
 }
 
-/// Typical area of a marker. It is the median area of the shapes that may be markers, weighted by area. Because of
-/// these weights, specks have little influence.
+/// Typical area of a marker: the median area of the shapes that may be markers. Each shape has its area as its weight,
+/// so that small specks have little influence.
 fn typical_area(shapes: &[Shape]) -> Option<f64> {
     let mut areas: Vec<usize> = shapes
         .iter()
@@ -127,9 +129,9 @@ fn is_cut(shape: &Shape, width: usize, inside: &[bool]) -> bool {
     })
 }
 
-/// Splits a shape into the pieces that remain above a higher limit and have at least `least` pixels each. Pixels
-/// between the pieces are assigned to the nearest piece. If no limit separates the shape into several pieces, the
-/// function returns the shape itself.
+/// Splits a shape into pieces by raising the limit of brightness until the shape falls apart. Each piece must have at
+/// least `least` pixels. Pixels between the pieces are assigned to the nearest piece. If no limit separates the shape
+/// into several pieces, the function returns the shape itself.
 fn split(shape: Shape, plane: &[u8], width: usize, limit: u8, least: usize) -> Vec<Shape> {
     let greatest = shape.values(plane, width).max().unwrap_or(0);
     let step = (greatest.saturating_sub(limit) / 16).max(1);
@@ -149,7 +151,8 @@ fn split(shape: Shape, plane: &[u8], width: usize, limit: u8, least: usize) -> V
     vec![shape]
 }
 
-/// The pieces of a shape whose values are above a share of its 90 % quantile. This removes the shade around a marker.
+/// The pieces of a shape whose values are above the share [`STEEP`] of the 90 % quantile of its values. In this way,
+/// the shade around a marker is removed.
 fn steep(shape: &Shape, plane: &[u8], width: usize) -> Vec<Shape> {
     let mut values: Vec<u8> = shape.values(plane, width).collect();
     let high = values.len() * 9 / 10;
@@ -170,7 +173,7 @@ fn above(shape: &Shape, plane: &[u8], width: usize, limit: u8) -> Vec<Run> {
     runs
 }
 
-/// Appends the next pixel in the order of rows and columns, either to the last run or as a new run.
+/// Appends the next pixel, in the order of rows and columns. It extends the last run or begins a new run.
 fn push_pixel(runs: &mut Vec<Run>, row: usize, column: usize) {
     match runs.last_mut() {
         Some(last) if last.row == row && last.last + 1 == column => last.last = column,

@@ -1,4 +1,5 @@
-//! Connected shapes in a grey image, stored as runs of pixels in rows, and the windows of pixels around them.
+//! Connected shapes in a grey image, and the windows of pixels around them. Shapes are stored as runs of pixels in
+//! rows.
 
 /// Consecutive pixels in a row: the columns from `first` to `last`, both included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,14 +15,14 @@ impl Run {
     }
 }
 
-/// Pixels that are connected over edges or corners. They are stored as at least one run; the runs are sorted by rows
-/// and columns.
+/// Pixels that are connected by edges or corners. They are stored as one or more runs, which are sorted by rows and
+/// columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Shape {
     pub(crate) runs: Vec<Run>,
 }
 
-/// Form of a shape, from its second moments.
+/// Form of a shape, computed from its second moments.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Form {
     pub(crate) middle: [f64; 2],
@@ -81,8 +82,8 @@ impl Shape {
     }
 }
 
-/// The shapes of connected pixels whose value in the grey image `plane` is above `limit`, sorted by their first pixels.
-/// `None` if there are more than `most` shapes.
+/// Finds the shapes in the grey image `plane`: connected pixels whose value is above `limit`. The shapes are sorted by
+/// their first pixels. `None` if there are more than `most` shapes.
 pub(crate) fn shapes(plane: &[u8], width: usize, limit: u8, most: usize) -> Option<Vec<Shape>> {
     let mut runs = Vec::new();
     for (row, line) in plane.chunks_exact(width).enumerate() {
@@ -91,7 +92,7 @@ pub(crate) fn shapes(plane: &[u8], width: usize, limit: u8, most: usize) -> Opti
     join(&runs, most)
 }
 
-/// Number of bytes that are skipped together if none of them is above the limit.
+/// Number of bytes that are tested together, to skip them quickly if none of them is above the limit.
 const STRETCH: usize = 32;
 
 fn runs_of(line: &[u8], row: usize, limit: u8, runs: &mut Vec<Run>) {
@@ -126,7 +127,8 @@ fn runs_of(line: &[u8], row: usize, limit: u8, runs: &mut Vec<Run>) {
     }
 }
 
-/// Joins runs that touch over edges or corners into shapes. The runs must be sorted by rows and columns.
+/// Joins runs into shapes. Runs belong to one shape if they touch at edges or corners. The runs must be sorted by rows
+/// and columns. `None` if there are more than `most` shapes.
 pub(crate) fn join(runs: &[Run], most: usize) -> Option<Vec<Shape>> {
     let mut parents: Vec<usize> = (0..runs.len()).collect();
     let mut above = 0;
@@ -184,7 +186,7 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// The pixels of a shape that was found in bins of `bin` pixels a side, with the gaps in its rows filled.
+    /// The window of a shape that was found in bins of `bin` pixels a side. Gaps in the rows of the shape are filled.
     pub(crate) fn hull(shape: &Shape, bin: usize) -> Self {
         let (top, bottom) = (shape.first_row(), shape.last_row());
         let mut hull = vec![(i32::MAX, i32::MIN); bottom - top + 1];
@@ -202,7 +204,8 @@ impl Window {
         }
     }
 
-    /// All pixels within `reach` px of this window that lie between the first and last column in `rows`.
+    /// A window that is enlarged by `reach` px in all directions. Only pixels between the first and last column in
+    /// `rows` are included.
     pub(crate) fn grown(&self, reach: i32, rows: &[(i32, i32)]) -> Self {
         let top = (self.top - reach).max(0);
         let bottom = (self.top + self.rows.len() as i32 + reach).min(rows.len() as i32);
@@ -226,7 +229,7 @@ impl Window {
         Self { top, rows: grown }
     }
 
-    /// Sums over the window's pixels of 1, x, y, x², xy and y², where x and y are relative to `middle`.
+    /// Sums of 1, x, y, x², xy and y² over the pixels of the window. x and y are offsets from `middle`.
     pub(crate) fn moments(&self, middle: [f64; 2]) -> [f64; 6] {
         let mut sums = [0.0; 6];
         for (row, &(first, last)) in (self.top..).zip(&self.rows) {

@@ -93,7 +93,8 @@ impl PressScene {
     /// Adds the profile of this scene, with the estimate of trial number `trial`.
     ///
     /// # Errors
-    /// [`PressFailure`] if there is no press (no row is added), or if the trial failed (rows contain only true values).
+    /// [`PressFailure`] if the press is impossible or the trial failed. If the press is impossible, no row is added. If
+    /// the trial failed, the rows contain only true values.
     pub(super) fn push_profile(
         &self,
         cell: usize,

@@ -71,8 +71,8 @@ impl SensorVariation {
         }))
     }
 
-    /// Draws the sensor of a trial, and moves its discs by a press. The parameters of the sensor scatter about those of
-    /// the `nominal` sensor.
+    /// Draws the sensor of a trial, and computes the motions of its discs in a press. The parameters of the sensor
+    /// scatter about the parameters of the sensor `nominal`.
     pub(super) fn sensor(
         &self,
         nominal: &SimulatedCamera,

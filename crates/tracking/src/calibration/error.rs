@@ -11,11 +11,11 @@ pub enum CalibrationError {
     /// There are fewer points than a fit of a line needs.
     #[error("{count} {what}; a calibration needs at least {needed}")]
     TooFewPoints {
-        /// Name of the counted things: points or parts of the calibration.
+        /// Text that states what was counted: points, or parts of the calibration.
         what: &'static str,
-        /// Number of the counted things.
+        /// Number of points or parts that there are.
         count: usize,
-        /// Smallest number of these things that a calibration needs.
+        /// Smallest number of points or parts that a calibration needs.
         needed: usize,
     },
     /// All points have the same displacement.
@@ -26,7 +26,7 @@ pub enum CalibrationError {
     OneDisplacement {
         /// Kind of displacement: normal or tangential.
         what: &'static str,
-        /// Common displacement of all points, length.
+        /// Displacement that all points have, length.
         displacement: f64,
         /// Number of points of the fit.
         count: usize,

@@ -1,4 +1,4 @@
-//! Calibration of tangential displacements by the shift of a marker's centroid in the image.
+//! Calibration of tangential displacements, which are computed from the shift of a marker's centroid in the image.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,15 +11,15 @@ use super::normal::range;
 pub struct LateralPoint {
     /// Displacement along the skin, length. The components are along the axes at the marker's place.
     pub tangential: [f64; 2],
-    /// Shift of the image along the same axes, px. It is the focal length (px per radian) multiplied by the angle of
-    /// the shift.
+    /// Shift of the image along the same axes, px. The shift in px is the focal length (px per radian) multiplied by
+    /// the angle of the shift.
     pub shift_px: [f64; 2],
     /// Inward displacement, length, if it was measured.
     pub normal: Option<f64>,
 }
 
-/// Ratio of the centroid's shift to the tangential displacement. The ratio is p₀ + p₁ u, where u is the normal
-/// displacement and p₀ and p₁ are fitted.
+/// Calibration of tangential displacements. The ratio of the centroid's shift to the tangential displacement is p₀ + p₁
+/// u. Here u is the normal displacement, and p₀ and p₁ are fitted.
 ///
 /// ```
 /// use palpate_tracking::{LateralCalibration, LateralPoint};
@@ -49,16 +49,16 @@ pub struct LateralCalibration {
     /// Root mean square of the residuals of the fit, divided by the slope, length.
     pub residual_rms: f64,
     /// Standard deviation of the residuals of the fit, divided by the slope, length. It is corrected for the degrees of
-    /// freedom; `None` without degrees of freedom.
+    /// freedom; `None` if there are no degrees of freedom.
     pub residual_std: Option<f64>,
-    /// The fitted line without intercept, for a slope that does not depend on the normal displacement.
+    /// The fitted line without an intercept, for a ratio that does not depend on the normal displacement.
     pub line: Line,
     /// The fitted line with an intercept, for comparison; `None` if it cannot be determined.
     pub with_intercept: Option<Line>,
-    /// Smallest and largest tangential displacement of the points that were fitted, length.
+    /// Smallest and largest tangential displacement of the fitted points, length.
     pub range: [f64; 2],
-    /// Smallest and largest normal displacement of the points that were fitted, length. For a normal displacement
-    /// outside of this range, the nearer limit is used.
+    /// Smallest and largest normal displacement of the fitted points, length. A normal displacement outside of this
+    /// range is replaced by the nearer limit.
     pub normal_range: [f64; 2],
 }
 
@@ -68,12 +68,12 @@ const WORDS: Words = Words {
 };
 
 impl LateralCalibration {
-    /// Fits the shift of the centroid in the direction of the known displacement, as a function of the length of this
-    /// displacement.
+    /// Fits the ratio of shift to displacement. The shift is the component of the centroid's shift in the direction of
+    /// the known displacement.
     ///
     /// # Errors
-    /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, or for
-    /// a centroid that does not shift or shifts backward within the range of normal displacements.
+    /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, and if
+    /// the ratio is 0 or changes its sign in the range of normal displacements.
     pub fn fit(points: &[LateralPoint]) -> Result<Self, CalibrationError> {
         let numbers: Vec<[f64; 5]> = points
             .iter()
@@ -117,7 +117,8 @@ impl LateralCalibration {
         calibration.checked()
     }
 
-    /// Slope of the shift, px per length, for a marker with the inward displacement `normal`.
+    /// Ratio of the centroid's shift to the tangential displacement, px per length, for a marker with the inward
+    /// displacement `normal`.
     fn slope(&self, normal: f64) -> f64 {
         let [low, high] = self.normal_range;
         let normal = normal.max(low).min(high);

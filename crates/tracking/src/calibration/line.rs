@@ -4,10 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::CalibrationError;
 
-/// Largest magnitude of a number whose square can be added to other squares without overflow.
+/// Largest magnitude of the numbers in a fit. Squares of such numbers can be added without overflow.
 const LARGEST: f64 = 1e100;
 
-/// A least-squares line: a signal, such as the hue in turns or the shift in px, as a function of a known displacement.
+/// A line that is fitted by least squares: a signal as a function of a known displacement. The signal is, for example,
+/// the hue in turns or the shift in px.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Line {
@@ -23,7 +24,7 @@ pub struct Line {
     /// Root mean square of the signal's residuals, divided by the slope, length.
     pub residual_rms: f64,
     /// Standard deviation of the signal's residuals, divided by the slope, length. It is corrected for the degrees of
-    /// freedom; `None` without degrees of freedom.
+    /// freedom; `None` if there are no degrees of freedom.
     pub residual_std: Option<f64>,
     /// Number of points.
     #[serde(rename = "points")]
@@ -39,8 +40,8 @@ pub(super) struct Words {
     pub(super) signal: &'static str,
 }
 
-/// Fits a line to points (displacement, signal). A line with an intercept is of the kind in Fig. 6b and c of the 2020
-/// paper. A line without an intercept goes through the origin, because both numbers are zero at rest.
+/// Fits a line to points (displacement, signal). The 2020 paper fits lines with an intercept (Fig. 6b and c). A line
+/// without an intercept goes through the origin, because displacement and signal are 0 at rest.
 pub(super) fn fit(
     points: &[[f64; 2]],
     has_intercept: bool,
@@ -99,7 +100,8 @@ impl Line {
     }
 }
 
-/// The largest displacement and the largest signal of the points. Fails if the points do not determine a slope.
+/// The largest magnitude of the displacements, and the largest magnitude of the signals. Returns an error if the points
+/// do not determine a slope.
 fn spans(points: &[[f64; 2]], words: Words) -> Result<[f64; 2], CalibrationError> {
     finite(points.iter().map(|point| &point[..]))?;
     if points.len() < 2 {

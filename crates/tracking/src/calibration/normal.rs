@@ -1,4 +1,4 @@
-//! Calibration of normal displacements by the hue and size of a marker's image.
+//! Calibration of normal displacements, which are computed from the hue and the size of a marker's image.
 
 use std::collections::BTreeMap;
 
@@ -20,11 +20,11 @@ pub enum NormalFrom {
     #[default]
     Hue,
     /// Size. If a disc at the distance ρ from the camera moves inward by u, its image is enlarged by the factor ρ/(ρ −
-    /// u). The logarithm of this factor is the growth. Therefore the nearness 1 − 1/e^growth equals u/ρ, which is
-    /// proportional to the displacement.
+    /// u). The logarithm of this factor is the growth. The nearness is defined as 1 − 1/e^growth. It equals u/ρ, so it
+    /// is proportional to the displacement.
     Size,
-    /// Hue and nearness, with the weights that fit the known displacements best. The two features depend on different
-    /// displacements, so the result depends on the shape of the contact.
+    /// Hue and nearness, with the weights that fit the known displacements best. The hue and the nearness depend on
+    /// displacements at different depths, so the result depends on the shape of the contact.
     Both,
 }
 
@@ -49,7 +49,7 @@ impl NormalFrom {
     }
 }
 
-/// A marker with a known normal displacement, and the change of its image.
+/// Calibration point: a known normal displacement of a marker, and the change of the marker's image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalPoint {
     /// Index of the marker in the sensor, if it is known.
@@ -69,17 +69,17 @@ pub struct NormalCalibration {
     /// Feature from which normal displacements are computed.
     pub from: NormalFrom,
     /// Weights of the hue (per turn) and of the nearness in the signal. If only the hue is used, the weights are 1 and
-    /// 0 and the signal is in turns. If both features are used, the signal is a length.
+    /// 0, and the signal is in turns. If both features are used, the signal is in the unit of length.
     pub weights: [f64; 2],
     /// The fitted line through the origin. Displacements are computed from this line.
     pub line: Line,
     /// The fitted line with an intercept, for comparison; `None` if it cannot be determined.
     pub with_intercept: Option<Line>,
-    /// Smallest and largest displacement of the points that were fitted, length.
+    /// Smallest and largest displacement of the fitted points, length.
     pub range: [f64; 2],
-    /// Markers with a slope of their own, sorted by index.
+    /// Slopes of single markers, sorted by the index of the marker.
     pub gains: Vec<MarkerGain>,
-    /// Whether the markers' own slopes are used.
+    /// Whether displacements are computed with the slopes of single markers.
     pub uses_gains: bool,
 }
 
@@ -91,14 +91,14 @@ pub struct MarkerGain {
     pub marker: usize,
     /// Common slope of all markers, divided by the slope of this marker.
     pub gain: f64,
-    /// Line through the origin for this marker alone.
+    /// Line through the origin that is fitted to the points of this marker alone.
     pub line: Line,
 }
 
 impl NormalCalibration {
-    /// Fits one slope to all points. Also fits a slope for each marker with at least three different displacements, and
-    /// stores this slope if it is at least twice its standard error. These slopes of single markers are only used after
-    /// a call of [`NormalCalibration::per_marker`].
+    /// Fits one slope to all points. In addition, a slope is fitted for each marker with at least three different
+    /// displacements. It is stored if it is at least twice its standard error. The slopes of single markers are only
+    /// used after a call of [`NormalCalibration::per_marker`].
     ///
     /// # Errors
     /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, or for
@@ -131,7 +131,8 @@ impl NormalCalibration {
         calibration.checked()
     }
 
-    /// The calibration with a separate slope for each marker for which a slope was fitted.
+    /// The same calibration, but with the slopes of single markers. A marker without a slope of its own keeps the
+    /// common slope.
     pub fn per_marker(self) -> Self {
         Self {
             uses_gains: true,
@@ -139,7 +140,7 @@ impl NormalCalibration {
         }
     }
 
-    /// The signal for a change of a marker's image.
+    /// The signal from which the displacement is computed, for the change of a marker's image.
     fn signal(&self, change: &Change) -> f64 {
         signal(self.weights, change.hue_turns, nearness(change.growth))
     }
@@ -170,7 +171,7 @@ impl NormalCalibration {
     }
 }
 
-/// Relative decrease of a marker's distance from the camera: 1 - 1/e^growth. It is called nearness.
+/// Nearness: relative decrease of a marker's distance from the camera, 1 - 1/e^growth.
 fn nearness(growth: f64) -> f64 {
     -libm::expm1(-growth)
 }
@@ -188,9 +189,9 @@ pub(super) fn range(displacements: impl Iterator<Item = f64>) -> [f64; 2] {
     })
 }
 
-/// The weights for which the weighted sum of a marker's hue change and [`nearness`] fits the known displacements best.
-/// If hue and nearness always change in proportion, these are the weights with the smallest norm. If neither changes,
-/// both weights are zero.
+/// The weights of hue change and [`nearness`] with which their weighted sum fits the known displacements best. If hue
+/// change and nearness are always proportional to each other, the weights are not unique, and those with the smallest
+/// norm are returned. If neither changes, both weights are 0.
 fn best_weights(numbers: &[[f64; 3]]) -> [f64; 2] {
     let largest = |part: usize| {
         numbers
@@ -227,7 +228,7 @@ fn best_weights(numbers: &[[f64; 3]]) -> [f64; 2] {
     ]
 }
 
-/// Smallest number of different displacements of a marker for which a slope is fitted to this marker alone.
+/// Smallest number of different displacements of a marker for which a separate slope is fitted.
 const DIFFERENT_DISPLACEMENTS: usize = 3;
 
 fn gains(
@@ -275,7 +276,8 @@ mod tests {
         }
     }
 
-    /// Two markers at the distance 18 from the camera. The hue of the second marker changes twice as much per length.
+    /// Points of two markers at the distance 18 from the camera. The hue of the second marker changes twice as much per
+    /// length as that of the first.
     fn two_markers() -> Vec<NormalPoint> {
         (0..4)
             .flat_map(|step| {

@@ -1,5 +1,5 @@
-//! Property tests: valid frames, fields and points are processed. For any numbers and pixels, the result is finite or
-//! the expected error.
+//! Property tests. Valid frames, fields and points are processed without an error. For any numbers and pixels, the
+//! result is finite or an expected error.
 
 use image::RgbImage;
 use palpate_tracking::{
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 use crate::frames::{self, Bright};
 
-/// Any double; numbers of ordinary size are the most frequent.
+/// Any double. Numbers of ordinary size are drawn most frequently.
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => any::<u64>().prop_map(f64::from_bits),
@@ -109,8 +109,8 @@ proptest! {
         }
     }
 
-    /// For markers with any displacements, each in a separate square of a grid, there is a displacement field in their
-    /// convex hull.
+    /// Markers in separate squares of a grid have a displacement field in their convex hull, whatever their
+    /// displacements are.
     #[test]
     fn markers_apart_have_a_field(
         numbers in prop::collection::vec((pair_within(0.1), pair_within(2.0), -2.0..2.0), 4..16),
@@ -232,8 +232,8 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Nineteen discs on a white background, of any size, blur and noise in these ranges, are all found, and no other
-    /// marker is found.
+    /// Frames of nineteen discs on a white background, with random size, blur and noise. All discs are found, and no
+    /// other marker is found.
     #[test]
     fn discs_on_white_are_found(
         (disc_px, spacing) in (11.0..15.0, 26.0..32.0),

@@ -1,4 +1,4 @@
-//! Calibration from the published tables, and points from which no calibration is possible.
+//! Calibrations from the published tables, and points for which a calibration is impossible.
 
 use approx::assert_abs_diff_eq;
 use palpate_tracking::{
@@ -6,7 +6,7 @@ use palpate_tracking::{
     NormalCalibration, NormalFrom, NormalPoint,
 };
 
-/// Data of Fig. 6b of the 2020 paper: object, normal displacement in mm, hue in turns.
+/// Data of Fig. 6b of the 2020 paper. Columns: object, normal displacement (mm), hue (turns).
 const HUE: [(u8, f64, f64); 39] = [
     (0, 0.0929, 0.00342),
     (0, 0.1905, 0.00504),
@@ -49,7 +49,7 @@ const HUE: [(u8, f64, f64); 39] = [
     (2, 1.2640, 0.02859),
 ];
 
-/// Data of Fig. 6c: tangential displacement in mm, shift of the centroid in px.
+/// Data of Fig. 6c of the 2020 paper. Columns: tangential displacement (mm), shift of the centroid (px).
 const SHIFT: [[f64; 2]; 21] = [
     [0.0001, 0.0001],
     [0.1001, 1.6218],
@@ -97,7 +97,8 @@ fn shift_points() -> Vec<LateralPoint> {
         .collect()
 }
 
-/// Compares (slope, R², rms of the residual) of a line with the expected numbers, rounded to `units`.
+/// Compares three numbers of a line (slope, R², rms of the residual) with the expected numbers. The numbers are rounded
+/// to multiples of `units`.
 #[track_caller]
 fn assert_line(line: &Line, expected: [f64; 3], units: [f64; 3]) {
     let found = [line.slope, line.r_squared, line.residual_rms];
@@ -106,8 +107,8 @@ fn assert_line(line: &Line, expected: [f64; 3], units: [f64; 3]) {
     }
 }
 
-/// An independent reading of the figure gave 0.0258 turns/mm, R² 0.85 and a residual of 0.15 mm. These are the values
-/// of the line with an intercept; the residual is the rms residual divided by the slope.
+/// An independent reading of the figure gave 0.0258 turns/mm, R² 0.85 and a residual of 0.15 mm. These values belong to
+/// the line with an intercept. The residual is the rms residual divided by the slope.
 #[test]
 fn the_published_hue() {
     let fitted = NormalCalibration::fit(&hue_points(|_| true), NormalFrom::Hue).unwrap();
@@ -139,8 +140,8 @@ fn the_published_hue_of_each_object() {
     }
 }
 
-/// The test compares the fit with an independent reading of the figure, which gave 7.0 px/mm, and with the paper's R²
-/// of 0.99.
+/// The expected slope of 7.0 px/mm comes from an independent reading of the figure. The expected R² of 0.99 is stated
+/// in the paper.
 #[test]
 fn the_published_shift() {
     let fitted = LateralCalibration::fit(&shift_points()).unwrap();
@@ -279,8 +280,8 @@ fn lines_of_any_size_have_their_slope() {
     }
 }
 
-/// In this calibration, the displacement is 10 times the hue in turns, or 5 times the nearness 1 − exp(−growth), which
-/// is at most 1.
+/// In this calibration, the displacement is 10 times the hue change in turns, or 5 times the nearness 1 − exp(−growth),
+/// which is at most 1.
 #[test]
 fn changes_of_any_size_give_a_displacement_or_none() {
     let points: Vec<NormalPoint> = (0..9)

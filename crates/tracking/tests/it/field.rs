@@ -1,4 +1,4 @@
-//! Interpolation between markers whose arrangement is difficult to triangulate.
+//! Interpolation between markers that are difficult to triangulate.
 
 use std::f64::consts::TAU;
 
@@ -17,7 +17,8 @@ fn field(places: impl IntoIterator<Item = [f64; 2]>) -> Field {
     Field::new(&markers.collect::<Vec<_>>()).unwrap()
 }
 
-/// Positions around (x, y), at distances from below the rounding error to clearly larger ones.
+/// Positions around (x, y). Their distances from (x, y) range from less than the rounding error to clearly larger
+/// values.
 fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     let steps = [0.0, 1e-17, 1e-13, 1e-9, 1e-4];
     steps.into_iter().flat_map(move |step| {
@@ -28,8 +29,8 @@ fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-/// Checks that interpolated displacements do not exceed the displacements of the markers, because they are means of
-/// these. The tested points are at, between and near the markers.
+/// Checks that interpolated displacements do not exceed the displacements of the markers, because they are means of the
+/// markers' displacements. The tested points are at, between and near the markers.
 fn assert_means(field: &Field) {
     let markers = field.markers();
     for one in markers {

@@ -1,4 +1,4 @@
-//! Search for markers in frames whose true markers are known.
+//! Search for markers in frames with known markers.
 
 use image::{Rgb, RgbImage};
 use palpate_tracking::{Finder, Ground, Marker, Mask, TrackingError};
@@ -216,7 +216,7 @@ fn grey_dust_and_blue_stains_are_no_markers() {
     errors(&find(&frame).markers, &truth, 8.0);
 }
 
-/// Name of the error; `found` if there is none and the numbers of all markers are valid.
+/// Name of the error. If there is no error and all numbers of the markers are valid, the result is `found`.
 fn name(frame: &RgbImage, mut finder: Finder) -> &'static str {
     match finder.find(frame) {
         Ok(found) => {

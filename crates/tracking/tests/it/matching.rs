@@ -1,4 +1,4 @@
-//! Matching of markers between two frames. The number of each true marker is stored as its pixel count.
+//! Matching of markers between two frames. In these tests, the field `pixels` stores the number of the true marker.
 
 use palpate_tracking::{Marker, Status, Track, match_markers};
 
@@ -16,7 +16,7 @@ fn marker(place: [f64; 2], number: u32) -> Marker {
     }
 }
 
-/// A triangular lattice of 90 markers with random deviations.
+/// A triangular lattice of 90 markers, with random deviations of their positions.
 fn lattice(random: &mut Random) -> Vec<Marker> {
     (0..90)
         .map(|number| {
