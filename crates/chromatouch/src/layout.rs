@@ -70,8 +70,8 @@ pub enum Layout {
 }
 
 impl Layout {
-    /// The 77 visible markers of the sensor in the 2020 paper, estimated from its photograph: one marker at the apex
-    /// and, in each of four gores, rows of 1, 3, 3, 5 and 7 markers that are 11.9° apart.
+    /// The 77 visible markers of the sensor in the 2020 paper, estimated from its photograph. One marker is at the
+    /// apex. Each of four gores has rows of 1, 3, 3, 5 and 7 markers. The rows are 11.9° apart.
     pub fn published() -> Self {
         Self::Gores {
             gores: 4,

@@ -13,8 +13,8 @@ use crate::{
     Place, PressError, PressEstimate, PrincipalCurvatures, Prior, Reading, Verdict,
 };
 
-/// Number of fitted parameters: the components Sxx, Sxy and Syy of the logarithm of the curvature tensor, the position
-/// of the contact along two axes, and the indentation.
+/// Number of fitted parameters. They are the components Sxx, Sxy and Syy of the logarithm of the curvature tensor, two
+/// coordinates of the contact, and the indentation.
 const UNKNOWNS: usize = 6;
 /// Index of the indentation in the fitted parameters.
 const INDENTATION: usize = 5;

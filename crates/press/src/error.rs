@@ -110,8 +110,8 @@ pub enum PressError {
         /// Number of equations that the fit needs.
         needed: usize,
     },
-    /// All markers moved equally, or they did not move more than their noise. This test has a false alarm rate of less
-    /// than 5 %: without a contact, it detects one in less than 5 % of the presses (`cargo xtask intervals press`).
+    /// All markers moved equally, or they did not move more than their noise. If there is no contact, this test detects
+    /// one in less than 5 % of the cases (`cargo xtask intervals press`).
     #[error(
         "no contact was found: the best fit of a press reduces chi-squared by {improvement:.1}; \
          at least {needed:.1} is needed",

@@ -41,8 +41,8 @@ pub struct ImageFit<V> {
     /// The soft body, as two models: one computes displacements at the depth of the magenta discs, the other at the
     /// depth of the yellow discs.
     pub bodies: [Body; 2],
-    /// A small length, and the bodies for discs that are deeper by this length. They are needed for derivatives with
-    /// respect to the depths. Required if the depths of the discs are uncertain.
+    /// A small length, and the bodies for discs that are deeper by this length. The fit uses them for derivatives with
+    /// respect to the depths, so they are required if the depths are uncertain.
     pub deeper: Option<(f64, [Body; 2])>,
     /// Standard deviations of the sensor deviations in [`SensorState::common`]. The value 0 means that a sensor
     /// parameter is exactly equal to its nominal value.

@@ -2,9 +2,9 @@
 //! estimates the curvature of the object from these displacements.
 //!
 //! [`Body`], [`Skin`] and [`Markers`] compute the displacements of the markers from the relative curvature and the
-//! indentation. The body is a half-space with markers at its surface (Hertz), a half-space with markers at some depth,
-//! or a layer bonded to a rigid core. [`ForwardFit`] estimates the curvature from displacements of the markers.
-//! [`ImageFit`] estimates it from images of the markers.
+//! indentation. The body is a half-space or a layer that is bonded to a rigid core. The markers may be at the surface
+//! or deeper. [`ForwardFit`] estimates the curvature from displacements of the markers. [`ImageFit`] estimates it from
+//! images of the markers.
 
 mod body;
 mod bonded_layer;

@@ -286,8 +286,8 @@ fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
     !bearings.windows(2).any(is_gap)
 }
 
-/// Derivatives with respect to four fit parameters, in this order: the logarithm of the relative curvature, the
-/// displacements of the contact along the two axes at its place, and the indentation.
+/// Derivatives with respect to four fit parameters. The first is the logarithm of the relative curvature. Then follow
+/// the displacements of the contact along the two axes at its place, and the indentation.
 pub(crate) type Slopes = [f64; 4];
 
 /// Values of a contact that are needed for the derivatives of displacements.

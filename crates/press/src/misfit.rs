@@ -1,8 +1,8 @@
 //! Tests whether a press was fitted with the wrong model. Patterns in the residuals show that the soft body differs
 //! from the model or that the object is not round. Another test compares a stated indentation with its estimate.
 //!
-//! A pattern is a change of the markers' displacements. It is tested by Rao's score test: the amplitude of the pattern
-//! is treated as an additional fit parameter, and the resulting decrease of chi-squared is computed to first order.
+//! A pattern is a change of the markers' displacements. It is tested by Rao's score test. The amplitude of the pattern
+//! is treated as an additional fit parameter. The resulting decrease of chi-squared is computed to first order.
 
 use std::ops::Range;
 

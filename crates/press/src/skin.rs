@@ -10,9 +10,9 @@ const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 /// The skin of a sensor: a sphere, with coordinates relative to its apex. The skin of a flat pad is a sphere with an
 /// infinite radius.
 ///
-/// The coordinates (x, y) of a place are its logarithm map from the apex: the place is in the direction (x, y) from the
-/// apex, at the distance √(x² + y²) along the skin. The components of tangential displacements are along the axes of
-/// the apex, transported along the meridian to the place.
+/// The coordinates (x, y) of a place are its logarithm map from the apex. They point from the apex towards the place,
+/// and √(x² + y²) is the distance along the skin. The components of tangential displacements are along the axes of the
+/// apex, transported along the meridian to the place.
 ///
 /// ```
 /// use palpate_press::{Body, Skin};
@@ -73,8 +73,8 @@ impl Skin {
         self.radius.recip()
     }
 
-    /// The place with the coordinates (x, y). Coordinates of more than half a turn are reduced by whole turns. If √(x²
-    /// + y²) divided by the radius is not finite, the result is the apex.
+    /// The place with the coordinates (x, y). Coordinates of more than half a turn are reduced by whole turns. If x and
+    /// y, divided by the radius, are not finite angles, the result is the apex.
     pub fn place(&self, [x, y]: [f64; 2]) -> Place {
         let [x, y] = [x, y].map(|along| along / self.place_radius());
         let angle = libm::hypot(x, y);

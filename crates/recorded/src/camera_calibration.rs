@@ -18,8 +18,8 @@ const MIN_GROUND: u8 = 40;
 /// Largest accepted share of saturated pixels (green level 255) in the centre of a frame. Frames with a larger share
 /// are rejected.
 const MAX_SATURATED: f64 = 0.5;
-/// An odd term of the lens counts as determined by the frame if the ratio of its standard error to its prior standard
-/// deviation is at most this value.
+/// Largest ratio of an odd term's standard error to its prior standard deviation for which the frame counts as
+/// determining the term.
 const MAX_TERM_SHARE: f64 = 0.5;
 
 /// Fits a camera to the markers of a frame at rest. The study (or grid point of a study) must be a press with a camera.

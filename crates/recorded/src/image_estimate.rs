@@ -35,8 +35,8 @@ const OF_JPEG: &str = "the frames are compressed as JPEG, which changes all mark
 
 /// Estimates the curvature of an object from a frame at rest and a pressed frame, and computes the displacements of the
 /// markers. The markers at rest are matched with the layout, and a press is fitted to the centroid, hue and size of
-/// each tracked marker. The errors of these features are those that the tracker states. `tracked` is the tracking
-/// result of the two frames. `file` is the name of the readings in messages; `None` if the readings are not in a file.
+/// each tracked marker. The tracker states the errors of these features. `tracked` is the tracking result of the two
+/// frames. `file` is the name of the readings in messages; `None` if the readings are not in a file.
 ///
 /// If the scatter of the markers is larger than these errors explain, all uncertainties are multiplied by the same
 /// factor, and a warning states this. Misfits, p-value and reduced χ² of a press are computed with the errors that
@@ -125,8 +125,8 @@ struct Matched {
 }
 
 impl Matched {
-    /// Builds the match. The first tracks belong to the markers at rest, in the same order, so the index of a marker at
-    /// rest is also the index of its track.
+    /// Builds the match. A marker at rest has the same index as its track, because the first tracks belong to the
+    /// markers at rest, in the same order.
     fn of(tracks: Vec<Option<usize>>, tracked: &FramePair) -> Self {
         let is_tracked = |marker: &usize| {
             let track = tracks[*marker].and_then(|track| tracked.tracks.get(track));

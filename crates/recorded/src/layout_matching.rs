@@ -31,8 +31,8 @@ const DISCS: [(usize, &str); 10] = [
 pub(super) const CAMERA: [usize; 11] = [4, 5, 6, 7, 8, 9, 10, 11, 12, TERMS[0], TERMS[1]];
 /// Number of rough matching rounds before the final round.
 const ROUNDS: usize = 4;
-/// Standard deviations of a marker's image in the rough fits, in which the misalignments of the discs are still
-/// unknown: both centroid coordinates (px), hue (turns), and logarithm of the size.
+/// Standard deviations of a marker's image in the rough fits: both centroid coordinates (px), hue (turns), and
+/// logarithm of the size. They are large, because the misalignments of the discs are still unknown.
 const ROUGH_STDS: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
 /// Smallest share of the layout's markers that must be found, and largest share of found markers that are not in the
 /// layout. The first constant is for the final round, the second for the rough rounds.

@@ -24,7 +24,7 @@ use super::value::{FORMAT_VERSION, Value, finite};
 const LEAST_NOISE: f64 = 1e-10;
 
 /// Confidence level of the test whether the force grows with the power 3/2 of the indentation. Readings of a Hertzian
-/// contact pass this test with this probability; if they fail, there is a warning.
+/// contact pass this test with this probability. Readings that fail cause a warning.
 const LEVEL: f64 = 0.995;
 
 /// A recorded load curve.

@@ -29,9 +29,9 @@ const fn colour(status: Status) -> Colour {
 }
 
 /// The pressed frame, with a circle, a number and an arrow at each marker. The arrow shows the shift of the marker
-/// since the frame at rest, 5 times enlarged. The colour of a circle shows the status of the marker: blue tracked, red
-/// lost, orange merged, violet split, cyan new, grey only partly in the frame at rest. Small frames are enlarged by an
-/// integer factor.
+/// since the frame at rest, 5 times enlarged. The colour of a circle shows the status of the marker: blue (tracked),
+/// red (lost), orange (merged), violet (split), cyan (new) or grey (only partly in the frame at rest). Small frames are
+/// enlarged by an integer factor.
 pub fn overlay(pressed: &RgbImage, frames: &FramePair) -> RgbImage {
     let mut canvas = Canvas::new(pressed, SIDE);
     for marker in &frames.cut {

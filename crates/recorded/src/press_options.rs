@@ -39,7 +39,7 @@ pub struct PressOptions {
     /// Indentation, if it was measured separately, for example by the pose of a robot. By default, it is fitted. The
     /// setting `indentation_std` is its standard deviation. If this setting is 0 or not given, 2 % of the indentation
     /// is assumed, with a warning. (In a study, 0 means an exact indentation.) There is also a warning if the
-    /// indentation differs clearly from the indentation that is estimated from the readings alone.
+    /// indentation contradicts the readings.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub indentation: Option<f64>,
     /// Standard deviation of the noise of each normal displacement. By default, it is estimated from the residuals.

@@ -372,8 +372,8 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
 /// choice matters. A note then names the frame that was used.
 const MAX_FRAME_DIFFERENCE: f64 = 0.02;
 
-/// Positions of the components x, y, z and w in a list of the four components of a quaternion: w is last in the first
-/// constant, and first in the second.
+/// Orders in which a file may list the components of a quaternion. A list contains the positions of x, y, z and w. In
+/// the first order, the scalar part w is last; in the second, it is first.
 const SCALAR_LAST: [usize; 4] = [0, 1, 2, 3];
 const SCALAR_FIRST: [usize; 4] = [1, 2, 3, 0];
 

@@ -1,5 +1,5 @@
-//! Recognises columns in tables whose headers do not have palpate's names: tables without a header, logs of rostopic,
-//! and wide tables, in which the columns of several fingers are side by side.
+//! Recognises columns in tables whose headers do not have palpate's names. Such tables are tables without a header,
+//! logs of rostopic, and wide tables. In a wide table, the columns of several fingers are side by side.
 
 use palpate_study::readings::{Column, MATRIX, Measure, QUATERNION, quaternion_part, spelt};
 

@@ -48,8 +48,8 @@ pub(super) struct TextTable<'a> {
     pub(super) header: Vec<String>,
     /// Line number of the header.
     pub(super) header_line: usize,
-    /// For a wide table, in which a row contains several fingers: the names of the columns in the file, and the
-    /// division of these columns among the fingers.
+    /// For a wide table: the names of the columns in the file, and the division of these columns among the fingers. In
+    /// a wide table, a row contains several fingers.
     wide: Option<(Vec<String>, Wide)>,
     /// Number of missing contacts in a wide table: a contact is missing if the fields of its finger are empty.
     lost: Cell<usize>,

@@ -42,8 +42,9 @@ impl Calibration {
     /// A calibration for normal displacements, for tangential displacements, or for both. `markers` is the number of
     /// markers that the sensor shows at rest; `None` if it is not known.
     ///
-    /// # Errors [`CalibrationError::TooFewPoints`] if both parts are missing; [`CalibrationError::OutOfRange`]
-    /// for a number that is not finite, or for a slope of 0.
+    /// # Errors
+    /// [`CalibrationError::TooFewPoints`] if both parts are missing; [`CalibrationError::OutOfRange`] for a number that
+    /// is not finite, or for a slope of 0.
     pub fn new(
         normal: Option<NormalCalibration>,
         lateral: Option<LateralCalibration>,

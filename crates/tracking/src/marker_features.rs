@@ -72,9 +72,9 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Errors of a marker's centroid, hue and size in a frame. They have four causes: the noise of the pixels (estimated
-/// from the background), the rounding of pixels to whole levels, the error of the fitted light of the background, and
-/// the pixel grid at the marker's edge.
+/// Errors of a marker's centroid, hue and size in a frame. They have four causes: the noise of the pixels, the rounding
+/// of pixels to whole levels, the error of the background's fitted light, and the pixel grid at the marker's edge. The
+/// noise of the pixels is estimated from the background.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MarkerErrors {
     /// Covariance of the errors of four numbers: both coordinates of the centroid (px), hue of the summed light

@@ -1,10 +1,10 @@
 //! Matches the markers of a frame at rest with the markers of a pressed frame.
 //!
 //! The method is based on the fact that neighbouring markers move similarly. In the first step, a marker at rest and a
-//! pressed marker are matched under two conditions: each is the nearest marker to the other, and their distance is less
-//! than half the distance between neighbouring markers. The second step removes matches whose displacement differs from
-//! the displacements of the neighbours. It then searches each marker at the place that its matched neighbours predict.
-//! The second step is repeated until nothing changes.
+//! pressed marker are matched under two conditions. Each must be the nearest marker to the other, and their distance
+//! must be less than half the distance between neighbouring markers. The second step removes matches whose displacement
+//! differs from the displacements of the neighbours. It then searches each marker at the place that its matched
+//! neighbours predict. The second step is repeated until nothing changes.
 
 use crate::{Marker, Status, Track};
 

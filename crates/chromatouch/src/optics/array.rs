@@ -198,9 +198,9 @@ impl MarkerArray {
         Ok(self)
     }
 
-    /// Misalignment of each marker: the displacement of its yellow disc relative to its magenta disc along the skin, as
-    /// an angle at the sensor's centre, rad. The components are along the axes of the apex, parallel-transported along
-    /// the meridian to the marker.
+    /// Misalignment of each marker: the displacement of its yellow disc relative to its magenta disc along the skin. It
+    /// is an angle at the sensor's centre, rad. The components are along the axes of the apex, parallel-transported
+    /// along the meridian to the marker.
     pub fn misalignments(&self) -> Vec<[f64; 2]> {
         self.stands.iter().map(|stand| stand.misalignment).collect()
     }

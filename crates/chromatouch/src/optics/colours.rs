@@ -46,8 +46,8 @@ pub(super) struct Contrast {
     pub(super) hue_turns: Option<f64>,
 }
 
-/// Contrasts of the three regions of a marker: the region that only the magenta disc covers, the region that only the
-/// yellow disc covers, and their overlap.
+/// Contrasts of the three regions of a marker. One region is covered only by the magenta disc, one only by the yellow
+/// disc, and one by both discs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contrasts {
     pub(super) magenta: Contrast,

@@ -150,8 +150,8 @@ impl Local {
         }
     }
 
-    /// A lens with odd terms. With m = r / (f θ) and n = m r′ / f, which are polynomials in u = θ², the scale is g = f
-    /// q m and the area is J = f² q n.
+    /// A lens with odd terms. Let m = r / (f θ) and n = m r′ / f, which are polynomials in u = θ². Then the scale is g
+    /// = f q m and the area is J = f² q n.
     fn odd(focal: f64, polar: f64, cosine: f64, stretch: &Stretch, terms: OddTerms) -> Self {
         let OddTerms { k3, k5 } = terms;
         let square = polar * polar;
@@ -223,9 +223,9 @@ pub(super) fn cap(lens: Lens, local: &Local, sine: f64, cosine: f64) -> Region {
     }
 }
 
-/// The image of a cap through a fisheye, to second order in its angular radius α. The mean of a function over a cap of
-/// height h = 1 − cos α is the function's value in the middle of the cap, plus h/4 times the function's Laplacian in
-/// the middle.
+/// The image of a cap through a fisheye, to second order in its angular radius α. Let h = 1 − cos α be the height of
+/// the cap. The mean of a function over the cap is the function's value in the middle plus h/4 times the function's
+/// Laplacian in the middle.
 #[inline]
 fn fisheye_cap(local: &Local, sine: f64, cosine: f64) -> Region {
     let height = sine * sine / (1.0 + cosine);

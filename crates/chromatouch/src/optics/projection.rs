@@ -13,8 +13,8 @@ use super::{Camera, MarkerMotion, Optics, OpticsError, SeenMarker};
 
 impl Optics {
     /// Features of each marker in the image, in the order of the markers. A frame with very small pixels and without
-    /// blur, uneven light, seams and noise has the same features. `None` for a marker without a motion (it is missing),
-    /// for a marker that is not completely in the image circle, and for a marker whose discs absorb no light.
+    /// blur, uneven light, seams and noise has the same features. `None` for a missing marker (its motion is `None`),
+    /// for a marker that is not completely in the image circle, and for a marker that absorbs no light.
     ///
     /// The image of each disc has the accuracy of [`Camera::disc_area`]. The overlap of two discs is computed to second
     /// order in their angular radius α. The error of the size is of the order of α⁴ relative to the size. The error of
@@ -105,7 +105,7 @@ impl Aim {
         ]
     }
 
-    /// Whether a disc whose middle is in this direction is completely in the image circle.
+    /// Whether a disc is completely in the image circle. The middle of the disc is in the direction of `self`.
     #[inline]
     fn holds(&self, camera: &Camera, disc: &Sight) -> bool {
         if self.polar > camera.rim_rad {

@@ -103,8 +103,8 @@ fn relative_bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> f
     }
 }
 
-/// Bias of the fit parameters: −½ Σ Jᵀ d. J contains the first derivatives of the model, Σ is the covariance of the fit
-/// parameters, and d is the sum of the second derivatives of the model along the columns of the Cholesky factor of Σ.
+/// Bias of the fit parameters: −½ Σ Jᵀ d. J contains the first derivatives of the model, and Σ is the covariance of the
+/// fit parameters. d is the sum of the model's second derivatives along the columns of the Cholesky factor of Σ.
 fn bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> Result<Unknowns, PressError> {
     let factor = covariance.cholesky().ok_or(PressError::OutOfRange)?;
     let middle = problem.residuals_of_all(state)?;

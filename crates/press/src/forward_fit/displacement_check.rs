@@ -108,10 +108,10 @@ impl ForwardFit {
     }
 
     /// Tests an estimate of this fit and returns the ways in which the readings contradict the model. A stated
-    /// indentation is tested separately by [`Self::check_indentation`]. Only the size of the residuals is tested in
-    /// these cases: an elliptic contact, the Gaussian approximation, an undetected contact, or hardly more equations
-    /// than fit parameters. If the residuals are too large for the stated noise, the tests for outliers and patterns
-    /// use the noise of the residuals instead.
+    /// indentation is tested separately by [`Self::check_indentation`]. In these cases, only the size of the residuals
+    /// is tested: an elliptic contact, the Gaussian approximation, an undetected contact, or hardly more equations than
+    /// parameters. If the residuals are too large for the stated noise, the tests for outliers and patterns use the
+    /// noise of the residuals instead.
     ///
     /// # Errors
     /// Errors of [`ForwardFit::estimate`], and [`PressError::OutOfRange`] if the estimate is not from this fit.

@@ -98,7 +98,7 @@ impl<'a> Problem<'a> {
         problem
     }
 
-    /// Restricts the used markers to those within the window around the contact.
+    /// Restricts the fit to the markers within the window around the contact.
     pub(super) fn keep_window(&mut self, state: &State) {
         let Some(window) = self.fit.window else {
             return;

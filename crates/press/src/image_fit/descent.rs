@@ -35,8 +35,8 @@ struct Minimum {
     cost: Cost,
 }
 
-/// Cost of a set of sensor parameters. Costs are compared first by the number of hidden markers (markers that have a
-/// reading but are not visible in the model), then by the sum of squares of the other markers.
+/// Cost of a set of sensor parameters. A marker is hidden if it has a reading but is not visible in the model. Costs
+/// are compared first by the number of hidden markers, then by the sum of squares of the other markers.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 struct Cost {
     hidden: usize,

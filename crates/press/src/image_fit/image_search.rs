@@ -46,8 +46,8 @@ const EXACTLY: f64 = 1e-6;
 
 impl<V: View + Clone> ImageFit<V> {
     /// Estimates the press from the readings of one frame and from the sensor at rest. The reading of a marker that is
-    /// not visible is `None`. If the readings are exact and the standard error of the curvature is smaller than the
-    /// curvature, the error of the most likely curvature is below 1/1000 of its standard error.
+    /// not visible is `None`. For exact readings, the error of the most likely curvature is below 1/1000 of its
+    /// standard error. This requires that the standard error is smaller than the curvature.
     ///
     /// # Errors
     /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for invalid settings and

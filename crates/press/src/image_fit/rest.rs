@@ -28,8 +28,8 @@ pub struct Rest {
     /// Information matrix (inverse covariance) of the uncertain common sensor deviations, from the frame at rest and
     /// the priors.
     pub(super) information: DMatrix<f64>,
-    /// For each marker, two matrices: the derivative of its misalignment with respect to the uncertain common sensor
-    /// deviations, and the covariance of its misalignment if the sensor deviations were known.
+    /// For each marker, how its misalignment depends on the uncertain common sensor deviations, and how uncertain it
+    /// would be if they were known.
     pub(super) local: Vec<Option<Local>>,
     /// Images of the markers at rest, with derivatives, for the sensor at which the model was linearised.
     pub(super) slopes: Arc<PictureSlopes>,

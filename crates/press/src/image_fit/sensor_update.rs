@@ -1,9 +1,9 @@
 //! Updates the sensor's parameters with the frame at rest and the pressed frame together.
 //!
 //! The model of the pressed frame is linearised with respect to the deviations of the sensor. This is inaccurate if the
-//! two discs of a marker nearly coincide: their edges may then touch, and the image is nonlinear within the uncertainty
-//! of the sensor deviations. Therefore the model is linearised again at the sensor that fits both frames best, and the
-//! fit is continued.
+//! edges of a marker's two discs nearly touch. The image is then nonlinear within the uncertainty of the sensor
+//! deviations. Therefore the model is linearised again at the sensor that fits both frames best, and the fit is
+//! continued.
 
 use std::borrow::Cow;
 

@@ -324,8 +324,8 @@ fn a_gain_prior_widens_the_interval_to_contain_the_truth() {
 }
 
 /// Columns: effective radius, indentation δ, and amplitude, σ, R² and σ²/δ of a Gaussian. Another program fitted the
-/// Gaussian by unweighted least squares to the displacements of a half-space at a depth of 2 mm, at 60 equally spaced
-/// distances from 0 to twice the contact radius.
+/// Gaussian by unweighted least squares. The data are displacements of a half-space at a depth of 2 mm. They are at 60
+/// equally spaced distances, from 0 to twice the contact radius.
 const GAUSSIANS: [[f64; 6]; 4] = [
     [26.67, 1.0, 0.870, 5.385, 0.977, 29.0],
     [20.0, 1.0, 0.844, 4.763, 0.978, 22.7],

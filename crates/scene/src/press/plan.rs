@@ -129,9 +129,9 @@ fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), FieldE
     Ok((markers, places))
 }
 
-/// Decides how the true displacements in a layer are computed: from tables (the result is the thickness of the layer)
-/// or by direct solutions (the result is `None`). Tables are used if two conditions are met. They are accurate enough
-/// for `auto`, and either the fit uses the same tables or there are many markers.
+/// Decides how the true displacements in a layer are computed. If they are computed from tables, the result is the
+/// thickness of the layer. If they are computed by direct solutions, the result is `None`. Tables are used if they are
+/// accurate enough for `auto`, and if the fit uses the same tables or there are many markers.
 fn layer_with_tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> {
     let thickness = config.model.thickness();
     let is_shared = matches!(config.estimator, PressEstimatorConfig::BondedLayer { .. })

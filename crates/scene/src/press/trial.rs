@@ -22,11 +22,15 @@ use crate::ladder::Ladder;
 use crate::scene::{Need, Trials};
 use crate::trace::{Trace, TraceError};
 
-/// Quantities of presses, in the order of the tables. The first element lists the quantities of all presses. The other
-/// elements list the additional quantities of special presses, in this order: presses that a camera reads (errors of
-/// each tracked marker, change of hue and shift of the marker under the contact, results of tracking); presses on an
-/// object with a radius; elliptic fits; elliptic fits to an object with an axis; presses with a stated modulus of the
-/// body.
+/// Quantities of presses, in the order of the tables. There are six groups:
+///
+/// - quantities of all presses
+/// - presses that a camera reads: errors of each tracked marker, change of hue and shift of the marker under the
+///   contact, results of tracking
+/// - presses on an object with a radius
+/// - elliptic fits
+/// - elliptic fits to an object with an axis
+/// - presses with a stated modulus of the body
 const QUANTITIES: [&[Quantity]; 6] = [
     &[
         Quantity::RELATIVE_CURVATURE,

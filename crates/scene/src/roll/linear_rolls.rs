@@ -67,7 +67,7 @@ impl LinearRoll {
 
 impl LinearRolls {
     /// Builds the closed form of rolls. Returns `None` in three cases: the rolls have no linear closed form, the noise
-    /// changes during a roll, or the noise is an error of the measured rotation instead of the motion.
+    /// changes during a roll, or the noise is a measurement error.
     pub(super) fn new(
         roller: &Roller,
         rolls: &[Roll],

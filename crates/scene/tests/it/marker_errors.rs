@@ -142,8 +142,8 @@ fn looks(size_px: u32, pixel_std: f64, misalignment: f64) -> Vec<Look> {
         .into()
 }
 
-/// If the pixel noise is 3 levels (of 255), the bias of a marker is less than half of its scatter, whatever its
-/// position relative to the pixels is.
+/// If the pixel noise is 3 levels (of 255), the bias of a marker is less than half of its scatter. This is true for all
+/// positions relative to the pixels.
 #[test]
 fn markers_are_where_they_are_projected() {
     for (size_px, misalignment) in [(400, 0.0), (400, 0.3), (700, 0.15), (1024, 0.0)] {
