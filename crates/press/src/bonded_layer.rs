@@ -38,7 +38,7 @@ pub(crate) struct BondedLayer {
     depth: f64,
     /// Factor on the standard number of quadrature nodes, for contacts that are solved without a table.
     resolution: f64,
-    /// The layer at several depths, with common tables, and the index of this depth.
+    /// The models of this layer at several depths, which share tables, and the index of the depth of `self` among them.
     family: Arc<Family>,
     number: usize,
 }

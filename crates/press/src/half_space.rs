@@ -1,7 +1,7 @@
 //! Hertz contact on an elastic half-space, at any depth, in closed form.
 //!
 //! The pressure p₀ √(1 − r²/a²) under a paraboloid of radius R has the Hankel transform (p₀/a) (sin ka − ka cos ka)/k³,
-//! where a is the contact's radius. Below the surface of a half-space,
+//! where a is the contact's radius. The displacements below the surface of the half-space are
 //!
 //! ```text
 //! u_z = c [2(1−ν) Q₃⁰ + z Q₂⁰]      u_r = −c [(1−2ν) Q₃¹ − z Q₂¹]      c = 2/(π(1−ν)R)

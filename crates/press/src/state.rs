@@ -1,4 +1,5 @@
-//! The fit parameters of a press as a contact: relative curvature, place and indentation.
+//! The fit parameters of a press: relative curvature, place, indentation, and two parameters that depend on the kind of
+//! fit.
 
 use nalgebra::Vector3;
 

@@ -1,4 +1,4 @@
-//! A prior of sensor deviations that comes from another source than the present fit of the frame at rest.
+//! A prior of sensor deviations that comes from another frame or from an earlier fit.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -27,7 +27,7 @@ pub(super) struct FreePrior {
 
 impl DeparturePrior {
     /// Converts the prior to the form for the equations. `stds` contains the standard deviations of all common sensor
-    /// deviations; exact ones have 0 and must not be in the prior.
+    /// deviations. Exact sensor deviations have the standard deviation 0 and must not be in the prior.
     pub(super) fn of_free(&self, stds: &[f64]) -> Result<FreePrior, PressError> {
         let Self {
             numbers,

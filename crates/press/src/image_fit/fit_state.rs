@@ -8,8 +8,8 @@ use crate::state::State;
 use crate::unknowns::{Fitted, Sums, Unknowns};
 use crate::{Body, PressError, Skin};
 
-/// Threshold for a search that ended far from a minimum: the decrease of chi-squared that an undamped step predicts.
-/// The value is the square of four standard deviations.
+/// A search may end far from a minimum. This is detected if an undamped step is predicted to decrease chi-squared by at
+/// least this value, which is the square of four standard deviations.
 const STUCK: f64 = 16.0;
 
 /// Largest change of the logarithm of the curvature up to which derivatives of the images are reused instead of

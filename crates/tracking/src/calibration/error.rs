@@ -13,7 +13,7 @@ pub enum CalibrationError {
     TooFewPoints {
         /// Text that states what was counted: points, or parts of the calibration.
         what: &'static str,
-        /// Number of points or parts that there are.
+        /// Number of points or parts that were counted.
         count: usize,
         /// Smallest number of points or parts that a calibration needs.
         needed: usize,
