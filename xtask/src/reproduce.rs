@@ -9,7 +9,7 @@ use xshell::{Shell, cmd};
 
 use crate::{compare, programs};
 
-/// With `--quick`, the distance from one cell that is run to the next.
+/// With `--quick`, the number n in `palpate run --every-nth-cell n`.
 const QUICK_STRIDE: usize = 13;
 /// Largest number of differences from the committed tables that are printed.
 const SHOWN: usize = 20;

@@ -101,7 +101,7 @@ impl Field {
         (self.path.clone(), vec![value])
     }
 
-    /// The value as a number; `None` if it is listed text.
+    /// The value as a number; `None` for a listed value that is not a number.
     pub(crate) fn number(&self, value: f64) -> Option<f64> {
         match self.listed.get(value as usize) {
             Some(toml::Value::Float(number)) => Some(*number),

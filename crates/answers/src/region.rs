@@ -153,7 +153,7 @@ impl Region {
         })
     }
 
-    /// The set fields, and the fields of the grid at the combination `place`, each with one value.
+    /// The fields with one value each: those that the question sets, and those of the grid at the combination `place`.
     pub(crate) fn fixed_at(&self, place: &[f64]) -> Vec<(String, Vec<toml::Value>)> {
         let grid = self.grid.iter().zip(place);
         let grid = grid.map(|(field, value)| field.fixed_at(*value));
@@ -270,7 +270,7 @@ impl Region {
     }
 }
 
-/// The set fields, in the form of varied fields with one value each.
+/// The fields that the question sets, in the form of varied fields with one value each.
 fn single_values(
     set: &[(String, toml::Value)],
 ) -> impl Iterator<Item = (String, Vec<toml::Value>)> {

@@ -64,7 +64,7 @@ impl Region {
     }
 
     /// Table of the ranges of values that meet or miss the target, with one row per range. The first columns are the
-    /// values of the grid's fields. Whether values between the ranges meet the target is undecided.
+    /// values of the grid's fields. It is undecided whether values between two ranges meet the target.
     pub fn runs(&self) -> Table {
         let field = &self.searched;
         let fields = self.grid.iter().map(|field| field.column.clone());

@@ -146,7 +146,7 @@ impl Region {
         format!("{values}{}", self.worst_cell())
     }
 
-    /// Text about the cell that decides at most of the tested values; empty if the study has only one cell.
+    /// Text about the cell that is decisive for most of the tested values; empty if the study has only one cell.
     fn worst_cell(&self) -> String {
         if self.cells.len() < 2 {
             return String::new();

@@ -84,8 +84,8 @@ pub(crate) struct Search {
 pub(crate) struct SearchResult {
     /// Values that were tested, ascending.
     pub(crate) tested: Vec<TestedValue>,
-    /// Ranges of neighbouring values that all meet or all miss the target, in ascending order. Whether values between
-    /// the ranges meet the target is undecided.
+    /// Ranges of neighbouring values that all meet or all miss the target, in ascending order. It is undecided whether
+    /// values between two ranges meet the target.
     pub(crate) runs: Vec<Run>,
     /// Number of range ends that fresh trials did not confirm at the first attempt. Each such end was moved inwards, or
     /// its range was dropped.
@@ -107,7 +107,7 @@ pub(crate) struct TestedValue {
     pub(crate) trials: u64,
 }
 
-/// Searches for the values at which all cells of a curve meet their target.
+/// Searches for the values at which all cells meet the target.
 ///
 /// Without a budget, the result depends only on the scores.
 ///

@@ -27,7 +27,7 @@ pub struct Sensitivity {
     pub quantity: Quantity,
     /// Unit of the quantity, as in `cells.csv`.
     pub unit: &'static str,
-    /// Unit of the quantity, as in `cells.csv`.
+    /// Number of trials for each value of a field.
     pub trials: u64,
     /// Rms error of the quantity for the values in the config.
     pub rms_error: f64,

@@ -33,7 +33,7 @@ const HALF_WIDTH_95: f64 = 1.96;
 pub struct Options<'a> {
     /// Number of seeds for each scene.
     pub seeds: u64,
-    /// Number of pairs of trials for each probability.
+    /// Number of pairs of fresh trials that test each probability.
     pub pairs: u64,
     /// Run only scenes whose names contain these words.
     pub only: &'a str,
@@ -152,7 +152,7 @@ fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
 }
 
 /// Whether an answer of `design` is correct. It must contain a range that meets the target and a range that misses it.
-/// At no end of these ranges may the reference state the opposite.
+/// The reference must not state the opposite at any end of these ranges.
 fn is_right_design(answer: &Region, reference: &Region) -> bool {
     let [answer, reference] = [answer, reference].map(|region| &region.columns[0]);
     let is_wrong = |value: f64, side: Side| {

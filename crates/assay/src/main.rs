@@ -41,7 +41,7 @@ enum Harness {
         /// Number of seeds for each scene.
         #[arg(long, default_value = "20", value_parser = at_least_one())]
         seeds: u64,
-        /// Number of pairs of trials for each probability.
+        /// Number of pairs of fresh trials that test each probability.
         #[arg(long, default_value = "1000000", value_parser = at_least_one())]
         pairs: u64,
         /// Run only scenes whose names contain these words.

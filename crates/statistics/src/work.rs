@@ -78,7 +78,7 @@ counters! {
     derived => derivatives;
     /// Counts searches for the contact of a round tip.
     searched => searches;
-    /// Counts contacts with an elastic layer that were solved.
+    /// Counts contacts with an elastic layer for which an integral equation was solved.
     solved_layer => layers;
     /// Counts images of markers that were computed without pixels.
     projected => projections;

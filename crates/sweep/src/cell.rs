@@ -92,7 +92,7 @@ pub struct StoppingRule {
     /// Relative standard error of the statistic below which the cell ends. It is computed from the scatter between
     /// trials, so the observations within one trial count as a single observation.
     pub relative_standard_error: f64,
-    /// Number of trials before which the rule never ends the cell.
+    /// Smallest number of trials of a cell. The rule never ends a cell earlier.
     pub min_trials: u64,
 }
 

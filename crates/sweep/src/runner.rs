@@ -146,8 +146,8 @@ impl Runner {
         self.install(|| all().map(&of).collect())
     }
 
-    /// Whether the time may be measured. It may not if threads must run whole blocks, or if the platform has no threads
-    /// and perhaps no clock.
+    /// Whether the time may be measured. This is not allowed if threads must run whole blocks. It is not allowed on a
+    /// platform without threads either, because such a platform may have no clock.
     pub(crate) fn has_clock(&self) -> bool {
         self.pool.is_some() && !self.whole_blocks
     }

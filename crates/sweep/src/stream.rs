@@ -360,7 +360,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         Sum::Whole(self.sweep.finish(task.cell, trial, blocks.statistics()))
     }
 
-    /// Stores the results of a job. Then passes on all results whose turn it is.
+    /// Stores the results of a job. Then passes on all results for which no earlier result is missing.
     fn pass_on(&self, number: u64, ran: Vec<Ran<S>>) {
         let line = self.line.lock();
         let mut line = line.unwrap_or_else(PoisonError::into_inner);

@@ -21,7 +21,7 @@ pub(super) const ATTEMPTS: u32 = 5;
 /// about this value.
 pub(super) const FRESH: f64 = 2.0;
 
-/// Scores that decisions of a search require, and its limits.
+/// Scores that a search requires for its decisions, and other limits of the search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rules {
     /// Allowed probability that any part of the answer is wrong.
@@ -79,7 +79,7 @@ impl<'a> Effort<'a> {
         }
     }
 
-    /// Calls `work`, which runs `trials` trials, and stores the time that it takes.
+    /// Calls `work`, which runs `trials` trials, and stores how long this takes.
     pub(super) fn timed<R>(&mut self, trials: u64, work: impl FnOnce() -> R) -> R {
         if self.budget.is_none() {
             return work();

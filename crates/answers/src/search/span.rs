@@ -7,10 +7,10 @@ pub struct Span {
     pub from: f64,
     /// Largest value of the range.
     pub to: f64,
-    /// Whether values are spaced by ratios. This is the case if both ends are positive and their ratio exceeds 8.
-    pub is_log: bool,
     /// Whether values are spaced evenly on a logarithmic scale. This is the case if both ends are positive and their
     /// ratio exceeds 8.
+    pub is_log: bool,
+    /// Whether all values must be whole numbers.
     pub is_whole: bool,
 }
 

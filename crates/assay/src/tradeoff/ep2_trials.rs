@@ -13,7 +13,7 @@ const CONTACTS: [u32; 4] = [5, 10, 30, 100];
 const MAX_OF_TWO_PASS: u32 = 30;
 /// Compared numbers of knot intervals along each side of the penalised spline.
 const INTERVALS: [u32; 4] = [2, 4, 6, 8];
-/// Numbers of contacts per finger with which all numbers of knot intervals are compared.
+/// With these numbers of contacts per finger, all numbers of knot intervals are compared.
 const CONTACTS_OF_INTERVALS: [u32; 3] = [10, 30, 100];
 /// Compared smoothing factors of the two-pass method, used in both passes. The method adds knots until the residuals
 /// are below a limit that is proportional to this factor. The default is 1000.

@@ -140,7 +140,7 @@ impl Default for GlideModelConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum GlideSensorConfig {
-    /// No error.
+    /// An ideal sensor, whose readings have no error.
     Ideal {
         /// Whether the sensor also reports the normals.
         #[serde(default = "yes")]

@@ -82,7 +82,7 @@ pub enum DiscColour {
     /// The magenta disc.
     #[default]
     Magenta,
-    /// The yellow one.
+    /// The yellow disc.
     Yellow,
 }
 

@@ -26,9 +26,9 @@ pub struct PlotConfig {
     /// every key except `component`.
     #[serde(default, skip_serializing_if = "PlotKind::is_lines")]
     pub kind: PlotKind,
-    /// Column whose values are plotted along x; required for lines.
+    /// Column whose values are plotted along x. Plots of the kind `lines` need this key.
     pub x: Option<String>,
-    /// Statistic that is plotted along y; required for lines.
+    /// Statistic that is plotted along y. Plots of the kind `lines` need this key.
     pub y: Option<String>,
     /// Quantity to plot; by default every quantity.
     pub quantity: Option<String>,
@@ -43,7 +43,7 @@ pub struct PlotConfig {
     #[serde(default, rename = "where", skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub where_: BTreeMap<String, toml::Value>,
-    /// Axes with a logarithmic scale.
+    /// Which axes have a logarithmic scale.
     #[serde(default)]
     pub scale: Scale,
     /// A second statistic, which is plotted for comparison.
@@ -149,18 +149,18 @@ pub enum Component {
     Radial,
 }
 
-/// Axes with a logarithmic scale.
+/// Which axes have a logarithmic scale.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scale {
-    /// No axis.
+    /// Both axes are linear.
     #[default]
     Linear,
-    /// Only the x axis.
+    /// Only the x axis is logarithmic.
     LogX,
-    /// Only the y axis.
+    /// Only the y axis is logarithmic.
     LogY,
-    /// Both axes.
+    /// Both axes are logarithmic.
     LogLog,
 }
 

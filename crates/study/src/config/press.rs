@@ -12,7 +12,7 @@ use super::press_estimator::PressEstimatorConfig;
 pub struct PressConfig {
     /// The soft sensor that is pressed onto the object.
     pub probe: PressProbeConfig,
-    /// The object.
+    /// The object onto which the sensor is pressed.
     pub object: PressObjectConfig,
     /// Indentation of the press, and position of the contact on the skin.
     pub motion: PressMotionConfig,
@@ -174,7 +174,7 @@ impl PressConfig {
 pub enum PressObjectConfig {
     /// The outside of a sphere.
     Sphere {
-        /// Its radius.
+        /// Radius of the sphere.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         radius: f64,
     },
@@ -189,7 +189,7 @@ pub enum PressObjectConfig {
     Plane {},
     /// The outside of a circular cylinder, which the sensor touches at its side. Only if the model is a half-space.
     Cylinder {
-        /// Its radius.
+        /// Radius of the cylinder.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         radius: f64,
         /// Angle between the cylinder's axis and the x axis of the skin at the contact.

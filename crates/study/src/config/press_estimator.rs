@@ -104,7 +104,7 @@ impl Default for PressEstimatorConfig {
     }
 }
 
-/// What the estimator assumes about the indentation. All press estimators have these settings.
+/// Assumptions of the estimator about the indentation. All press estimators have these settings.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct IndentationPrior {
@@ -115,7 +115,7 @@ pub struct IndentationPrior {
     pub indentation_std: f64,
 }
 
-/// What the estimator assumes about the displacements. All estimators with an elastic body and without images have
+/// Assumptions of the estimator about the displacements. All estimators with an elastic body and without images have
 /// these settings.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]

@@ -275,7 +275,7 @@ pub enum Chart {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RollSensorConfig {
-    /// No error.
+    /// An ideal sensor, whose readings have no error.
     #[default]
     Ideal,
     /// A force sensor in the wrist. The error of its contact position is Gaussian, and equal in all directions along
@@ -349,7 +349,7 @@ pub struct AngularVelocityDraws {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum When {
-    /// Once per probe.
+    /// The error is drawn once for each probe.
     #[default]
     PerProbe,
     /// The error is drawn at each of several equally spaced instants of a roll.

@@ -1,4 +1,4 @@
-//! Tests the three fields of which one states the length of a roll.
+//! Tests the three alternative fields for the length of a roll. A config states only one of them.
 
 use palpate_study::config::{SceneConfig, parse, to_toml, with_fields};
 use serde_json::json;

@@ -132,7 +132,8 @@ const PLOTS: &str = r#"
 [[plot]]\nx = "truth"\ny = "std_bound" | 14:5 plot.0.y | no column `std_bound`
 "#;
 
-/// A press. It allows kinds of plots that a glide does not allow, and the reverse.
+/// The config of a press. The next constant is the config of a glide. Each allows kinds of plots that the other does
+/// not allow.
 const PRESS: &str = r#"name = "a-press"
 outputs = ["cells", "map", "trace"]
 [scene]
