@@ -133,7 +133,7 @@ pub fn sensitivity(
     }
     if found.rms_error <= ROUNDING * base.0 {
         return Err(AnswerError::NoError(
-            "the estimate is exact but for rounding",
+            "the estimate is exact except for rounding errors",
         ));
     }
     let scene = serde_json::to_value(&scene).unwrap_or_default();

@@ -111,10 +111,15 @@ fn score(header: &csv::StringRecord, row: &[String], options: Options<'_>) -> Re
 fn miss(flaw: &str, score: &Score) -> Option<String> {
     match flaw {
         "" => (score.warned > MAX_FALSE_ALARMS && score.coverage[2] >= CORRECT_COVERAGE)
-            .then(|| format!("false alarms in {}", score.warned)),
-        NO_CONTACT => (score.failed < 1.0 - MAX_FALSE_ALARMS)
-            .then(|| format!("contact detected in {}", 1.0 - score.failed)),
-        _ => (score.warned < MIN_DETECTED).then(|| format!("detected only in {}", score.warned)),
+            .then(|| format!("the share of false alarms is too large: {}", score.warned)),
+        NO_CONTACT => (score.failed < 1.0 - MAX_FALSE_ALARMS).then(|| {
+            format!(
+                "a contact is detected in this share of trials: {}",
+                1.0 - score.failed
+            )
+        }),
+        _ => (score.warned < MIN_DETECTED)
+            .then(|| format!("the share of detected flaws is too small: {}", score.warned)),
     }
 }
 

@@ -139,7 +139,10 @@ impl Intervals {
         }
         match misses.is_empty() {
             true => Ok(()),
-            false => bail!("beyond the limits of warnings:\n{}", misses.join("\n")),
+            false => bail!(
+                "some families violate the limits on warnings:\n{}",
+                misses.join("\n")
+            ),
         }
     }
 }

@@ -103,14 +103,14 @@ impl PressConfig {
         let refuse = |message| Err(("scene.probe.discs.strain", message));
         if self.model.poisson() != half() {
             return refuse(
-                "strains are those of an incompressible skin: leave it out, or let `scene.model.poisson` be 0.5",
+                "the strain of discs is computed only for an incompressible skin: leave out `strain` and `yellow_strain`, or set `scene.model.poisson` to 0.5",
             );
         }
         if self.noise.sensor.is_some()
             || matches!(self.estimator, PressEstimatorConfig::Image { .. })
         {
             return refuse(
-                "a fit of pictures assumes rigid discs: leave it out with `scene.noise.sensor` or an estimator of `image`",
+                "a fit to images assumes rigid discs: leave out `strain` and `yellow_strain`, or use neither `scene.noise.sensor` nor the estimator `image`",
             );
         }
         Ok(())

@@ -51,7 +51,7 @@ impl RollConfig {
                 ),
                 (
                     motion.spin_rad_per_s != 0.0,
-                    "missing key; `spin_rad_per_s` is compared with it",
+                    "missing key; `spin_rad_per_s` needs it",
                 ),
                 (
                     motion.sampling_hz.is_some(),

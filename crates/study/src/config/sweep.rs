@@ -463,7 +463,7 @@ impl Points {
 /// Checks the ranges and the number of points of a sampled axis, and converts them.
 fn points(ranges: &BTreeMap<String, RangeConfig>, count: u32) -> Result<Points, Fault> {
     if count > MOST_POINTS {
-        let message = format!("must be <= {MOST_POINTS} where points are sampled, is {count}");
+        let message = format!("must be <= {MOST_POINTS} for sampled points, is {count}");
         return Err(Fault::new(message).under("count"));
     }
     if ranges.is_empty() || ranges.len() > MOST_FIELDS {
@@ -542,7 +542,7 @@ fn range(ends: [f64; 2], count: u32, spacing: Spacing) -> Result<Range, Fault> {
         return Err(Fault::new(message).under(["from", "to"][place]));
     }
     if count == 1 && ends[0] != ends[1] {
-        let message = format!("1 value cannot reach from {from} to {to}");
+        let message = format!("a range from {from} to {to} needs at least 2 values");
         return Err(Fault::new(message).under("count"));
     }
     Ok(Range {

@@ -68,7 +68,7 @@ fn check_keys(keys: &[&str], plot: &PlotConfig) -> Result<(), Fault> {
         return Err(Fault::of_key(key, message));
     }
     match !is_lines && plot.scale != Scale::Linear {
-        true => Err(Fault::new("only lines have another scale than linear").under("scale")),
+        true => Err(Fault::new("only lines can have a scale other than linear").under("scale")),
         false => Ok(()),
     }
 }

@@ -96,7 +96,7 @@ const SWEEPS: &str = r#"
 [[sweep]]\npath = "scene.object"\nvalues = [{ label = "a", kind = "plane" }, { label = "b", kind = "dish" }] | 11:44 scene.object.radius | missing key
 [[sweep]]\npath = "scene.object.kind"\nvalues = ["sphere", "plane"] | 7:29 scene.object.radius | unknown key for kind `plane`
 [[sweep]]\npath = "scene.object.radius"\nfrom = 0\nto = 2\ncount = 3\nspacing = "log" | 11:8 sweep.0.from | must be > 0 where spacing
-[[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 2\ncount = 1 | 13:9 sweep.0.count | cannot reach
+[[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 2\ncount = 1 | 13:9 sweep.0.count | needs at least 2 values
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\ncount = 2 | 9:1 sweep.0.to | missing key
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 2\ncount = 0 | 13:9 sweep.0.count | must be >= 1
 [[sweep]]\npath = "scene.object.radius"\nfrom = 1\nto = 1\ncount = 2 | 12:6 sweep.0 | 1 occurs twice
