@@ -85,8 +85,7 @@ impl<'s> PeerPrograms<'s> {
     /// Prepares a program. The result is [`Absent`] if this machine lacks a required tool.
     ///
     /// # Errors
-    /// An error if the peer cannot be built. If this machine lacks a required program, the result is [`Absent`] and not
-    /// an error.
+    /// An error if the peer cannot be built although all required tools are there.
     pub(crate) fn make(&self, kind: &Kind) -> Result<Result<Peer, Absent>> {
         match kind {
             Kind::Python(script) => Ok(match &self.python {
