@@ -51,7 +51,7 @@ pub fn hue(light: [f64; 3]) -> f64 {
     let least = light.into_iter().fold(f64::INFINITY, f64::min);
     let [red, green, blue] = light.map(|one| one - least);
     let sixths = if blue == 0.0 {
-        // The hue is between red and green, by way of yellow.
+        // Blue is the weakest colour, so the hue lies between red and green, on the side of yellow.
         if red >= green {
             green / red
         } else {
