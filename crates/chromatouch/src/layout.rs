@@ -50,7 +50,7 @@ pub enum Layout {
     Grid {
         /// Distance between neighbouring markers, length.
         pitch: f64,
-        /// Largest distances between two markers along x and along y, length.
+        /// Distances between the outermost markers of the grid along x and along y, length.
         size: [f64; 2],
     },
     /// Equally spaced markers on a great circle that passes through the apex along x. The apex is in the middle.
@@ -230,17 +230,17 @@ fn equal_steps(
 
 /// Two points that are too close to each other.
 pub(crate) struct TooClose {
-    /// Index of one point, from 0. If several pairs are too close to each other, the pair with the smallest `second` is
-    /// returned.
+    /// Index of the point with the smaller index of the two, counted from 0.
     pub(crate) first: usize,
     pub(crate) second: usize,
     /// Distance between the points.
     pub(crate) distance: f64,
 }
 
-/// Returns the first pair of points whose distance is below `reach`; `None` if all distances are larger. For a fast
-/// search, the points are sorted into square cells. The width of a cell is the larger of `reach` and `narrowest`. The
-/// lower limit `narrowest` ensures that the index of a cell fits into an integer.
+/// Returns a pair of points whose distance is below `reach` (of several pairs, the pair with the smallest index
+/// `second`); `None` if all distances are at least `reach`. For a fast search, the points are sorted into square cells.
+/// The width of a cell is the larger of `reach` and `narrowest`. The lower limit `narrowest` ensures that the index of
+/// a cell fits into an integer.
 pub(crate) fn too_close<const D: usize>(
     points: &[[f64; D]],
     reach: f64,

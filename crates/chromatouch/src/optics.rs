@@ -63,19 +63,19 @@ pub struct Optics {
 /// The features of a marker in an ideal image, without blur, uneven light, seams or noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenMarker {
-    /// Centroid of the marker's image, px. Each point of the image is weighted by the share of light that the marker
-    /// absorbs there, as in `size_px2`.
+    /// Centroid of the marker's image, px. The points of the image have the same weights as in `size_px2`.
     pub centroid_px: [f64; 2],
-    /// HSV hue of the sum of the light of all points of the image, in turns, from 0 (red) to below 1. It is 0 if the
-    /// sum has no colour (red, green and blue are equal).
+    /// HSV hue of the marker's total light, in turns, from 0 (red) to below 1. The total light is the sum over all
+    /// points of the marker's image. The hue is 0 if the total light has no colour (red, green and blue are equal).
     pub hue_turns: f64,
-    /// Mean of the HSV hue over the area of the image, in turns. The mean is arithmetic, not cyclic, although the hues
-    /// 0 and 1 are both red. Regions with a saturation of at most 1/4 do not count. If all regions are so pale, the
-    /// mean is `hue_turns`.
+    /// Mean of the HSV hue over the area of the marker's image, in turns. The mean is arithmetic, not cyclic, although
+    /// the hues 0 and 1 are both red. Pale regions, whose saturation is at most 1/4, do not count. If all regions are
+    /// pale, the value is `hue_turns`.
     pub mean_hue_turns: f64,
-    /// Integral over the marker's image of the absorbed share of green light plus the absorbed share of blue light,
-    /// px². The shares are relative to the light of the white layer. A disc that absorbs all green light and no blue
-    /// light contributes its area.
+    /// Size of the marker's image, px². Each point of the image counts with a weight: the share of green light that the
+    /// marker absorbs there, plus the share of blue light. Both shares are relative to the light of the white layer.
+    /// The size is the integral of the weight over the image. For example, a disc that absorbs all green light and no
+    /// blue light contributes its area.
     pub size_px2: f64,
 }
 

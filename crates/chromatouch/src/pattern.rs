@@ -35,7 +35,7 @@ pub struct Pattern {
     radius: f64,
 }
 
-/// The point of the flat pattern that belongs to a point of the skin.
+/// The point of the flat pattern that lies at a given point of the skin after folding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct FlatPlace {
     /// Number of the gore from 0, counter-clockwise from +x. The apex belongs to gore 0.

@@ -1,5 +1,5 @@
-//! Benchmarks of the least-squares fit for eight probes on a sphere. The first measures the whole computation from the
-//! readings to an estimate. The second measures only the part that depends on the rotations.
+//! Benchmarks of the least-squares fit for eight probes on a sphere. One benchmark measures the whole computation from
+//! the readings to an estimate. The other measures only the part that depends on the rotations.
 
 use std::f64::consts::FRAC_PI_4;
 use std::hint::black_box;

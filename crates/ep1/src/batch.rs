@@ -60,7 +60,8 @@ impl ProbeRotation {
 }
 
 impl Moments {
-    /// The moments of the set of readings with the index `set`. The arrays contain the sums of several sets.
+    /// The moments of the set of readings with the index `set`. Each array contains one sum for several sets of
+    /// readings.
     #[inline(always)]
     pub(crate) fn of_set<const N: usize>(
         deviations: &[[f64; N]; 3],
@@ -129,14 +130,14 @@ impl BatchMoments {
 /// Estimates from up to [`BATCH_SIZE`] sets of readings.
 #[derive(Clone, Debug)]
 pub struct BatchEstimates {
-    /// For each set: normal curvature along u and along v, Gaussian curvature and mean curvature, as in
+    /// For each set of readings: normal curvature along u and along v, Gaussian curvature and mean curvature, as in
     /// [`Estimate`](crate::Estimate), and the mean length of the shifts.
     pub values: [[f64; BATCH_SIZE]; 5],
     /// Standard errors of the four curvatures; only valid if `have_stds` is true.
     pub stds: [[f64; BATCH_SIZE]; 4],
     /// Whether the noise of the readings was stated. If it was not, the standard errors are not computed.
     pub have_stds: bool,
-    /// For each set, 1 if the readings determine a curvature, otherwise 0.
+    /// For each set of readings, 1 if the readings determine a curvature, otherwise 0.
     is_determined: [u64; BATCH_SIZE],
 }
 

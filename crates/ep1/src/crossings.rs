@@ -5,17 +5,20 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use crate::rolled_path::drive_of;
 use crate::{PadCell, RollSample, SeriesNoise};
 
-/// Half-length of the line through measured rotations, in standard deviations of a rotation.
+/// A straight line is fitted to the measured rotations near a change of the active pad. This is half the length of the
+/// line, in standard deviations of a measured rotation.
 const REACH: f64 = 7.0;
 /// Largest half-length of this line, in samples.
 const MOST_REACH: f64 = 1e4;
-/// Smallest width of a crossing across the edge, relative to the rotation between two samples.
+/// A crossing of a pad's edge is only known to lie between two samples. This is the smallest uncertainty of the
+/// rotation across the edge, relative to the rotation between the two samples.
 const MIN_WIDTH: f64 = 0.05;
 /// Smallest standard deviation of a crossing, rad. A smaller value may be a rounding error.
 const MIN_STD: f64 = 1e-9;
 
-/// Number of intervals of a run whose ends can bound the contact. Samples between them bound it hardly more, because the
-/// contact moves steadily.
+/// A run of samples on one pad is divided into this number of intervals. Only the samples at the ends of the intervals
+/// are used as bounds of the contact's position. The other samples would improve the bounds hardly, because the contact
+/// moves steadily.
 const PROBED: usize = 4;
 
 /// Successive samples with the same active pad.
@@ -40,8 +43,9 @@ pub(crate) struct Crossing {
     pub(crate) std: f64,
 }
 
-/// The runs of a roll. If the active pad changes back to the pad before, the samples between both changes are omitted,
-/// because a pad that alternates with its neighbour does not locate the contact. Places are divided by `radius`.
+/// Divides a roll into runs, which are successive samples with the same active pad. If the active pad changes back to
+/// the pad before, the samples between both changes are omitted, because a pad that alternates with its neighbour does
+/// not locate the contact. Places are divided by `radius`.
 pub(crate) fn runs(radius: f64, samples: &[RollSample]) -> Vec<Run> {
     let mut all: Vec<Run> = Vec::new();
     let mut place = Vector2::repeat(f64::NAN);
@@ -72,8 +76,8 @@ pub(crate) fn runs(radius: f64, samples: &[RollSample]) -> Vec<Run> {
     kept
 }
 
-/// The crossings between successive runs. Distances are in radii of the probe. `mobility` determines the direction of
-/// the drive that moves the contact across an edge.
+/// The crossings of pad edges between successive runs. Distances are in radii of the probe. `mobility` determines the
+/// direction of the drive that moves the contact across an edge.
 pub(crate) fn crossings(
     samples: &[RollSample],
     runs: &[Run],
@@ -168,9 +172,9 @@ fn rotation_at_change(
     (rotation, (variance + width * width / 12.0).sqrt())
 }
 
-/// For each edge of each run, the sample that is furthest towards this edge, out of [`PROBED`] intervals of the run. Of
-/// several runs with the same edge, only the furthest sample is returned. The results are the index of the edge, its
-/// offset and the sample.
+/// For each edge of the pad of each run, finds the sample whose contact is furthest towards this edge. Only the samples
+/// at the ends of [`PROBED`] intervals of the run are compared. If several runs have the same edge, only one sample is
+/// returned for it. Each result consists of the index of the edge, its offset and the index of the sample.
 pub(crate) fn edge_samples(
     samples: &[RollSample],
     runs: &[Run],

@@ -29,8 +29,9 @@ pub(crate) struct Law {
     pub(crate) added: f64,
     /// Covariance of the entries of `K₁ D` that is due to the noise of the shifts and to rounding.
     pub(crate) from_shifts: Symmetric3,
-    /// Three matrices. They are multiplied by the entries `uu`, `vv`, `uv` of `(K₁ B)²` and added, where B is the
-    /// mobility. The sum is the covariance of the entries of `K₁ D` that is due to the noise of the rotations.
+    /// Three matrices, which belong to the entries `uu`, `vv` and `uv` of `(K₁ B)²`, where B is the mobility. The sum
+    /// of the matrices, each multiplied by its entry, is the covariance of the entries of `K₁ D` that is due to the
+    /// noise of the rotations.
     pub(crate) from_rotations: [Symmetric3; 3],
 }
 

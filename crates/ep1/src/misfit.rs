@@ -128,7 +128,7 @@ struct Refit<'r> {
     /// the smallest standard deviation of a residual, divided by the probe's radius.
     units: [f64; 2],
     covariance: Unknowns,
-    /// Change of the fitted parameters with which chi-squared is smallest.
+    /// Change of the fitted parameters that minimises chi-squared.
     change: SVector<f64, UNKNOWNS>,
     chi_squared: f64,
     freedom: usize,

@@ -34,7 +34,7 @@ pub enum PadStart {
 pub struct ReadingNoise {
     /// Standard deviation of each component of a rotation, divided by the magnitude of the rotation.
     pub relative_rotation_std: f64,
-    /// Standard deviation of each component of a rotation, rad.
+    /// Standard deviation of each component of a rotation, independent of its magnitude, rad.
     pub rotation_std_rad: f64,
     /// Standard deviation of each component of a shift, length.
     pub shift_std: f64,

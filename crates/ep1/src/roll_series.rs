@@ -94,8 +94,8 @@ pub enum Places {
     Pads(PadCell),
     /// Contact points.
     Contacts {
-        /// Standard deviation of each component, length. If it and all other noise is 0, the method estimates the
-        /// standard deviation from the residuals.
+        /// Standard deviation of each coordinate of a contact point, length. If this and all other stated noise is 0,
+        /// the method estimates the standard deviation from the residuals.
         std: f64,
     },
 }
@@ -103,11 +103,12 @@ pub enum Places {
 /// Noise of the measured rotations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SeriesNoise {
-    /// Standard deviation of each component of each sample, rad. The errors of all samples are independent.
+    /// Standard deviation of each component of the rotation in each sample, rad. The errors of all samples are
+    /// independent.
     pub rotation_std_rad: f64,
-    /// Standard deviation of an error that is drawn once for each roll and component, divided by the rotation.
+    /// Standard deviation of a relative error of the rotation. It is drawn once for each roll and component.
     pub relative_rotation_std: f64,
-    /// Standard deviation of each component of each sample, divided by the rotation.
+    /// Standard deviation of each component of the rotation in each sample, divided by the magnitude of the rotation.
     pub relative_sample_std: f64,
 }
 
@@ -127,7 +128,7 @@ pub enum SeriesMethod {
     Trajectory,
 }
 
-/// Checks numbers that do not depend on the method.
+/// Checks the numbers in the readings and their noise, which must be valid for every method.
 ///
 /// # Errors
 /// [`SeriesError`] for a radius, pitch or noise out of range, samples that are not finite, and times that do not

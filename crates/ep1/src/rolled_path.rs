@@ -13,16 +13,18 @@
 
 use nalgebra::{Matrix2, Matrix3, Rotation3, SMatrix, UnitQuaternion, Vector2, Vector3};
 
-/// Largest number of terms of the curvature along a path.
+/// Largest number of terms of the polynomial that describes the curvature along a path.
 pub(crate) const MAX_TERMS: usize = 4;
-/// Number of coefficients of the largest number of terms.
+/// Number of coefficients of a polynomial with [`MAX_TERMS`] terms.
 pub(crate) const MAX_COEFFICIENTS: usize = coefficients(MAX_TERMS);
 /// Largest number of Newton steps that solve for the position of the contact.
 const NEWTON_STEPS: usize = 4;
-/// A Newton step below this length has an error of its square, which is negligible.
+/// If a Newton step is shorter than this, the iteration ends. The remaining error is about the square of the step,
+/// which is negligible.
 const SMALL_STEP: f64 = 1e-5;
 
-/// Number of coefficients of this number of terms: 3 for the form, 4 for its first derivatives, and so on.
+/// Number of coefficients of a polynomial with `terms` terms: 3 for the curvature form, 4 for its first derivatives,
+/// and so on.
 pub(crate) const fn coefficients(terms: usize) -> usize {
     terms * (terms + 5) / 2
 }
@@ -31,11 +33,12 @@ pub(crate) const fn coefficients(terms: usize) -> usize {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalShape {
     pub(crate) terms: usize,
-    /// Entries of the tensors T₂, T₃, … For each tensor, entry j has j indices v.
+    /// Entries of the symmetric tensors T₂, T₃, … one tensor after the other. In the entry j (from 0) of a tensor, j
+    /// indices are v and the others are u.
     pub(crate) tensors: [f64; MAX_COEFFICIENTS],
 }
 
-/// The derivatives of the drive with respect to the coefficients.
+/// The derivatives of the drive with respect to the coefficients of the polynomial.
 pub(crate) type Basis = [[f64; 2]; MAX_COEFFICIENTS];
 
 impl LocalShape {
@@ -52,7 +55,7 @@ impl LocalShape {
         Matrix2::new(1.0 + uu, uv, uv, 1.0 + vv)
     }
 
-    /// Derivatives of the drive at `x` with respect to the coefficients.
+    /// Derivatives of the drive at the contact position `x` with respect to the coefficients of the polynomial.
     pub(crate) fn basis(terms: usize, x: &Vector2<f64>) -> Basis {
         let (along, across) = (powers(x.x), powers(x.y));
         let mut basis = [[0.0; 2]; MAX_COEFFICIENTS];
@@ -125,7 +128,7 @@ pub(crate) struct PathPoint {
 }
 
 impl RollRotations {
-    /// The rotations at samples with these rotation vectors since the start.
+    /// The rotations of a roll. `rotations` contains, for each sample, the rotation vector since the start of the roll.
     pub(crate) const fn new(rotations: Vec<Vector3<f64>>, has_spin: bool) -> Self {
         Self {
             rotations,
@@ -138,8 +141,8 @@ impl RollRotations {
         &self.rotations
     }
 
-    /// The contacts at all samples. `error` is the error of the measured drive, relative to the measured drive. `None`
-    /// if the contact cannot follow the rotations.
+    /// Computes the contacts at all samples and writes them to `path`. `error` is the error of the measured drive,
+    /// divided by the magnitude of the measured rotation. `None` if the contact cannot follow the rotations.
     pub(crate) fn path(
         &self,
         shape: &LocalShape,
@@ -193,8 +196,9 @@ impl PathPoint {
         in_frame - once + tilt.cross(&once) * 0.5
     }
 
-    /// The rotation in the contact frame for which the drive of the rotation vector becomes `drive`, without spin. The
-    /// second result is the new component of the rotation vector `last` along the normal at the start.
+    /// The next step of a roll without spin. The rotation vector since the start is `last`, and after the step its
+    /// drive is `drive`. The first result is the rotation of the step in the contact frame. The second result is the
+    /// component of the new rotation vector along the normal at the start.
     fn turn_without_spin(
         &self,
         last: &Vector3<f64>,
@@ -285,7 +289,8 @@ fn rolled(along: &Vector2<f64>) -> Matrix3<f64> {
     )
 }
 
-/// The start of a roll on the unit sphere, with the axes of the pads carried there.
+/// The start of a roll on the unit sphere, and the axes of the pads, which are carried from the pads' origin to the
+/// start.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StartFrame {
     frame: Matrix3<f64>,
@@ -293,13 +298,13 @@ pub(crate) struct StartFrame {
     turns: [Vector3<f64>; 2],
 }
 
-/// A contact in the chart of the probe, with its derivatives.
+/// Position of a contact in the chart of the probe, with its derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     pub(crate) place: Vector2<f64>,
     /// Derivatives with respect to the start.
     pub(crate) by_start: Matrix2<f64>,
-    /// Derivatives with respect to the position on the object.
+    /// Derivatives with respect to the contact's position on the object.
     pub(crate) by_path: Matrix2<f64>,
 }
 

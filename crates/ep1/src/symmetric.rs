@@ -36,13 +36,13 @@ impl Symmetric {
         }
     }
 
-    /// Returns `uu v[0] + vv v[1] + uv v[2]`, where `uu`, `vv` and `uv` are the entries of the matrix.
+    /// Returns `uu * v[0] + vv * v[1] + uv * v[2]`, where `uu`, `vv` and `uv` are the entries of the matrix.
     #[inline(always)]
     pub(crate) fn dot(&self, v: &[f64; 3]) -> f64 {
         self.uu * v[0] + self.vv * v[1] + self.uv * v[2]
     }
 
-    /// Returns the vector `own + self.uu uu + self.vv vv + self.uv uv`.
+    /// Returns the vector `own + self.uu * uu + self.vv * vv + self.uv * uv`.
     #[inline(always)]
     fn sum(&self, own: &[f64; 3], uu: &[f64; 3], vv: &[f64; 3], uv: &[f64; 3]) -> [f64; 3] {
         [
@@ -80,7 +80,7 @@ impl Symmetric3 {
         }
     }
 
-    /// Returns the matrix `self + weights.uu uu + weights.vv vv + weights.uv uv`.
+    /// Returns the matrix `self + weights.uu * uu + weights.vv * vv + weights.uv * uv`.
     #[inline(always)]
     pub(crate) fn plus(&self, [uu, vv, uv]: &[Self; 3], weights: &Symmetric) -> Self {
         Self {

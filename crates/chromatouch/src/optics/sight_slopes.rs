@@ -1,5 +1,5 @@
-//! Derivatives, in closed form, of a disc's direction and angular radius with respect to the disc's motion and the
-//! sensor's parameters.
+//! Derivatives of a disc's direction and angular radius, as viewed from the camera. They are with respect to the disc's
+//! motion and to the sensor's parameters, and are computed by exact formulas.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -7,17 +7,19 @@ use super::array::{Layer, MarkerArray, MarkerSight, Sight, Stand};
 use super::sines::sinc_and_cosine;
 use super::{DiscMotion, MarkerMotion, Pose};
 
-/// Column of [`SightSlopes::by`] for the inward motion of the disc.
+/// Index of the column of [`SightSlopes::by`] with the derivatives with respect to the disc's inward motion.
 pub(super) const INWARD: usize = 0;
-/// First of two columns of [`SightSlopes::by`] for the motion along the two axes of the skin.
+/// Index of the first of two columns of [`SightSlopes::by`]: derivatives with respect to the disc's motion along the
+/// two axes of the skin.
 pub(super) const X: usize = 1;
-/// Column of [`SightSlopes::by`] for the depth of the disc.
+/// Index of the column of [`SightSlopes::by`] with the derivatives with respect to the disc's depth.
 pub(super) const DEEPER: usize = 3;
-/// Column of [`SightSlopes::by`] for the logarithm of the disc's diameter.
+/// Index of the column of [`SightSlopes::by`] with the derivatives with respect to the logarithm of the disc's
+/// diameter.
 pub(super) const WIDER: usize = 4;
-/// First of three columns of [`SightSlopes::by`] for the position of the camera.
+/// Index of the first of three columns of [`SightSlopes::by`]: derivatives with respect to the camera's position.
 pub(super) const PLACE: usize = 5;
-/// First of three columns of [`SightSlopes::by`] for the rotation of the camera.
+/// Index of the first of three columns of [`SightSlopes::by`]: derivatives with respect to the camera's rotation.
 pub(super) const TURN: usize = 8;
 /// Number of columns of [`SightSlopes::by`].
 pub(super) const COLUMNS: usize = 11;
@@ -26,8 +28,9 @@ pub(super) const COLUMNS: usize = 11;
 pub(super) struct SightSlopes {
     /// Two unit vectors perpendicular to the direction of the disc's middle.
     across: [Vector3<f64>; 2],
-    /// Derivatives, one column per variable. The first two rows are the derivatives of the direction along the two
-    /// vectors `across`. The third row is the derivative of the logarithm of the tangent of the angular radius.
+    /// Derivatives, one column per variable (see [`INWARD`] to [`TURN`]). The first two rows are the derivatives of the
+    /// direction along the two vectors `across`. The third row is the derivative of the logarithm of the tangent of the
+    /// angular radius.
     pub(super) by: SMatrix<f64, 3, COLUMNS>,
 }
 

@@ -1,8 +1,8 @@
 //! Derivatives of the markers' features with respect to the sensor's parameters and to the motions of the discs.
 //!
 //! Three numbers describe a disc: two for its direction and one for its angular radius. The derivatives of these
-//! numbers have closed forms. The derivatives of the features with respect to the six numbers of both discs are finite
-//! differences.
+//! numbers are computed by exact formulas. The derivatives of the features with respect to the six numbers of both
+//! discs are finite differences.
 
 use nalgebra::{Matrix3, Matrix4x2, Matrix4x3, SMatrix, Vector4};
 
@@ -12,9 +12,9 @@ use super::projection::MarkerProjection;
 use super::sight_slopes::{COLUMNS, DEEPER, INWARD, PLACE, TURN, WIDER, X};
 use super::{Departure, MarkerMotion, Optics, OpticsError, SeenMarker};
 
-/// Finite-difference step for directions, rad, and for the logarithm of a disc's angular size.
+/// Finite-difference step for the direction of a disc, rad, and for the logarithm of its angular size.
 const STEP: f64 = 1e-7;
-/// Finite-difference step for transmittances.
+/// Finite-difference step for the transmittances of the discs.
 const SHARE: f64 = 1e-6;
 /// Finite-difference step for the odd terms of a lens.
 const ODD: f64 = 1e-6;
@@ -193,7 +193,7 @@ impl Shared<'_> {
     }
 }
 
-/// Difference between the features of two markers whose features are nearly equal, to first order.
+/// Difference between the nearly equal features of two markers, to first order.
 fn difference(one: &SeenMarker, other: &SeenMarker) -> Vector4<f64> {
     let turn = one.hue_turns - other.hue_turns;
     Vector4::new(

@@ -15,7 +15,7 @@ pub enum PatternError {
     #[error(transparent)]
     #[strum(transparent)]
     Layout(#[from] LayoutError),
-    /// There are fewer gores than the limit. Folding stretches such wide gores to more than twice their length.
+    /// There are too few gores. They would be so wide that folding stretches them to more than twice their length.
     #[error("gores is {gores}; it must be at least {FEWEST_GORES}{}", stretched(*.strain))]
     TooFewGores {
         /// Requested number of gores.

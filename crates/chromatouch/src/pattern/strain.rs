@@ -1,8 +1,8 @@
 //! Strain of a flat gore that is folded onto the sphere.
 //!
-//! A gore covers |x| ≤ (πR/n) cos φ at the height y = Rφ above the equator. Folding maps the point (x, y) to the
-//! latitude φ = y/R and to the longitude λ = x/(R cos φ) from the gore's middle meridian, so heights and widths keep
-//! their lengths. With R cos φ dλ = dx + λ sin φ dy and R dφ = dy,
+//! The sphere has the radius R, and the skin has n gores. A gore covers |x| ≤ (πR/n) cos φ at the height y = Rφ above
+//! the equator. Folding maps the point (x, y) to the latitude φ = y/R and to the longitude λ = x/(R cos φ) from the
+//! gore's middle meridian, so heights and widths keep their lengths. With R cos φ dλ = dx + λ sin φ dy and R dφ = dy,
 //!
 //! ```text
 //! ds² = (R cos φ dλ)² + (R dφ)² = (dx + s dy)² + dy²,    s = λ sin φ:
@@ -29,8 +29,8 @@ use gauss_quad::GaussLegendre;
 use super::{FEWEST_GORES, PatternError};
 use crate::LayoutError;
 
-/// Number of quadrature nodes per direction. For three or more gores, the quadrature error is below 1e-20. It depends
-/// on the nearest singularity of the integrand, which is at the shear s = 2i.
+/// Number of quadrature nodes per direction. For three or more gores, the quadrature error is below 1e-20. The error is
+/// set by the singularity of the integrand that is nearest to the interval. It is at the imaginary shear s = 2i.
 const NODES: usize = 16;
 
 /// Strain of a polyconic gore that is folded onto its sphere: its largest principal stretch minus 1.
@@ -180,8 +180,9 @@ mod tests {
         }
     }
 
-    /// Mean square of the strain, computed from a series. For the shear s and the stretch σ, σ² = sσ + 1. Therefore (σ
-    /// − 1)² = 2 + (s − 2)(s/2 + √(1 + s²/4)). The mean of sᵏ over the gore is (π/n)ᵏ/(k + 1)².
+    /// Mean square of the strain, computed from a series. The shear s and the stretch σ fulfil σ² = sσ + 1. Therefore
+    /// the squared strain is (σ − 1)² = 2 + (s − 2)(s/2 + √(1 + s²/4)), which is expanded in powers of s. The mean of
+    /// sᵏ over one of n gores is (π/n)ᵏ/(k + 1)².
     fn mean_square_by_series(gores: u32) -> f64 {
         let widest = PI / f64::from(gores);
         let moment = |power: i32| widest.powi(power) / f64::from((power + 1).pow(2));

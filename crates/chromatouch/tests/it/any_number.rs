@@ -1,5 +1,5 @@
-//! Sensors with random parameters. A possible sensor has markers, a pattern and images. For any parameters, each result
-//! is finite or an expected error.
+//! Sensors with random parameters. If the parameters are possible, the markers, the pattern and the images of the
+//! sensor can be computed. For any other parameters, each result is finite or an expected error.
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{
@@ -140,8 +140,8 @@ proptest! {
         prop_assert!(camera.disc_area(width, polar).is_none_or(|area| area.is_finite()));
     }
 
-    /// All markers remain visible if their discs move by up to a hundredth of the radius. The sensor has four markers
-    /// that are a third of a radian apart.
+    /// All markers remain visible if their discs move by up to a hundredth of the skin's radius. The sensor has four
+    /// markers that are a third of a radian apart.
     #[test]
     fn markers_that_move_little_are_all_seen(
         lens in lens(),

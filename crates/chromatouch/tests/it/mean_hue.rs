@@ -67,7 +67,7 @@ fn pale_regions_do_not_count() {
     assert_eq!(seen.mean_hue_turns, seen.hue_turns);
 }
 
-/// A misalignment grows with the strain of the skin, whichever of the two discs is the upper one.
+/// A misalignment grows with the strain of the skin. This holds for both orders of the two discs in depth.
 #[test]
 fn a_misalignment_strains_with_the_skin() {
     let place = [[0.0, 0.0]];

@@ -1,4 +1,4 @@
-//! Impossible arrays, colours and motions, and the names of their errors.
+//! Impossible marker arrays, colours and motions return errors with the expected names.
 
 use palpate_chromatouch::{
     Blemishes, Colours, DiscMotion, Discs, Layout, Lens, MarkerArray, MarkerMotion, Optics,

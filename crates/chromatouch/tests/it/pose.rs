@@ -1,4 +1,5 @@
-//! Features for cameras that are not in the centre and for sensors with a departure, compared with closed forms.
+//! Compares the features of markers with exact formulas, for cameras that are not in the sensor's centre and for
+//! sensors with a departure from their nominal parameters.
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{

@@ -146,8 +146,8 @@ fn the_covariance_of_the_form_matches_finite_differences() {
     assert_eq!(fit.covariance(&estimate), None);
 }
 
-/// Standard error of the mean curvature, estimated from rolls in these directions over pads. The object is a ball with
-/// a radius of five probe radii.
+/// Standard error of the mean curvature that is estimated from rolls in the directions `directions_deg` over pads. The
+/// object is a ball with a radius of five probe radii.
 fn std_over_pads(start: PadStart, directions_deg: &[f64]) -> f64 {
     let rolls: Vec<(f64, f64)> = directions_deg
         .iter()

@@ -1,4 +1,4 @@
-//! Goodness of fit and misfits of readings, compared with closed forms.
+//! Compares the goodness of fit and the misfits of readings with exact formulas.
 
 use approx::assert_relative_eq;
 use palpate_ep1::{GoodnessOfFit, LeastSquares, Misfit, PadStart, ProbeReading, ReadingNoise};
@@ -59,8 +59,8 @@ fn misfits(stated: ReadingNoise, readings: &[ProbeReading]) -> Vec<Misfit> {
     estimate.misfits(stated, readings)
 }
 
-/// Kolmogorov statistic of numbers: the largest distance between their distribution and the uniform distribution,
-/// multiplied by the square root of their count.
+/// Kolmogorov statistic of `numbers`: the largest difference between their distribution and the uniform distribution
+/// from 0 to 1, multiplied by the square root of their count.
 fn kolmogorov(mut numbers: Vec<f64>) -> f64 {
     numbers.sort_by(f64::total_cmp);
     let count = numbers.len() as f64;

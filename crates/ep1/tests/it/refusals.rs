@@ -78,7 +78,8 @@ fn a_contact_that_moves_backwards_is_not_rolling() {
     );
 }
 
-/// In each of two perpendicular directions, the contact moves forward, backward or not at all.
+/// In each of two perpendicular directions, the contact moves forward, backward or not at all. An estimate is returned
+/// only if it moves forward in both.
 #[test]
 fn a_curvature_needs_contacts_that_move_forwards_in_every_direction() {
     let sizes = [0.0, 1e-16, 1e-14, 1e-13, 1e-9, 0.5];

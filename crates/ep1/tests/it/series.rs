@@ -1,4 +1,5 @@
-//! Estimates from time series of rolls, compared with the closed form for a ball on a ball and with integrated rolls.
+//! Compares estimates from time series of rolls with the exact solution for a ball on a ball, and with rolls that are
+//! computed by integration of the rolling equations.
 
 use approx::assert_relative_eq;
 use nalgebra::{Rotation3, UnitQuaternion, Vector2, Vector3};

@@ -112,9 +112,10 @@ impl DiscRaster {
         (n_x * x + n_y * y) * ray.lateral_rad + (n_z * ray.cosine - self.cosine)
     }
 
-    /// Share of the pixel that the disc covers, for the pixel at (x, y) from the centre of the image. The share minus
-    /// 1/2 is an odd function of v·n − cos α. The cosine v·n is linear in the solid angle, so the shares of all pixels
-    /// add up to the area of the disc.
+    /// Share of a pixel that the disc covers. The pixel is at (x, y) from the centre of the image. `inside` is the
+    /// distance v·n − cos α of the pixel's direction v from the disc's edge; n is the direction of the disc's middle,
+    /// and α is its angular radius. The share minus 1/2 is an odd function of `inside`. The solid angle depends
+    /// linearly on v·n, so the shares of all pixels add up to the area of the disc.
     #[inline]
     fn cover(&self, camera: &Camera, ray: &Ray, inside: f64, [x, y]: [f64; 2]) -> DiscCover {
         if inside.abs() >= self.band {

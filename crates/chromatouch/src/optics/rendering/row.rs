@@ -163,7 +163,7 @@ impl<'a> Rows<'a> {
         first..((middle + half).floor() as usize + 1).min(size).max(first)
     }
 
-    /// Columns of the pixels whose centres are in the image circle.
+    /// Columns of the pixels in row `number` whose centres are in the image circle.
     pub(super) fn inside(&self, number: usize) -> Range<usize> {
         self.columns(self.half_chord(self.camera.rim_px(), number))
     }
