@@ -72,60 +72,30 @@ impl<'a> DelimitedText<'a> {
         Ok((table, header))
     }
 
-    /// Calls `take` with every row of a table whose delimiters are spaces.
-    fn spaced_rows(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
-        let mut before = None;
+    /// Calls `take` for every row that is not blank. Each row is one line, because quotation marks that are still open
+    /// at the end of a line were rejected before.
+    pub(super) fn rows(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
+        let (mut fields, mut before) = (StringRecord::new(), None);
         for (row, line) in self.text.rows_after(0).skip(self.heading) {
+            match row.trim_end_matches('\r') {
+                row if self.delimiter == Delimiter::Space || row.contains('"') => {
+                    fields = split(self.text, row, self.delimiter);
+                }
+                row => {
+                    fields.clear();
+                    let parts = row.split(char::from(self.delimiter.byte()));
+                    parts.for_each(|part| fields.push_field(part));
+                }
+            }
+            if fields.iter().all(|field| field.trim().is_empty()) {
+                continue;
+            }
             take(Record {
                 line,
                 is_after_gap: before.is_some_and(|before| line > before + 1),
-                fields: &row.split_whitespace().collect(),
+                fields: &fields,
             })?;
             before = Some(line);
-        }
-        Ok(())
-    }
-
-    /// Calls `take` for every row that is not blank. Each row is one line, because tables with a quotation mark that is
-    /// still open at the end of a line were rejected before.
-    pub(super) fn rows(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
-        let text = self.text;
-        if self.delimiter == Delimiter::Space {
-            return self.spaced_rows(take);
-        }
-        let bytes = text.all.as_bytes();
-        let is_end = |byte: &&u8| char::from(**byte) == text.end;
-        let (mut at, mut line) = (0, text.line);
-        let (mut heading, mut is_after_gap) = (self.heading, false);
-        let mut fields = StringRecord::new();
-        let mut reader = reader(text, text.all, self.delimiter);
-        // Reading a record cannot fail here: the text is valid UTF-8, and records may have any number of fields.
-        while let Ok(true) = reader.read_record(&mut fields) {
-            let start = fields
-                .position()
-                .map_or(at, |position| position.byte() as usize);
-            let begin = start + bytes[start..].iter().take_while(is_end).count();
-            let lines = bytes[at..begin].iter().filter(is_end).count();
-            line += lines;
-            is_after_gap |= lines > 1;
-            at = begin;
-            let is_header = heading > 0 && heading == self.heading;
-            if fields.iter().all(|field| field.trim().is_empty())
-                && (fields.len() == 1 || !is_header)
-            {
-                is_after_gap = true;
-                continue;
-            }
-            if heading > 0 {
-                heading -= 1;
-            } else {
-                take(Record {
-                    line,
-                    is_after_gap,
-                    fields: &fields,
-                })?;
-            }
-            is_after_gap = false;
         }
         Ok(())
     }
@@ -221,7 +191,10 @@ fn recognised(text: Text<'_>, header: &str, header_line: usize) -> Result<Delimi
 fn has_spaces(names: usize, row: &str) -> bool {
     let mut numbers = row.split_whitespace();
     let is_spaced = !row.contains('\t') && names > 1 && row.split_whitespace().count() == names;
-    is_spaced && numbers.all(|one| one.parse::<f64>().is_ok())
+    // A decimal comma stands within a number.
+    let is_number =
+        |one: &str| !one.ends_with(',') && one.replacen(',', ".", 1).parse::<f64>().is_ok();
+    is_spaced && numbers.all(is_number)
 }
 
 /// Units from the row after the header, without brackets; `None` if that row contains anything but units.

@@ -35,7 +35,7 @@ impl<'a> Heading<'a> {
     fn in_group(&self) -> Option<(&str, Column)> {
         QUATERNION.into_iter().find_map(|column| {
             let group = self.base.strip_suffix(&column.name[1..])?;
-            (!group.is_empty()).then_some((group, column))
+            Some((group, column))
         })
     }
 }
@@ -46,7 +46,9 @@ pub(super) fn bracketed(name: &str) -> (&str, Option<&str>) {
         .into_iter()
         .find_map(|(open, close)| {
             let (base, unit) = name.strip_suffix(close)?.rsplit_once(open)?;
-            (!base.trim().is_empty()).then_some((base, unit.trim()))
+            // A number in brackets is an index: `position[0]`.
+            let is_unit = !base.trim().is_empty() && unit.trim().parse::<u8>().is_err();
+            is_unit.then_some((base, unit.trim()))
         });
     match parts {
         Some((base, unit)) => (base, Some(unit)),
@@ -96,6 +98,12 @@ impl<'a> Header<'a> {
         !matches!(self.place(column), Ok(None))
     }
 
+    /// Name of a column in the file; `None` if the file does not have it.
+    pub(super) fn own_name(&self, column: &Column) -> Option<&'a str> {
+        let place = self.place(column).ok().flatten()?;
+        Some(self.name(place.index))
+    }
+
     /// Name of the first column of times; `None` if the file has none.
     pub(super) fn time(&self) -> Option<&'a str> {
         let is_time = |heading: &&Heading<'_>| {
@@ -114,10 +122,10 @@ impl<'a> Header<'a> {
     /// Value for the setting `columns`, as pairs of names separated by commas. It assigns the file's names of the
     /// columns `columns` to the columns `others` instead.
     pub(super) fn pairs(&self, columns: &[Column], others: &[Column]) -> String {
-        let pairs = columns.iter().zip(others).filter_map(|(column, other)| {
-            let place = self.place(column).ok().flatten()?;
-            Some(pair(other.stem(), self.name(place.index)))
-        });
+        let pairs = columns
+            .iter()
+            .zip(others)
+            .filter_map(|(column, other)| Some(pair(other.stem(), self.own_name(column)?)));
         pairs.collect::<Vec<_>>().join(",")
     }
 
@@ -305,17 +313,19 @@ impl<'a> Header<'a> {
             message += "; a quaternion is read from qx,qy,qz,qw, where qw is its scalar part";
         }
         let places: Vec<Place> = found.iter().flatten().copied().collect();
-        let mut free = self.free(&places);
-        if !free.is_empty() {
-            let mut pairs = self.proposed(missing, &mut free);
-            pairs.extend(self.optional(optional, &mut free));
-            message += &format!(
-                "; write setting `columns` '{}'",
-                pairs.join(",").replace('\'', "'\\''")
-            );
-            if pairs.iter().any(|pair| pair.ends_with('…')) {
-                message += ", with the file's name for it at …";
-            }
+        let free = self.free(&places);
+        let mut rest = free.clone();
+        let only = || {
+            let is_only = free.len() == missing.len();
+            is_only.then(|| self.only_pairs(missing, &free)).flatten()
+        };
+        if let Some(mut pairs) = self.proposed(missing, &mut rest) {
+            pairs.extend(self.optional(optional, &mut rest));
+            message += &format!("; write {}", setting(&pairs));
+        } else if let Some(pairs) = only() {
+            message += &format!("; write {} if these are the same", setting(&pairs));
+        } else {
+            message += "; setting `columns` assigns other names";
         }
         message
     }
@@ -334,8 +344,8 @@ impl<'a> Header<'a> {
     pub(super) fn unread(&self, may: &[Column], places: &[Place]) -> Option<String> {
         let pairs = self.optional(may, &mut self.free(places));
         (!pairs.is_empty()).then(|| {
-            let pairs = pairs.join(",").replace('\'', "'\\''");
-            format!("optional columns are not read; setting `columns` '{pairs}' reads them")
+            let setting = setting(&pairs);
+            format!("optional columns are not read; {setting} reads them")
         })
     }
 
@@ -350,31 +360,78 @@ impl<'a> Header<'a> {
         let pairs = parts.flat_map(|part| {
             let mut rest = free.clone();
             let pairs = self.proposed(part, &mut rest);
-            let is_whole = pairs.iter().all(|pair| !pair.ends_with('…'));
-            if is_whole {
+            if pairs.is_some() {
                 *free = rest;
             }
-            pairs.into_iter().filter(move |_| is_whole)
+            pairs.unwrap_or_default()
         });
         pairs.collect()
     }
 
-    /// Proposed assignments for the missing columns; `…` stands for a column to which no unused name in the file is
-    /// similar.
-    fn proposed(&self, missing: &[Column], free: &mut Vec<usize>) -> Vec<String> {
+    /// Proposed assignments for the missing columns; `None` if no unused name in the file is similar to one of them.
+    fn proposed(&self, missing: &[Column], free: &mut Vec<usize>) -> Option<Vec<String>> {
         let mut pair_of = |column: &Column| {
             let similar = |&index: &usize| is_similar(column, &self.headings[index]);
-            let Some(place) = free.iter().position(similar) else {
-                return format!("{}=…", column.name);
-            };
-            let heading = &self.headings[free.remove(place)];
-            let states =
-                heading.bracket.is_some() || suffix(heading, column).ok().flatten().is_some();
-            let key = if states { column.stem() } else { column.name };
-            pair(key, heading.name)
+            let place = free.iter().position(similar)?;
+            Some(self.pair_of(column, free.remove(place)))
         };
         missing.iter().map(&mut pair_of).collect()
     }
+
+    /// Assignment of a column of the file, with the unit of palpate's name if the file's name states none.
+    fn pair_of(&self, column: &Column, index: usize) -> String {
+        let heading = &self.headings[index];
+        let states = heading.bracket.is_some() || suffix(heading, column).ok().flatten().is_some();
+        let key = if states { column.stem() } else { column.name };
+        pair(key, heading.name)
+    }
+
+    /// Assignments in the order of the file, if the remaining names may have the units of the missing columns.
+    fn only_pairs(&self, missing: &[Column], free: &[usize]) -> Option<Vec<String>> {
+        let pairs = missing.iter().zip(free).map(|(column, &index)| {
+            let heading = &self.headings[index];
+            let last = heading.base.rsplit('_').next().unwrap_or_default();
+            let stated = heading.bracket.or(has_unit(last).then_some(last));
+            let may_be = stated.is_none_or(|unit| column.measure.unit(unit).is_some());
+            let is_other = heading.part.is_some() || self.time() == Some(heading.name);
+            (may_be && !is_other).then(|| self.pair_of(column, index))
+        });
+        pairs.collect()
+    }
+
+    /// Whether names in the file are similar to all of these columns, or equal to them.
+    pub(super) fn offers(&self, columns: &[Column]) -> bool {
+        let places = columns
+            .iter()
+            .map(|column| self.place(column).ok().flatten());
+        let places: Vec<Option<Place>> = places.collect();
+        let missing = columns
+            .iter()
+            .zip(&places)
+            .filter(|(_, place)| place.is_none());
+        let missing: Vec<Column> = missing.map(|(column, _)| *column).collect();
+        let places: Vec<Place> = places.into_iter().flatten().collect();
+        self.proposed(&missing, &mut self.free(&places)).is_some()
+    }
+}
+
+/// The setting `columns` with these pairs, as a shell reads it.
+fn setting(pairs: &[String]) -> String {
+    let pairs = pairs.join(",").replace('\'', "'\\''");
+    format!("setting `columns` '{pairs}'")
+}
+
+/// Whether a word is the unit of a quantity other than a plain number.
+fn has_unit(word: &str) -> bool {
+    [
+        Measure::Length,
+        Measure::Angle,
+        Measure::Time,
+        Measure::Pixel,
+        Measure::Force,
+    ]
+    .iter()
+    .any(|measure| measure.unit(word).is_some())
 }
 
 /// Whether the unit of a column with this measure may be missing. Lengths then have the unit of other columns or of a
@@ -437,16 +494,13 @@ pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
         return false;
     }
     let words: Vec<&str> = heading.base.split('_').collect();
-    let others = [
-        Measure::Length,
-        Measure::Angle,
-        Measure::Time,
-        Measure::Pixel,
-        Measure::Force,
-    ];
+    // The axis of a rotation is not its vector.
+    if words.contains(&"axis") && !column.stem().starts_with("axis") {
+        return false;
+    }
     if let [_, .., last] = words[..]
         && !is_unit(last)
-        && others.iter().any(|other| other.unit(last).is_some())
+        && has_unit(last)
     {
         return false;
     }
@@ -455,7 +509,9 @@ pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
         && words
             .iter()
             .any(|word| matches!(*word, "trial" | "roll" | "episode"));
+    let is_theta = column.name == "angle_rad" && words.contains(&"theta");
     is_probe
+        || is_theta
         || column.stem().split('_').all(|word| words.contains(&word))
         || is_of_axis(column, &words)
 }
@@ -482,8 +538,17 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         _ => "2",
     };
     let says = |quantity: &str| {
-        let is_start = |word: &&str| word.len() > 2 && quantity.starts_with(*word);
-        rest.iter().any(is_start) || (quantity == "contact" && rest.contains(&"cop"))
+        // Arrays have names in the plural.
+        let is_start = |word: &&str| {
+            let word = word.strip_suffix('s').unwrap_or(word);
+            word.len() > 2 && quantity.starts_with(word)
+        };
+        let is_named = |word: &&str| match *word {
+            "cop" => quantity == "contact",
+            "rotvec" | "rvec" => quantity == "rotation",
+            _ => false,
+        };
+        rest.iter().any(|word| is_start(word) || is_named(word))
     };
     // Some authors call the axes u and v on the probe x and y.
     let other = match axis {
@@ -507,6 +572,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
                 && matches!(letter, "" | "p");
         }
         "rotation" => &["r", "w"],
+        "axis" => &["a"],
         "contact" => &["", "c"],
         "shift" => &["", "d", "s"],
         "normal" => &["n"],

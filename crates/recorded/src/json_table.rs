@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use csv::StringRecord;
 use palpate_study::readings::spelt;
-use serde_json::Value as Json;
+use serde_json::{Map, Value as Json};
 
 use super::error::RecordedError;
 use super::file::RecordedFile;
@@ -18,53 +18,56 @@ const MAX_COMPONENTS: usize = 4;
 
 /// The form in which a JSON text contains the rows of a table.
 enum Rows<'a> {
-    /// One JSON object per line, which is a row of the table.
-    Lines(Text<'a>),
-    /// A JSON list whose items (objects or lists) are the rows.
-    List(Text<'a>),
-    /// A JSON object with a list of values for each column.
+    /// JSON objects one after the other, or a JSON list whose items (objects or lists) are the rows.
+    Sequence(Text<'a>),
+    /// The rows.
+    Records(Vec<Json>),
+    /// The values of each column.
     Columns(Vec<Vec<Json>>),
 }
 
 /// A table that is written as JSON.
 pub(super) struct JsonTable<'a> {
     rows: Rows<'a>,
+    /// Names of the columns in the file.
+    names: Vec<String>,
     header_line: usize,
 }
 
 impl<'a> JsonTable<'a> {
-    /// Returns the table and the names of its columns. `first` is the first line that is not blank, followed by its
-    /// line number.
+    /// Returns the table and the names of its columns. `header_line` is the first line that is not blank.
     pub(super) fn of(
         file: &RecordedFile,
         text: Text<'a>,
-        (first, header_line): (&str, usize),
+        header_line: usize,
     ) -> Result<(Self, Vec<String>), RecordedError> {
-        let is_list = first.trim_start().starts_with('[');
-        let is_lines = text.rows_after(header_line).next().is_some()
-            && serde_json::from_str::<Json>(first).is_ok();
-        let columns = match is_list || is_lines {
-            true => None,
-            false => columns(file, text)?,
+        let mut table = Self {
+            rows: Rows::Sequence(text),
+            names: Vec::new(),
+            header_line,
         };
-        if let Some((header, columns)) = columns {
-            let rows = Rows::Columns(columns);
-            return Ok((Self { rows, header_line }, header));
+        if let Ok(object) = serde_json::from_str(text.all) {
+            if let Some(rows) = records(&object) {
+                table.rows = Rows::Records(rows);
+            } else if let Some((names, columns)) = columns(file, object)? {
+                table.rows = Rows::Columns(columns);
+                table.names.clone_from(&names);
+                return Ok((table, names));
+            }
         }
-        let rows = if is_list {
-            Rows::List(text)
-        } else {
-            Rows::Lines(text)
-        };
-        let table = Self { rows, header_line };
-        let (first, line) = table.objects().next().unwrap_or(("{}", header_line));
-        let pairs = pairs(file, line, first)?;
+        let first = table.objects(file).next().transpose()?;
+        let (first, line) = first.unwrap_or((Json::Null, header_line));
+        let pairs = pairs(file, line, &first)?;
         match pairs.len() {
             0 => Err(file.fail(
                 line,
                 "the first JSON object is empty; its keys must name the columns",
             )),
-            1..=MAX_KEYS => Ok((table, pairs.into_iter().map(|(key, _)| key).collect())),
+            1..=MAX_KEYS => {
+                table.names = pairs.into_iter().map(|(key, _)| key).collect();
+                let names = table.names.clone();
+                Ok((table, names))
+            }
             many => Err(file.fail(
                 line,
                 format!("has {many} columns; at most {MAX_KEYS} are read"),
@@ -72,16 +75,19 @@ impl<'a> JsonTable<'a> {
         }
     }
 
-    /// Text of each row, with a number for messages. The number is the line of the row or, if the whole list is in one
-    /// line, the index of the row, counted from 1.
-    fn objects(&self) -> Box<dyn Iterator<Item = (&'a str, usize)> + 'a> {
-        match self.rows {
-            Rows::Lines(text) => Box::new(text.rows_after(0)),
-            Rows::List(text) if text.rows_after(0).nth(1).is_none() => {
-                let objects = Elements::of(text).enumerate();
-                Box::new(objects.map(|(place, (object, _))| (object, place + 1)))
+    /// The object of each row, with a number for messages: the line of the object or, if the whole list is written in one
+    /// line, the index of the object from 1.
+    fn objects<'f>(&'f self, file: &'f RecordedFile) -> Box<dyn Iterator<Item = Object> + 'f> {
+        match &self.rows {
+            Rows::Sequence(text) => {
+                let is_one_line = text.rows_after(0).nth(1).is_none();
+                let objects = Elements::of(file, *text).zip(1..);
+                Box::new(objects.map(move |(object, place)| {
+                    let (object, line) = object?;
+                    Ok((object, if is_one_line { place } else { line }))
+                }))
             }
-            Rows::List(text) => Box::new(Elements::of(text)),
+            Rows::Records(rows) => Box::new(rows.iter().cloned().zip(1..).map(Ok)),
             Rows::Columns(_) => Box::new(std::iter::empty()),
         }
     }
@@ -90,7 +96,6 @@ impl<'a> JsonTable<'a> {
     pub(super) fn rows(
         &self,
         file: &RecordedFile,
-        header: &[String],
         mut take: impl FnMut(Record<'_>) -> RowResult,
     ) -> RowResult {
         if let Rows::Columns(columns) = &self.rows {
@@ -104,12 +109,13 @@ impl<'a> JsonTable<'a> {
             }
             return Ok(());
         }
-        let is_list = matches!(self.rows, Rows::List(_));
+        let is_list = matches!(self.rows, Rows::Sequence(text) if is_list(text));
         let mut before = self.header_line;
-        for (text, line) in self.objects() {
-            let values: HashMap<String, String> = pairs(file, line, text)?.into_iter().collect();
+        for object in self.objects(file) {
+            let (object, line) = object?;
+            let values: HashMap<String, String> = pairs(file, line, &object)?.into_iter().collect();
             let of_key = |name: &String| values.get(name).map_or("", String::as_str);
-            let fields: StringRecord = header.iter().map(of_key).collect();
+            let fields: StringRecord = self.names.iter().map(of_key).collect();
             take(Record {
                 line,
                 is_after_gap: !is_list && line > before + 1,
@@ -121,15 +127,12 @@ impl<'a> JsonTable<'a> {
     }
 }
 
-/// Names and values of the columns, if the text is a JSON object with one list per column; otherwise `None`.
+/// Names and values of the columns, if the object has one list per column; otherwise `None`.
 #[expect(clippy::type_complexity, reason = "names and values of the columns")]
 fn columns(
     file: &RecordedFile,
-    text: Text<'_>,
+    object: Map<String, Json>,
 ) -> Result<Option<(Vec<String>, Vec<Vec<Json>>)>, RecordedError> {
-    let Ok(Json::Object(object)) = serde_json::from_str(text.all) else {
-        return Ok(None);
-    };
     let is_scalar = |item: &Json| !item.is_array() && !item.is_object();
     let is_column = |value: &Json| match value {
         Json::Array(items) => items.iter().all(is_scalar),
@@ -174,97 +177,135 @@ fn columns(
     Ok(Some((names, columns)))
 }
 
-/// Elements of a JSON list: the text of each element, with the line in which it begins. The elements themselves are not
-/// parsed here.
+/// Rows of a table that pandas wrote with the orientation `split`, `table` or `index`.
+fn records(object: &Map<String, Json>) -> Option<Vec<Json>> {
+    let Some(Json::Array(rows)) = object.get("data") else {
+        let row = |(number, row): (&String, &Json)| {
+            // The keys of a column are the numbers of its rows.
+            let keys = row.as_object()?.keys();
+            let has_names = keys.into_iter().any(|key| key.parse::<u64>().is_err());
+            let number = number.parse::<u64>().ok().filter(|_| has_names)?;
+            Some((number, row.clone()))
+        };
+        let mut rows: Vec<(u64, Json)> = object.iter().map(row).collect::<Option<_>>()?;
+        rows.sort_by_key(|(number, _)| *number);
+        return (!rows.is_empty()).then(|| rows.into_iter().map(|(_, row)| row).collect());
+    };
+    let Some(names) = object.get("columns").and_then(Json::as_array) else {
+        return object.contains_key("schema").then(|| rows.clone());
+    };
+    let row = |row: &Json| {
+        let values = row.as_array().filter(|row| row.len() == names.len())?;
+        let pairs = names.iter().map(scalar).zip(values.iter().cloned());
+        Some(Json::Object(pairs.collect()))
+    };
+    rows.iter().map(row).collect()
+}
+
+/// The object of a row and its line.
+type Object = Result<(Json, usize), RecordedError>;
+
+fn is_list(text: Text<'_>) -> bool {
+    text.all.trim_start().starts_with('[')
+}
+
+/// JSON values in a list or one after the other, each with the line where it begins.
 struct Elements<'a> {
-    text: Text<'a>,
-    /// Byte index in the text at which the next element begins.
-    start: usize,
+    file: &'a RecordedFile,
+    rest: &'a str,
+    end: char,
     line: usize,
-    /// Whether the text ends before the closing bracket of the list.
-    is_cut: bool,
+    is_list: bool,
 }
 
 impl<'a> Elements<'a> {
-    fn of(text: Text<'a>) -> Self {
-        let start = text.all.find('[').map_or(0, |at| at + 1);
-        let lines = text.all[..start].matches(text.end).count();
-        let line = text.line + lines;
-        Self {
-            text,
-            start,
-            line,
-            is_cut: false,
+    fn of(file: &'a RecordedFile, text: Text<'a>) -> Self {
+        let mut elements = Self {
+            file,
+            rest: text.all,
+            end: text.end,
+            line: text.line,
+            is_list: is_list(text),
+        };
+        elements.advance(0);
+        elements.advance(usize::from(elements.is_list));
+        if elements.is_list && elements.rest == "]" {
+            elements.rest = "";
         }
+        elements
+    }
+
+    /// Skips this number of bytes, and the spaces after them.
+    fn advance(&mut self, bytes: usize) {
+        let rest = self.rest[bytes..].trim_start();
+        let skipped = &self.rest[..self.rest.len() - rest.len()];
+        self.line += skipped.matches(self.end).count();
+        self.rest = rest;
     }
 }
 
-impl<'a> Iterator for Elements<'a> {
-    type Item = (&'a str, usize);
+impl Iterator for Elements<'_> {
+    type Item = Object;
 
-    fn next(&mut self) -> Option<Self::Item> {
-        if std::mem::take(&mut self.is_cut) {
-            return Some(("", self.line));
+    fn next(&mut self) -> Option<Object> {
+        if self.rest.is_empty() {
+            return None;
         }
-        let rest = &self.text.all[self.start..];
-        let element = rest.trim_start();
-        let skipped = rest.len() - element.len();
-        self.line += rest[..skipped].matches(self.text.end).count();
-        let (mut depth, mut is_text, mut is_escaped) = (0_usize, false, false);
-        let end = element.bytes().position(|byte| {
-            match byte {
-                _ if is_escaped => is_escaped = false,
-                b'\\' if is_text => is_escaped = true,
-                b'"' => is_text = !is_text,
-                _ if is_text => {}
-                b'[' | b'{' => depth += 1,
-                b',' | b']' if depth == 0 => return true,
-                b']' | b'}' => depth = depth.saturating_sub(1),
-                _ => {}
-            }
-            false
-        });
-        self.is_cut = end.is_none() && !element.is_empty();
-        let end = end.unwrap_or(element.len());
         let line = self.line;
-        self.line += element[..end].matches(self.text.end).count();
-        self.start += skipped + end;
-        // After an element, there must be a comma and another element, or the closing bracket and nothing else.
-        match element[end..].starts_with(',') {
-            true => self.start += 1,
-            false if element[end..].starts_with(']') && element[end + 1..].trim().is_empty() => {
-                self.start = self.text.all.len();
+        // Outside of a list, an object is in one line.
+        let end = if self.is_list {
+            None
+        } else {
+            self.rest.find(self.end)
+        };
+        let text = &self.rest[..end.unwrap_or(self.rest.len())];
+        let mut elements = serde_json::Deserializer::from_str(text).into_iter::<Json>();
+        let element = match elements.next()? {
+            Ok(element) => element,
+            Err(error) => {
+                self.rest = "";
+                return Some(Err(no_json(self.file, line, &error)));
             }
-            false if end == 0 => {
-                self.start = self.text.all.len();
-                return (!element.is_empty()).then_some((element, line));
+        };
+        self.advance(elements.byte_offset());
+        if self.is_list {
+            match self.rest.strip_prefix([',', ']']) {
+                Some(rest) if rest.trim().is_empty() == self.rest.starts_with(']') => {
+                    self.advance(1)
+                }
+                _ => {
+                    let message = format!("is no JSON object: the list is not closed; {NEEDED}");
+                    return Some(Err(self.file.fail(self.line, message)));
+                }
             }
-            false => {}
         }
-        let element = element[..end].trim_end();
-        (!element.is_empty() || self.start < self.text.all.len()).then_some((element, line))
+        Some(Ok((element, line)))
     }
 }
 
-/// Names and values of a JSON object or list. Nested names are joined by points, as in `position.0`.
+const NEEDED: &str = "a list of objects is needed, or an object per line";
+
+fn no_json(file: &RecordedFile, line: usize, error: &serde_json::Error) -> RecordedError {
+    let message = error.to_string();
+    let message = message.split(" at line ").next().unwrap_or_default();
+    let what = format!(
+        "is no JSON object: {message} (character {})",
+        error.column()
+    );
+    file.fail(line, format!("{what}; {NEEDED}"))
+}
+
+/// Names and values of an object or a list; nested names are joined by points: `position.0`.
 fn pairs(
     file: &RecordedFile,
     line: usize,
-    text: &str,
+    value: &Json,
 ) -> Result<Vec<(String, String)>, RecordedError> {
-    const NEEDED: &str = "a list of objects is needed, or an object per line";
-    let value: Json = serde_json::from_str(text).map_err(|error| {
-        let message = error.to_string();
-        let message = message.split(" at line ").next().unwrap_or_default();
-        let column = error.column();
-        let what = format!("is no JSON object: {message} (character {column})");
-        file.fail(line, format!("{what}; {NEEDED}"))
-    })?;
     if !value.is_object() && !value.is_array() {
         return Err(file.fail(line, format!("is no JSON object; {NEEDED}")));
     }
     let mut pairs = Vec::new();
-    flatten("", &value, &mut pairs);
+    flatten("", value, &mut pairs);
     Ok(pairs)
 }
 

@@ -154,6 +154,20 @@ impl<'a> NumpyTable<'a> {
                 arrays.push((name.to_owned(), array));
             }
         }
+        // Maps have as many columns as the sensor, and a vector has only a few components.
+        let (first, is_map) = match arrays.first() {
+            Some((_, array)) => (
+                array.shape.clone(),
+                array.shape[1..].iter().any(|&one| one > 9),
+            ),
+            None => (Vec::new(), false),
+        };
+        if arrays.len() > 1 && is_map && arrays.iter().all(|(_, array)| array.shape == first) {
+            let count = first.iter().product();
+            arrays
+                .iter_mut()
+                .for_each(|(_, array)| array.shape = vec![count]);
+        }
         match arrays.len() {
             0 => Err("has no array of more than one number".to_owned()),
             1 => arrays
@@ -171,6 +185,16 @@ impl<'a> NumpyTable<'a> {
                         ));
                     }
                     names.extend(table.add(&name, array)?);
+                }
+                // NumPy numbers the arrays to which no name is given.
+                let is_numbered = |name: &String| {
+                    let number = name
+                        .strip_prefix("arr_")
+                        .and_then(|rest| rest.split('.').next());
+                    number.is_some_and(|number| number.parse::<u64>().is_ok())
+                };
+                if names.iter().all(is_numbered) {
+                    names.clear();
                 }
                 Ok((table, names))
             }

@@ -111,7 +111,10 @@ pub fn parse_press(file: RecordedFile) -> Result<PressRecording, RecordedError> 
         (true, true) => {
             let row = header.is_assigned(&PRESS_ROW[..1]);
             if row == header.is_assigned(&PRESSES[..2]) {
-                let message = "there are both places x, y and radial_position; state which to read, as in setting `columns` 'radial_position=…'";
+                let names = header.pairs(&PRESS_ROW[..1], &PRESS_ROW[..1]);
+                let message = format!(
+                    "there are both places x, y and radial_position; state which to read, as in setting `columns` '{names}'"
+                );
                 return Err(file.fail(table.header_line, message));
             }
             row

@@ -12,7 +12,7 @@ use super::delimited_text::tidy;
 use super::error::RecordedError;
 use super::header::{Header, Place};
 use super::source::ReadingSource;
-use super::table_format::Decimal;
+use super::table_format::{Decimal, pair};
 use super::text_table::TextTable;
 
 /// Maximum size of all columns that palpate does not use, MiB.
@@ -45,7 +45,7 @@ impl ReadingTable {
         let fail = |message| table.file.fail(table.header_line, message);
         let header = Header::new(&table.header, &form.columns);
         let places = header.places(columns, may).map_err(fail)?;
-        let unit = length_unit(columns, &places, form.length_unit).map_err(fail)?;
+        let unit = length_unit(&header, columns, &places, form.length_unit).map_err(fail)?;
         let factors: Vec<f64> = columns
             .iter()
             .zip(&places)
@@ -69,6 +69,15 @@ impl ReadingTable {
             let (found, expected) = (record.fields.len(), table.header.len());
             // A row may end in a delimiter. The empty field after it does not count.
             let is_ended = found == expected + 1 && record.fields[expected].is_empty();
+            // NumPy writes a footer as a comment.
+            if found != expected
+                && record
+                    .fields
+                    .get(0)
+                    .is_some_and(|text| text.starts_with('#'))
+            {
+                return Ok(());
+            }
             if found != expected && !is_ended {
                 let hint = match table.has_commas() && found > expected {
                     true => "; if its commas are decimal signs, separate the fields by ; or tabs",
@@ -203,6 +212,7 @@ pub(super) fn header<'a>(
 
 /// Unit of all lengths in a table; `None` if none is stated.
 fn length_unit(
+    header: &Header<'_>,
     columns: &[Column],
     places: &[Place],
     option: Option<LengthUnit>,
@@ -212,12 +222,12 @@ fn length_unit(
         .zip(places)
         .filter(|(column, _)| column.measure == Measure::Length);
     let mut stated: Vec<ColumnUnit> = Vec::new();
-    let mut bare: Option<&Column> = None;
+    let mut bare: Option<(&Column, &Place)> = None;
     for (column, place) in lengths {
         match place.unit {
             Some(unit) if !stated.contains(&unit) => stated.push(unit),
             Some(_) => {}
-            None => bare = bare.or(Some(column)),
+            None => bare = bare.or(Some((column, place))),
         }
     }
     let Some(target) = option else {
@@ -227,7 +237,7 @@ fn length_unit(
                 let nearest = unit.nearest();
                 let is_converted = nearest.map(ColumnUnit::Length) != Some(*unit);
                 match bare.filter(|_| is_converted) {
-                    Some(column) => Err(without_unit(column, *unit)),
+                    Some(column) => Err(without_unit(header, column, *unit)),
                     None => Ok(nearest),
                 }
             }
@@ -249,17 +259,18 @@ fn length_unit(
             ));
         }
         if let Some(column) = bare.filter(|_| *unit != ColumnUnit::Length(target)) {
-            return Err(without_unit(column, *unit));
+            return Err(without_unit(header, column, *unit));
         }
     }
     Ok(Some(target))
 }
 
-fn without_unit(column: &Column, other: ColumnUnit) -> String {
-    let (stem, other) = (column.stem(), other.name());
+fn without_unit(header: &Header<'_>, column: (&Column, &Place), other: ColumnUnit) -> String {
+    let (column, place) = column;
+    let (stem, name, other) = (column.stem(), header.name(place.index), other.name());
+    let pair = pair(&format!("{stem}_{other}"), name);
     format!(
-        "column `{stem}` states no unit, but others are in {other}; state its unit by setting \
-         `columns` '{stem}_{other}=NAME', where NAME is its name in the file"
+        "column `{name}` states no unit, but others are in {other}; write setting `columns` '{pair}' if it is in {other} too"
     )
 }
 

@@ -7,7 +7,9 @@ use nalgebra::{Vector2, Vector3};
 use palpate_ep1::{ProbeReading, RollSample, RollSeries};
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
-use palpate_study::readings::{CONTACTS, Column, QUATERNION, ROLL_SERIES, ROLLS, columns_of};
+use palpate_study::readings::{
+    CONTACTS, Column, GLIDES, QUATERNION, ROLL_SERIES, ROLLS, columns_of,
+};
 
 use super::RecordedFile;
 use super::error::RecordedError;
@@ -17,7 +19,8 @@ use super::reading_table::{ExtraColumns, ReadingTable, header};
 use super::roll_rotation::{RotationForm, RotationFrame, between};
 use super::roll_series::SeriesReadings;
 use super::source::{ReadingSource, copies, finite, same_length};
-use super::table_format::pair;
+use super::table_format::{Form, pair};
+use super::table_layout::without_names;
 use super::text_table::TextTable;
 
 /// Largest number of rolls for which all pairs are compared. For more rolls, a hash table is faster.
@@ -193,7 +196,14 @@ impl RollRecording {
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
 pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
-    let table = TextTable::of(&file, &[&ROLLS[1..], &ROLLS, &columns_of("roll")])?;
+    let (recording, _) = read_rolls(&file)?;
+    Ok(recording)
+}
+
+/// The rolls of a file, and whether their rotations and shifts may be those of rolls.
+fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedError> {
+    let table = TextTable::of(file, &[&ROLLS[1..], &columns_of("roll")])
+        .map_err(|error| without_header(file).unwrap_or(error))?;
     let header = header(&table, &columns_of("roll"))?;
     let fail = |message: String| Err(file.fail(table.header_line, message));
     let kind = match Kind::of(&header) {
@@ -202,7 +212,7 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
     };
     let has = |column: &Column| header.has(column);
     let names_probes = has(&ROLLS[0]);
-    let form = RotationForm::of(has);
+    let form = RotationForm::of(&header);
     let as_series = |why: String| {
         let names = header.pairs(&ROLLS[3..], &CONTACTS);
         format!("{why}; if each roll is a time series, write setting `columns` '{names}'")
@@ -221,19 +231,25 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
         Kind::Pads => (&ROLL_SERIES[1..2], &ROLL_SERIES[4..]),
         Kind::Contacts => (&ROLL_SERIES[1..2], &CONTACTS[..]),
     };
+    let tip = &GLIDES[1..4];
+    if !header.offers(contacts) && (tip.iter().all(has) || header.offers(tip)) {
+        return fail(
+            "the file has positions, as of a fingertip, but no contacts on the probe; an estimate from a glide with setting `tip_radius`, and setting `reports` centre, needs only the positions of the tip's centre".to_owned(),
+        );
+    }
     let probe = &ROLLS[..usize::from(names_probes)];
     let columns = [probe, time, form.columns(), contacts].concat();
     let may = &ROLLS[..usize::from(!names_probes)];
     let sheet = ReadingTable::read(&table, &columns, may)?;
     let first = probe.len();
-    let (probes, note) = match names_probes {
+    let (probes, counted) = match names_probes {
         true => {
             let rows = sheet.rows();
             let index = rows.map(|(line, numbers)| sheet.index(line, probe[0].name, numbers[0]));
             (index.collect::<Result<Vec<u64>, _>>()?, None)
         }
         false => {
-            let (probes, note) = counted(&sheet, kind != Kind::Rows);
+            let (probes, note) = count_probes(&sheet, kind != Kind::Rows);
             (probes, Some(note))
         }
     };
@@ -278,7 +294,6 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
             }
         }
     }
-    let frame = file.form.rotation_frame;
     let read = |form: RotationForm, order: [usize; 4], frame: RotationFrame| {
         let relative = |roll: &Roll<'_>| roll.relative(kind, form, order, frame);
         let fail = |(line, message): (usize, String)| sheet.fail(line, message);
@@ -288,42 +303,62 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
             .collect::<Result<Vec<_>, _>>()
     };
     let mut notes = sheet.source.notes.clone();
+    let mut note = |text: String| notes.push(Warning::new("assumed-columns", text, []));
+    // Only orientations in time have a frame that the file may not state.
+    let frames = match file.form.rotation_frame {
+        Some(stated) => vec![stated],
+        None if kind == Kind::Rows => vec![RotationFrame::Probe],
+        None => vec![RotationFrame::Probe, RotationFrame::World],
+    };
+    let frame_of = |order| {
+        let fits = |frame: &&RotationFrame| {
+            read(form, order, **frame).is_ok_and(|rolls| is_rolling(&rolls))
+        };
+        frames.iter().find(fits).copied()
+    };
     let mut order = SCALAR_LAST;
-    if let Some(names) = table
-        .numbered_quaternion()
-        .filter(|_| form == RotationForm::Quaternion)
-    {
-        let options = [SCALAR_LAST, SCALAR_FIRST].map(|order| {
-            let fits =
-                read(form, order, frame.unwrap_or_default()).is_ok_and(|rolls| is_rolling(&rolls));
-            (order, fits, scalar_names(order, names))
-        });
-        let [last, first] = &options;
-        let (found, setting) = match [last.1, first.1] {
-            [true, false] => (last.0, &last.2),
-            [false, true] => (first.0, &first.2),
+    if form == RotationForm::Quaternion {
+        let [last, first] = [SCALAR_LAST, SCALAR_FIRST].map(|order| frame_of(order).is_some());
+        let numbered = table.numbered_quaternion();
+        let own = || QUATERNION.map(|column| header.own_name(&column).unwrap_or_default());
+        let names = numbered.map_or_else(own, |names| names.each_ref().map(String::as_str));
+        let setting = |order| scalar_names(order, names);
+        match (numbered.is_some(), last, first) {
+            (false, true, _) | (false, _, false) => {}
+            (false, false, true) => {
+                return fail(format!(
+                    "the rotations do not fit the shifts of the contacts, unless the first component of the quaternion is its scalar part; write setting `columns` '{}'",
+                    setting(SCALAR_FIRST)
+                ));
+            }
+            (true, last, first) if last != first => {
+                order = if last { SCALAR_LAST } else { SCALAR_FIRST };
+                note(format!(
+                    "the order of the quaternion's components was found from the rolls; it is that of setting `columns` '{}'",
+                    setting(order)
+                ));
+            }
             _ => {
                 return fail(format!(
                     "the scalar part of the quaternion may be its first or its last component; write setting `columns` '{}' or '{}'",
-                    first.2, last.2
+                    setting(SCALAR_FIRST),
+                    setting(SCALAR_LAST)
                 ));
             }
-        };
-        order = found;
-        let text = format!(
-            "the order of the quaternion's components was found from the rolls; it is that of setting `columns` '{setting}'"
-        );
-        notes.push(Warning::new("assumed-columns", text, []));
+        }
     }
-    let turned = read(form, order, frame.unwrap_or_default())?;
-    if frame.is_none() {
-        let other = read(form, order, RotationFrame::World)?;
-        let mut pairs = turned.iter().zip(&other);
-        if pairs.any(|(probe, world)| {
+    let found = frame_of(order);
+    let frame = found.unwrap_or(frames[0]);
+    let turned = read(form, order, frame)?;
+    if let [_, other] = frames[..] {
+        let world = read(form, order, other)?;
+        let mut pairs = turned.iter().zip(&world);
+        if frame == other {
+            note("the rotations are those of rolls only relative to the frame of the orientations; setting `rotation_frame` world states this frame".to_owned());
+        } else if pairs.any(|(probe, world)| {
             (probe.0 - world.0).xy().norm() > MAX_FRAME_DIFFERENCE * probe.0.norm()
         }) {
-            let text = "rotations are relative to the probe's frame at the start of each roll, along whose x and y the contact moves to u and v; setting `rotation_frame` world reads them relative to the frame of the orientations";
-            notes.push(Warning::new("assumed-columns", text, []));
+            note("rotations are relative to the probe's frame at the start of each roll, along whose x and y the contact moves to u and v; setting `rotation_frame` world reads them relative to the frame of the orientations".to_owned());
         }
     }
     let series = match kind {
@@ -338,7 +373,7 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
                     end: (line, end),
                     ..rolls[place]
                 };
-                let relative = roll.relative(kind, form, order, frame.unwrap_or_default());
+                let relative = roll.relative(kind, form, order, frame);
                 let (turned, _) = relative.map_err(|(line, message)| sheet.fail(line, message))?;
                 let contact = [end[end.len() - 2], end[end.len() - 1]];
                 let since = times[0] - rolls[place].start_s;
@@ -358,14 +393,62 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
         probes: rolls.iter().map(|roll| roll.probe).collect(),
         readings: readings.collect(),
         rows: rolls.iter().map(|roll| roll.row).collect(),
-        note,
+        note: counted,
         series,
         ..RollRecording::new::<2>(&[], &[], None)?
     };
     recording.source.name.clone_from(&sheet.source.name);
     recording.source.notes = notes;
     recording.extras = sheet.extras;
-    Ok(recording)
+    Ok((recording, found.is_some()))
+}
+
+/// Error for a table without a header, with the settings that name its columns so that they are those of rolls. `None` for
+/// other tables.
+fn without_header(file: &RecordedFile) -> Option<RecordedError> {
+    let table = TextTable::of(file, &[]).ok()?;
+    let mut names = table.header.iter().enumerate();
+    if !file.form.columns.is_empty() || !names.all(|(place, name)| *name == place.to_string()) {
+        return None;
+    }
+    let count = table.header.len();
+    let is_read = |layout: &Vec<&str>| {
+        let numbers = (0..).map(|place: usize| place.to_string());
+        let columns = layout.iter().map(|&name| name.to_owned()).zip(numbers);
+        let form = Form {
+            columns: columns.collect(),
+            ..file.form.clone()
+        };
+        let read = read_rolls(&file.clone().written(form));
+        read.is_ok_and(|(rolls, is_rolling)| {
+            let mut shifts = rolls.readings.iter().map(|reading| reading.shift);
+            is_rolling && shifts.any(|shift| shift != Vector2::zeros())
+        })
+    };
+    let mut layouts = layouts(count);
+    layouts.retain(is_read);
+    let message = without_names(count, &layouts);
+    Some(file.fail(table.header_line, message))
+}
+
+/// Names of the columns of rolls in the usual orders, for a table with `count` columns.
+fn layouts(count: usize) -> Vec<Vec<&'static str>> {
+    let names =
+        |columns: &[Column]| -> Vec<&str> { columns.iter().map(|column| column.name).collect() };
+    let scalar_first = vec!["qw", "qx", "qy", "qz"];
+    let forms = RotationForm::ALL.map(|form| names(form.columns()));
+    let kinds = [(&[][..], &ROLLS[3..]), (&ROLL_SERIES[1..2], &CONTACTS[..])];
+    let mut layouts = Vec::new();
+    for (time, contacts) in kinds {
+        for probe in [&[][..], &ROLLS[..1]] {
+            for form in forms.iter().chain([&scalar_first]) {
+                let names = [names(probe), names(time), form.clone(), names(contacts)].concat();
+                layouts.push(names);
+            }
+        }
+    }
+    layouts.retain(|names| names.len() == count);
+    layouts
 }
 
 /// Smallest relative difference between the rotations in the probe's frame and in the world's frame for which the
@@ -377,12 +460,11 @@ const MAX_FRAME_DIFFERENCE: f64 = 0.02;
 const SCALAR_LAST: [usize; 4] = [0, 1, 2, 3];
 const SCALAR_FIRST: [usize; 4] = [1, 2, 3, 0];
 
-/// Value of the setting `columns` that assigns the columns `names` to the components of a quaternion in the order
-/// `order`.
-fn scalar_names(order: [usize; 4], names: &[String; 4]) -> String {
+/// Setting that names the components of a quaternion in this order.
+fn scalar_names(order: [usize; 4], names: [&str; 4]) -> String {
     let pairs = QUATERNION.iter().zip(order);
     let pairs: Vec<String> = pairs
-        .map(|(column, place)| pair(column.name, &names[place]))
+        .map(|(column, place)| pair(column.name, names[place]))
         .collect();
     pairs.join(",")
 }
@@ -482,18 +564,26 @@ impl Kind {
             (Self::Pads, &ROLL_SERIES[4..]),
             (Self::Contacts, &CONTACTS[..]),
         ];
+        let any = |columns: &[Column]| columns.iter().any(has);
         let mut whole = kinds.to_vec();
         whole.retain(|(_, columns)| columns.iter().all(has));
         if let [_, _, ..] = whole[..] {
             whole.retain(|(_, columns)| header.is_assigned(columns));
             if whole.len() != 1 {
-                return Err("there are both shift_u, shift_v and pad_u, pad_v, or contact_u, contact_v; state which to read, as in setting `columns` 'shift_u=…,shift_v=…'".to_owned());
+                let columns = if any(&ROLLS[3..]) {
+                    &ROLLS[3..]
+                } else {
+                    &CONTACTS[..]
+                };
+                let names = header.pairs(columns, columns);
+                return Err(format!(
+                    "there are several of shift_u, shift_v; pad_u, pad_v; and contact_u, contact_v; state which to read, as in setting `columns` '{names}'"
+                ));
             }
         }
         if let [(kind, _)] = whole[..] {
             return Ok(kind);
         }
-        let any = |columns: &[Column]| columns.iter().any(has);
         Ok(match () {
             () if any(&ROLL_SERIES[4..]) => Self::Pads,
             () if any(&ROLLS[3..]) => Self::Rows,
@@ -505,7 +595,7 @@ impl Kind {
 
 /// Number of the probe of each row, for a table without a column `probe`. Also returns a note on how the probes were
 /// determined.
-fn counted(sheet: &ReadingTable, is_series: bool) -> (Vec<u64>, String) {
+fn count_probes(sheet: &ReadingTable, is_series: bool) -> (Vec<u64>, String) {
     let rows = sheet.source.lines.len();
     if !is_series {
         let note = format!("no column `probe`: each of the {rows} rows counts as a probe");

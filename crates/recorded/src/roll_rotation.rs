@@ -6,8 +6,9 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use palpate_statistics::Number;
 use palpate_study::readings::{AXIS_ANGLE, Column, MATRIX, QUATERNION, ROTATION_VECTOR};
 
-/// Largest accepted deviation of a quaternion, an axis or a matrix from that of an exact rotation. Small deviations
-/// occur, because numbers in files are rounded.
+use super::header::Header;
+
+/// Largest accepted difference of a length or a product of axes from that of a rotation; a file rounds the components.
 const MAX_ERROR: f64 = 1e-3;
 
 /// Frame of reference for rotations. The axes u and v of the contact are the x and y axes of this frame.
@@ -45,22 +46,27 @@ pub(super) enum RotationForm {
 }
 
 impl RotationForm {
-    /// Form of the rotations in a table: the first form of which the table has all columns. If there is none, the first
-    /// form of which it has some columns.
-    pub(super) fn of(has: impl Fn(&Column) -> bool) -> Self {
-        let all = |columns: &[Column]| columns.iter().all(&has);
-        let any = |columns: &[Column]| columns.iter().any(&has);
-        match () {
-            () if all(&ROTATION_VECTOR) => Self::WholeVector,
-            () if all(&ROTATION_VECTOR[..2]) => Self::Vector,
-            () if all(&QUATERNION) => Self::Quaternion,
-            () if all(&MATRIX) => Self::Matrix,
-            () if all(&AXIS_ANGLE) => Self::AxisAngle,
-            () if any(&QUATERNION) => Self::Quaternion,
-            () if any(&MATRIX) => Self::Matrix,
-            () if any(&AXIS_ANGLE) => Self::AxisAngle,
-            () => Self::Vector,
-        }
+    /// All forms, in the order in which a table is searched for their columns.
+    pub(super) const ALL: [Self; 5] = [
+        Self::WholeVector,
+        Self::Vector,
+        Self::Quaternion,
+        Self::Matrix,
+        Self::AxisAngle,
+    ];
+
+    /// The form whose columns are all in a table. If there is none, the form to whose columns other names are similar,
+    /// or a form of which the table has some columns.
+    pub(super) fn of(header: &Header<'_>) -> Self {
+        let has = |column: &Column| header.has(column);
+        let find = |fits: &dyn Fn(&[Column]) -> bool| {
+            let mut all = Self::ALL.into_iter();
+            all.find(|form| fits(form.columns()))
+        };
+        find(&|columns| columns.iter().all(has))
+            .or_else(|| find(&|columns| header.offers(columns)))
+            .or_else(|| find(&|columns| columns.len() > 3 && columns.iter().any(has)))
+            .unwrap_or(Self::Vector)
     }
 
     pub(super) const fn columns(self) -> &'static [Column] {

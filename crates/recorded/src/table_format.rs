@@ -128,7 +128,7 @@ pub fn column_names(text: &str) -> Result<ColumnNames, String> {
         }
     }
     match names.is_empty() {
-        true => Err("names no column; write x=Finger X [m],y=…".to_owned()),
+        true => Err("names no column; write a pair such as x=Finger X [m]".to_owned()),
         false => Ok(names),
     }
 }

@@ -22,36 +22,38 @@ pub(super) struct Wide {
     pub(super) header: Vec<String>,
 }
 
-/// Names for the `count` columns of a table without a header. The first entry of `orders` contains the required
-/// columns, and the others contain further possible lists of columns. Only the required columns are assigned
-/// automatically. For any other number of columns, the error proposes names.
+/// Names for `count` columns without a header, if that many are required; else an error, which proposes names if one of
+/// the `orders` has that many columns. The required columns are the first of the `orders`.
 pub(super) fn names_by_order(count: usize, orders: &[&[Column]]) -> Result<Vec<String>, String> {
     let names = |order: &[Column]| order.iter().map(|column| column.name.to_owned()).collect();
     if let Some(required) = orders.first().filter(|order| order.len() == count) {
         return Ok(names(required));
     }
     let same = orders.iter().find(|order| order.len() == count);
-    let pairs: Vec<String> = match same {
-        Some(order) => order
+    let names = same.map(|order| order.iter().map(|column| column.name).collect::<Vec<_>>());
+    Err(without_names(count, names.as_slice()))
+}
+
+/// Message that `count` columns have no names, with the possible `layouts` of the table.
+pub(super) fn without_names(count: usize, layouts: &[Vec<&str>]) -> String {
+    let setting = |names: &Vec<&str>| {
+        let pairs = names
             .iter()
             .zip(0..)
-            .map(|(column, place)| format!("{}={place}", column.name))
-            .collect(),
-        None => orders
-            .first()
-            .map_or(&[][..], |order| order)
-            .iter()
-            .map(|column| format!("{}=…", column.name))
-            .collect(),
+            .map(|(name, place)| format!("{name}={place}"));
+        format!("'{}'", pairs.collect::<Vec<_>>().join(","))
     };
-    let more = match same {
-        Some(_) => "if these are its columns",
-        None => "with the number of each column at …",
+    let settings: Vec<String> = layouts.iter().map(setting).collect();
+    let more = match settings.is_empty() {
+        true => "setting `columns` assigns names to the numbers".to_owned(),
+        false => {
+            let settings = settings.join(" or ");
+            format!("write setting `columns` {settings} if these are its columns")
+        }
     };
-    Err(format!(
-        "the first line holds numbers, so the {count} columns have no names and are numbered from 0; write setting `columns` '{}' {more}",
-        pairs.join(",")
-    ))
+    format!(
+        "the first line holds numbers, so the {count} columns have no names and are numbered from 0; {more}"
+    )
 }
 
 /// Header of a log that `rostopic echo -p` wrote. Fields with the same meaning as a column of palpate get palpate's
@@ -94,62 +96,78 @@ pub(super) fn of_rostopic(header: &[String], columns: &[Column]) -> Option<(Vec<
 /// Indices of the columns of a quaternion whose components are only numbered, such as `q0` to `q3`, in the order of
 /// their numbers.
 pub(super) fn numbered_quaternion(header: &[String]) -> Option<[usize; 4]> {
-    let component = |name: &String| {
-        let (start, numbers) = numbered(name);
-        let is_quaternion = quaternion_part(&format!("{}_x", start.join("_"))).is_some();
-        let number: usize = numbers.concat().parse().ok()?;
-        is_quaternion.then_some((start, number))
-    };
-    let found: Vec<_> = header.iter().map(component).collect();
-    let (start, _) = found.iter().flatten().next()?;
-    let places = |first: usize| {
-        let place = |number| {
-            let mut all = found.iter();
-            all.position(|one| one.as_ref() == Some(&(start.clone(), number)))
-        };
-        let places = [0, 1, 2, 3].map(|number| place(first + number));
-        let [Some(a), Some(b), Some(c), Some(d)] = places else {
-            return None;
-        };
-        Some([a, b, c, d])
-    };
-    places(0).or_else(|| places(1))
+    let is_quaternion =
+        |start: &[String]| quaternion_part(&format!("{}_x", start.join("_"))).is_some();
+    let places = list(
+        header,
+        is_quaternion,
+        &[|place| place.to_string(), |place| (place + 1).to_string()],
+        4,
+    )?;
+    places.try_into().ok()
 }
 
 /// Header in which the elements of a rotation matrix have palpate's names. In the file, they are named for example
 /// `R_0_0` to `R_2_2`, or `rot.0` to `rot.8`.
 pub(super) fn of_matrix(header: &[String]) -> Option<Vec<String>> {
-    let element = |name: &String| {
-        let (start, numbers) = numbered(name);
-        let digits: Vec<char> = numbers.iter().flat_map(|number| number.chars()).collect();
-        let last = start.last()?.as_str();
-        let is_matrix = matches!(
-            last,
-            "r" | "m" | "rot" | "mat" | "rotation" | "matrix" | "orientation"
-        );
-        is_matrix.then_some((start, digits))
+    const NAMES: [&str; 12] = [
+        "r",
+        "m",
+        "t",
+        "rot",
+        "mat",
+        "rotm",
+        "rotmat",
+        "dcm",
+        "rotation",
+        "rotations",
+        "matrix",
+        "orientation",
+    ];
+    let is_matrix = |start: &[String]| {
+        start
+            .last()
+            .is_some_and(|last| NAMES.contains(&last.as_str()))
     };
-    let found: Vec<_> = header.iter().map(element).collect();
-    let (start, _) = found.iter().flatten().next()?;
-    let place = |digits: String| {
-        let element = (start.clone(), digits.chars().collect());
-        let mut all = found.iter();
-        all.position(|one| one.as_ref() == Some(&element))
-    };
-    let elements = |digits: fn(usize) -> String| -> Option<Vec<usize>> {
-        (0..9).map(|element| place(digits(element))).collect()
-    };
-    let places = elements(|element| format!("{}{}", element / 3, element % 3))
-        .or_else(|| elements(|element| format!("{}{}", element / 3 + 1, element % 3 + 1)))
-        .or_else(|| elements(|element| element.to_string()))?;
+    let numbers: [fn(usize) -> String; 4] = [
+        |place| format!("{}{}", place / 3, place % 3),
+        |place| format!("{}{}", place / 3 + 1, place % 3 + 1),
+        |place| place.to_string(),
+        |place| (place + 1).to_string(),
+    ];
     let mut header = header.to_vec();
-    for (place, column) in places.into_iter().zip(MATRIX) {
+    for (place, column) in list(&header, is_matrix, &numbers, 9)?
+        .into_iter()
+        .zip(MATRIX)
+    {
         header[place] = column.name.to_owned();
     }
     Some(header)
 }
 
-/// Splits a column name into its words and the numbers at its end.
+/// Places of the `count` elements of a list whose names begin with the same words, and end with one of these kinds of
+/// `numbers`.
+fn list(
+    header: &[String],
+    is_start: impl Fn(&[String]) -> bool,
+    numbers: &[fn(usize) -> String],
+    count: usize,
+) -> Option<Vec<usize>> {
+    let names: Vec<_> = header.iter().map(|name| numbered(name)).collect();
+    let (start, _) = names
+        .iter()
+        .find(|(start, numbers)| is_start(start) && !numbers.is_empty())?;
+    let place = |number: String| {
+        let is_it =
+            |name: &(Vec<String>, Vec<String>)| name.0 == *start && name.1.concat() == number;
+        names.iter().position(is_it)
+    };
+    numbers
+        .iter()
+        .find_map(|number| (0..count).map(|element| place(number(element))).collect())
+}
+
+/// Words of a name, and the numbers after them.
 fn numbered(name: &str) -> (Vec<String>, Vec<String>) {
     let mut start = words(&spelt(name));
     let is_word = |word: &String| word.parse::<usize>().is_err();
@@ -158,9 +176,10 @@ fn numbered(name: &str) -> (Vec<String>, Vec<String>) {
     (start, numbers)
 }
 
-/// Words that may stand beside the number of a finger or probe in a column name.
-const FINGER_WORDS: [&str; 13] = [
+/// Words that may accompany the number of a finger or probe in a column name.
+const FINGER_WORDS: [&str; 14] = [
     "finger",
+    "link",
     "fingertip",
     "f",
     "tip",
@@ -174,13 +193,19 @@ const FINGER_WORDS: [&str; 13] = [
     "point",
     "sensor",
 ];
-/// Names of fingers in column names.
-const FINGERS: [&str; 6] = ["thumb", "index", "middle", "ring", "little", "pinky"];
+/// Words that name a finger in a column name.
+const FINGERS: [&str; 13] = [
+    "thumb", "index", "middle", "ring", "little", "pinky", "th", "ff", "mf", "rf", "lf", "left",
+    "right",
+];
 
-/// Recognises a wide table: its header has the same columns for several fingers. The first of `columns` is the column
-/// for the number or name of a finger. `None` for other tables.
+/// A wide table, if the header has the same columns for several fingers. The first of `columns` is their label; readings
+/// without a label have no wide tables.
 pub(super) fn wide(header: &[String], columns: &[Column]) -> Option<Wide> {
     let (label, columns) = columns.split_first()?;
+    if label.measure != Measure::Plain {
+        return None;
+    }
     let is_part =
         |column: &&Column| column.measure != Measure::Time && !QUATERNION.contains(column);
     let columns: Vec<&Column> = columns.iter().filter(is_part).collect();
@@ -245,6 +270,13 @@ pub(super) fn wide(header: &[String], columns: &[Column]) -> Option<Wide> {
 fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)> {
     let (base, bracket) = bracketed(name);
     let mut words = words(&spelt(base));
+    // Arrays number the axes: `thumb.0`, `finger1.position.2`.
+    if let Some(axis) = (words.last()).and_then(|last| "012".find(last.as_str()))
+        && (words.iter().rev().skip(1)).any(|word| is_name(word) || word.parse::<u8>().is_ok())
+    {
+        words.pop();
+        words.push("xyz"[axis..=axis].to_owned());
+    }
     let stems = columns
         .iter()
         .enumerate()
@@ -269,10 +301,7 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
         .iter()
         .filter(|word| word.parse::<u32>().is_ok())
         .count();
-    let names = words
-        .iter()
-        .filter(|word| FINGERS.contains(&word.as_str()))
-        .count();
+    let names = words.iter().filter(|word| is_name(word)).count();
     let others = words
         .iter()
         .filter(|word| FINGER_WORDS.contains(&word.as_str()))
@@ -282,7 +311,12 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
     is_finger.then(|| (column, unit, words.join("_")))
 }
 
-/// Splits a name into words. A number is a word of its own, and `nx` becomes the words `normal` and `x`.
+/// Whether a word names a finger.
+fn is_name(word: &str) -> bool {
+    FINGERS.contains(&word)
+}
+
+/// Words of a name; digits are words of their own, and `nx` is a normal.
 fn words(name: &str) -> Vec<String> {
     let mut words = Vec::new();
     for word in name.split('_') {

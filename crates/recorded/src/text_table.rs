@@ -183,7 +183,7 @@ impl<'a> TextTable<'a> {
         let (text, stated) = text.begun();
         let (first, header_line) = text.rows_after(0).next().unwrap_or(("", 1));
         let (format, header) = if first.trim_start().starts_with(['{', '[']) {
-            let (table, header) = JsonTable::of(file, text, (first, header_line))?;
+            let (table, header) = JsonTable::of(file, text, header_line)?;
             (Format::Json(table, text), header)
         } else {
             let stated = file.form.delimiter.or(stated);
@@ -217,10 +217,10 @@ impl<'a> TextTable<'a> {
     /// Calls `take` with every row. Stops if `take` returns an error.
     pub(super) fn each(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         let Some((header, wide)) = &self.wide else {
-            return self.rows(&self.header, take);
+            return self.rows(take);
         };
         let mut lost = 0;
-        self.rows(header, |record| {
+        self.rows(|record| {
             let (found, expected) = (record.fields.len(), header.len());
             if found < expected {
                 let message = format!("{found} fields; the header has {expected}");
@@ -254,10 +254,10 @@ impl<'a> TextTable<'a> {
     }
 
     /// Calls `take` with every row of the file.
-    fn rows(&self, header: &[String], take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
+    fn rows(&self, take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         match &self.format {
             Format::Delimited(text) => text.rows(take),
-            Format::Json(table, _) => table.rows(self.file, header, take),
+            Format::Json(table, _) => table.rows(self.file, take),
             Format::Numpy(table) => table.rows(take),
         }
     }

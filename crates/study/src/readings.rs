@@ -242,12 +242,26 @@ pub fn quaternion_part(name: &str) -> Option<Column> {
     let is_quaternion = |prefix: &str| {
         let word = prefix.trim_end_matches('_').rsplit('_').next();
         let is_word = prefix.ends_with('_') || prefix.is_empty() || prefix.ends_with('q');
+        let word = word.map(|word| {
+            if word.len() > 1 {
+                word.trim_end_matches('s')
+            } else {
+                word
+            }
+        });
         is_word && matches!(word, Some("q" | "quat" | "quaternion" | "orientation"))
     };
-    QUATERNION.into_iter().find(|column| {
-        let prefix = name.strip_suffix(&column.name[1..]);
-        prefix.is_some_and(is_quaternion)
-    })
+    // The components are also called i, j, k, and r or s for the scalar part.
+    let letters = [
+        ["x", "i", "x"],
+        ["y", "j", "y"],
+        ["z", "k", "z"],
+        ["w", "r", "s"],
+    ];
+    let parts = QUATERNION.into_iter().zip(letters);
+    let is_part = |letter: &str| name.strip_suffix(letter).is_some_and(is_quaternion);
+    let mut found = parts.filter(|(_, letters)| letters.iter().any(|letter| is_part(letter)));
+    found.next().map(|(column, _)| column)
 }
 
 /// Columns of readings of rolls, if the readings of each probe are a time series.

@@ -1,5 +1,6 @@
 //! Makes tables of readings, and computes estimates from them with the library.
 
+use palpate::config::LengthUnit;
 use palpate::recorded::{
     Form, GlideOptions, PressOptions, RecordedFile, RollOptions, column_names, estimate_glide,
     estimate_press, estimate_roll, parse_glide, parse_press, parse_roll,
@@ -36,22 +37,70 @@ fn file(contents: impl AsRef<[u8]>, form: Form) -> RecordedFile {
     RecordedFile::new("r.csv", contents.as_ref().to_vec()).written(form)
 }
 
+/// Forms of a table with the settings that a message proposes.
+fn proposed(message: &str, form: &Form) -> Vec<Form> {
+    let mut forms = Vec::new();
+    for part in message.split("setting `").skip(1) {
+        let (key, rest) = part.split_once("` ").unwrap_or_default();
+        // Alternatives follow each other: 'x=a' or 'x=b'.
+        for one in rest.split(" or ") {
+            let quoted = one
+                .strip_prefix('\'')
+                .and_then(|one| one.split('\'').next());
+            let word = one.split([' ', ';']).next().unwrap_or_default();
+            let mut form = form.clone();
+            match (key, quoted) {
+                ("columns", Some(columns)) => {
+                    form.columns.extend(column_names(columns).expect(message))
+                }
+                ("delimiter", _) => form.delimiter = word.parse().ok(),
+                ("decimal", _) => form.decimal = word.parse().ok(),
+                ("length_unit", _) if word == "mm" => form.length_unit = Some(LengthUnit::Mm),
+                ("rotation_frame", _) => form.rotation_frame = word.parse().ok(),
+                _ => break,
+            }
+            forms.push(form);
+        }
+    }
+    forms
+}
+
+/// The estimate with a form. Each setting that its messages propose must change the message, and name columns of the
+/// file.
+fn estimated(form: Form, estimate: impl Fn(Form) -> Estimated) -> Estimated {
+    let found = estimate(form.clone());
+    let message = match &found {
+        Ok(found) => warnings(found).join("; "),
+        Err(error) => error.clone(),
+    };
+    for proposed in proposed(&message, &form) {
+        if let Err(again) = estimate(proposed) {
+            assert_ne!(again, message);
+            assert!(!again.contains("`columns` assigns"), "{message}\n{again}");
+        }
+    }
+    found
+}
+
 /// Estimate from rolls of a probe with radius 10.
 pub(crate) fn roll(contents: impl AsRef<[u8]>, form: Form) -> Estimated {
-    let options = RollOptions {
-        length_unit: form.length_unit,
-        ..RollOptions::new(10.0)
-    };
-    let readings = parse_roll(file(contents, form));
-    let estimate = readings.and_then(|readings| estimate_roll(readings, &options));
-    json(estimate)
+    estimated(form, |form| {
+        let options = RollOptions {
+            length_unit: form.length_unit,
+            ..RollOptions::new(10.0)
+        };
+        let readings = parse_roll(file(&contents, form));
+        json(readings.and_then(|readings| estimate_roll(readings, &options)))
+    })
 }
 
 pub(crate) fn glide(contents: impl AsRef<[u8]>, form: Form) -> Estimated {
-    let options = GlideOptions::default();
-    let readings = parse_glide(file(contents, form));
-    let fitted = readings.and_then(|readings| estimate_glide(&readings, &options));
-    json(fitted.map(|(estimate, _)| estimate))
+    estimated(form, |form| {
+        let readings = parse_glide(file(&contents, form));
+        let options = GlideOptions::default();
+        let fitted = readings.and_then(|readings| estimate_glide(&readings, &options));
+        json(fitted.map(|(estimate, _)| estimate))
+    })
 }
 
 /// Estimate from a press with a sensor of radius 20 and markers at a depth of 2.
@@ -60,8 +109,10 @@ pub(crate) fn press(contents: impl AsRef<[u8]>, form: Form) -> Estimated {
         marker_depth: Some(2.0),
         ..PressOptions::new(20.0)
     };
-    let readings = parse_press(file(contents, form));
-    json(readings.and_then(|readings| estimate_press(&readings, &options)))
+    estimated(form, |form| {
+        let readings = parse_press(file(&contents, form));
+        json(readings.and_then(|readings| estimate_press(&readings, &options)))
+    })
 }
 
 /// Checks that tables are rejected. Each row of `list` is `edit | columns | :line | words of the expected error`. An

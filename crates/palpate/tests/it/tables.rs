@@ -174,12 +174,14 @@ rotation_x_rad => rx | rotation_x=rx | :1 | `rx` states no unit (rad, mrad, deg)
 probe => probe | shift_u=Shift | :1 | which is no column
 probe => probe | x=probe | - | `x` is no column of these readings
 probe => probe | shift_u=probe,shift_v=probe | - | are both `probe`
-probe, => probe,pad_u,pad_v,t_s, | - | :1 | both shift_u, shift_v and pad_u, pad_v
+probe, => probe,pad_u,pad_v,t_s, | - | :1 | several of shift_u, shift_v
 rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm => rotation_x [deg],rotation_y,shift_u,shift_v\n,rad,rad,mm,mm | - | :1 | the unit `rad` in the next line
 shift_v_mm => shift_v_mm\n,rad,rad,mm,furlong | - | :2 | column `probe`: is empty
 shift_v_mm\n0,0,-0.3 => shift_v_mm\r\n\r\n0,0,x | - | :3 | column `rotation_y_rad`: `x` is not a number
 probe,rotation_x_rad,rotation_y_rad => sep=,\n# rig\n\nprobe,rotation_x_rad,rotation_z_rad | - | :4 | no column `rotation_y_rad`
-shift_u_deg,q,rotation_x_rad,rotation_y_rad,shift_v\n1,2,3,4,5\n | - | :1 | 'shift_u=…'
+probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm => id,rx,ry,du [mm],dv [mm] | - | :1 | 'rotation_x_rad=rx,rotation_y_rad=ry,shift_u=du [mm],shift_v=dv [mm]'
+probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm => trial,rot x (rad),rot y (rad),u_mm,v_mm | - | :1 | 'rotation_x=rot x (rad),rotation_y=rot y (rad),shift_u=u_mm,shift_v=v_mm,probe=trial'
+shift_u_deg,q,rotation_x_rad,rotation_y_rad,shift_v\n1,2,3,4,5\n | - | :1 | setting `columns` assigns other names
 a;b,c\n1;2,3\n | - | :1 | separated by semicolon or comma
 0,0,-0.5,4,0\n1,0.5,0,0,4\n | - | :1 | holds numbers
 probe,t_s,rotation_x_rad,rotation_y_rad,shift_u_mm,pad_v_mm\n | - | :1 | no column `pad_u`
@@ -308,60 +310,8 @@ fn the_form_renames_columns_and_converts_units() {
     assert_close(mean_curvature(&found), 0.05, 1e-12);
 }
 
-/// If a table has unknown column names, the error message proposes a value of the setting `columns`. With this value,
-/// the table can be read.
-#[test]
-fn messages_propose_names_of_columns() {
-    fn proposed(said: &str) -> &str {
-        let (_, columns) = said
-            .split_once("setting `columns` '")
-            .unwrap_or_else(|| panic!("{said}"));
-        columns.split_once('\'').unwrap().0
-    }
-    let (_, rows) = ROLLS.split_once('\n').unwrap();
-    for header in [
-        "id,rx,ry,du [mm],dv [mm]",
-        "trial,rot x (rad),rot y (rad),u_mm,v_mm",
-        "n,Rotation.0,Rotation.1,Shift.0,Shift.1",
-    ] {
-        let table = format!("{header}\n{rows}");
-        let said = roll(&table, Form::default()).unwrap_err();
-        let found = roll(&table, named(proposed(&said))).unwrap();
-        assert_close(mean_curvature(&found), mean_curvature(&rolls(ROLLS)), 1e-12);
-    }
-    for (table, columns) in [
-        (
-            "{\"normal\": [0, 0, 1], \"position\": [1, 2, 3]}\n",
-            "x=position.0,y=position.1,z=position.2,normal_x=normal.0,normal_y=normal.1,normal_z=normal.2",
-        ),
-        (
-            "{\"d\": [1, 2, 3], \"p\": [1, 2, 3]}\n",
-            "x=p.0,y=p.1,z=p.2",
-        ),
-        (
-            "nx,ny,nz,px_mm,py_mm,pz_mm\n0,0,1,1,2,3\n",
-            "x=px_mm,y=py_mm,z=pz_mm,normal_x=nx,normal_y=ny,normal_z=nz",
-        ),
-    ] {
-        assert_eq!(
-            proposed(&glide(table, Form::default()).unwrap_err()),
-            columns
-        );
-    }
-    // If no column in the file is similar to the required one, the proposal contains `…`.
-    let said = roll(
-        "p,q,rotation_y,shift_u,shift_v\n1,2,3,4,5\n",
-        Form::default(),
-    )
-    .unwrap_err();
-    assert_eq!(
-        proposed(&said),
-        "rotation_x_rad=…,rotation_y_rad=rotation_y"
-    );
-}
-
-/// The book shows two commands for a table of another program. The first command fails, and its message proposes the
-/// second command. The second command prints the curvature.
+/// The book has two commands for a table of another program: the first fails and proposes the second, and the second
+/// prints the curvature.
 #[test]
 fn the_second_command_prints_the_curvature() {
     const NAME: &str = "examples/foreign-glide.csv";

@@ -1,8 +1,7 @@
 //! Estimates from files of recorded readings.
 
 use palpate_recorded::{
-    Form, RecordedError, RecordedFile, RollEstimate, RollOptions, column_names, estimate_roll,
-    parse_roll,
+    RecordedError, RecordedFile, RollEstimate, RollOptions, estimate_roll, parse_roll,
 };
 use palpate_study::config::LengthUnit;
 
@@ -104,106 +103,8 @@ fn the_unit_of_an_option_must_match_the_header() {
     );
 }
 
-/// A table of two rolls. A probe with a radius of 10 rolls on a ball with a radius of 40. `write` sets the order of the
-/// quaternion components.
-fn quaternions(header: &str, write: fn([f64; 4]) -> [f64; 4]) -> String {
-    let (half, shift) = (0.1_f64, 0.2 / (1.0 / 10.0 + 1.0 / 40.0));
-    let (sine, cosine) = libm::sincos(half);
-    let mut table = format!("{header}\n");
-    for (probe, ([x, y], [u, v])) in [([0.0, -sine], [shift, 0.0]), ([sine, 0.0], [0.0, shift])]
-        .into_iter()
-        .enumerate()
-    {
-        let [a, b, c, d] = write([x, y, 0.0, cosine]);
-        table += &format!("{probe},{a},{b},{c},{d},{u},{v}\n");
-    }
-    table
-}
-
-fn roll_of(table: String) -> Result<serde_json::Value, String> {
-    let readings = parse_roll(RecordedFile::new("q.csv", table.into_bytes()))
-        .map_err(|error| error.to_string())?;
-    let estimate =
-        estimate_roll(readings, &RollOptions::new(10.0)).map_err(|error| error.to_string())?;
-    Ok(serde_json::to_value(estimate).unwrap())
-}
-
-#[test]
-fn quaternions_are_rotations() {
-    let last = quaternions("probe,qx,qy,qz,qw,shift_u_mm,shift_v_mm", |q| q);
-    let first = quaternions(
-        "probe,quat_w,quat_x,quat_y,quat_z,shift_u_mm,shift_v_mm",
-        |[x, y, z, w]| [w, x, y, z],
-    );
-    let ros = quaternions(
-        "probe,pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w,shift_u_mm,shift_v_mm",
-        |q| q.map(|part| -part),
-    );
-    // These columns must be recognised as a quaternion, although only the last letters of their names show this.
-    let lettered = [
-        "rotation.x,rotation.y,rotation.z,rotation.w",
-        "rx,ry,rz,rw",
-        "quatX,quatY,quatZ,quatW",
-    ];
-    let lettered =
-        lettered.map(|names| quaternions(&format!("probe,{names},shift_u_mm,shift_v_mm"), |q| q));
-    for table in [last, first, ros].into_iter().chain(lettered) {
-        let estimate = roll_of(table).unwrap();
-        let curvature = estimate["mean_curvature"]["value"].as_f64().unwrap();
-        assert!((curvature - 0.025).abs() < 1e-12, "{curvature}");
-    }
-}
-
-#[test]
-fn unusable_quaternions_are_refused() {
-    let refused = |table: String, words: &str| {
-        let error = roll_of(table).unwrap_err();
-        assert!(error.contains(words), "{error}");
-    };
-    let header = "probe,qx,qy,qz,qw,shift_u_mm,shift_v_mm";
-    refused(
-        quaternions(header, |q| q.map(|part| 1.1 * part)),
-        "q.csv:2: columns `qx` to `qw`: a rotation is a quaternion of length 1, this one has 1.1",
-    );
-    refused(
-        quaternions("time_s,qx,qy,qz,qw,shift_u_mm,shift_v_mm", |q| q),
-        "column `time_s`: the rows may be a time series",
-    );
-    refused(
-        quaternions("header_stamp_secs,qx,qy,qz,qw,shift_u_mm,shift_v_mm", |q| q),
-        "column `header_stamp_secs`: the rows may be a time series",
-    );
-    let readings = RecordedFile::new("q.csv", quaternions(header, |q| q).into_bytes());
-    let form = Form {
-        columns: column_names("rotation_x_rad=qx,rotation_y_rad=qy").unwrap(),
-        ..Form::default()
-    };
-    let error = parse_roll(readings.written(form)).unwrap_err().to_string();
-    assert!(
-        error.contains(
-            "setting `columns` assigns `qx` to `rotation_x_rad`, which is part of a quaternion"
-        ),
-        "{error}"
-    );
-    refused(
-        quaternions(header, |q| q).replace("\n1,", "\n0,"),
-        "probe 0 occurs twice",
-    );
-    // The message proposes columns. It must not propose a component of a quaternion as a component of a rotation
-    // vector.
-    let hint = roll_of(quaternions(
-        "probe,qx,qy,qz,real,shift_u_mm,shift_v_mm",
-        |q| q,
-    ))
-    .unwrap_err();
-    assert!(
-        hint.contains("no column `qw`") && !hint.contains("rotation_x_rad=q"),
-        "{hint}"
-    );
-}
-
-/// Rolls of a probe with a radius of 10 in the direction `drive`. The rolls are not exactly parallel. The object has
-/// the normal curvatures 0.06 along u and 0 along v, and the twist 0.02. The shifts have errors of up to `error`.
+/// Rolls of a probe with the radius 10 in the direction `drive`, which are not exactly parallel, on an object with the
+/// normal curvatures 0.06 along u, 0 along v and the twist 0.02. The shifts have errors of up to `error`.
 fn rolls_along(drive: [f64; 2], spread: f64, error: f64) -> String {
     let mobility = nalgebra::Matrix2::new(0.16, 0.02, 0.02, 0.1)
         .try_inverse()

@@ -7,6 +7,8 @@ use palpate_recorded::{
 use palpate_study::config::LengthUnit;
 use serde_json::Value;
 
+use super::table_files::hint;
+
 fn roll(table: &str, columns: &str, frame: Option<RotationFrame>) -> Result<Value, String> {
     let form = Form {
         rotation_frame: frame,
@@ -95,8 +97,29 @@ fn table(header: &str, start: Option<UnitQuaternion<f64>>, write: Write) -> Stri
     table
 }
 
-const FORMS: [(&str, Write); 10] = [
+const FORMS: [(&str, Write); 22] = [
+    (
+        "pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w",
+        quaternion,
+    ),
+    ("rotation.x,rotation.y,rotation.z,rotation.w", quaternion),
+    ("rx,ry,rz,rw", quaternion),
+    ("quatX,quatY,quatZ,quatW", quaternion),
     ("rotation_x_rad,rotation_y_rad,rotation_z_rad", vector),
+    ("rvec_x,rvec_y,rvec_z", vector),
+    ("rotvec.0,rotvec.1,rotvec.2", vector),
+    ("x,y,z,w", quaternion),
+    ("qi,qj,qk,qr", quaternion),
+    (
+        "rotm_1,rotm_2,rotm_3,rotm_4,rotm_5,rotm_6,rotm_7,rotm_8,rotm_9",
+        matrix,
+    ),
+    ("ax,ay,az,theta", axis_angle),
+    ("axis[0],axis[1],axis[2],angle_rad", axis_angle),
+    (
+        "rotation_axis_x,rotation_axis_y,rotation_axis_z,rotation_angle_rad",
+        axis_angle,
+    ),
     ("qx,qy,qz,qw", quaternion),
     ("quat_w,quat_x,quat_y,quat_z", scalar_first),
     ("q0,q1,q2,q3", quaternion),
@@ -116,6 +139,14 @@ const FORMS: [(&str, Write); 10] = [
     ),
     ("axis_x,axis_y,axis_z,angle_rad", axis_angle),
 ];
+
+/// The estimate with the setting that the message proposes, if there is no estimate without it.
+fn followed(table: &str) -> Value {
+    roll(table, "", None).unwrap_or_else(|message| {
+        let found = roll(table, hint(&message), None);
+        found.unwrap_or_else(|error| panic!("{message}\n{error}\n{table}"))
+    })
+}
 
 #[test]
 fn the_same_rolls_in_each_form_have_one_estimate() {
@@ -139,11 +170,15 @@ fn the_same_rolls_in_each_form_have_one_estimate() {
     let turned = UnitQuaternion::from_scaled_axis(Vector3::new(0.4, 1.1, -0.7));
     for (names, write) in FORMS {
         let rows = table(&format!("probe,{names},shift_u_mm,shift_v_mm"), None, write);
-        same(roll(&rows, "", None).unwrap(), &rows);
+        same(followed(&rows), &rows);
+        // A table without a header, such as an array.
+        let bare = |table: &str| table.split_once('\n').unwrap().1.to_owned();
+        same(followed(&bare(&rows)), &bare(&rows));
         let header = format!("probe,time_s,{names},contact_u_mm,contact_v_mm");
         for start in [UnitQuaternion::identity(), turned] {
             let series = table(&header, Some(start), write);
-            let found = roll(&series, "", None).unwrap_or_else(|error| panic!("{error}: {series}"));
+            let found = followed(&series);
+            same(followed(&bare(&series)), &bare(&series));
             let warnings = found["warnings"].to_string();
             assert_eq!(
                 warnings.contains("`rotation_frame` world"),
@@ -166,14 +201,28 @@ fn the_same_rolls_in_each_form_have_one_estimate() {
         "world",
     );
     assert!(roll(&series, "", Some(RotationFrame::Probe)).is_err());
+    let found = roll(&series, "", None).unwrap();
+    assert!(
+        found["warnings"]
+            .to_string()
+            .contains("`rotation_frame` world")
+    );
+    same(found, "world");
+    // Columns whose names contradict their numbers.
+    let swapped = table(
+        "probe,qx,qy,qz,qw,shift_u_mm,shift_v_mm",
+        None,
+        scalar_first,
+    );
+    assert!(roll(&swapped, "", None).is_err());
+    same(followed(&swapped), "swapped");
 }
 
 #[test]
 fn rolls_of_the_field_have_their_answer() {
     let log = include_str!("../data/rolls-quaternions.csv");
     let error = roll(log, "", None).unwrap_err();
-    let (_, hint) = error.split_once("setting `columns` '").unwrap();
-    let hint = hint.split_once('\'').unwrap().0;
+    let hint = hint(&error);
     assert_eq!(hint, "contact_u=cop_x,contact_v=cop_y,probe=trial");
     // The columns of the log are in metres, but their names do not state this. So rename them.
     let in_metres = hint.replace("cop_x", "cop_x_m").replace("cop_y", "cop_y_m");
@@ -225,6 +274,14 @@ fn unusable_rotations_are_refused_with_line_and_value() {
         ),
         (
             table(
+                "header_stamp_secs,qx,qy,qz,qw,shift_u_mm,shift_v_mm",
+                None,
+                quaternion,
+            ),
+            "column `header_stamp_secs`: the rows may be a time series",
+        ),
+        (
+            table(
                 "probe,time_s,qx,qy,qz,qw,contact_u_mm,contact_v_cm",
                 Some(UnitQuaternion::identity()),
                 quaternion,
@@ -235,8 +292,10 @@ fn unusable_rotations_are_refused_with_line_and_value() {
         let error = roll(&table, "", None).unwrap_err();
         assert!(error.contains(words), "{words}: {error}");
     }
-    // Nothing in these readings shows which component is the scalar part. So the message proposes both orders, and each
-    // proposal must work.
+    let quaternions = table("probe,qx,qy,qz,qw,shift_u_mm,shift_v_mm", None, quaternion);
+    let error = roll(&quaternions, "rotation_x_rad=qx,rotation_y_rad=qy", None).unwrap_err();
+    assert!(error.contains("which is part of a quaternion"), "{error}");
+    // Where rolls do not show which component is the scalar part, the message names both orders, and each is read.
     let two =
         "probe,q0,q1,q2,q3,shift_u_mm,shift_v_mm\n0,0.7,0.1,0.1,0.7,1,0\n1,0.7,0.1,-0.1,0.7,0,1\n";
     let error = roll(two, "", None).unwrap_err();
@@ -249,7 +308,13 @@ fn unusable_rotations_are_refused_with_line_and_value() {
     let header = "probe,time_s,qx,qy,qz,qw,shift_u_mm,shift_v_mm";
     let series = table(header, Some(UnitQuaternion::identity()), quaternion);
     let error = roll(&series, "", None).unwrap_err();
-    let (_, hint) = error.split_once("setting `columns` '").unwrap();
-    let found = roll(&series, hint.split_once('\'').unwrap().0, None).unwrap();
-    assert!((mean(&found) - 0.025).abs() < 1e-9, "{error}");
+    assert!((mean(&followed(&series)) - 0.025).abs() < 1e-9, "{error}");
+    // Positions of a tip without contacts on the probe are for another estimate.
+    let poses = table(
+        "probe,time_s,x,y,z,qx,qy,qz,qw,seen,valid",
+        Some(UnitQuaternion::identity()),
+        |rotation| [vector(rotation), quaternion(rotation)].concat(),
+    );
+    let error = roll(&poses, "", None).unwrap_err();
+    assert!(error.contains("no contacts on the probe"), "{error}");
 }

@@ -26,7 +26,7 @@ fn mean(estimate: &Value) -> f64 {
 
 /// The value of the setting that a message proposes.
 #[track_caller]
-fn hint(message: &str) -> &str {
+pub(crate) fn hint(message: &str) -> &str {
     let rest = message.split_once("setting `columns` '");
     let (_, rest) = rest.unwrap_or_else(|| panic!("{message}"));
     rest.split_once('\'').unwrap().0
@@ -83,7 +83,17 @@ fn files_of_other_programs_hold_the_same_contacts() {
         let columns: Vec<String> = names.enumerate().map(column).collect();
         format!("{{\n{}\n}}", columns.join(",\n"))
     };
+    let names = BALL.lines().next().unwrap().replace(',', "\",\"");
+    let list = table("", ",", &ALL).trim_end().replace('\n', "],[");
+    let numbered = objects("\n");
+    let numbered = numbered.lines().enumerate();
+    let numbered: Vec<String> = numbered
+        .map(|(row, text)| format!("\"{row}\":{text}"))
+        .collect();
     for contents in [
+        format!("{{\"columns\":[\"{names}\"],\"index\":[],\"data\":[[{list}]]}}"),
+        format!("{{\"schema\":{{}},\"data\":[{}]}}", objects(",")),
+        format!("{{{}}}", numbered.join(",")),
         table(
             "# finger x_mm y_mm z_mm normal_x normal_y normal_z\n",
             " ",
