@@ -89,6 +89,9 @@ impl<'r> GlideFitResult<'r> {
         given: &GlideOptions,
     ) -> Result<Self, RecordedError> {
         let unit = recorded.source.unit(recorded.unit, given.length_unit)?;
+        if given.tip_radius.is_none() {
+            recorded.check_contacts()?;
+        }
         let (all, outward) = (&recorded.contacts, Vector3::from(given.outward));
         let shape_refused = |error| shape_refused(&recorded, &error);
         let refused = |error| refused(&recorded, &error);
@@ -321,8 +324,11 @@ impl<'r> GlideFitResult<'r> {
                 unit,
             )
         });
+        let is_contact = self.given.tip_radius.is_none();
+        let unused = is_contact.then(|| recorded.unused_orientation()).flatten();
         Warning::of(StatedQuantity::Scale.code(), spacing)
             .into_iter()
+            .chain(Warning::of("assumed-columns", unused))
             .chain(left_out(&used.outliers, recorded))
             .chain(correlated(&used.readings))
             .chain(two_groups(contacts, unit))

@@ -12,7 +12,7 @@ use super::reading_table::{ExtraColumns, ReadingTable, header};
 use super::source::{ReadingSource, finite, same_length};
 use super::text_table::TextTable;
 use palpate_study::config::LengthUnit;
-use palpate_study::readings::{Column, GLIDES};
+use palpate_study::readings::{Column, GLIDES, quaternion_part, spelt};
 
 /// Recorded readings of glides.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,6 +81,28 @@ impl GlideRecording {
     /// Whether the contacts have normals.
     pub fn has_normals(&self) -> bool {
         self.contacts.iter().any(|contact| contact.normal.is_some())
+    }
+
+    /// Checks that the positions are contacts, if no radius of the tips is stated.
+    pub(super) fn check_contacts(&self) -> Result<(), RecordedError> {
+        let mut names = self.extras.names.iter().enumerate();
+        let is_radius = |name: &str| spelt(name).split('_').any(|word| word == "radius");
+        let Some((place, name)) = names.find(|(_, name)| is_radius(name)) else {
+            return Ok(());
+        };
+        let radius = self.extras.row(0).swap_remove(place);
+        Err(self.source.fail(format!(
+            "column `{name}` is {radius}, so the positions may be those of round tips instead of contacts; state setting `tip_radius` {radius} for tips (setting `reports`: their lowest point or their centre), or 0 for contacts"
+        )))
+    }
+
+    /// Note that rows with orientations may be poses of tips.
+    pub(super) fn unused_orientation(&self) -> Option<String> {
+        let is_part = |name: &&String| quaternion_part(&spelt(name)).is_some();
+        let name = self.extras.names.iter().find(is_part)?;
+        Some(format!(
+            "orientations (`{name}`) are not used; if the positions are those of round tips instead of contacts, state setting `tip_radius`"
+        ))
     }
 }
 
