@@ -36,6 +36,8 @@ pub struct CalibrationPoints {
     lateral: Vec<Located<LateralPoint>>,
     has_hue: bool,
     has_growth: bool,
+    /// Mean hue of the markers in the frame at rest, turns; `None` for points from a table.
+    hue_turns: Option<f64>,
 }
 
 /// Options of a calibration.
@@ -189,6 +191,7 @@ pub fn frame_calibration_points(
         let frames = track_frames(rest, frame)?;
         frames.of_one_sensor()?;
         markers = frames.at_rest();
+        points.hue_turns = Some(frames.hue_at_rest());
         let lens = known
             .px_per_rad
             .map(|px_per_rad| Equidistant::new(frames.centre_px, px_per_rad))
@@ -281,8 +284,10 @@ pub fn calibrate(
     let lateral_part = lateral_part.transpose();
     let lateral_part = lateral_part.map_err(|error| lateral.refused(points, &error))?;
     let all = Calibration::new(normal_part, lateral_part, options.markers);
+    let mut calibration = all.map_err(|error| normal.refused(points, &error))?;
+    calibration.hue_turns = points.iter().find_map(|points| points.hue_turns);
     Ok(CalibrationReport {
-        calibration: all.map_err(|error| normal.refused(points, &error))?,
+        calibration,
         length_unit,
         copies: copies(&normal, &lateral),
         normal: normal.series(|points| of_normal(points).map(|part| Fitted::normal(&part))),

@@ -29,6 +29,8 @@ struct CalibrationFile {
     length_unit: LengthUnit,
     /// Number of markers in the frame at rest.
     markers: Option<usize>,
+    /// Mean hue of the markers at rest, turns.
+    hue_turns: Option<f64>,
     normal: Option<NormalPart>,
     lateral: Option<LateralCalibration>,
 }
@@ -54,6 +56,7 @@ pub fn calibration_toml(calibration: &Calibration, length_unit: LengthUnit) -> S
     let file = CalibrationFile {
         length_unit,
         markers: calibration.markers(),
+        hue_turns: calibration.hue_turns,
         normal: calibration.normal_part().map(NormalPart::of),
         lateral: calibration.lateral_part().copied(),
     };
@@ -81,7 +84,8 @@ pub fn parse_calibration(file: &RecordedFile) -> Result<(Calibration, LengthUnit
     })?;
     let normal = parsed.normal.map(NormalPart::part);
     let calibration = Calibration::new(normal, parsed.lateral, parsed.markers);
-    let calibration = calibration.map_err(|error| file.error(error.to_string()))?;
+    let mut calibration = calibration.map_err(|error| file.error(error.to_string()))?;
+    calibration.hue_turns = parsed.hue_turns.filter(|hue| hue.is_finite());
     Ok((calibration, parsed.length_unit))
 }
 

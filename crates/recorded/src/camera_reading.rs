@@ -79,9 +79,15 @@ impl FrameReader {
                 px_per_rad,
                 options,
             } => {
+                let linear = of_calibration(calibration, frames, tracked)?;
+                let (tracked, warning) = match &linear {
+                    Some((tracked, warning)) => (tracked, Some(warning.clone())),
+                    None => (tracked, None),
+                };
                 let calibration = (calibration.as_ref(), *unit);
-                let reading =
+                let mut reading =
                     CameraReading::read(tracked, calibration, (options, *px_per_rad), file)?;
+                reading.warnings.extend(warning);
                 let estimate = reading.estimate(options);
                 (reading, estimate)
             }
@@ -138,16 +144,59 @@ fn linearised(
         return None;
     }
     let (reading, mut press) = read.ok()?;
+    press.object.warnings.push(srgb_warning(&rest, "sensor"));
+    Some((reading, press))
+}
+
+/// Largest accepted difference between the mean hues of the markers at rest and in the calibration, turns. The curve of
+/// sRGB changes the hue of markers of two discs by 0.03.
+const MAX_HUE_DIFFERENCE: f64 = 0.01;
+
+/// The tracks of the linearised frames with a warning, if only linearised frames have the hue of the calibration; `None`
+/// if the frames have it themselves, or if it is not known.
+///
+/// # Errors
+/// [`RecordedError::Readings`] if the hue differs and the calibration uses hues.
+fn of_calibration(
+    calibration: &Calibration,
+    [rest, pressed]: [&Frame; 2],
+    tracked: &FramePair,
+) -> Result<Option<(FramePair, Warning)>, RecordedError> {
+    let Some(hue) = calibration.hue_turns else {
+        return Ok(None);
+    };
+    let is_near = |tracked: &FramePair| {
+        let off = tracked.hue_at_rest() - hue;
+        (off - off.round()).abs() <= MAX_HUE_DIFFERENCE
+    };
+    if is_near(tracked) {
+        return Ok(None);
+    }
+    let [rest, pressed] = [rest, pressed].map(|frame| frame.clone().linearised());
+    if let Some(linear) = track_frames(&rest, &pressed).ok().filter(is_near) {
+        return Ok(Some((linear, srgb_warning(&rest, "calibration"))));
+    }
+    if calibration
+        .normal_part()
+        .is_none_or(|part| part.weights[0] == 0.0)
+    {
+        return Ok(None);
+    }
+    let [own, hue] = [tracked.hue_at_rest(), hue].map(Number::rounded);
+    let message = format!(
+        "the markers at rest have a hue of {own} turns, but those of the calibration have {hue}: is the light another, or are only the frames of one of them encoded by sRGB (setting `srgb`)?"
+    );
+    Err(RecordedError::readings(&rest.file, message))
+}
+
+/// Warning that frames were linearised, because then the markers at rest fit the `reference`.
+fn srgb_warning(rest: &Frame, reference: &str) -> Warning {
     let text = format!(
-        "the markers of {} fit the sensor only if the pixels are encoded by sRGB, so both frames were linearised \
+        "the markers of {} fit the {reference} only if the pixels are encoded by sRGB, so both frames were linearised \
          (setting `srgb`)",
         rest.file
     );
-    press
-        .object
-        .warnings
-        .push(Warning::new("srgb-frames", text, []));
-    Some((reading, press))
+    Warning::new("srgb-frames", text, [])
 }
 
 /// Largest accepted relative standard error of the calibrated slope. A larger error causes a warning.

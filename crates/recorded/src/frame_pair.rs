@@ -1,5 +1,6 @@
 //! Reads frames of a camera sensor from image files, and tracks the markers from a frame at rest to a pressed frame.
 
+use std::f64::consts::TAU;
 use std::io::Cursor;
 use std::num::NonZeroU8;
 
@@ -285,6 +286,18 @@ impl FramePair {
     pub(super) fn at_rest(&self) -> usize {
         let at_rest = self.tracks.iter().filter(|track| track.rest.is_some());
         at_rest.count()
+    }
+
+    /// Mean hue of the markers at rest, turns from 0 to 1.
+    pub(super) fn hue_at_rest(&self) -> f64 {
+        let angles = self.found[0]
+            .markers
+            .iter()
+            .map(|marker| TAU * marker.hue_turns);
+        let [sin, cos] = angles.fold([0.0; 2], |[sin, cos], angle| {
+            [sin + libm::sin(angle), cos + libm::cos(angle)]
+        });
+        (libm::atan2(sin, cos) / TAU).rem_euclid(1.0)
     }
 
     /// Index and change of the marker whose image changed most, that is, with the largest absolute value of `strength`.

@@ -36,6 +36,8 @@ pub struct Calibration {
     normal: Option<NormalCalibration>,
     lateral: Option<LateralCalibration>,
     markers: Option<usize>,
+    /// Mean hue of the markers at rest, turns; `None` if it is not known.
+    pub hue_turns: Option<f64>,
 }
 
 impl Calibration {
@@ -61,6 +63,7 @@ impl Calibration {
             normal: normal.map(NormalCalibration::checked).transpose()?,
             lateral: lateral.map(LateralCalibration::checked).transpose()?,
             markers,
+            hue_turns: None,
         })
     }
 

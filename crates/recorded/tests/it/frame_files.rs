@@ -6,10 +6,11 @@ use std::sync::LazyLock;
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, ImageFormat, RgbImage};
 use palpate_recorded::{
-    Frame, FrameReader, PictureOptions, RecordedFile, calibrate_camera, parse_camera, parse_frame,
-    track_frames,
+    CalibrateOptions, Frame, FrameReader, KnownDisplacements, NormalFrom, PictureOptions,
+    PressOptions, RecordedFile, calibrate, calibrate_camera, frame_calibration_points,
+    parse_camera, parse_frame, track_frames,
 };
-use palpate_study::config::parse;
+use palpate_study::config::{LengthUnit, parse};
 
 const REST: &[u8] = include_bytes!("../data/rest.jpg");
 const PRESSED: &[u8] = include_bytes!("../data/pressed.jpg");
@@ -136,6 +137,37 @@ fn frames_that_are_encoded_by_srgb_are_found_at_rest() {
     let stated = estimate([REST, PRESSED].map(|bytes| encoded(bytes).linearised()));
     assert!(!codes_if_right(&stated).contains(&"srgb-frames"));
     assert_eq!(found["object_curvature"], stated["object_curvature"]);
+    // A calibration from frames has the hue at rest.
+    let [rest, pressed] = [REST, PRESSED].map(|bytes| frame(bytes).unwrap());
+    let known = KnownDisplacements {
+        normal: Some(vec![0.0, 1.0]),
+        tangential: None,
+        from: NormalFrom::Hue,
+        px_per_rad: None,
+    };
+    let (points, _) =
+        frame_calibration_points(&rest, &[rest.clone(), pressed.clone()], &known).unwrap();
+    let report = calibrate(&[points], &CalibrateOptions::default()).unwrap();
+    let reader = FrameReader::Displacements {
+        calibration: Box::new(report.calibration),
+        unit: LengthUnit::Mm,
+        px_per_rad: Some(200.0),
+        options: Box::new(PressOptions::new(20.0)),
+    };
+    let readings = |[rest, pressed]: [Frame; 2]| {
+        let tracked = track_frames(&rest, &pressed).unwrap();
+        let read = reader.read([&rest, &pressed], &tracked, (3, 0.0), None);
+        read.map(|read| read.readings.to_csv())
+            .map_err(|error| error.to_string())
+    };
+    let encoded = [REST, PRESSED].map(encoded);
+    let linear = encoded.clone().map(Frame::linearised);
+    assert_eq!(readings(encoded), readings(linear.clone()));
+    let error = readings(linear.map(Frame::linearised)).unwrap_err();
+    assert!(
+        error.contains("encoded by sRGB (setting `srgb`)"),
+        "{error}"
+    );
 }
 
 #[test]
