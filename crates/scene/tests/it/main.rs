@@ -12,4 +12,5 @@ mod ladder;
 mod marker_errors;
 mod names;
 mod press;
+mod press_settings;
 mod roll;
