@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::{Point3, Vector3};
 
 use crate::curvature::{Curvatures, form_and_basis};
+use crate::penalised::Basis;
 use crate::posterior::{Posterior, PosteriorLine, Series};
 use crate::spline::{Jet, LANES, Lanes, Local, TensorSpline};
 use crate::square_quadric::{Square, SquareQuadric};
@@ -22,11 +23,12 @@ pub trait Method {
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error>;
 
     /// Goodness of fit, and the ways in which the contacts contradict the method's model. Both are empty for methods
-    /// without this test. The test repeats the fit for at most 2,000 contacts.
+    /// without this test. `fit` is the method's fit to the patch, if it was computed. Without it, or with more than 2,000
+    /// contacts, the test repeats the fit for at most 2,000 contacts.
     ///
     /// # Errors
     /// Errors of [`Method::fit`].
-    fn misfit(&self, _patch: &Patch) -> Result<MisfitTest, Ep2Error> {
+    fn misfit(&self, _patch: &Patch, _fit: Option<&Fit>) -> Result<MisfitTest, Ep2Error> {
         Ok(MisfitTest::default())
     }
 }
@@ -46,6 +48,8 @@ pub struct Fit {
     pub(crate) mean: Option<(SquareQuadric, Square)>,
     /// Mean and covariance of the surface, if the method computes them.
     pub(crate) posterior: Option<Posterior>,
+    /// The surface around which a penalised spline was fitted; `None` for other methods.
+    pub(crate) basis: Option<Box<Basis>>,
     /// Noise of the contacts: stated, or estimated by the method.
     pub noise: Option<NoiseEstimate>,
     /// Effective degrees of freedom of the fit: the trace of the linear map from the observations to the fitted values.

@@ -13,8 +13,20 @@ use crate::{Contact, ShapeError};
 /// Largest ratio of a contact's distance from the spatial median to the median of these distances. A contact with a
 /// larger ratio is a gross outlier. In clean logs of strokes and caps, less than 0.01 % of the contacts exceed it.
 const MAX_DISTANCE_RATIO: f64 = 6.0;
-/// Largest accepted share of outliers among the contacts. If there are more, an error is returned.
+/// The same ratio for contacts that a gap separates from the nearer contacts.
+const MAX_DISTANCE_RATIO_BEFORE_GAP: f64 = 2.5;
+/// Ratio of two consecutive distances in ascending order from which they are separated by a gap.
+const MIN_GAP_RATIO: f64 = 1.5;
+/// Smallest number of positions among which a gap is searched.
+const MIN_PLACES_WITH_GAP: usize = 20;
+/// Contacts beyond a gap are outliers if they are in blocks of at most this mean number of consecutive rows. Longer
+/// blocks are strokes.
+const MAX_BLOCK: usize = 3;
+/// Largest share of contacts that may be outliers.
 pub(crate) const MAX_OUTLIER_SHARE: f64 = 0.2;
+/// P-value below which a contact counts as an outlier near the surface. For many contacts, the limit is 4.5 standard
+/// deviations.
+pub(crate) const OUTLIER_PROBABILITY: f64 = 6.8e-6;
 /// Largest number of positions from which the spatial median is computed.
 const MAX_PLACES: usize = 5000;
 /// Number of iterations for the spatial median, which need not be accurate.
@@ -48,6 +60,12 @@ fn key(position: &Point3<f64>) -> [u64; 3] {
     [position.x, position.y, position.z].map(|x| (x + 0.0).to_bits())
 }
 
+/// Whether a contact is a lost reading: its normal is 0, and its three coordinates are the same number.
+fn is_lost(contact: &Contact) -> bool {
+    let Point3 { coords } = contact.position;
+    contact.normal == Some(Vector3::zeros()) && coords == Vector3::repeat(coords.x)
+}
+
 /// Contacts without gross outliers.
 #[derive(Clone, Debug)]
 pub struct SoundContacts {
@@ -66,26 +84,30 @@ impl SoundContacts {
     /// # Errors
     /// [`ShapeError`] if a number is invalid, or if more than a fifth of the contacts are gross outliers.
     pub fn new(contacts: &[Contact]) -> Result<Self, ShapeError> {
-        check(contacts)?;
+        check(contacts.iter().enumerate().filter(|(_, one)| !is_lost(one)))?;
         let distinct = DistinctContacts::without_rests(contacts);
         let outliers = gross_outliers(contacts, &distinct.contacts)?;
-        let mut rows: Vec<usize> = (0..contacts.len()).collect();
         if outliers.is_empty() {
-            let distinct = distinct.without_short_steps();
             return Ok(Self {
                 outliers,
-                rows,
-                distinct,
+                rows: (0..contacts.len()).collect(),
+                distinct: distinct.without_short_steps(),
             });
         }
-        let mut gross = outliers.iter().map(|outlier| outlier.contact).peekable();
-        rows.retain(|row| gross.next_if_eq(row).is_none());
+        Ok(Self::without(contacts, outliers))
+    }
+
+    /// The contacts without these outliers, which must be sorted.
+    pub(crate) fn without(contacts: &[Contact], outliers: Vec<Outlier>) -> Self {
+        let mut left_out = outliers.iter().map(|outlier| outlier.contact).peekable();
+        let mut rows: Vec<usize> = (0..contacts.len()).collect();
+        rows.retain(|row| left_out.next_if_eq(row).is_none());
         let kept: Vec<Contact> = rows.iter().map(|&row| contacts[row]).collect();
-        Ok(Self {
+        Self {
             outliers,
             rows,
             distinct: distinct_contacts(&kept),
-        })
+        }
     }
 }
 
@@ -101,11 +123,22 @@ fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>
     let Some((centre, median)) = centre_and_distance(&places) else {
         return Ok(Vec::new());
     };
-    let ratio = |contact: &Contact| (contact.position - centre).norm() / median;
+    let ratio = |position: &Point3<f64>| (position - centre).norm() / median;
+    let limit = gap(places.iter().map(|place| ratio(&(*place).into())).collect())
+        .filter(|limit| {
+            let far = contacts
+                .iter()
+                .map(|contact| ratio(&contact.position) > *limit);
+            let count = far.clone().filter(|far| *far).count();
+            let before = std::iter::once(false).chain(far.clone());
+            let starts = far.zip(before).filter(|(one, before)| *one && !before);
+            count <= MAX_BLOCK * starts.count()
+        })
+        .unwrap_or(MAX_DISTANCE_RATIO);
     let far = contacts
         .iter()
         .enumerate()
-        .filter(|(_, contact)| ratio(contact) > MAX_DISTANCE_RATIO);
+        .filter(|(_, contact)| ratio(&contact.position) > limit || is_lost(contact));
     let mut counts: HashMap<[u64; 3], usize> = HashMap::new();
     for (_, contact) in far.clone() {
         *counts.entry(key(&contact.position)).or_default() += 1;
@@ -129,7 +162,26 @@ fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>
     within_share(outliers, contacts.len())
 }
 
-/// Returns `outliers`, or an error if more than a fifth of the contacts are outliers.
+/// The distance below the widest gap among the largest distances, which are at most a fifth of all; `None` if there is
+/// no gap.
+fn gap(mut distances: Vec<f64>) -> Option<f64> {
+    if distances.len() < MIN_PLACES_WITH_GAP {
+        return None;
+    }
+    distances.sort_unstable_by(f64::total_cmp);
+    let first = ((1.0 - MAX_OUTLIER_SHARE) * distances.len() as f64) as usize;
+    let pairs = distances[first.max(1) - 1..].windows(2);
+    let is_gap = |pair: &&[f64]| {
+        let is_wide = pair[1] > MIN_GAP_RATIO * pair[0];
+        is_wide && pair[1] > MAX_DISTANCE_RATIO_BEFORE_GAP && pair[0] < MAX_DISTANCE_RATIO
+    };
+    let found = pairs
+        .filter(is_gap)
+        .max_by(|one, other| (one[1] / one[0]).total_cmp(&(other[1] / other[0])));
+    found.map(|pair| pair[0] * (1.0 + 1e-9))
+}
+
+/// The outliers. Returns an error if more than a fifth of the contacts are outliers.
 pub(crate) fn within_share(
     outliers: Vec<Outlier>,
     contacts: usize,

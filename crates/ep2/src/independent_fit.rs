@@ -88,7 +88,7 @@ impl IndependentFit {
         let distinct = match distinct {
             Some(distinct) => distinct,
             None => {
-                check(contacts)?;
+                check(contacts.iter().enumerate())?;
                 distinct_contacts(contacts)
             }
         };

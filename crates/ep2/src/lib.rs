@@ -64,6 +64,7 @@ mod smoothing;
 mod spline;
 mod square_quadric;
 mod stroke;
+mod surface_outliers;
 mod tip;
 mod two_pass;
 

@@ -7,13 +7,13 @@
 //! squared residuals has a chi-squared distribution for any surface.
 
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
-use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit, SIGNIFICANCE_LEVEL};
+use palpate_statistics::{Explained, GoodnessOfFit, LEFT, Misfit, SIGNIFICANCE_LEVEL, ratio_tail};
 
 use crate::chebyshev::{count, products, values};
 use crate::patch::Sample;
 use crate::spline::Jet;
 use crate::square_quadric::{Square, SquareQuadric, UNKNOWNS};
-use crate::{Ep2Error, Fit, Noise, Patch};
+use crate::{Ep2Error, Fit, Noise, NoiseEstimate, Patch};
 
 /// Number of observations of a contact: its height and its two slopes.
 const OBSERVATIONS: usize = 3;
@@ -25,6 +25,8 @@ pub(crate) const MAX_CONTACTS: usize = 2000;
 /// Smallest estimated position noise for which the contacts are tested, in the patch's unit. A smaller value may be due
 /// to rounding errors or to the approximation error of the series.
 const MIN_POSITION_STD: f64 = 1e-4;
+/// Largest ratio of the variance of a surface beside its contacts to the variance of the most probable process.
+const MAX_VARIANCE_RATIO: f64 = 9.0;
 /// Smallest share of the variance of normals that is attributed to the normals themselves. The rest is attributed to
 /// position errors.
 const MIN_NORMAL_SHARE: f64 = 0.1;
@@ -59,6 +61,8 @@ pub(crate) struct Model<'a> {
     pub(crate) quadric: &'a SquareQuadric,
     /// Noise of the contacts, as the caller of the fit stated it.
     pub(crate) noise: &'a Noise,
+    /// Noise of the tested contacts, stated or estimated.
+    pub(crate) found: NoiseEstimate,
     /// Degree of the series that represents the surface.
     pub(crate) degree: usize,
 }
@@ -85,15 +89,10 @@ impl Model<'_> {
     /// # Errors
     /// [`Ep2Error::OutOfRange`] if numbers are beyond the range of doubles.
     pub(crate) fn misfit(&self, process: &Process) -> Result<MisfitTest, Ep2Error> {
-        let Some(variances) = self.variances() else {
+        let Some(variances) = self.variances(0.0) else {
             return Ok(MisfitTest::default());
         };
-        let samples = self.patch.samples.iter();
-        let contacts = samples.map(|sample| self.weighted(sample, variances, process));
-        let contacts: Vec<Weighted> = contacts
-            .collect::<Option<_>>()
-            .ok_or(Ep2Error::OutOfRange)?;
-        let refit = Refit::new(&contacts).ok_or(Ep2Error::OutOfRange)?;
+        let (contacts, refit) = self.refit(variances, process)?;
         let is_stated = self.noise.is_complete_for(self.patch);
         let poor_fit = is_stated.then(|| Misfit::poor_fit(refit.goodness, SIGNIFICANCE_LEVEL));
         let numbers = (0..).step_by(self.step);
@@ -107,15 +106,60 @@ impl Model<'_> {
         })
     }
 
-    /// Variances of the contacts' errors. `None` if the noise was estimated and is as small as rounding errors, or was
-    /// estimated from too few contacts.
-    fn variances(&self) -> Option<Variances> {
-        let noise = self.fit.noise?;
+    /// Whether each contact in `others`, which are not part of the patch, contradicts the patch: the p-value of its
+    /// residuals is below `least`. A contact that is `None` cannot belong to the surface.
+    ///
+    /// # Errors
+    /// Errors of [`Model::misfit`].
+    pub(crate) fn contradicting(
+        &self,
+        process: &Process,
+        others: &[Option<Sample>],
+        least: f64,
+    ) -> Result<Vec<bool>, Ep2Error> {
+        let variances = self.variances(MIN_POSITION_STD);
+        let variances = variances.ok_or(Ep2Error::OutOfRange)?;
+        let (_, refit) = self.refit(variances, process)?;
+        let contradicts = |other: &Option<Sample>| {
+            let contact = self.weighted(other.as_ref()?, variances, process)?;
+            let residual = &contact.values - &contact.slopes * &refit.factors;
+            let rows = residual.len();
+            let spread = &contact.slopes * &refit.covariance * contact.slopes.transpose();
+            let spread = DMatrix::identity(rows, rows) + spread * MAX_VARIANCE_RATIO;
+            let explained = Explained::by(&vec![1.0; rows], &spread, &residual, 0.0);
+            let (square, freedom) = (refit.chi_squared, refit.freedom);
+            Some(ratio_tail(explained.fall, explained.freedom, square, freedom) < least)
+        };
+        let all = others.iter();
+        Ok(all
+            .map(|other| contradicts(other).unwrap_or(true))
+            .collect())
+    }
+
+    /// The contacts' observations, and the fit to them.
+    fn refit(
+        &self,
+        variances: Variances,
+        process: &Process,
+    ) -> Result<(Vec<Weighted>, Refit), Ep2Error> {
+        let samples = self.patch.samples.iter();
+        let contacts = samples.map(|sample| self.weighted(sample, variances, process));
+        let contacts: Vec<Weighted> = contacts
+            .collect::<Option<_>>()
+            .ok_or(Ep2Error::OutOfRange)?;
+        let refit = Refit::new(&contacts).ok_or(Ep2Error::OutOfRange)?;
+        Ok((contacts, refit))
+    }
+
+    /// Variances of the contacts' errors; estimated standard deviations of positions are at least `least`. `None` if the
+    /// noise was estimated and is as small as rounding errors, or was estimated from too few contacts.
+    fn variances(&self, least: f64) -> Option<Variances> {
+        let noise = self.found;
         let square = |std: f64| std * std;
         let stated = self.noise.normal_std_rad.map(square);
         let position = self.noise.position_std.unwrap_or(noise.position_std);
-        let position = position / self.fit.frame.scale();
-        let is_estimated = position > MIN_POSITION_STD && self.patch.samples.len() >= MIN_CONTACTS;
+        let position = (position / self.fit.frame.scale()).max(least);
+        let is_estimated = position >= MIN_POSITION_STD && self.patch.samples.len() >= MIN_CONTACTS;
         if !(self.noise.is_complete_for(self.patch) || is_estimated) {
             return None;
         }
@@ -286,9 +330,9 @@ impl Refit {
     }
 }
 
-/// Products of Chebyshev polynomials at a contact, with one product per column. The first row contains the values of
-/// the products, and the other two rows contain their slopes along u and v.
-fn series(square: Square, degree: usize, sample: &Sample) -> DMatrix<f64> {
+/// Products of Chebyshev polynomials at a contact, one per column. The rows contain the products and their slopes along
+/// u and v.
+pub(crate) fn series(square: Square, degree: usize, sample: &Sample) -> DMatrix<f64> {
     let [a, b] = square.place([sample.u, sample.v]);
     let [half_u, half_v] = square.half();
     let both = |x: f64| -> Vec<[f64; 2]> {

@@ -140,7 +140,7 @@ impl Patch {
                 needed: 6,
             });
         }
-        check(contacts)?;
+        check(contacts.iter().enumerate())?;
         let mut frame = PatchFrame::of(contacts, &direction(outward)?)?;
         let mut samples = contacts
             .iter()
@@ -216,9 +216,13 @@ pub(crate) fn direction(outward: &Vector3<f64>) -> Result<Vector3<f64>, Ep2Error
     Ok(outward / outward.amax())
 }
 
-pub(crate) fn check(contacts: &[Contact]) -> Result<(), Ep2Error> {
-    let with_normals = contacts.iter().any(|contact| contact.normal.is_some());
-    for (index, contact) in contacts.iter().enumerate() {
+/// Checks the numbers of contacts, which are numbered for the error.
+pub(crate) fn check<'a>(
+    contacts: impl Iterator<Item = (usize, &'a Contact)> + Clone,
+) -> Result<(), Ep2Error> {
+    let mut normals = contacts.clone().map(|(_, contact)| contact.normal);
+    let with_normals = normals.any(|normal| normal.is_some());
+    for (index, contact) in contacts {
         let normal = contact.normal.unwrap_or(Vector3::zeros());
         let largest = contact.position.coords.abs().sum() + normal.abs().sum();
         let is_sound = |number: f64| number <= LARGEST;
@@ -245,7 +249,12 @@ pub(crate) fn check(contacts: &[Contact]) -> Result<(), Ep2Error> {
     Ok(())
 }
 
-fn sample(frame: &PatchFrame, index: usize, contact: &Contact) -> Result<Sample, Ep2Error> {
+/// A contact in the frame of a patch; `index` is the number of the contact in errors.
+pub(crate) fn sample(
+    frame: &PatchFrame,
+    index: usize,
+    contact: &Contact,
+) -> Result<Sample, Ep2Error> {
     let place = frame.point(&contact.position);
     let slopes = match contact.normal {
         Some(normal) => {

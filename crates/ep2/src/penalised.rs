@@ -10,16 +10,17 @@ mod weight;
 
 pub use weight::Criterion;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use crate::chebyshev::{approximated, count};
+use crate::gross_outliers::OUTLIER_PROBABILITY;
 use crate::knots::Knots;
 use crate::misfit::{MAX_CONTACTS, Model};
 use crate::noise::{Noise, Variances};
 use crate::posterior::Posterior;
 use crate::spline::TensorSpline;
 use crate::square_quadric::{Square, SquareQuadric, UNKNOWNS};
-use crate::{Ep2Error, Fit, Method, MisfitTest, Patch};
+use crate::{Ep2Error, Fit, Method, MisfitTest, NoiseEstimate, Patch, Sample};
 use equations::{DEGREE, Equations, roughness_penalty};
 use roughness_posterior::{SeriesProblem, SquareTerm, likeliest_process};
 use series::SeriesEquations;
@@ -71,9 +72,9 @@ pub struct Penalised {
     pub noise: Noise,
 }
 
-/// The fitted spline, and the data from which its posterior is computed.
-struct Estimated {
-    fit: Fit,
+/// The surface around which a spline was fitted, and the data from which the posterior is computed.
+#[derive(Clone, Debug)]
+pub(crate) struct Basis {
     square: Square,
     quadric: SquareQuadric,
     /// Prior standard deviation of the coefficient m, if the spline is added to an implicit quadric; `None` if the
@@ -84,38 +85,25 @@ struct Estimated {
     variances: Variances,
     /// Whether the variances are stated by the user.
     is_known: bool,
-    /// Whether the variances are stated, or could be estimated from the contacts.
-    has_noise: bool,
+    /// Noise of the contacts of the patch; `None` if it is neither stated nor estimated.
+    noise: Option<NoiseEstimate>,
 }
 
 impl Method for Penalised {
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
-        let estimated = self.estimated(patch)?;
-        let posterior = estimated.posterior(patch)?;
+        let (fit, basis) = self.estimated(patch)?;
+        let posterior = basis.posterior(patch)?;
+        let basis = Some(Box::new(basis));
         Ok(Fit {
             posterior,
-            ..estimated.fit
+            basis,
+            ..fit
         })
     }
 
-    fn misfit(&self, patch: &Patch) -> Result<MisfitTest, Ep2Error> {
-        let (patch, step) = patch.thinned(MAX_CONTACTS);
-        let patch = &*patch;
-        let estimated = self.estimated(patch)?;
-        if !estimated.has_noise {
-            return Ok(MisfitTest::default());
-        }
-        let model = Model {
-            patch,
-            step,
-            square: estimated.square,
-            fit: &estimated.fit,
-            quadric: &estimated.quadric,
-            noise: &self.noise,
-            degree: estimated.degree(),
-        };
-        let equations = estimated.equations(patch);
-        model.misfit(&likeliest_process(&estimated.problem(&equations, patch))?)
+    fn misfit(&self, patch: &Patch, fit: Option<&Fit>) -> Result<MisfitTest, Ep2Error> {
+        let test = |model: &Model, process: &DMatrix<f64>| model.misfit(process);
+        Ok(self.tested(patch, fit, test)?.unwrap_or_default())
     }
 }
 
@@ -125,15 +113,60 @@ impl Penalised {
     /// # Errors
     /// Errors of [`Method::fit`].
     pub fn estimate(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
-        Ok(self.estimated(patch)?.fit)
+        Ok(self.estimated(patch)?.0)
     }
 
-    fn estimated(&self, patch: &Patch) -> Result<Estimated, Ep2Error> {
+    /// Whether each contact in `others`, which are not part of the patch, contradicts the patch. A contact that is `None`
+    /// cannot belong to the surface. No contact contradicts a patch with unknown noise.
+    pub(crate) fn contradicting(
+        &self,
+        patch: &Patch,
+        others: &[Option<Sample>],
+    ) -> Result<Vec<bool>, Ep2Error> {
+        let test = |model: &Model, process: &DMatrix<f64>| {
+            model.contradicting(process, others, OUTLIER_PROBABILITY)
+        };
+        let tested = self.tested(patch, None, test)?;
+        Ok(tested.unwrap_or_else(|| vec![false; others.len()]))
+    }
+
+    /// The result of a test of the fit, with the most probable process; `None` if the noise is unknown. `fit` is the fit
+    /// to this patch, if it was computed.
+    fn tested<T>(
+        &self,
+        patch: &Patch,
+        fit: Option<&Fit>,
+        test: impl FnOnce(&Model, &DMatrix<f64>) -> Result<T, Ep2Error>,
+    ) -> Result<Option<T>, Ep2Error> {
+        let (patch, step) = patch.thinned(MAX_CONTACTS);
+        let patch = &*patch;
+        let fit = fit.filter(|_| step == 1);
+        let known = fit.and_then(|fit| Some((fit.clone(), (**fit.basis.as_ref()?).clone())));
+        let (fit, basis) = known.map_or_else(|| self.estimated(patch), Ok)?;
+        let Some(found) = basis.noise else {
+            return Ok(None);
+        };
+        let model = Model {
+            patch,
+            step,
+            square: basis.square,
+            fit: &fit,
+            quadric: &basis.quadric,
+            noise: &self.noise,
+            found,
+            degree: basis.degree(),
+        };
+        let equations = basis.equations(patch);
+        let process = likeliest_process(&basis.problem(&equations, patch))?;
+        test(&model, &process).map(Some)
+    }
+
+    fn estimated(&self, patch: &Patch) -> Result<(Fit, Basis), Ep2Error> {
         self.criterion.check()?;
         let mut intervals = self.intervals(patch)?;
         loop {
             let estimated = self.estimated_with(intervals, patch)?;
-            let share = estimated.fit.effective_unknowns / coefficients(intervals) as f64;
+            let share = estimated.0.effective_unknowns / coefficients(intervals) as f64;
             let is_too_coarse = self.intervals.is_none() && share > MAX_UNKNOWN_SHARE;
             match finer(intervals, patch) {
                 Some(finer) if is_too_coarse => intervals = finer,
@@ -142,7 +175,11 @@ impl Penalised {
         }
     }
 
-    fn estimated_with(&self, intervals: [usize; 2], patch: &Patch) -> Result<Estimated, Ep2Error> {
+    fn estimated_with(
+        &self,
+        intervals: [usize; 2],
+        patch: &Patch,
+    ) -> Result<(Fit, Basis), Ep2Error> {
         let known = self.noise.in_patch(&patch.frame)?;
         let square = Square::of(patch);
         let mut quadric = SquareQuadric::of(patch, &square, &known)?;
@@ -218,20 +255,21 @@ impl Penalised {
             },
             mean: square_term.map(|_| (quadric.clone(), square)),
             posterior: None,
+            basis: None,
             noise: has_noise.then(|| variances.estimate(patch)),
             effective_unknowns: choice.effective_unknowns,
             status: None,
         };
-        Ok(Estimated {
-            fit,
+        let basis = Basis {
             square,
             quadric,
             square_term,
             intervals,
             variances,
             is_known,
-            has_noise,
-        })
+            noise: fit.noise,
+        };
+        Ok((fit, basis))
     }
 
     /// Number of knot intervals along u and along v.
@@ -245,10 +283,10 @@ impl Penalised {
     }
 }
 
-impl Estimated {
+impl Basis {
     /// Mean and covariance of the surface; `None` if the noise is neither stated nor estimated.
     fn posterior(&self, patch: &Patch) -> Result<Option<Posterior>, Ep2Error> {
-        if !self.has_noise {
+        if self.noise.is_none() {
             return Ok(None);
         }
         let equations = self.equations(patch);

@@ -40,9 +40,12 @@ impl Method for Quadric {
         Ok(self.fit_quadric(patch)?.0)
     }
 
-    fn misfit(&self, patch: &Patch) -> Result<MisfitTest, Ep2Error> {
+    fn misfit(&self, patch: &Patch, _fit: Option<&Fit>) -> Result<MisfitTest, Ep2Error> {
         let (patch, step) = patch.thinned(MAX_CONTACTS);
         let (fit, quadric) = self.fit_quadric(&patch)?;
+        let Some(found) = fit.noise else {
+            return Ok(MisfitTest::default());
+        };
         let model = Model {
             patch: &patch,
             step,
@@ -50,6 +53,7 @@ impl Method for Quadric {
             fit: &fit,
             quadric: &quadric,
             noise: &self.noise,
+            found,
             degree: 2,
         };
         model.misfit(&DMatrix::zeros(0, 0))
@@ -78,6 +82,7 @@ impl Quadric {
             },
             mean: None,
             posterior,
+            basis: None,
             noise: quadric.noise,
             effective_unknowns: UNKNOWNS as f64,
             status: None,

@@ -108,11 +108,11 @@ impl Method for TwoPass {
         Ok(fit(patch, second, Some(first.status)))
     }
 
-    /// The misfit test of [`Penalised`] with estimated noise. This test is also valid here, because a contact that
-    /// contradicts the other contacts does so in every fit. The result is empty if the contacts do not determine a
-    /// penalised spline.
-    fn misfit(&self, patch: &Patch) -> Result<MisfitTest, Ep2Error> {
-        Ok(Penalised::default().misfit(patch).unwrap_or_default())
+    /// The misfit test of [`Penalised`] with estimated noise. It is used because a contact that contradicts the others
+    /// does so in any fit. The result is empty if the contacts do not determine a penalised spline.
+    fn misfit(&self, patch: &Patch, _fit: Option<&Fit>) -> Result<MisfitTest, Ep2Error> {
+        let found = Penalised::default().misfit(patch, None);
+        Ok(found.unwrap_or_default())
     }
 }
 
@@ -252,6 +252,7 @@ fn fit(patch: &Patch, smoothed: Smoothed, before: Option<Status>) -> Fit {
         spline: smoothed.spline,
         mean: None,
         posterior: None,
+        basis: None,
         noise: None,
         effective_unknowns: smoothed.effective_unknowns,
         status: unmet.or(Some(smoothed.status)),

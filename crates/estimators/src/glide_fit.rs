@@ -96,8 +96,8 @@ impl Method for GlideFit {
         self.method().fit(patch)
     }
 
-    fn misfit(&self, patch: &Patch) -> Result<MisfitTest, Ep2Error> {
-        self.method().misfit(patch)
+    fn misfit(&self, patch: &Patch, fit: Option<&Fit>) -> Result<MisfitTest, Ep2Error> {
+        self.method().misfit(patch, fit)
     }
 }
 

@@ -95,11 +95,18 @@ impl<'r> GlideFitResult<'r> {
         let (all, outward) = (&recorded.contacts, Vector3::from(given.outward));
         let shape_refused = |error| shape_refused(&recorded, &error);
         let refused = |error| refused(&recorded, &error);
+        let method = GlideMethod::of(&given.estimator, given.inter_finger_distance);
+        let mut sound = SoundContacts::new(all).map_err(shape_refused)?;
+        if let GlideMethod::Graph(_) = method {
+            sound = sound
+                .without_misfits(all, &outward)
+                .map_err(shape_refused)?;
+        }
         let SoundContacts {
             outliers,
             rows,
             distinct,
-        } = SoundContacts::new(all).map_err(shape_refused)?;
+        } = sound;
         let sound: Vec<Contact> = rows.iter().map(|&row| all[row]).collect();
         let options = with_length_noise(&recorded, &sound, given)?;
         let stated = options.thresholds();
@@ -271,7 +278,7 @@ impl<'r> GlideFitResult<'r> {
         };
         let (method, fitted) = &**graph;
         let method = method.clone().with_noise_factors(fitted.noise_ratios);
-        match method.misfit(&fitted.patch) {
+        match method.misfit(&fitted.patch, Some(&fitted.fit)) {
             Ok(mut tested) => {
                 for misfit in &mut tested.misfits {
                     if let Misfit::Outlier { reading, .. } = misfit {

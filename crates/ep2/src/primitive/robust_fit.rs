@@ -7,7 +7,7 @@ use palpate_statistics::student_half_width;
 use super::pose::{CURVATURE, Cloud, Equations, Gram, Pose, Row, UNKNOWNS};
 use super::start::{middle, starts};
 use crate::Shape;
-use crate::gross_outliers::MAX_OUTLIER_SHARE;
+use crate::gross_outliers::{MAX_OUTLIER_SHARE, OUTLIER_PROBABILITY};
 
 /// Number of iterations of a fit.
 const ITERATIONS: usize = 20;
@@ -28,9 +28,6 @@ const MIN_SENSOR_SHARE: f64 = 0.05;
 const RANK_TOLERANCE: f64 = 1e-12;
 /// Largest number of contacts in the preliminary fits, from which the start of the final fit is computed.
 const START_CONTACTS: usize = 600;
-/// Probability from which the limit for outliers is computed as a quantile of Student's t. For many contacts, the limit
-/// is 4.5 standard deviations.
-const OUTLIER_PROBABILITY: f64 = 6.8e-6;
 /// Number of subsets of contacts from which a robust fit starts.
 const SUBSETS: u64 = 60;
 /// Number of contacts in a subset.

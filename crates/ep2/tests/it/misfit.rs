@@ -30,7 +30,7 @@ fn penalised(noise: Noise) -> Penalised {
 
 fn misfit(method: &dyn Method, contacts: &[Contact]) -> MisfitTest {
     let patch = Patch::new(contacts, &Vector3::z()).unwrap();
-    method.misfit(&patch).unwrap()
+    method.misfit(&patch, None).unwrap()
 }
 
 /// A saddle whose surface is a quadric.
@@ -110,7 +110,7 @@ fn few_sound_contacts_seldom_have_a_misfit() {
                     contacts.iter_mut().for_each(|one| one.normal = None);
                 }
                 let patch = Patch::new(&contacts, &Vector3::z()).unwrap();
-                let found = Penalised::default().misfit(&patch).unwrap();
+                let found = Penalised::default().misfit(&patch, None).unwrap();
                 !found.misfits.is_empty()
             });
             let warned = warned.count();

@@ -4,7 +4,9 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Point3, Vector3};
-use palpate_ep2::{Contact, IndependentFit, Penalised, Shape, ShapeError, ShapeFit, ShapeSettings};
+use palpate_ep2::{
+    Contact, IndependentFit, Penalised, Shape, ShapeError, ShapeFit, ShapeSettings, SoundContacts,
+};
 
 use super::drawn_shapes::{Random, Surface, inside, noisy, placed};
 
@@ -273,6 +275,57 @@ fn surfaces_are_not_fitted_to_correlated_noise() {
     });
     let [held, found] = of_surface(waves, 0.5 * (0.1 * PI).powi(2));
     assert!(held > 0.85 && found < 0.1, "{held} {found}");
+}
+
+/// Moves a tenth of the contacts of a log off the surface, and returns their rows. They are moved to one point near the
+/// surface, along their normals, or to one point beside the patch.
+fn with_outliers(random: &mut Random, log: &mut [Contact], kind: u64) -> Vec<usize> {
+    let offset = |random: &mut Random| random.between(1.5, 4.0) * random.normal().signum();
+    let middle = log[log.len() / 2];
+    let point = match kind {
+        0 => middle.position + middle.normal.unwrap() * offset(random),
+        _ => middle.position + random.vector().normalize() * 50.0,
+    };
+    let phase = (random.uniform() * 10.0) as usize;
+    let rows: Vec<usize> = (phase..log.len()).step_by(10).collect();
+    for &row in &rows {
+        let contact = &mut log[row];
+        contact.position = match kind {
+            1 => contact.position + contact.normal.unwrap() * offset(random),
+            _ => point + random.vector() * 0.1,
+        };
+    }
+    rows
+}
+
+#[test]
+fn outliers_are_left_out_of_any_smooth_surface() {
+    let surfaces = [
+        Surface::Sphere(25.0),
+        Surface::Cylinder(20.0),
+        Surface::Saddle(30.0, 0.7),
+        Surface::Torus(20.0, 40.0),
+        Surface::Wave(0.4, 25.0, 1.0),
+    ];
+    let left_out = |log: &[Contact]| -> Vec<usize> {
+        let sound = SoundContacts::new(log).unwrap();
+        let sound = sound.without_misfits(log, &Vector3::z()).unwrap();
+        sound.outliers.iter().map(|one| one.contact).collect()
+    };
+    let [mut clean, mut kept, mut lost, mut count] = [0; 4];
+    for case in 0..60 {
+        let mut random = Random::new(90_000 + case);
+        let exact = surfaces[case as usize % 5].strokes(9.0, 3, 40);
+        let mut log = noisy(&mut random, &exact, 40, 0.03, Some(0.01));
+        clean += left_out(&log).len();
+        let rows = with_outliers(&mut random, &mut log, case % 3);
+        let found = left_out(&log);
+        kept += rows.iter().filter(|row| !found.contains(row)).count();
+        lost += found.iter().filter(|row| !rows.contains(row)).count();
+        count += rows.len();
+    }
+    let figures = format!("{clean} of clean logs, {kept} kept and {lost} lost of {count}");
+    assert!(clean <= 36 && 50 * kept <= count && lost <= 36, "{figures}");
 }
 
 #[test]

@@ -219,8 +219,10 @@ impl Trials for GlideScene {
             return self.trial(trial, observe).map(|()| Vec::new());
         };
         let test = self.patch(method, Some(trial)).and_then(|patch| {
-            self.compare(&GlideSurface::Graph(Box::new(method.fit(&patch)?)), observe)?;
-            method.misfit(&patch)
+            let fit = Box::new(method.fit(&patch)?);
+            let test = method.misfit(&patch, Some(&fit));
+            self.compare(&GlideSurface::Graph(fit), observe)?;
+            test
         });
         let test = test.map_err(|error| error.name())?;
         Ok(test.misfits.iter().map(|misfit| misfit.code()).collect())
