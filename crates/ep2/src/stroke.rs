@@ -45,8 +45,27 @@ pub struct StrokeCurvature {
     pub direction: Vector3<f64>,
 }
 
-/// The curvature along a single stroke. `None` if the contacts scatter across the stroke, or if there are fewer than 8
-/// contacts. Positions and normals must be finite. If there are no normals, `outward` is used as the normal of the
+impl StrokeCurvature {
+    /// The contacts of the stroke with normals of a surface that has this curvature along the stroke, and no curvature
+    /// across it. The normal in the middle of the stroke is `outward`, as far as it is perpendicular to the stroke.
+    pub fn with_normals(&self, contacts: &[Contact], outward: &Vector3<f64>) -> Vec<Contact> {
+        let middle = contacts
+            .iter()
+            .map(|one| one.position.coords / contacts.len() as f64);
+        let middle = middle.sum::<Vector3<f64>>();
+        let up = outward - self.direction * self.direction.dot(outward);
+        let up = up.try_normalize(0.0).unwrap_or(*outward);
+        let normal = |contact: &Contact| {
+            let along = self.direction.dot(&(contact.position.coords - middle));
+            let normal = Some(up + self.direction * (self.value * along));
+            Contact { normal, ..*contact }
+        };
+        contacts.iter().map(normal).collect()
+    }
+}
+
+/// The curvature along contacts that form a single stroke; `None` if the contacts scatter across it, or if there are
+/// fewer than 8. Positions and normals must be finite. If there are no normals, `outward` is used as the normal of the
 /// surface.
 pub fn stroke_curvature(contacts: &[Contact], outward: &Vector3<f64>) -> Option<StrokeCurvature> {
     if contacts.len() < MIN_CONTACTS {

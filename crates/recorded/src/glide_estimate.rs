@@ -121,17 +121,26 @@ impl<'r> GlideFitResult<'r> {
                 let contacts = of_tips.unwrap_or(sound);
                 let with_noise = |factors| method.clone().with_noise_factors(factors);
                 let at_row = |error| of_row(error, &rows);
-                let fitted = IndependentFit::new(with_noise, &contacts, distinct, &outward);
-                let mut fitted = fitted.map_err(|error| {
-                    let along = stroke_curvature(&contacts, &outward);
-                    stroke_refused(&recorded, &at_row(error), along, unit)
-                })?;
+                let fitted = IndependentFit::new(&with_noise, &contacts, distinct, &outward);
+                let (mut fitted, single) = match fitted {
+                    Ok(fitted) => (fitted, None),
+                    Err(error) => {
+                        let error = at_row(error);
+                        let Some(stroke) = stroke_curvature(&contacts, &outward) else {
+                            return Err(refused(error));
+                        };
+                        let contacts = stroke.with_normals(&contacts, &outward);
+                        let fitted = IndependentFit::new(with_noise, &contacts, None, &outward);
+                        let refused = |_| stroke_refused(&recorded, &error, &stroke, unit);
+                        (fitted.map_err(refused)?, Some(stroke))
+                    }
+                };
                 let is_quadric = matches!(method, GlideFit::Quadric(_));
                 if is_quadric || fitted.contacts.len() >= MANY_CONTACTS {
                     fitted.widen_to_shape(&outward).map_err(refused)?;
                 }
                 let fit = &fitted.fit;
-                let stroke = stroke_curvature(&fitted.contacts, &outward);
+                let stroke = single.or_else(|| stroke_curvature(&fitted.contacts, &outward));
                 let centre = fit.centre().map_err(refused)?;
                 let sides = fit
                     .domain
@@ -276,6 +285,10 @@ impl<'r> GlideFitResult<'r> {
         let Surface::Graph(graph) = &self.surface else {
             return Default::default();
         };
+        // The normals of a stroke are assumed if it was recorded without normals.
+        if self.stroke.is_some() && !self.recorded.has_normals() {
+            return Default::default();
+        }
         let (method, fitted) = &**graph;
         let method = method.clone().with_noise_factors(fitted.noise_ratios);
         match method.misfit(&fitted.patch, Some(&fitted.fit)) {
@@ -514,22 +527,16 @@ fn of_row(error: Ep2Error, rows: &[usize]) -> Ep2Error {
     }
 }
 
-/// Converts the error of a fit. If the contacts form a single stroke, the message states the curvature along the
-/// stroke.
+/// Converts the error of a fit to contacts of a single stroke. The message states the curvature along the stroke.
 fn stroke_refused(
     recorded: &GlideRecording,
     error: &Ep2Error,
-    along: Option<StrokeCurvature>,
+    stroke: &StrokeCurvature,
     unit: LengthUnit,
 ) -> RecordedError {
-    match along {
-        Some(stroke) => {
-            let error_text = remedied(error, recorded.fingers);
-            let message = format!("{}: {error_text}", across(&stroke, unit).text);
-            recorded.source.fail(explained(message, error.name()))
-        }
-        None => refused(recorded, error),
-    }
+    let error_text = remedied(error, recorded.fingers);
+    let message = format!("{}: {error_text}", across(stroke, unit).text);
+    recorded.source.fail(explained(message, error.name()))
 }
 
 /// Converts the error of a shape fit to an error that states the rows of the readings.
