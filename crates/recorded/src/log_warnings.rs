@@ -22,7 +22,15 @@ const MIN_P_VALUE: f64 = 0.005;
 /// Number of iterations of the method that divides contacts into two groups.
 const GROUP_ITERATIONS: usize = 5;
 
-/// A text that lists the first of the rows `rows`.
+/// Smallest gap between two groups of contacts, relative to the width of the wider group.
+const MIN_GAP_RATIO: f64 = 0.5;
+/// Smallest gap between two groups of contacts, relative to the largest gap within a group. Within a group, the gaps are
+/// between strokes.
+const MIN_GAPS_RATIO: f64 = 2.0;
+/// Smallest width of a group that is not a line, relative to its radius.
+const MIN_WIDTH_RATIO: f64 = 0.3;
+
+/// A text that lists the first of these rows.
 pub(super) fn listed(rows: impl ExactSizeIterator<Item = String>) -> String {
     let more = rows.len().saturating_sub(LISTED_ROWS);
     let mut listed: Vec<String> = rows.take(LISTED_ROWS).collect();
@@ -75,7 +83,8 @@ pub(super) fn across(stroke: &StrokeCurvature, unit: LengthUnit) -> Warning {
     Warning::new("not-resolved-across", text, [])
 }
 
-/// Warning if the contacts form two groups, and the distance between the groups is larger than the width of each group.
+/// Warning if the contacts form two groups, and the gap between the groups is wider than the gaps within them. Two
+/// single strokes may be farther apart, because they may belong to two fingers.
 pub(super) fn two_groups(contacts: &[Contact], unit: LengthUnit) -> Option<Warning> {
     let place = |contact: &Contact| contact.position.coords;
     let farthest = |from: Vector3<f64>| {
@@ -99,16 +108,37 @@ pub(super) fn two_groups(contacts: &[Contact], unit: LengthUnit) -> Option<Warni
         }
         centres = [0, 1].map(|group| centres[group] + sums[group] / counts[group]);
     }
-    let mut radii = [0.0_f64; 2];
+    let axis = centres[1] - centres[0];
+    let axis = axis.try_normalize(0.0)?;
+    let along = |contact: &Contact| axis.dot(&(place(contact) - centres[0]));
+    let mut radius: f64 = 0.0;
+    let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for contact in contacts {
         let group = nearer(contact, &centres);
-        radii[group] = radii[group].max((place(contact) - centres[group]).norm());
+        radius = radius.max((place(contact) - centres[group]).norm());
+        let [low, high] = &mut ends[group];
+        (*low, *high) = (low.min(along(contact)), high.max(along(contact)));
     }
-    let [one, other] = radii;
-    let gap = (centres[1] - centres[0]).norm() - one - other;
-    (gap > 2.0 * one.max(other) && gap.is_finite()).then(|| {
+    let gap = ends[1][0] - ends[0][1];
+    let widths = ends.map(|[low, high]| high - low);
+    let widest = widths[0].max(widths[1]);
+    let is_line = widths.iter().any(|width| *width < MIN_WIDTH_RATIO * radius);
+    let least = match is_line {
+        true => 2.0 * radius,
+        false if gap > MIN_GAP_RATIO * widest => {
+            let mut places: Vec<f64> = contacts.iter().map(along).collect();
+            places.sort_unstable_by(f64::total_cmp);
+            let gaps = places.windows(2).map(|pair| pair[1] - pair[0]);
+            let next = gaps.filter(|one| *one < gap).fold(0.0, f64::max);
+            MIN_GAPS_RATIO * next
+        }
+        false => f64::INFINITY,
+    };
+    (gap > least && gap.is_finite()).then(|| {
         let (shown, unit) = (Number::rounded(gap), unit.as_str());
-        let text = format!("the contacts form two groups that are {shown} {unit} apart, farther than each is wide: are they of two objects?");
+        let text = format!(
+            "the contacts form two groups that are {shown} {unit} apart: are they of two objects?"
+        );
         Warning::new("two-groups", text, [("distance", gap)])
     })
 }
