@@ -7,7 +7,9 @@ use crate::effective_readings::{
     DistinctContacts, EffectiveReadings, correlation_time, distinct_contacts,
 };
 use crate::patch::{FingerMap, check};
-use crate::{Contact, Ep2Error, Fit, Method, Patch, Shape, ShapeFit, ShapeSettings};
+use crate::{
+    Contact, Curvature, Ep2Error, Fit, Method, Patch, Penalised, Shape, ShapeFit, ShapeSettings,
+};
 
 /// Smallest number of contacts of a finger from which the correlation of its noise is estimated.
 const MIN_CONTACTS: usize = 60;
@@ -122,9 +124,16 @@ impl IndependentFit {
     /// exceed the effect of the noise if there are many contacts. Fits that are based on an implicit quadric do not
     /// change.
     ///
+    /// A quadric (`is_quadric`) is biased on most other shapes. Its estimate is compared with a penalised spline, and the
+    /// difference counts as far as it exceeds the standard error of the spline.
+    ///
     /// # Errors
     /// The errors of [`Fit::centre`].
-    pub fn widen_to_shape(&mut self, outward: &Vector3<f64>) -> Result<(), Ep2Error> {
+    pub fn widen_to_shape(
+        &mut self,
+        outward: &Vector3<f64>,
+        is_quadric: bool,
+    ) -> Result<(), Ep2Error> {
         if self.fit.mean.is_some() {
             return Ok(());
         }
@@ -138,20 +147,35 @@ impl IndependentFit {
         let shape = settings.fit(&selection).ok();
         let is_determined = |fit: &ShapeFit| fit.shape == Shape::Plane || fit.is_resolved();
         let shape = shape.filter(|fit| !fit.is_none_of_these() && is_determined(fit));
-        let Some((shape, stds)) = shape.zip(centre.curvature.uncertainty) else {
+        let of_spline = || {
+            let spline = Penalised::default().fit(&self.patch).ok()?;
+            spline.curvature_at(&centre.position).ok()
+        };
+        let other = match shape {
+            Some(shape) => Some(Curvature {
+                uncertainty: None,
+                ..shape.point_at(&centre.position).curvature
+            }),
+            None if is_quadric => of_spline(),
+            None => None,
+        };
+        let Some((other, stds)) = other.zip(centre.curvature.uncertainty) else {
             return Ok(());
         };
-        let other = shape.point_at(&centre.position).curvature;
-        let of_mean = (other.mean - centre.curvature.mean) / stds.mean_std;
-        let of_gaussian = (other.gaussian - centre.curvature.gaussian) / stds.gaussian_std;
-        let factor = of_mean.abs().max(of_gaussian.abs()).powi(2);
+        let [mean_std, gaussian_std] = match other.uncertainty {
+            Some(other) => [other.mean_std, other.gaussian_std],
+            None => [0.0; 2],
+        };
+        let of_mean = (other.mean - centre.curvature.mean).abs() - mean_std;
+        let of_gaussian = (other.gaussian - centre.curvature.gaussian).abs() - gaussian_std;
+        let factor = (of_mean / stds.mean_std).max(of_gaussian / stds.gaussian_std);
         if let Some(posterior) = self
             .fit
             .posterior
             .as_mut()
             .filter(|_| factor > 1.0 && factor.is_finite())
         {
-            posterior.widen(factor);
+            posterior.widen(factor * factor);
         }
         Ok(())
     }

@@ -137,7 +137,9 @@ impl<'r> GlideFitResult<'r> {
                 };
                 let is_quadric = matches!(method, GlideFit::Quadric(_));
                 if is_quadric || fitted.contacts.len() >= MANY_CONTACTS {
-                    fitted.widen_to_shape(&outward).map_err(refused)?;
+                    fitted
+                        .widen_to_shape(&outward, is_quadric)
+                        .map_err(refused)?;
                 }
                 let fit = &fitted.fit;
                 let stroke = single.or_else(|| stroke_curvature(&fitted.contacts, &outward));
