@@ -331,7 +331,7 @@ fn check_effect(given: &Map<String, Json>, options: &PressOptions) -> Result<(),
         ),
         PressEstimatorConfig::Gaussian { c: None, .. } if options.indentation.is_none() => (
             "c",
-            "is missing: setting `kind` gaussian needs `c`, or setting `indentation`, from which `c` is calibrated",
+            "is missing, but setting `kind` gaussian requires it, or setting `indentation` to calibrate it",
         ),
         PressEstimatorConfig::Image { .. } => (
             "kind",
