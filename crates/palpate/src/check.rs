@@ -16,16 +16,16 @@ use crate::output_check::check_outputs;
 use crate::plan::with_ideal_sensor;
 use crate::planner::{Pace, spread};
 
-/// Time limit for setting up cells completely. Cells that are read by a camera are set up with their camera.
+/// Time limit for setting up cells completely, that is, including the camera if a camera reads the press.
 const SET_UP_LIMIT: Duration = Duration::from_millis(800);
-/// Time limit for setting up the remaining cells, now without cameras. It is used only if the sample contains every
-/// cell of the study.
+/// Time limit for also setting up the remaining cells, now without their cameras. It applies only if the sample
+/// contains every cell of the study.
 const SET_UP_WITHOUT_CAMERA_LIMIT: Duration = Duration::from_secs(10);
 /// Time limit for running a few trials to measure the time per trial.
 const TRIALS_LIMIT: Duration = Duration::from_millis(300);
 /// Time limit for measuring the errors and the computing times of models, for all groups of cells together.
 const LADDERS_LIMIT: Duration = Duration::from_millis(600);
-/// Longest time per trial of a roll for which the models of the roll are measured.
+/// If a trial of a roll takes longer than this time, the errors and computing times of its models are not measured.
 const MAX_TRIAL_TIME: Duration = Duration::from_millis(50);
 
 /// Forecast of a study, made by [`check()`].
@@ -33,10 +33,11 @@ const MAX_TRIAL_TIME: Duration = Duration::from_millis(50);
 pub struct Check {
     /// Number of cells of the study.
     pub cells: usize,
-    /// Number of cells that were checked. In the other cells, each swept value was checked only in another
-    /// combination.
+    /// Number of cells that were checked. Each swept value of the unchecked cells also occurs in a checked cell, but in
+    /// another combination.
     pub checked: usize,
-    /// Number of cells that were set up completely. After the first time limit, cells were set up only without a camera.
+    /// Number of cells that were set up completely. Presses that were set up without their camera, to save time, are
+    /// not counted.
     pub set_up: usize,
     /// Number of set-up cells that run only one trial, because they use no random numbers.
     pub single: usize,

@@ -201,8 +201,9 @@ impl Family {
         })
     }
 
-    /// Fields in which a scene differs from the family. The first list has fields with another value than the family's
-    /// only value. The second list has fields whose number is outside the family's range.
+    /// Fields in which a scene differs from the scenes of the family, in two lists. The first list contains fields that
+    /// have a single value in the family, and another value in the scene. The second list contains fields that have a
+    /// range in the family, and a number outside of this range in the scene.
     fn differences<'a>(&'a self, scene: &'a Fields) -> [Vec<&'a String>; 2] {
         let keys = self.fields.keys().chain(self.ranges.keys());
         let all: BTreeSet<&String> = keys.chain(scene.keys()).collect();
@@ -216,8 +217,8 @@ impl Family {
         [others, outside]
     }
 
-    /// Text with the value of a field in this scene and its values in the random scenes. Lengths are in the scene's
-    /// unit.
+    /// Text with the value of a field in the scene `scene`, and the values of this field in the random scenes of the
+    /// family. Lengths are in the scene's unit.
     fn in_words(&self, scene: &SceneConfig, unit: LengthUnit, field: &str) -> String {
         let [fields, doubled] = [1.0, 2.0].map(|factor| comparable_fields(scene, factor));
         let (length, name) = (unit_length(scene), unit.as_str());

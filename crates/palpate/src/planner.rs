@@ -92,8 +92,8 @@ pub struct Plan {
     /// Largest relative standard error that the run is expected to have for any rms error; `None` if it could not be
     /// estimated.
     pub expected_error: Option<f64>,
-    /// Index of the cell and name of the quantity that require the most trials, if the errors of this quantity have heavy
-    /// tails. A few trials with very large errors then determine the rms error. Otherwise `None`.
+    /// Index of the cell and name of the quantity that require the most trials; `None` unless the errors of this
+    /// quantity have heavy tails. With heavy tails, a few trials with very large errors determine the rms error.
     pub heavy_tails: Option<(usize, &'static str)>,
     /// Cells in which every trial of the pilot failed, so that their errors are unknown.
     pub failing: Vec<FailingCell>,

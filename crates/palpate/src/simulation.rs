@@ -68,7 +68,7 @@ pub struct Simulation<'a> {
     arch: Arch,
     tasks: ShardTasks,
     states_bounds: bool,
-    /// Columns of the table of maps, without rows; `None` if the config requests no maps.
+    /// Table of maps, with its columns but without rows; `None` if the config requests no maps.
     maps: Option<MapTable>,
     warnings: Warnings,
     /// Whether the rows of all single trials are output too.
@@ -94,7 +94,7 @@ impl<'a> Simulation<'a> {
         Self::of_shard(study, cells, Shard::default(), runner)?.checked()
     }
 
-    /// Simulation of one shard. `numbers` are the cells of all shards together. The cells are not checked.
+    /// Simulation of one shard. `numbers` contains the cell numbers of all shards together. The cells are not checked.
     ///
     /// # Errors
     /// [`ConfigError`] of the first cell. This cell is set up only if the config requests maps, because its scene

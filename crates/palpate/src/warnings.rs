@@ -64,7 +64,8 @@ impl Warnings {
     }
 
     /// One warning for each code, sorted by the first cell with this code. If `cells` is larger than 1, the text of
-    /// each warning also states how many cells have the warning, and the number of the first of them.
+    /// each warning also states two numbers: how many cells have the warning, and the number of the first of these
+    /// cells.
     pub fn grouped(&self, cells: usize) -> Vec<Warning> {
         let mut groups: Vec<&Group> = self.by_code.values().collect();
         groups.sort_by_key(|group| group.first);

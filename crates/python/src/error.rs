@@ -89,7 +89,7 @@ pub(crate) fn shape(name: &str, wanted: &str, found: &[usize]) -> PyErr {
     argument(name, &[], None, message)
 }
 
-/// Key of a setting, and the different name of its argument in Python.
+/// Settings whose argument in Python has another name than their key: the key and the name of the argument.
 const RENAMED: [(&str, &str); 3] = [
     ("kind", "method"),
     ("from", "source"),

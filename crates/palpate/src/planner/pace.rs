@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use palpate_sweep::{Cell, Clock, JOB, Runner, Trial};
 
-/// Largest value of `long_enough`, the time that a measurement of one cell must take in [`seconds_per_trial`].
+/// Upper limit of the argument `long_enough` of [`seconds_per_trial`]: the shortest accepted duration of a measurement.
 const LONGEST: Duration = Duration::from_millis(10);
-/// Smallest value of `long_enough`, the time that a measurement of one cell must take in [`seconds_per_trial`].
+/// Lower limit of the argument `long_enough` of [`seconds_per_trial`]: the shortest accepted duration of a measurement.
 const SHORTEST: Duration = Duration::from_millis(1);
 /// A measurement longer than this time is not repeated. The delay of waking the threads is negligible in such a long
 /// time.

@@ -67,9 +67,9 @@ pub(super) struct Need {
 
 impl Pilot {
     /// Runs a pilot to predict how many trials are needed for a relative standard error of `target`. Each cell starts
-    /// with twice the number of trials that Gaussian errors would need, but with 64 to 1,024 trials. A cell that needs
-    /// many trials then runs more: up to a sixteenth of the needed number, and at most `most`. A cell that needs more
-    /// than `hopeless` trials runs no more.
+    /// with twice the number of trials that Gaussian errors would need, but with at least 64 and at most 1,024 trials.
+    /// A cell that needs many trials then runs more: up to a sixteenth of the needed number, and at most `most`. A cell
+    /// that needs more than `hopeless` trials runs no further trials.
     pub(super) fn for_error(
         runner: &Runner,
         cells: &[&dyn Trial],

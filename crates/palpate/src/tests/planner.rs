@@ -15,8 +15,9 @@ use crate::planner::{
 /// Number of trials that ran in all cells. The test's clock counts one microsecond per trial.
 type Run = AtomicU64;
 
-/// Cells that estimate the value 1. Their errors are normal with the standard deviation 0.1, and a model error is
-/// added. `successes` states, for each cell, how many of ten trials succeed.
+/// Cells that estimate a quantity with the true value 1. The errors of the estimates are normally distributed with the
+/// standard deviation 0.1. The error of a model is added to each estimate. `successes` states, for each cell, how many
+/// of ten trials succeed.
 #[derive(Clone, Debug)]
 struct Cells<'a> {
     run: &'a Run,

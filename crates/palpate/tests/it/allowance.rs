@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use super::desk::{Desk, RUN_FILES, SCENE, STUDY, assert_untouched, edited};
 
-/// A study of noisy rolls on saddles, for which no closed form exists.
+/// A study of noisy rolls on saddles. No formula gives the path of the contact on a saddle, so the model must compute
+/// it numerically.
 fn saddles() -> String {
     let study = edited(
         STUDY,

@@ -249,8 +249,8 @@ fn check_of_extremes_is_finite(kind: &str, scene: &str) {
     }
 }
 
-/// Tests three presses: one within the range of the measured random scenes, one deeper than all of them, and one with
-/// an estimator for which no random scenes were measured.
+/// Tests three presses. The first is within the range of the measured random scenes, and the second is deeper than all
+/// of these scenes. For the estimator of the third press, no random scenes were measured.
 #[test]
 fn check_reports_whether_intervals_were_tested() {
     let press = r#"

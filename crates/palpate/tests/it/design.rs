@@ -250,9 +250,9 @@ fn files_of_others_stay() {
     desk.palpate(&design).printed();
 }
 
-/// Finds the shortest roll whose error is at most 5 %. The ball is five times as large as the probe, and the noise is
-/// 0.07 mm. The length of the roll is stated as time, as angle and as path. A roll of 1 rad takes 2 s and moves the
-/// contact by 10 mm / (1 + 1/5) on the probe.
+/// Finds the shortest roll whose curvature error is at most 5 %. The ball is five times as large as the probe, and the
+/// noise of the measured shift is 0.07 mm. The length of the roll is stated as a duration, as an angle and as the
+/// length of the path. A roll of 1 rad takes 2 s and moves the contact by 10 mm / (1 + 1/5) on the probe.
 #[test]
 fn the_length_of_a_roll_is_asked_for_in_any_of_its_units() {
     let pads = edited(

@@ -24,7 +24,8 @@ path = "scene.object.radius"
 values = [50, 5]
 "#;
 
-/// A study with one cell and without noise, nine lines long. Lines that a test appends belong to the table `scene`.
+/// A study with one cell and without noise, nine lines long. If a test appends lines to this text, they belong to its
+/// last table, `[scene]`.
 pub(crate) const SCENE: &str = r#"name = "a-study"
 length_unit = "mm"
 trials = 20
@@ -176,9 +177,9 @@ impl Desk {
 pub(crate) struct Ended {
     pub(crate) status: Option<i32>,
     pub(crate) stdout: String,
-    /// Standard error, without the lines that are in `swept`.
+    /// Text that the command wrote to the stream stderr, without the lines that are in `swept`.
     pub(crate) stderr: String,
-    /// Lines of standard error that are notes about fields with both a value and a sweep.
+    /// Notes in stderr about fields to which the config gives both a value and a sweep.
     pub(crate) swept: String,
 }
 
@@ -188,8 +189,8 @@ pub(crate) fn with_flags(text: &str) -> String {
 }
 
 impl Ended {
-    /// Returns the standard output, after checking that the command succeeded. Standard error may contain only the
-    /// warnings that are also in the JSON output.
+    /// Returns the text on stdout, after checking that the command succeeded. The text on stderr may contain only
+    /// warnings that are also in the JSON on stdout.
     #[track_caller]
     pub(crate) fn printed(self) -> String {
         let printed = with_flags(&self.stdout);

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::desk::{Desk, STUDY, edited, noiseless};
 
-/// A study of balls with radii of 50 and 40 mm, with a noise of 20 %.
+/// A study of balls with radii of 50, 40 and 5 mm, in which the angular velocity of the probe has an error of 20 %.
 fn balls() -> String {
     let noisy = edited(STUDY, "fraction = 0.01", "fraction = 0.2");
     edited(

@@ -14,7 +14,7 @@ use super::frames::{frame, write};
 const TABLE: &str = include_str!("hostile.txt");
 /// Number of bytes at the beginning of a file that are compared. The length of the file is compared too.
 const MOST_BYTES: u64 = 1 << 24;
-/// Smallest number of calls. If there are fewer, the table was not read completely.
+/// Smallest expected number of calls in the table. If there are fewer, the table was not read completely.
 const LEAST: usize = 250;
 const PLOT: &str = "\n[[plot]]\nname = \"error\"\nx = \"scene.object.radius\"\ny = \"rms_error\"\nquantity = \
                     \"normal_curvature_u\"\n";

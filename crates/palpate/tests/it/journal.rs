@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use super::desk::{Desk, RUN_FILES, STUDY, edited};
 
-/// A study that runs for about `times` times a few seconds, on one thread and in a build without optimisation.
+/// A study with a long run time, which is proportional to `times`. With `times` = 1, a run takes a few seconds on one
+/// thread in a build without optimisation.
 fn slow_study(times: u32) -> String {
     let values: Vec<String> = (10..34).map(|radius| radius.to_string()).collect();
     let study = edited(STUDY, "[50, 5]", &format!("[{}]", values.join(", ")));

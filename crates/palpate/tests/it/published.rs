@@ -36,8 +36,8 @@ values = [500, 50, 5, 1, 0.5]
     }
 }
 
-/// Checks that square grids of pads with a pitch of 0.5 and 1 mm give an estimated curvature of exactly 0 for a sphere
-/// of radius 50 mm.
+/// Checks the estimated curvature of a sphere with a radius of 50 mm. It must be exactly 0 with square grids of pads
+/// whose pitch is 0.5 mm and 1 mm.
 fn assert_exact_zeros(unit: &str, millimetre: f64) {
     let [probe, object, fine, coarse] = [10.0, 50.0, 0.5, 1.0].map(|length| length * millimetre);
     let desk = Desk::with(&format!(

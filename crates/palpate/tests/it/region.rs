@@ -9,7 +9,8 @@ const TARGET: &str = "--target relative_rms_error(mean_curvature)<=0.05";
 const RADII: &str = "--vary scene.object.radius=5,20,50";
 const FRACTION: &str = "scene.noise.angular_velocity.fraction";
 
-/// Entry of an answer's grid for one value of the field at `path`. The grid must have no other field.
+/// Entry of the list `columns` in an answer, for one value of the field at `path`. Each entry must belong to a single
+/// field.
 fn column<'a>(answer: &'a Value, path: &str, value: &str) -> &'a Value {
     let columns = answer["columns"].as_array().unwrap();
     let found = columns.iter().find(|column| {

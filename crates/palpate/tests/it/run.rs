@@ -287,7 +287,8 @@ fn failures_name_their_kind_and_first_trial() {
     }
 }
 
-/// In this study, `trials` names both the swept field and a statistic. Both have the same column.
+/// In the tables of this study, the column `trials` contains two things: the swept field `trials`, and the statistic of
+/// this name.
 #[test]
 fn trials_can_be_swept_and_drawn() {
     let plots = "\n[[plot]]\nname = \"along\"\nx = \"trials\"\ny = \"rms_error\"\nquantity = \"mean_curvature\"\n\

@@ -84,7 +84,8 @@ pub(super) fn batch<'py, R: Send + 'static, E: Made + 'static>(
     Ok(Bound::new(py, Batch { estimates })?.into_any())
 }
 
-/// Adds the number of the set to an error in an array. `with_sets` names the arrays whose first axis counts the sets.
+/// Adds the number of the set of readings to the index in an error about an array. `with_sets` names the arrays whose
+/// first axis counts the sets.
 pub(super) fn in_set(set: usize, with_sets: &[&str], error: RecordedError) -> RecordedError {
     match error {
         RecordedError::Array {
@@ -148,7 +149,8 @@ fn row(value: &Bound<'_, PyAny>) -> Option<Vec<f64>> {
     list.iter().map(|item| number(&item)).collect()
 }
 
-/// Combines the values that one field has in many estimates. The other fields are not computed.
+/// Combines the values of one field in many estimates, if each value was computed without the other fields of its
+/// estimate.
 fn of_alone(py: Python<'_>, all: Vec<Option<Alone>>) -> PyResult<Bound<'_, PyAny>> {
     let mut rows = Vec::with_capacity(all.len());
     let mut unit = None;

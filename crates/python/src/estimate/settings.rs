@@ -9,8 +9,8 @@ use serde_json::{Map, Value as Json};
 
 use crate::error;
 
-/// Settings among the keyword arguments of a call, by their keys. A function in `tables` returns the setting with a
-/// given key; one function is for the readings, the other for the estimator.
+/// Finds the settings among the keyword arguments of a call, and returns a map from their keys to their values. Each of
+/// the two functions in `tables` returns the setting with a given key: a setting of the readings, or of the estimator.
 pub(crate) fn given(
     arguments: Option<&Bound<'_, PyDict>>,
     tables: [fn(&str) -> Option<Setting>; 2],

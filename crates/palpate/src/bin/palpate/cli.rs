@@ -87,7 +87,8 @@ every trial fails ends with status 1.")]
 If a shard is missing, unfinished or damaged, or belongs to another config, seed or version of palpate, the
 message lists it, and nothing is written. The shards stay, so the merge can be repeated.")]
     Merge(MergeArgs),
-    /// Print the progress of a run or of its shards: done, running, failed and missing, the rate, and the time left.
+    /// Print the progress of a run or of its shards: finished, running, failed and missing shards, cells per second,
+    /// and remaining time.
     #[command(after_help = "Example:
   palpate status out/my-study")]
     Status(StatusArgs),
@@ -134,8 +135,8 @@ If several fields are varied, one field is searched in this way for each of seve
 the field of --maximise or --minimise, otherwise the last field with a range. Near the best value, the values
 of the other fields are closer together.")]
     Design(DesignArgs),
-    /// Compute how often a single trial puts the swept objects in the right order, and how many trials must be averaged
-    /// for a reliable order.
+    /// Compute how often single trials put the swept objects in the right order. Also compute how many trials must be
+    /// averaged for a reliable order.
     #[command(after_help = "Examples:
   palpate distinguish examples/press-a-ball.toml --vary scene.object.radius=20,25,30
   palpate distinguish my.toml --quantity class --confidence 0.99 --out out/which-shapes
@@ -191,10 +192,10 @@ pub(crate) struct RunArgs {
     /// Where to write the results [default: out/ and the name of the study].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Use this seed instead of the config's.
+    /// Use this seed instead of the seed in the config.
     #[arg(long, value_name = "S")]
     pub(crate) seed: Option<u64>,
-    /// Run this many trials per cell instead of the config's.
+    /// Run this many trials per cell, instead of the number in the config.
     #[arg(long, value_name = "N")]
     pub(crate) trials: Option<NonZeroU64>,
     /// Choose the number of trials per cell so that planning and run together need about this time on the given number
@@ -308,10 +309,10 @@ pub(crate) struct SlurmArgs {
     /// Largest number of times that a failed shard is queued again.
     #[arg(long, value_name = "N", default_value_t = 5)]
     pub(crate) max_restarts: u32,
-    /// Use this seed instead of the config's.
+    /// Use this seed instead of the seed in the config.
     #[arg(long, value_name = "S")]
     pub(crate) seed: Option<u64>,
-    /// Run this many trials per cell instead of the config's.
+    /// Run this many trials per cell, instead of the number in the config.
     #[arg(long, value_name = "N")]
     pub(crate) trials: Option<NonZeroU64>,
     /// Format of the tables that the merge writes.
@@ -394,18 +395,20 @@ pub(crate) struct ReportArgs {
 
 /// Smallest target error that `--target-error` accepts. A smaller target error would need more trials than a 64-bit
 /// number can count.
-const SMALLEST_SHARE: f64 = 1e-9;
+const MIN_TARGET_ERROR: f64 = 1e-9;
 
 fn share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(number) if (SMALLEST_SHARE..1.0).contains(&number) => Ok(number),
-        Ok(_) => Err(format!("must be >= {SMALLEST_SHARE:e} and < 1, is {text}")),
+        Ok(number) if (MIN_TARGET_ERROR..1.0).contains(&number) => Ok(number),
+        Ok(_) => Err(format!(
+            "must be >= {MIN_TARGET_ERROR:e} and < 1, is {text}"
+        )),
         Err(_) => Err("is not a number".to_owned()),
     }
 }
 
 /// Largest number of shards into which a run may be divided.
-const MOST_SHARDS: u64 = 1_000_000;
+const MAX_SHARDS: u64 = 1_000_000;
 
 fn shard(text: &str) -> Result<Shard, String> {
     let numbers = text.split_once('/').and_then(|(number, of)| {
@@ -413,12 +416,12 @@ fn shard(text: &str) -> Result<Shard, String> {
         Some(parsed)
     });
     match numbers {
-        Some((number, of)) if (1..=of).contains(&number) && of <= MOST_SHARDS => {
+        Some((number, of)) if (1..=of).contains(&number) && of <= MAX_SHARDS => {
             Ok(Shard { number, of })
         }
         Some((0, _)) => Err("shards are counted from 1: the first of 4 is 1/4".to_owned()),
-        Some((_, of)) if of > MOST_SHARDS => {
-            Err(format!("at most {MOST_SHARDS} shards are possible"))
+        Some((_, of)) if of > MAX_SHARDS => {
+            Err(format!("at most {MAX_SHARDS} shards are possible"))
         }
         Some((number, of)) => Err(format!("there is no shard {number} of {of}")),
         None => Err("is not a shard; the first of 4 shards is written 1/4".to_owned()),
@@ -435,14 +438,14 @@ fn slurm_word(text: &str) -> Result<String, String> {
 }
 
 fn shards(text: &str) -> Result<NonZeroU64, String> {
-    within(text, MOST_SHARDS)
+    within(text, MAX_SHARDS)
 }
 
 /// Largest number of processors that a shard may request.
-const MOST_PROCESSORS: u64 = 255;
+const MAX_PROCESSORS: u64 = 255;
 
 fn processors(text: &str) -> Result<NonZeroU64, String> {
-    within(text, MOST_PROCESSORS)
+    within(text, MAX_PROCESSORS)
 }
 
 fn within(text: &str, most: u64) -> Result<NonZeroU64, String> {

@@ -125,8 +125,8 @@ pub(crate) struct JournalState {
 }
 
 impl JournalState {
-    /// Whether at least one task is finished, or was finished before damage to the journal.
-    pub(crate) fn has_work(&self) -> bool {
+    /// Whether the journal contains the results of a finished task, or may have contained some before it was damaged.
+    pub(crate) fn may_have_results(&self) -> bool {
         self.tasks > 0 || self.is_torn
     }
 }

@@ -200,7 +200,8 @@ fn study_of(args: &RunArgs) -> Result<Study, Failure> {
 }
 
 /// Loads a study, and replaces its seed and number of trials if these arguments are given. `chosen_by` names another
-/// argument that chooses the number of trials, if it was given. A study with a stop rule rejects both.
+/// argument that chooses the number of trials, if it was given. If the study has a stop rule, `trials` and `chosen_by`
+/// are errors.
 pub(crate) fn overridden(
     config: &Path,
     seed: Option<u64>,

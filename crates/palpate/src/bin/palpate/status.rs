@@ -124,7 +124,7 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
     output::print(text.trim_end())
 }
 
-/// Lines with the numbers of finished cells and trials, the rate, and the remaining time.
+/// Lines with the numbers of finished cells and trials, the number of cells per second, and the remaining time.
 fn counts(founds: &[&JournalState], all: u64, threads: f64, is_running: bool) -> String {
     let tasks: u64 = founds.iter().map(|found| found.tasks).sum();
     let totals = totals_of(founds.iter().copied());

@@ -19,7 +19,7 @@ pub(crate) struct AnswerArgs {
     /// radius=4.2cm if only one field has this name.
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = set)]
     pub(crate) set: Vec<(String, toml::Value)>,
-    /// Use this seed instead of the config's.
+    /// Use this seed instead of the seed in the config.
     #[arg(long, value_name = "S")]
     pub(crate) seed: Option<u64>,
     /// Use this many threads instead of all cores.
@@ -47,7 +47,7 @@ pub(crate) struct DesignArgs {
     pub(crate) target: Target,
     /// Field to vary, with its values: scene.sensor.pitch=0.05..2 or scene.sensor.normal_from=hue,both. A range is
     /// divided by equal ratios if both ends are positive and far apart, otherwise by equal differences. If several
-    /// fields vary, the answer is the set of their values that meet the target.
+    /// fields vary, the answer contains the combinations of their values that meet the target.
     #[arg(long, value_name = "PATH=VALUES", required = true)]
     pub(crate) vary: Vec<Vary>,
     /// Find the largest value of this varied field with which some values of the other varied fields meet the target.
@@ -102,7 +102,7 @@ pub(crate) struct DistinguishArgs {
     /// the config.
     #[arg(long, value_name = "PATH=VALUES", value_parser = list)]
     pub(crate) vary: Vec<(String, Vec<toml::Value>)>,
-    /// Run this many trials of each object instead of the config's.
+    /// Run this many trials of each object, instead of the number in the config.
     #[arg(long, value_name = "N")]
     pub(crate) trials: Option<NonZeroU64>,
 }

@@ -197,7 +197,7 @@ pub(crate) struct EstimateRollArgs {
     pub(crate) readings: PathBuf,
     #[command(flatten)]
     pub(crate) form: FormArgs,
-    /// Print JSON also to a terminal, which otherwise shows a few lines.
+    /// Print JSON even if the output is a terminal; by default, a terminal shows a summary of a few lines.
     #[arg(long)]
     pub(crate) json: bool,
     #[command(flatten)]
@@ -219,7 +219,7 @@ pub(crate) struct EstimateGlideArgs {
     pub(crate) readings: PathBuf,
     #[command(flatten)]
     pub(crate) form: FormArgs,
-    /// Print JSON also to a terminal, which otherwise shows a few lines.
+    /// Print JSON even if the output is a terminal; by default, a terminal shows a summary of a few lines.
     #[arg(long)]
     pub(crate) json: bool,
     #[command(flatten)]
@@ -248,7 +248,7 @@ pub(crate) struct EstimatePressArgs {
     pub(crate) readings: PathBuf,
     #[command(flatten)]
     pub(crate) form: FormArgs,
-    /// Print JSON also to a terminal, which otherwise shows a few lines.
+    /// Print JSON even if the output is a terminal; by default, a terminal shows a summary of a few lines.
     #[arg(long)]
     pub(crate) json: bool,
     #[command(flatten)]
@@ -298,8 +298,8 @@ pub(crate) struct SensorArgs {
     pub(crate) like: LikeArgs,
     #[command(flatten)]
     pub(crate) presses: Settings<PressOptions>,
-    /// The estimator `gaussian` is calibrated with simulated presses; its thickness and Poisson's ratio are those of
-    /// the simulated soft body.
+    /// Settings of the estimator. For the estimator `gaussian`, the thickness and Poisson's ratio describe the soft
+    /// body of the simulated presses that calibrate it.
     #[command(flatten)]
     pub(crate) estimator: Settings<PressEstimatorConfig>,
 }

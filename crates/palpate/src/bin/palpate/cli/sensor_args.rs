@@ -113,7 +113,7 @@ pub(crate) struct CalibrateArgs {
     #[arg(required_unless_present = "rest", value_name = "TABLE.csv|FRAME.png")]
     pub(crate) inputs: Vec<PathBuf>,
     /// Estimate the camera's position, rotation and scale from this frame at rest. Without this option, the command
-    /// calibrates displacements.
+    /// calibrates the displacements of markers instead.
     #[arg(long, value_name = "REST.png", requires = "layout", conflicts_with_all = ["inputs", "normal", "tangential", "per_marker", "px_per_rad"])]
     pub(crate) rest: Option<PathBuf>,
     /// A study of a press with a camera, which states the layout, the discs and the nominal position of the camera.

@@ -27,7 +27,7 @@ pub(crate) trait Flagged:
 {
     /// Name of the group of flags in clap.
     const GROUP: &'static str;
-    /// Keys that have no flag, because another flag with this name exists.
+    /// Keys that have no flag of their own, because the command already has another flag with this name.
     const NO_FLAGS: &'static [&'static str] = &[];
 }
 

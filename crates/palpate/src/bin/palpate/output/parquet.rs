@@ -35,8 +35,8 @@ pub(super) struct Writer<W: Write + Send> {
 
 /// Collected values of one column, which are not written yet.
 struct Values {
-    /// One number per row: 1 if the row has a value, 0 if the value is missing. `present` contains only existing
-    /// values.
+    /// One number per row: 1 if the row has a value, 0 if the value is missing. The field `present` contains only
+    /// existing values.
     levels: Vec<i16>,
     present: Present,
 }

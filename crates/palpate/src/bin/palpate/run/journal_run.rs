@@ -49,7 +49,7 @@ impl<'s, 'a> JournalRun<'s, 'a> {
         // finished its run or started a new one.
         let now = match restarts {
             true => None,
-            false => journal::read(out)?.filter(JournalState::has_work),
+            false => journal::read(out)?.filter(JournalState::may_have_results),
         };
         let is_known = now.as_ref().is_none_or(|now| {
             let found = found.as_ref();
@@ -239,7 +239,7 @@ pub(super) fn journal_to_resume(
     } else {
         return Ok(Some(found));
     };
-    if !found.has_work() {
+    if !found.may_have_results() {
         // The journal belongs to another run, but has no finished cell. So a new run may replace it.
         return Ok(None);
     }
