@@ -64,8 +64,8 @@ pub fn tip_on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
 pub fn tip_on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let at = |s: f64| [x / (1.0 - 2.0 * k * tip / s), y / (1.0 - 2.0 * l * tip / s)];
     let square = |[x, y]: [f64; 2]| 1.0 + 4.0 * ((k * x).powi(2) + (l * y).powi(2));
-    // Start the bisection with an upper bound of s. On a concave object, the contact is farthest from the axis for s =
-    // 1; on a convex object, it is never farther away than the centre of the tip.
+    // `most` is an upper bound of s. If the object is concave, the contact is farthest from the axis for s = 1. If the
+    // object is convex, the contact is never farther from the axis than the centre of the tip.
     let most = square(at(1.0)).max(square([x, y])).sqrt();
     let [x, y] = at(bisected(1.0, 1.0 + most, |s| s * s < square(at(s))));
     [x, y, k * x * x + l * y * y]
@@ -80,8 +80,8 @@ pub fn tip_on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64
         let shrunk = |part: f64, square: f64| part / (1.0 + tip / (g * square));
         let [x, y] = [shrunk(x, squares[0]), shrunk(y, squares[1])];
         let height = 1.0 - x * x / squares[0] - y * y / squares[1];
-        // A larger g gives a contact farther from the axis. `None` means that g is too large, so that the contact would
-        // be outside of the ellipsoid.
+        // A larger g moves the contact away from the axis. If g is too large, the contact would be outside of the
+        // ellipsoid, and the result is `None`.
         (height >= 0.0).then(|| [x, y, (height * squares[2]).sqrt()])
     };
     let is_less = |g: f64| {

@@ -170,8 +170,8 @@ mod tests {
             let outline = gore(gores, samples, radius);
             assert_eq!(outline.len(), 2 * samples as usize + 1);
             let area = area(&outline);
-            // The chords enclose less area than the exact outline, which is a sine curve. The ratio of the two areas is
-            // (h/2) cot(h/2), where h is the step of the angle.
+            // The outline of the gore consists of chords. They enclose less area than the exact outline, which is a
+            // sine curve. The ratio of the two areas is (h/2) cot(h/2), where h is the step of the angle.
             let half_step = 0.25 * PI / f64::from(samples);
             let chords = half_step / libm::tan(half_step);
             let share = TAU * radius * radius / f64::from(gores);

@@ -178,8 +178,8 @@ impl BatchEstimates {
     #[inline(always)]
     pub(crate) fn determined(&self, count: usize) -> usize {
         let all = &self.is_determined[..count.min(BATCH_SIZE)];
-        // Nearly always, all estimates are determined. This is the case if the sum of the flags equals their number,
-        // which is faster than a search.
+        // Nearly always, all estimates are determined. Then the sum of the flags equals their number. Test the sum
+        // first, because this is faster than a search.
         match all.iter().sum::<u64>() as usize {
             sum if sum == all.len() => sum,
             _ => all.iter().take_while(|&&one| one == 1).count(),

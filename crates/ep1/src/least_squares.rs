@@ -354,8 +354,8 @@ fn spans(probes: usize, gram: &Symmetric) -> Result<(), Ep1Error> {
     if probes < 2 {
         return Err(Ep1Error::TooFewProbes { probes });
     }
-    // The bound uses det/trace² instead of the ratio of the smaller to the larger eigenvalue. This ratio is between
-    // det/trace² and four times det/trace².
+    // Compare det/trace² of the matrix `gram` with a bound, instead of the ratio of its smaller to its larger
+    // eigenvalue. This ratio is between det/trace² and four times det/trace².
     let trace = gram.uu + gram.vv;
     let determinant = gram.determinant();
     if determinant > SMALLEST_SPREAD * SMALLEST_SPREAD * trace * trace {

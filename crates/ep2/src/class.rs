@@ -75,8 +75,8 @@ impl Curvature {
             let edges = [-thresholds.mean(), thresholds.mean()].map(|edge| edge.clamp(low, high));
             for (start, end) in [(low, edges[0]), (edges[0], edges[1]), (edges[1], high)] {
                 let step = (end - start) / INTERVALS as f64;
-                // A part of the range without width is skipped, because rounding could put its midpoint into a
-                // neighbouring class.
+                // Skip a part of the range of H if its width is 0: rounding could put its midpoint into a neighbouring
+                // class.
                 if step <= 0.0 {
                     continue;
                 }

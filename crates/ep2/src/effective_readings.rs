@@ -127,8 +127,8 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
     };
     let capacity = if with_copies { contacts.len() } else { 0 };
     let mut copies = HashMap::with_capacity(capacity);
-    // `runs` contains the first contact of each run. Most runs have only this contact, so `rests` is a map with few
-    // entries.
+    // `runs` contains the first contact of each run. `rests` contains the sums over runs of several contacts. It is a
+    // map, because most runs have only one contact.
     let mut runs: Vec<Contact> = Vec::with_capacity(contacts.len());
     let mut rests: HashMap<usize, Rest> = HashMap::new();
     let mut open: FingerMap<Option<usize>> = FingerMap::default();
@@ -147,7 +147,8 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
             .entry(contact.finger)
             .filter(|&run| (position - runs[run].position).norm() <= limit);
         let run = match (copied, rested) {
-            // A copy belongs to the run of the original contact, but does not change the mean of the run.
+            // An exact copy of an earlier contact belongs to the run of this contact, but does not change the mean of
+            // the run.
             (Some(run), _) => run,
             (None, Some(run)) => {
                 let rest = rests.entry(run).or_insert_with(|| Rest {

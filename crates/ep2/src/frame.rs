@@ -134,7 +134,8 @@ impl Cloud {
         let spreads = order.map(|index| eigen.eigenvalues[index].max(0.0).sqrt());
         let axes = order.map(|index| eigen.eigenvectors.column(index).into_owned());
         // The rounding error of a spread is the square root of the rounding error of a moment, because moments contain
-        // squares of lengths. If the ratio of spreads is so small, compute the width of the patch directly.
+        // squares of lengths. If the ratio of two spreads is below this rounding error, compute the width of the patch
+        // directly.
         let spread = spreads[1] / spreads[2];
         if spread <= ROUNDING.sqrt() {
             let across = distance_across(contacts, &centre, &axes[2]) / (extent * spreads[2]);

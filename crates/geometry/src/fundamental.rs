@@ -124,8 +124,8 @@ impl ChartJet {
             return Err(singular);
         }
 
-        // The curvature form is K = −M⁻ᵀ II M⁻¹. Here M is the metric, and II is the second fundamental form, with the
-        // components n·f_ij.
+        // The curvature form is K = −M⁻ᵀ II M⁻¹. Here M is the metric, and II is the second fundamental form. The
+        // components of II are n·f_uu, n·f_uv and n·f_vv, with the unit normal n and the chart f.
         let (l, m, n) = (
             normal.dot(&self.duu),
             normal.dot(&self.duv),
@@ -136,8 +136,9 @@ impl ChartJet {
         let k_uv = -(m - l * shear) / (m11 * m22);
         let k_vv = -(n - 2.0 * m * shear + l * shear * shear) / (m22 * m22);
 
-        // The components of the torsion form T are yᵀ x_u = y·f_uu/|f_u| for steps in u, and y·f_uv/|f_u| for steps in
-        // v. The inverse of the metric M then converts them to steps along the tangents.
+        // The torsion form T is the turn of the axis x towards the axis y. Per step in u, it is y·f_uu/|f_u|, with the
+        // chart f; per step in v, it is y·f_uv/|f_u|. The inverse of the metric M then converts them to steps along the
+        // tangents.
         let (t_u, t_v) = (y.dot(&self.duu) / m11, y.dot(&self.duv) / m11);
         let torsion = RowVector2::new(t_u / m11, (t_v - t_u * shear) / m22);
 

@@ -55,7 +55,8 @@ fn unit_of_field(header: &str, length_unit: LengthUnit) -> String {
         match label.unit.as_str() {
             "°" => "deg".to_owned(),
             "turns" => "turn".to_owned(),
-            // Axes and messages show such a field in percent, but tables contain it as a share.
+            // If `label.factor` is not 1, axes and messages show the field in percent. Tables contain the field as a
+            // share, whose unit is 1.
             unit if unit.is_empty() || label.factor != 1.0 => "1".to_owned(),
             unit => unit.to_owned(),
         }
@@ -125,7 +126,8 @@ pub fn unit_of(name: &str, length_unit: LengthUnit) -> Option<String> {
     let ending = of_length
         .chain(others)
         .filter(|(suffix, _)| name.ends_with(suffix));
-    // Several endings may match, for example `_s` and `_rad_per_s`. Use the longest one.
+    // A column's name may end with several of these endings, for example with `_s` and `_rad_per_s`. Use the longest
+    // one.
     let longest = ending.max_by_key(|(suffix, _)| suffix.len());
     longest.map(|(_, unit)| unit)
 }

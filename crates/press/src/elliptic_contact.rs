@@ -108,8 +108,9 @@ impl EllipticContact {
         }
         let ratio = axis_ratio(larger / smaller);
         let square = ratio * ratio;
-        // Let the longer semi-axis a be the unit of length. Then the curvature A and the indentation δ have the ratio
-        // A/δ = R_D(0, b², a²)/(3 R_F(0, a², b²)), which determines a.
+        // Let the longer semi-axis a be the unit of length. Then half of the smaller curvature, A, and the indentation
+        // δ have the ratio A/δ = R_D(0, b², a²)/(3 R_F(0, a², b²)), where b is the shorter semi-axis and R_D and R_F
+        // are Carlson's elliptic integrals. This ratio determines the length of a.
         let [first, size] = [carlson_d(0.0, square, 1.0), carlson_f(0.0, 1.0, square)];
         let a = (indentation / (0.5 * smaller) * first / (3.0 * size)).sqrt();
         Ok(Self {
@@ -152,8 +153,8 @@ impl EllipticContact {
         let (square_x, square_y, square_z) = (x * x, y * y, z * z);
         let lambda = confocal(b * b, square_x, square_y, square_z);
         let (long, short) = (1.0 + lambda, b * b + lambda);
-        // `by_x`, `by_y` and `by_z` are 2/3 of the integral R_D for each axis. With them, for example, ψ_x = −π P ab x
-        // `by_x`.
+        // `by_x`, `by_y` and `by_z` are 2/3 of Carlson's integral R_D for each axis. They give the derivatives of the
+        // pressure's potential ψ: for example, ∂ψ/∂x is −π P ab x `by_x`, with the peak pressure P.
         let by_x = 2.0 / 3.0 * carlson_d(short, lambda, long);
         let by_y = 2.0 / 3.0 * carlson_d(long, lambda, short);
         let by_z = if lambda > 0.0 {
@@ -216,8 +217,8 @@ fn confocal(square_b: f64, x: f64, y: f64, z: f64) -> f64 {
     if z == 0.0 && x + y / square_b <= 1.0 {
         return 0.0;
     }
-    // The left side of the equation decreases with λ and is convex. Therefore Newton steps from below never go beyond
-    // the root.
+    // The left side of the equation x²/(1 + λ) + y²/(b² + λ) + z²/λ = 1 is convex and decreases with λ. Therefore
+    // Newton steps from below never go beyond the root.
     let mut lambda = z
         .max(x + y + z - 1.0)
         .max(y - square_b)

@@ -115,8 +115,8 @@ impl Moments {
     #[inline(always)]
     fn near(z: f64, a: f64, r: f64) -> Self {
         let difference = (r - a) * (r + a) + z * z;
-        // `size` is |X + iY|², which is the product of the distances from the point to both ends of the contact's
-        // diameter.
+        // `size` is X² + Y², where X + iY is √(r² + (z + ia)²). X² + Y² is the product of the distances from the point
+        // to both ends of the contact's diameter.
         let near = (r - a) * (r - a) + z * z;
         let far = (r + a) * (r + a) + z * z;
         let size = (near * far).sqrt().max(EDGE * a * a);
@@ -172,7 +172,7 @@ impl Moments {
             slope[m + 1] = slope[m - 1] + (2 * m + 1) as f64 * legendre[m];
         }
         slope[0] = 1.0 / (1.0 + cosine);
-        // The series are evaluated by Horner's scheme in powers of −s².
+        // Horner's scheme evaluates the series in powers of −s², where s is the contact radius divided by the distance.
         let mut sums = [0.0; SERIES];
         for (n, factors) in FACTORS.iter().enumerate().rev() {
             let ([p_0, p_1, p_2], [q_0, q_1, q_2]) = (

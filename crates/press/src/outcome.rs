@@ -112,8 +112,8 @@ impl Stds {
         let (skin, body) = problem.press();
         let contact = problem.contact(state)?;
         let [_, slope] = body.indentation_of(contact.radius)?;
-        // From the indentation δ = C D(a) follows C D' da = dδ − δ d ln C, where C is the relative curvature and a the
-        // contact's radius. `of_radius` is the variance of this expression.
+        // The indentation is δ = C D(a), where C is the relative curvature, a the contact's radius, and D a function of
+        // the soft body. Therefore C D' da = dδ − δ d ln C. `of_radius` is the variance of the right side.
         let indentation = state.indentation;
         let of_radius = variance(INDENTATION, INDENTATION)
             - 2.0 * indentation * variance(INDENTATION, CURVATURE)

@@ -86,8 +86,8 @@ pub fn sneddon_indentation(radius: f64, a: f64) -> Result<f64, PressError> {
     PressError::unless_good("radius", radius, good, "finite and > 0")?;
     let good = (0.0..radius).contains(&a);
     PressError::unless_good("contact_radius", a, good, "at least 0 and below the radius")?;
-    // Half of the logarithm is artanh(a/R). It is computed from the exact difference R − a, because a/R loses digits
-    // near 1.
+    // Half of the logarithm is artanh(a/R), with the contact radius a and the object's radius R. It is computed from
+    // the exact difference R − a, because a/R loses digits near 1.
     Ok(0.5 * a * libm::log1p(2.0 * a / (radius - a)))
 }
 

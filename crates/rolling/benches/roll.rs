@@ -56,7 +56,7 @@ fn benches(criterion: &mut Criterion) {
         };
         let name = format!("{} {} rad", case.object.name(), case.theta_rad);
 
-        // The cheapest exact model: the closed form or the meridian model.
+        // The cheapest exact model: the closed-form model or, if the object has none, the meridian model.
         let exact = roller(Model::Auto {
             tolerance: 1e-13,
             chart: Chart::Free,

@@ -66,8 +66,8 @@ pub(crate) fn contact_velocity(
     let a22 = probe_curvature * ww * w + object.yy;
     let a12 = object.xy;
     let determinant = a11 * a22 - a12 * a12;
-    // The matrix must be positive definite. Therefore its determinant must be larger than the rounding errors of its
-    // terms.
+    // The matrix of the contact equations must be positive definite. Therefore its determinant must be larger than the
+    // rounding errors of its terms.
     let floor = 4.0 * f64::EPSILON * probe_curvature * w * (a11 * ww + a22);
     if !(a11 > 0.0 && determinant > floor) {
         return Err(conforming(probe_curvature, *object, determinant));

@@ -182,8 +182,8 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
 
 /// First estimate of the slope at which the probe has turned by `theta`.
 fn first_slope(sign: f64, a: f64, theta: f64) -> f64 {
-    // Let σ = `sign`, and let q be the slope. Then the equation of `along_parabola` is θ = (a + σ) q + (a/6 − σ/3) q³ +
-    // (σ/5 − a/40) q⁵ + …. The first terms of the inverse series give q.
+    // With σ = `sign` and the slope q, the equation of `along_parabola` is θ = (a + σ) q + (a/6 − σ/3) q³ + (σ/5 −
+    // a/40) q⁵ + …. The first terms of the inverse of this series give q.
     let rate = a + sign;
     let linear = theta / rate;
     let square = linear * linear;

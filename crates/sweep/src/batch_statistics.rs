@@ -124,7 +124,7 @@ impl Batches {
         let run: Vec<&Partial> = self.batches.iter().filter(|one| one.trials > 0).collect();
         let mut without = Vec::new();
         if run.len() > 1 {
-            // `behind[i]` is the sum of all batches after batch i.
+            // `behind[i]` contains the sums over all batches after batch i.
             let mut behind = vec![Partial::default(); run.len()];
             for place in (1..run.len()).rev() {
                 let mut sum = run[place].clone();

@@ -146,9 +146,9 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         };
         let block_end = (start - start % BLOCK).saturating_add(BLOCK).min(end);
         let to_block = block_end - start;
-        // The queue does not know at which trial a rule will end a task. Therefore one thread runs all trials of such a
-        // task, so that no trials are run in vain. Only the last task is shared by all threads, because otherwise they
-        // would be idle.
+        // The queue cannot predict at which trial a stopping rule will end a task. Therefore one thread runs all trials
+        // of such a task, so that no trials are run in vain. Only the last task is shared by all threads, because
+        // otherwise they would be idle.
         let is_last = has_clock && state.next + 1 == self.tasks;
         let is_whole = task.may_stop && !is_last && start == 0;
         let taken = if is_whole {

@@ -116,8 +116,9 @@ fn place_of(end: &End) -> usize {
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];
-    // A range without ends (`Weakest`) is verified at the value with the smallest score. If an attempt fails, the next
-    // attempt tests the same value with more trials, because no other value is a better test.
+    // A range that covers all tried values has no ends (`Weakest`). It is verified at the value with the smallest
+    // score. If an attempt fails, the next attempt tests the same value with more trials, because no other value is a
+    // better test.
     let again = match end.kind {
         Kind::Weakest => FRESH * f64::from(end.attempt + 1),
         Kind::Low | Kind::High => FRESH,

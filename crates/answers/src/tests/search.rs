@@ -189,8 +189,8 @@ fn a_crossing_is_bracketed_closely_and_rightly() {
         most = most.max(curve.trials);
     }
     assert!(right >= 29, "{right} of 30 are right");
-    // The search is narrowed if fresh trials contradict it. If this happened often, the search would decide about
-    // values after too few trials.
+    // If fresh trials contradict a found range, the search narrows this range. If this happened often, the search would
+    // decide about values after too few trials.
     assert!(narrowed <= 6, "{narrowed} of 30 were narrowed");
     assert!(most < 2_000_000, "{most} trials");
 }

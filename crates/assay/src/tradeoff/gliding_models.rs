@@ -82,7 +82,7 @@ impl Path {
             (name, Some(tolerance), TouchModel::Newton { tolerance })
         }));
         let rungs = models.into_iter().filter_map(|(name, setting, model)| {
-            // Skip a model that has no closed form for this object.
+            // Skip the model `ClosedForm` if the contact of the tip with this object has no closed-form solution.
             let glider = self.glider(model).ok()?;
             let (path, errs) = (*self, glider.clone());
             let rung = Rung::new(

@@ -86,7 +86,8 @@ impl Roll {
             .filter_map(|(name, setting, model)| {
                 let roller = roll.roller(model).ok()?;
                 let motion = roll.motion();
-                // Skip a model in charts if the contact leaves the chart before the end of the roll.
+                // Some models compute the contact in a chart of the object. Skip such a model if the contact leaves the
+                // chart before the end of the roll.
                 roller.roll(&[motion]).ok()?;
                 let (same, errs) = (Rc::clone(&roll), roller.clone());
                 let rung = Rung::new(

@@ -57,8 +57,8 @@ motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
     },
     StagedScene {
         kind: "glide",
-        // The stages measure costs. The estimator is the quadric, because the cost of its fit does not depend on the
-        // readings.
+        // These scenes measure the additional time of each feature. The estimator is the quadric, because the time of
+        // its fit does not depend on the readings.
         base: r#"
 probe = { kind = "point" }
 object = { kind = "saddle", a = 0.1 }

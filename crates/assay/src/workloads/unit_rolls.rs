@@ -181,8 +181,8 @@ impl Trial for Statistics {
 
     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
         for quantity in 0..Self::QUANTITIES {
-            // The errors are multiples of the golden ratio, modulo 1, because these fill an interval evenly without
-            // random numbers.
+            // The errors are multiples of the golden ratio, modulo 1, because such multiples fill an interval evenly
+            // without random numbers.
             let step = (trial * 5 + quantity as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11;
             let error = step as f64 / (1u64 << 53) as f64 - 0.5;
             let observation = Observation {

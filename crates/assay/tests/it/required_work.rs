@@ -245,8 +245,8 @@ fn a_camera_paints_one_frame_for_each_press_and_draws_only_noise() {
     );
     let noisy = work(PRESS, &[HALF_SPACE, rendered, noise])[1];
     assert_eq!(noisy.frames, 1);
-    // Each of the 55,155 pixels in the circle needs three random numbers, and one random word gives two of them. A
-    // number that is left over at the end of a row is not used.
+    // Each of the 55,155 pixels in the image circle needs three random numbers, and one random word gives two numbers.
+    // A number that is left over at the end of a row is not used.
     assert!((82_733..85_000).contains(&noisy.draws), "{noisy:?}");
     // The true positions of the 77 markers are needed to detect wrong matches.
     assert_eq!(noisy.projections, 77);

@@ -157,7 +157,7 @@ impl Local {
         let square = polar * polar;
         let even = terms.stretch(square);
         // Compute dm/du (`per_square`), and n with its derivatives with respect to u. Here m = r / (f θ), n = m r′ / f
-        // and u = θ².
+        // and u = θ². r is the distance from the image centre at the angle θ, and r′ is its derivative.
         let per_square = k3 + 2.0 * k5 * square;
         let [once, twice, thrice, fourth] = [
             4.0 * k3,

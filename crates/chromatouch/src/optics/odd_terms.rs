@@ -170,8 +170,8 @@ mod tests {
             terms.checked(1.5).unwrap();
             for step in 0..=160 {
                 let angle = 0.01 * f64::from(step);
-                // `map` is defined up to the angle of the rim, 1.5 rad. Beyond the rim, `angle` continues it with a
-                // straight line.
+                // `map` computes the image radius for an angle up to the rim at 1.5 rad. The inverse function `angle`
+                // also accepts larger image radii: it continues `map` beyond the rim by its tangent.
                 let beyond = (angle - 1.5_f64).max(0.0);
                 let mapped = terms.map(angle.min(1.5)) + beyond * terms.slope(2.25);
                 let back = terms.angle(mapped, 1.5);

@@ -179,8 +179,9 @@ impl Shared<'_> {
                 4 => Vector4::x(),
                 5 => Vector4::y(),
                 6 => {
-                    // All lengths in the image are proportional to the pixels per radian. So the derivatives are the
-                    // lengths themselves, divided by the scale.
+                    // All lengths in the image are proportional to the number of pixels per radian. So the derivative
+                    // of a length is the length itself, divided by the relative scale. The logarithm of an area has the
+                    // derivative 2, divided by this scale.
                     let [x, y] = [0, 1].map(|axis| seen[axis] - centre[axis]);
                     Vector4::new(x, y, 0.0, 2.0) / (1.0 + self.departure.px_per_rad)
                 }

@@ -239,7 +239,7 @@ fn errors_of_the_measured_rotations_do_not_attenuate() {
                 let size = noise.relative_sample_std * sample.rotation.norm();
                 sample.rotation += Vector3::from_fn(|_, _| draws.normal()) * size;
             }
-            // Use few samples, because the bias does not depend on their number.
+            // Use few samples of each roll, because the bias of the estimate does not depend on their number.
             roll.samples = roll.samples.iter().step_by(50).copied().collect();
         }
         let places = Places::Contacts { std: 0.0 };
@@ -247,7 +247,8 @@ fn errors_of_the_measured_rotations_do_not_attenuate() {
             estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &noise, &rolls).unwrap();
         sum += found.estimate().mean_curvature.value * 50.0 - 1.0;
     }
-    // Without the correction of this bias, the mean error would be above 3 %.
+    // The errors of the rotations bias the estimate. If the estimator did not correct this bias, the mean error would
+    // be above 3 %.
     let bias = sum / f64::from(trials);
     assert!(bias.abs() < 0.02, "{bias}");
 }

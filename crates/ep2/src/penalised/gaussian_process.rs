@@ -153,8 +153,8 @@ mod tests {
             let [all, rough] = bends(0.7, 18, place);
             assert_relative_eq!(all, 1.0, epsilon = 1e-3);
             assert!((0.5..1.5).contains(&rough), "{rough}");
-            // If the correlation length is long, the process is nearly a quadric. Then the second derivatives have
-            // almost the same variance everywhere, and the rough part is small.
+            // If the correlation length is long, the process is nearly a quadric. Then the second derivatives still
+            // have the variance 1 everywhere, but the variance `rough` of the part that is no quadric is small.
             let [all, rough] = bends(4.0, 12, place);
             assert_relative_eq!(all, 1.0, epsilon = 1e-3);
             assert!(rough < 0.2, "{rough}");

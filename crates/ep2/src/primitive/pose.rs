@@ -131,8 +131,8 @@ impl Pose {
             Shape::Sphere | Shape::Plane => q,
         };
         let f = 0.5 * self.curvature * across.norm_squared() + q.z;
-        // `s` is the length of n + k·`across`, with the normal n and the curvature k. It is 0 on the axis of a cylinder
-        // and in the centre of a sphere.
+        // `s` is the length of the vector n + k·`across`, where n is the normal of the pose and k the curvature. This
+        // length is 0 on the axis of a cylinder and in the centre of a sphere.
         let s = (1.0 + 2.0 * self.curvature * f).max(1e-18).sqrt();
         (q, across, s, 2.0 * f / (1.0 + s))
     }

@@ -251,7 +251,8 @@ mod tests {
             let place = function.wrapping_sub(first);
             if place < 4 { derivatives[place] } else { 0.0 }
         };
-        // A third derivative is 3! times the divided difference, because the mean interval is 1.
+        // `derivative_jumps` omits the factor 3! = 6 of a third derivative, and divides lengths by the mean interval,
+        // which is 1 here.
         for (interior, jumps) in derivative_jumps(&knots).iter().enumerate() {
             let knot = knots.interior()[interior];
             for (offset, jump) in jumps[..5].iter().enumerate() {

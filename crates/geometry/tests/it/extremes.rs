@@ -240,9 +240,10 @@ proptest! {
         let local = ellipsoid.level_set(&here.point).unwrap();
         assert_relative_eq!(local.normal, frame.normal, epsilon = 1e-13, max_relative = 1e-13);
 
-        // The formulas are K = p⁴/(abc)² and H = p³ (Σa² − |x|²)/(2 (abc)²), where a, b and c are the semi-axes and p
-        // is the distance of the tangent plane from the centre. Because a² − x² = a² (1 − x²/a²), the bracket in H is
-        // computed from the other two coordinates, without cancellation.
+        // Let a, b and c be the semi-axes, and p the distance of the tangent plane from the centre. The Gaussian
+        // curvature is K = p⁴/(abc)². The mean curvature is H = p³ S/(2 (abc)²), with S = a² + b² + c² − x² − y² − z².
+        // On the ellipsoid, a² − x² = a² (y²/b² + z²/c²), and likewise for the other axes. Therefore `rest`, whose sum
+        // is S, is computed without cancellation.
         let axes = Vector3::from(semi_axes);
         let unit = here.point.coords.component_div(&axes);
         let p = 1.0 / unit.component_div(&axes).norm();
@@ -282,8 +283,8 @@ proptest! {
             let found = hill.closest_point(&inside).unwrap();
             assert_abs_diff_eq!(found / size, foot / size, epsilon = 1e-13);
         }
-        // On the diagonal of a saddle, the tangents of the chart are nearly parallel. There, `K = −4a²/w⁴` with `w² = 1
-        // + 8a²r²`.
+        // On the diagonal of a saddle, the tangents of the chart are nearly parallel. At the point (r, r) of z = a (x²
+        // − y²), the Gaussian curvature is −4a²/w⁴ with w² = 1 + 8a²r². Here a is 1.
         let saddle = Graph::saddle(1.0).unwrap();
         let form = saddle.chart_geometry(Parameters::new(r, r)).unwrap().curvature;
         let truth = -(2.0 / (1.0 + 8.0 * r * r)).powi(2);

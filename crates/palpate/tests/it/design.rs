@@ -29,7 +29,8 @@ fn both_sides_are_those_that_a_run_finds() {
         (&answer["format_version"], &answer["ended"]),
         (&1.into(), &"known".into())
     );
-    // Check the answer: run all cells of the study with each of the two values.
+    // Check the answer by runs of all cells: one run with the value that meets the target, and one with the value that
+    // misses it.
     for (fraction, is_met) in [(meets, true), (misses, false)] {
         desk.write(
             "one.toml",

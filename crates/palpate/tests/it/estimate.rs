@@ -65,8 +65,9 @@ fn intervals_use_students_t_unless_the_noise_is_stated() {
         assert_close(0.5 * (low + high), number(&quantity["value"]), 1e-12);
         (high - low) / (2.0 * number(&quantity["std"]))
     };
-    // The half-width, in standard deviations, is a quantile. Without a stated noise, it is that of Student's t
-    // distribution with five degrees of freedom; with stated noise, that of the normal distribution.
+    // The half-width of the 95 % interval, in standard deviations, is a quantile. Without stated noise, it is a
+    // quantile of Student's t distribution with five degrees of freedom; with stated noise, it is a quantile of the
+    // normal distribution.
     assert_close(half_width(""), 2.570_582, 1e-6);
     assert_close(half_width("--shift-std 0.1"), 1.959_964, 1e-6);
 }

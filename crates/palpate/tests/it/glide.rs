@@ -258,7 +258,7 @@ fn the_tip_radius_is_subtracted_from_lowest_points_and_centres() {
         estimate["mean_curvature"]["value"].as_f64().unwrap()
     };
     // Without the correction for the tip radius of 4 mm, the ball of radius 20 mm seems to have a radius of 24 mm. The
-    // tolerances are the errors of one smoothing spline.
+    // tolerances allow for the error of the smoothing spline.
     assert_close(mean(""), 1.0 / 24.0, 1e-2);
     assert_close(mean("--tip-radius 4"), 0.05, 1e-2);
     assert_close(

@@ -171,7 +171,7 @@ fn every_value_equals_that_of_the_csv() {
             }
         }
         assert!(compare_tables(&desk, "t.parquet", "t.csv") > 0);
-        // A run with Parquet tables writes the same other files as a run with CSV tables.
+        // All files other than the tables are the same in a run with Parquet tables and in a run with CSV tables.
         let others = |dir: &str| {
             let mut names = desk.names(dir);
             names.retain(|name| !TABLES.iter().any(|table| name.starts_with(table)));

@@ -97,7 +97,8 @@ impl Pressure {
             .map(|(one, square)| FRAC_2_PI * (indentation * one - square))
             .collect();
         let scaled = legendre(shares, &values);
-        // The slope of φ at the edge of the contact follows from P_n'(1) = n(n+1)/2.
+        // The slope of the solution φ at the edge of the contact follows from P_n'(1) = n(n+1)/2 for the Legendre
+        // polynomials P_n.
         let edge_slope: f64 = scaled
             .iter()
             .enumerate()

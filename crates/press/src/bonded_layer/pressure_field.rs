@@ -117,7 +117,8 @@ fn sums(terms: &[Term], place: Spheroidal, q: &[f64]) -> [Sums; 2] {
     let mut q_before = 0.0;
     let mut n = 0.0;
     for ([c, c_flat], q) in terms.iter().zip(q.chunks(2)) {
-        // `q_slope` is (1 + ξ²) qₙ' = n (ξ qₙ − qₙ₋₁); for n = 0 it is −1.
+        // `q_slope` is the derivative qₙ' of the Legendre function qₙ(ξ), multiplied by 1 + ξ². It equals n (ξ qₙ −
+        // qₙ₋₁), or −1 for n = 0.
         let q_slope = if n == 0.0 {
             -1.0
         } else {

@@ -62,8 +62,8 @@ impl<V: View> Resting<'_, V> {
         };
         let variance = self.variance_at(&start).ok_or(PressError::OutOfRange)?;
         let mut least: Option<(Minimum, f64)> = None;
-        // Start several searches with different factors, because they may end in different minima. Use the best
-        // minimum.
+        // Each search first multiplies the variances by a factor, which then decreases to 1. Searches with different
+        // first factors may end in different minima, so start several searches and use the best minimum.
         for root in ROOTS {
             let Ok(minimum) = self.cooled(start.clone(), libm::pow(variance, root)) else {
                 continue;

@@ -337,7 +337,8 @@ impl<V: View> Problem<'_, V> {
             .iter()
             .filter_map(|&share| state(&mean, share))
             .collect();
-        // Also start below other markers that moved much, with the radius of the best start so far.
+        // Also start with contacts at the other markers that moved much. These contacts have the radius of the best
+        // start so far.
         let best = states.iter().min_by(|one, other| one.0.total_cmp(&other.0));
         if let Some(&(_, width, _)) = best {
             let beside = inward.iter().take(BESIDE);

@@ -167,8 +167,9 @@ fn a_thick_layer_is_a_half_space() {
 
 #[test]
 fn a_thin_layer_flows_outward() {
-    // By lubrication theory, a² = 4 R δ, and the pressure is (3/128) (E*/h³ R) (a² − r²)². The neglected terms decrease
-    // with h/a.
+    // Let a be the contact radius, h the thickness of the layer, R the effective radius, δ the indentation, and r the
+    // distance from the axis. By lubrication theory, a² is 4 R δ, and the pressure is (3/128) (E*/h³ R) (a² − r²)²,
+    // with the modulus E*. The neglected terms decrease with h/a.
     let ratios = |a: f64| {
         let contact = solve_contact(1.0, 0.0, a);
         [

@@ -59,8 +59,8 @@ fn the_contact_moves_as_a_rigid_body() {
 
 #[test]
 fn far_from_the_contact_the_shift_is_that_of_a_point_force() {
-    // The reference is Cerruti's solution for a point force. The force is chosen such that the contact shifts by 1:
-    // force × π(2−ν)/(8 a G) = 1.
+    // The reference is Cerruti's solution for a point force. The force is chosen such that the contact shifts by 1. The
+    // shift is the force times π(2−ν)/(8 a G), with Poisson's ratio ν, the contact radius a and the shear modulus G.
     for (poisson, r, z, azimuth) in [
         (0.0, 3.0, 4.0, 0.5),
         (0.3, 5.0, 0.0, 2.0),
@@ -114,7 +114,8 @@ fn sneddons_indentation_contains_an_inverse_hyperbolic_tangent() {
         for ratio in [1e-140, 1e-9, 0.5, 0.999_999] {
             let a = ratio * radius;
             let found = sneddon_indentation(radius, a).unwrap();
-            // If a/R is nearly 1, `atanh` amplifies the rounding error of a/R.
+            // If the ratio a/R of contact radius and object radius is nearly 1, `atanh` amplifies the rounding error of
+            // a/R.
             let bound = 1e-15 / (1.0 - ratio);
             assert!(
                 (found / (a * libm::atanh(a / radius)) - 1.0).abs() < bound,

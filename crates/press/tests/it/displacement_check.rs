@@ -136,7 +136,8 @@ fn an_elongated_press_is_not_round() {
     let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0).unwrap();
     let [x, y] = at(6.0, 20.0);
     let codes = codes([&body; 2], STATED, |readings, _| {
-        // The readings are a mixture of three contacts: the first one, and one on each side of it.
+        // The readings are a weighted sum of the displacements by three contacts: one at the place (x, y), and one on
+        // each side of it, at x − 6 and at x + 6.
         for side in [-6.0, 6.0] {
             let beside = Readings::of(&markers, &contact, [x + side, y]);
             for (normal, more) in readings.normal.iter_mut().zip(beside.normal) {

@@ -124,7 +124,8 @@ fn the_bound_matches_an_independent_calculation() {
     let bounds = fit.bounds(&markers, &contact, [0.0; 2], false, Some(0.02));
     let share = bounds.unwrap().relative_curvature / contact.relative_curvature;
     assert_relative_eq!(share, 0.067, max_relative = 0.01);
-    // The bounds are proportional to the noise, unless the square of the noise exceeds the range of doubles.
+    // The Cramér–Rao bounds of the standard deviations are proportional to the noise, unless the square of the noise
+    // exceeds the range of doubles.
     let by = |std| {
         let fit = ForwardFit {
             normal_std: Some(std),
@@ -427,8 +428,9 @@ fn published_radius(profile: &[[f64; 2]], stretch: f64) -> (f64, Interval) {
     )
 }
 
-/// In the figure, the axis of radial positions is compressed by a factor of about 2.19. An independent fit gives the
-/// radii 21.7 and 31.5.
+/// The profiles were read off Fig. 7c of the 2020 paper, whose axis of radial positions is compressed by a factor of
+/// about 2.19. With this factor, an independent fit gives the effective radius 21.7 for the plane and 31.5 for the
+/// dish.
 #[test]
 fn published_profiles() {
     let (plane, _) = published_radius(&PLANE, 2.19);
@@ -437,8 +439,8 @@ fn published_profiles() {
     assert_relative_eq!(dish, 31.5, max_relative = 0.01);
     assert!(interval.holds(26.7));
 
-    // Find the stretch of the axis for which the effective radius of the press on the plane equals the radius of the
-    // sensor.
+    // On a plane, the effective radius is the radius of the sensor. Find the factor of the radial positions for which
+    // the estimate on the plane equals this radius.
     let (mut low, mut high) = (1.9, 2.3);
     while high - low > 1e-6 {
         let middle = 0.5 * (low + high);

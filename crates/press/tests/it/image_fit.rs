@@ -187,8 +187,8 @@ fn intervals_contain_the_truth_for_uncertain_sensors() {
         at_rest += share;
     }
     let count = trials as f64;
-    // If 95 % of the intervals hold, their share in 150 trials has a standard error of 0.018. The limit is three
-    // standard errors lower.
+    // If 95 % of the intervals contain the true value, their share in 150 trials has a standard error of 0.018. The
+    // limit is three standard errors below 0.95.
     assert!(held / count > 0.89, "{}", held / count);
     let ratio = (stated / squared).sqrt();
     assert!((0.83..1.2).contains(&ratio), "{ratio}");

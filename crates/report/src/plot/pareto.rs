@@ -218,8 +218,8 @@ fn family(name: &str) -> String {
     });
     let mut kept = kept.zip(name.split(", "));
     let first = kept.next().map_or(String::new(), |(words, _)| words);
-    // Except for its first part, drop the parts of the name that are settings. These parts begin with a number or
-    // contain `=`.
+    // Keep the first part of the name. Of the other parts, drop those that are settings, that is, parts that begin with
+    // a number or contain `=`.
     let others = kept.filter(|(words, part)| !words.is_empty() && !part.contains('='));
     let others = others.map(|(words, _)| words);
     std::iter::once(first)

@@ -146,7 +146,8 @@ impl<S: Surface> Search<'_, S> {
                 return Ok(foot);
             }
             if close {
-                // The miss is already close to the rounding errors, so at most one more step can reduce it.
+                // The remaining error `miss` of the tip's position is already close to the rounding errors, so at most
+                // one more step can reduce it.
                 let next = self.descend(&foot, &miss, &step, 1);
                 return Ok(next.map_or(foot, |(next, _)| next));
             }

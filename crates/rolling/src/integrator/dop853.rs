@@ -83,7 +83,7 @@ impl Dop853 {
             evaluations += 11;
             let tried = stages(system, &y, h, &mut slopes);
             let (end, square_error) = end_of_step(&y, h, &slopes, &weights);
-            // `excess` is the square of the error divided by the tolerance.
+            // `excess` is the square of the ratio of error to tolerance.
             let excess = square_error / (self.tolerance * self.tolerance);
             let fault = match tried {
                 Err(fault) => Some(fault),

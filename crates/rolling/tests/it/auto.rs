@@ -51,7 +51,8 @@ fn scene(kind: usize, numbers: &mut Numbers) -> Scene {
         2 => (plane(), on(size)),
         3 => (cylinder(size, 360.0 * aside[0]), on(size)),
         4 => (ellipsoid(size, size * spread, 1.3 * size), on(size)),
-        // For this and the next surface, the contact starts at the apex; for others, beside it.
+        // On this surface and the next one, the contact starts at the apex; on all other surfaces, it starts beside the
+        // apex.
         5 => (ellipsoid(size, size, size * spread), (0.0, 0.0)),
         6 => (paraboloid(0.5 / size), (0.0, 0.0)),
         7 => (paraboloid(-0.45 / (1.0 + size)), on(1.0)),

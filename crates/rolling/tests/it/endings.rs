@@ -86,7 +86,7 @@ fn errors_at_wall(object: &Shape, motion: Motion) -> [RollError; 2] {
 
 #[test]
 fn a_wall_is_located() {
-    // The object is a tilted plane that ends at x = 1, because the logarithm in its formula is undefined beyond.
+    // The object is a tilted plane that ends at x = 1, because the logarithm in its formula is undefined for x ≥ 1.
     let object = height_field("x + 0*ln(1 - x)", &[]);
     let motion = Motion::rolling(0.0, 1.0, 10.0);
     for error in errors_at_wall(&object, motion) {

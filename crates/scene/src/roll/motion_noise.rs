@@ -55,8 +55,8 @@ impl MotionNoise {
             Distribution::Uniform => self.error.fraction(),
             Distribution::Gaussian => f64::INFINITY,
         };
-        // The centre moves by the radius times the rotation. √2 allows for the two components of the noise, and 2 for
-        // the curvature of the path on the object.
+        // The centre of the probe moves by the probe's radius times the rotation. √2 allows for the two components of
+        // the noise, and 2 for the curvature of the path on the object.
         let share = 2.0 * std::f64::consts::SQRT_2 * bound.min(6.0 * self.relative_rotation_std());
         share * radius * rotation.norm()
     }

@@ -81,7 +81,7 @@ fn an_ellipsoid_of_equal_axes_is_a_ball() {
         outcomes(&scene_of(&text(&object, &format!("{NOISE}{layer}"))), 3).unwrap()
     });
     assert_eq!(both[0], both[1]);
-    // A ball has two equal curvatures and therefore no axis.
+    // The two curvatures of a ball are equal, so there is no axis of the smaller curvature.
     let scene = scene_of(&text(BALL, &format!("{NOISE}{ELLIPTIC}")));
     let names: Vec<&str> = scene.quantities().iter().map(|one| one.name).collect();
     let ends = [
@@ -157,7 +157,8 @@ fn the_force_is_in_newtons() {
 #[test]
 fn both_curvatures_and_the_axis_reach_their_bounds() {
     let noise = NOISE.replace("0.07", "0.02");
-    // The axis is near the end of its range, so some estimates are beyond 90° and are reported near −90°.
+    // The direction of the axis, 89°, is near the end of its range, so some estimates are beyond 90° and are reported
+    // near −90°.
     let text = text(&cylinder(10.0, 89.0), &format!("{noise}{ELLIPTIC}"));
     let scene = scene_of(&text.replace("indentation = 1.0 }", "indentation = 2.0 }"));
     let (trials, names) = (
@@ -187,7 +188,8 @@ fn both_curvatures_and_the_axis_reach_their_bounds() {
         );
         assert!(held[index] >= 52, "{name}: {held:?}");
     }
-    // This estimator fits a single curvature, which cannot describe a press on a cylinder. Therefore it has no bound.
+    // The estimator `half-space` fits a single curvature, which cannot describe a press on a cylinder. Therefore its
+    // estimates have no Cramér–Rao bound.
     let round = "estimator = { kind = \"half-space\" }\n";
     let scene = scene_of(&self::text(
         &cylinder(10.0, 0.0),

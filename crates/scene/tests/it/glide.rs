@@ -58,8 +58,9 @@ fn of_saddle(a: f64, x: f64, y: f64) -> (f64, f64) {
     let (p, q) = (2.0 * a * x, -2.0 * a * y);
     let d = 1.0 + p * p + q * q;
     let gaussian = -4.0 * a * a / (d * d);
-    // The mean curvature H is positive if the surface is convex: H = −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}),
-    // with r = 2a = −t and s = 0.
+    // The slopes are p = ∂z/∂x and q = ∂z/∂y, and d is 1 + p² + q². The second derivatives are ∂²z/∂x² = 2a, ∂²z/∂y² =
+    // −2a and ∂²z/∂x∂y = 0. Therefore H is −((1 + q²) 2a − (1 + p²) 2a)/(2 d^{3/2}). It is positive where the surface
+    // is convex.
     let mean = -a * (q * q - p * p) / libm::pow(d, 1.5);
     (gaussian, mean)
 }

@@ -66,7 +66,7 @@ impl Row {
             for (level, other) in blurred.levels.iter_mut().skip(3 * step).zip(behind) {
                 *level += weight * other;
             }
-            // Beyond both ends of the row, use the value of the pixel at this end.
+            // Beyond an end of the row, use the value of the last pixel at this end.
             for column in 0..step.min(last + 1) {
                 for channel in 0..3 {
                     blurred.levels[3 * column + channel] += weight * self.levels[channel];

@@ -108,7 +108,7 @@ fn intervals_contain_the_truth_with_the_camera_of_another_frame() {
     }
     let count = trials as f64;
     // A coverage of 0.95, counted in 150 trials, has a standard error of 0.018. The limit of 0.89 is three standard
-    // errors lower.
+    // errors below 0.95.
     assert!(held / count > 0.89, "{}", held / count);
     let ratio = (stated / squared).sqrt();
     assert!((0.83..1.2).contains(&ratio), "{ratio}");

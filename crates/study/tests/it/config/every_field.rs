@@ -142,8 +142,8 @@ fn scene(base: &Json, root: &Json, field: &Field, is_bare: bool) -> Json {
         let found = kinds.find(|(at, _)| *at == path);
         found.map(|(_, kind)| kind.as_str())
     };
-    // `scene` gets all tables on the path. `needed` gets a table that has a default only if a later table on the path
-    // must be stated.
+    // `scene` gets all missing tables on the path of `field`. If an added table has no suitable default, a config must
+    // state this table and the tables before it on the path. Then `needed` becomes a copy of `scene`.
     let (mut needed, mut scene) = (base.clone(), base.clone());
     let mut schema = root;
     for depth in 1..field.path.len() {
