@@ -1,6 +1,6 @@
-//! Measures the computing time of the penalised spline. The first case is the 30 contacts of the 1996 paper, with a map
-//! of the curvatures and their standard errors. The second case is many contacts on a detailed surface. Each result is
-//! checked before it is timed.
+//! Measures the computing time of the penalised spline for two cases. One case is the 30 contacts of the 1996 paper,
+//! with a map of the curvatures and their standard errors. The other case is many contacts on a detailed surface. Each
+//! result is checked before it is timed.
 
 use std::hint::black_box;
 

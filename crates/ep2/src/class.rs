@@ -6,12 +6,14 @@ use strum::IntoStaticStr;
 
 use crate::{Curvature, Uncertainty};
 
-/// Half of the range of integration over the mean curvature, in standard errors.
+/// Probabilities are integrals over the mean curvature. This is half the range of integration, in standard errors of
+/// the mean curvature.
 const REACH: f64 = 8.0;
-/// Number of intervals of Simpson's rule in each part of the range of the mean curvature. It must be even.
+/// Number of intervals of Simpson's rule in each part of the range of integration over the mean curvature. It must be
+/// even.
 const INTERVALS: usize = 64;
 
-/// Shape class by the signs of the curvatures alone, without thresholds.
+/// Shape class by the signs of the Gaussian and the mean curvature alone, without thresholds.
 #[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum SignClass {
@@ -36,7 +38,7 @@ impl Curvature {
         thresholds.classify(self.gaussian, self.mean)
     }
 
-    /// The class by the signs of the curvatures alone.
+    /// The shape class of the place by the signs of the Gaussian and the mean curvature alone.
     pub fn sign_class(&self) -> SignClass {
         match (self.gaussian > 0.0, self.mean > 0.0) {
             (true, true) => SignClass::Convex,
@@ -157,8 +159,8 @@ impl<'a> GivenMean<'a> {
         ]
     }
 
-    /// The probability that the Gaussian curvature is below `edge`, if the mean curvature is `mean`. The error is at
-    /// most 1e-15.
+    /// The probability that the Gaussian curvature is below `edge`, if the mean curvature is `mean`. The numerical
+    /// error of the probability is at most 1e-15.
     fn below(&self, edge: f64, mean: f64) -> f64 {
         let centre = self.curvature.gaussian + self.slope * (mean - self.curvature.mean);
         if self.std > 0.0 {

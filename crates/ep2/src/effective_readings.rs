@@ -20,26 +20,30 @@ const MIN_STEP_GAP: f64 = 8.0;
 /// Share of the shortest steps that always count as steps of a resting finger. A gap between the step lengths is
 /// searched only among the longer steps.
 const MIN_REST_SHARE: f64 = 0.02;
-/// Largest accepted distance of a contact from the mean of its rest, as a multiple of the typical step within rests.
+/// While a finger rests, its contacts stay near their mean. This is their largest accepted distance from the mean, as a
+/// multiple of the typical step of a resting finger.
 const MAX_REST_EXTENT: f64 = 3.0;
-/// Successive contacts are merged into runs. This is the largest accepted share of short steps among the steps from one
-/// run to the next. If the share is larger, the finger was moving, and the contacts are not merged.
+/// Successive contacts at nearly the same place are merged into a run. This is the largest accepted share of short
+/// steps among the steps from one run to the next. If the share is larger, the fingers were moving by short steps, and
+/// the contacts are not merged.
 const MAX_SHORT_BREAKS: f64 = 0.2;
-/// Largest number of gaps in the sorted step lengths that are tried.
+/// Largest number of gaps in the sorted step lengths that are tried as the limit between short and long steps.
 const MAX_GAPS: usize = 4;
-/// Number of residuals after which no further stroke is used for the correlation.
+/// When the strokes used so far contain this number of residuals, no further stroke is used to estimate the
+/// correlation.
 const MAX_RESIDUALS: usize = 60_000;
-/// Largest lag of the correlation, as a number of residuals.
+/// Largest lag for which the correlation of residuals is computed, as a number of residuals.
 const MAX_LAG: usize = 1000;
 /// Correlations are corrected for the variance that the fit removes from the residuals. The correction is made only if
 /// the ratio of fitted parameters to independent readings is at most this value.
 const MAX_ABSORBED_SHARE: f64 = 0.3;
 
-/// Contacts after each group of copies, and each rest of a finger, was merged into one reading.
+/// Contacts after merging: each group of equal contacts, and all contacts during one rest of a finger, were merged into
+/// one reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistinctContacts {
-    /// One contact for each run of merged rows: the mean of its rows. The contacts are in the order of the first rows
-    /// of the runs.
+    /// One contact for each run, that is, for each group of merged rows: the mean of the rows. The contacts are in the
+    /// order of the runs' first rows.
     pub contacts: Vec<Contact>,
     /// For each row of the log, the index of its contact in `contacts`.
     pub run_of_row: Vec<usize>,
@@ -50,7 +54,7 @@ pub struct DistinctContacts {
 pub struct EffectiveReadings {
     /// Number of contacts in the log, without outliers.
     pub contacts: usize,
-    /// Number of readings after copies and rests were merged.
+    /// Number of readings after exact copies and the contacts of resting fingers were merged.
     pub distinct: usize,
     /// Number of consecutive positions that count as one independent position, ≥ 1.
     pub position_correlation: f64,
@@ -181,7 +185,8 @@ fn merged(contacts: &[Contact], limit: f64, with_copies: bool) -> DistinctContac
     }
 }
 
-/// Bits of a contact's numbers, as a key for comparisons. They are the same for +0 and −0.
+/// Bits of a contact's coordinates and normal, as a key by which equal contacts are found. They are the same for +0 and
+/// −0.
 fn bits_of(contact: &Contact) -> [u64; 6] {
     let normal = contact.normal.unwrap_or_default();
     let [x, y, z] = contact.position.into();

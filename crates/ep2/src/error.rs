@@ -23,7 +23,7 @@ pub enum Ep2Error {
         /// Number of equations that the method needs.
         needed: usize,
     },
-    /// A coordinate, a normal or a weight is not finite, or its square would overflow.
+    /// A coordinate, a component of a normal or a weight is not finite, or its square would overflow.
     #[error("contact {contact} (counting from 0): a number is not finite, or beyond 1e150")]
     NotFinite {
         /// Number of the contact, counted from 0.
@@ -62,7 +62,7 @@ pub enum Ep2Error {
     Coincident {
         /// Number of contacts.
         contacts: usize,
-        /// Largest difference between a coordinate of a contact and of the mean contact, length.
+        /// Largest difference between a coordinate of a contact and the same coordinate of the mean contact, length.
         extent: f64,
     },
     /// All contacts are on one line, so they do not determine the shape across this line.
@@ -74,7 +74,7 @@ pub enum Ep2Error {
     Collinear {
         /// Number of contacts.
         contacts: usize,
-        /// Ratio of the root-mean-square spread across the line to the spread along it.
+        /// Root-mean-square spread of the contacts across the line, divided by their spread along the line.
         spread: f64,
     },
     /// The patch is not a graph over the plane that is perpendicular to its mean normal (without normals, over the
@@ -96,8 +96,8 @@ pub enum Ep2Error {
          spread along it; split the patch, or state normals"
     )]
     NoPlane {
-        /// Ratio of the root-mean-square spread across the plane to the smaller spread within the plane. If there are
-        /// normals: one minus the length of their mean.
+        /// Root-mean-square spread of the contacts across the plane, divided by their smaller spread within the plane.
+        /// If the contacts have normals: one minus the length of the mean normal.
         spread: f64,
     },
     /// The outward direction is nearly parallel to the patch's plane, so it does not determine which side of the plane

@@ -7,8 +7,8 @@ use nalgebra::{Matrix3, Point3, Rotation3, SymmetricEigen, Vector3};
 use crate::patch::FingerMap;
 use crate::{Contact, Ep2Error};
 
-/// Ratio of two spreads of contacts: across a line or plane, and along it. If the ratio is below this value, the spread
-/// across counts as rounding error.
+/// If the spread of the contacts across a line or plane, divided by their spread along it, is below this value, the
+/// spread across counts as rounding error.
 const ROUNDING: f64 = 1e-12;
 /// Normals have no mean direction if the length of their mean is below this value.
 const LEAST_MEAN_NORMAL: f64 = 0.1;
@@ -21,8 +21,8 @@ const LEAST_SIDE_RAD: f64 = 0.02;
 /// A patch counts as elongated if the ratio of its spreads along and across exceeds this value. Its sides are then
 /// parallel to the principal directions of the spread.
 const LONG: f64 = 1.15;
-/// Smallest ratio of the contacts' scatter along a direction to their scatter across it, for which the fingers have a
-/// common direction of travel.
+/// The fingers have a common direction of travel if the contacts scatter more along this direction than across it. This
+/// is the smallest ratio of the two scatters (sums of squares).
 const LEAST_TRAVEL: f64 = 2.0;
 
 /// The frame of a patch. Its w axis is the mean normal (without normals, the normal of the principal plane). Its u axis
@@ -36,7 +36,8 @@ pub struct PatchFrame {
 }
 
 impl PatchFrame {
-    /// The frame of contacts, with a preliminary scale. The numbers of the contacts must be valid.
+    /// The frame of the patch that `contacts` span, with a preliminary unit of length. The coordinates and normals of
+    /// the contacts must be valid.
     ///
     /// # Errors
     /// [`Ep2Error`]: `coincident`, `collinear`, `no-plane`, `no-side`.
@@ -97,8 +98,8 @@ impl PatchFrame {
 /// Mean and spread of the contacts.
 struct Cloud {
     centre: Point3<f64>,
-    /// Largest difference between a coordinate of a contact and of the mean contact. It is the unit of length for the
-    /// moments.
+    /// Largest difference between a coordinate of a contact and the same coordinate of the mean contact. It is the unit
+    /// of length for the moments.
     extent: f64,
     /// Principal axes as columns, sorted by ascending spread of the contacts.
     axes: Matrix3<f64>,
@@ -187,10 +188,11 @@ impl Cloud {
         Ok(normal * side.signum())
     }
 
-    /// A unit tangent along a side of a patch that is either elongated or nearly square.
+    /// A unit tangent along a side of the patch. The patch is assumed to be either elongated or nearly square.
     ///
-    /// In an elongated patch, this is the principal direction. In a square patch, the fourth moments determine the
-    /// diagonals: Σ r⁴ cos 4(φ − φ₀) is largest if φ₀ is the direction of a diagonal.
+    /// In an elongated patch, this is the principal direction of the contacts. In a square patch, the fourth moments
+    /// determine the diagonals: the sum Σ r⁴ cos 4(φ − φ₀) over the contacts is largest if φ₀ is the direction of a
+    /// diagonal. Here (r, φ) are the polar coordinates of a contact about the mean contact.
     fn side(&self, contacts: &[Contact], normal: &Vector3<f64>) -> Option<Vector3<f64>> {
         let principal = (0..3)
             .rev()
@@ -223,15 +225,15 @@ fn distance_across(contacts: &[Contact], centre: &Point3<f64>, axis: &Vector3<f6
 }
 
 /// The direction in which the contacts of each finger scatter most. It is perpendicular to `normal` and is computed for
-/// all fingers together. Its sign is the direction in which the first finger travels. The order of the contacts does
-/// not matter otherwise, so fingers may slide to and fro. `None` if the contacts scatter nearly as much across this
+/// all fingers together. Its sign is the direction in which the first finger travels. Otherwise, the order of the
+/// contacts does not matter, so fingers may slide to and fro. `None` if the contacts scatter nearly as much across this
 /// direction.
 fn travel(contacts: &[Contact], cloud: &Cloud, normal: &Vector3<f64>) -> Option<Vector3<f64>> {
     #[derive(Default)]
     struct Finger {
         contacts: f64,
         positions: Vector3<f64>,
-        /// Sum of order · position over the contacts, where order is the number of the contact within its finger.
+        /// Sum over the contacts of their position, multiplied by the number of the contact within its finger (from 0).
         moments: Vector3<f64>,
     }
     let mut fingers: FingerMap<Finger> = FingerMap::default();

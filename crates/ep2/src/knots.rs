@@ -3,7 +3,7 @@
 /// Highest degree of a spline.
 pub(crate) const MAX_DEGREE: usize = 5;
 
-/// Values of the `degree + 1` B-splines that are not zero at a place; further entries are 0.
+/// Values of the `degree + 1` B-splines that are not zero at a place. The remaining entries of the array are 0.
 pub(crate) type Basis = [f64; MAX_DEGREE + 1];
 
 /// The knots of a spline on an interval. Each end of the interval is repeated `degree + 1` times.

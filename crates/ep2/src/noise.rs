@@ -5,7 +5,7 @@ use crate::{Ep2Error, Patch, PatchFrame};
 /// Stated standard deviations of the contacts' errors. `None` means that the fit estimates the value from the contacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
-    /// Standard deviation of a position along each axis, length.
+    /// Standard deviation of the error of a position along each axis, length.
     pub position_std: Option<f64>,
     /// Standard deviation of a normal's tilt along each tangent axis, rad.
     pub normal_std_rad: Option<f64>,
@@ -15,17 +15,18 @@ pub struct Noise {
 /// fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseEstimate {
-    /// Standard deviation of a position along the surface's normal, length.
+    /// Standard deviation of the error of a position along the surface's normal, length.
     pub position_std: f64,
     /// Standard deviation of a normal's tilt along each tangent axis, rad; `None` without normals. If it was estimated,
     /// it includes the tilt that position errors cause on a curved surface.
     pub normal_std_rad: Option<f64>,
 }
 
-/// Smallest standard deviation that is assumed, in the patch's unit. Smaller values are rounding errors.
+/// Smallest standard deviation that is assumed for the errors of heights (in the patch's unit of length) and of slopes.
+/// Smaller values are rounding errors.
 const MIN_STD: f64 = 1e-12;
-/// Largest allowed ratio of the estimated variances of heights and slopes, and of the inverse of this ratio. A larger
-/// ratio means that heights or slopes are fitted almost exactly by chance.
+/// Largest allowed ratio between the estimated variances of heights and of slopes, in either direction. A larger ratio
+/// means that heights or slopes are fitted almost exactly by chance.
 const MAX_VARIANCE_RATIO: f64 = 1e8;
 
 impl Noise {
@@ -34,7 +35,7 @@ impl Noise {
         self.position_std.is_some() && (self.normal_std_rad.is_some() || !patch.has_normals())
     }
 
-    /// This noise, converted to the unit of a patch.
+    /// This noise, converted to the unit of length of the patch with the frame `frame`.
     ///
     /// # Errors
     /// [`Ep2Error::BadSetting`] if a standard deviation is not finite or not > 0.
@@ -62,11 +63,12 @@ pub(crate) struct Kinds<T> {
     pub(crate) slopes: T,
 }
 
-/// Variances of the errors of a height and of a slope, where the surface is level, in the patch's unit.
+/// Variances of the errors of a height and of a slope, in the patch's unit of length. They are valid where the surface
+/// is level.
 pub(crate) type Variances = Kinds<f64>;
 
 impl Variances {
-    /// Variances with which the estimation of the noise starts.
+    /// Variances with which the iterative estimation of the noise starts.
     pub(crate) const START: Self = Self {
         heights: 1.0,
         slopes: 1.0,

@@ -8,13 +8,15 @@ use crate::matrix::SparseMap;
 use crate::spline::{Jet, Lanes};
 use crate::square_quadric::Square;
 
-/// Number of pairs of the surface's derivatives (p, q, r, s, t), including the pair of each derivative with itself.
+/// Number of pairs of the surface's derivatives, including the pair of each derivative with itself. The derivatives are
+/// the slopes p and q and the second derivatives r, s and t.
 const PAIRS: usize = DERIVATIVES * (DERIVATIVES + 1) / 2;
 
 /// The posterior distribution of the surface. It contains the mean and the covariance of the slopes and second
 /// derivatives, as polynomials over the rectangle of the patch.
 ///
-/// The error of an estimate has two parts: the covariance, and the difference between the estimate and the mean.
+/// The error of an estimate has two parts: the random error with this covariance, and the difference between the
+/// estimate and the posterior mean.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Posterior {
     square: Square,
@@ -136,9 +138,9 @@ impl Maps {
     }
 }
 
-/// The covariance of two derivatives at a place, as a series of twice the degree that is grouped by i. It is computed
-/// from the covariance between the coefficients of the two series, because a product of Chebyshev polynomials is a sum
-/// of Chebyshev polynomials.
+/// The covariance of two derivatives at a place, as a series of products T_i(a) T_j(b) of twice the degree that is
+/// grouped by i. It is computed from the covariance between the coefficients of the two series, because a product of
+/// Chebyshev polynomials is a sum of Chebyshev polynomials.
 fn covariance_series(covariance: &DMatrix<f64>, degree: usize) -> Vec<f64> {
     let side = 2 * degree + 1;
     let mut series = vec![0.0; side * side];

@@ -24,11 +24,11 @@ pub struct Region {
     pub class: ShapeClass,
     /// Number of points of the map in the region.
     pub points: usize,
-    /// Area of the surface that these points represent, length².
+    /// Area of the surface that the points of the region represent, length².
     pub area: f64,
     /// Mean Gaussian curvature over the area, 1/length².
     pub gaussian_curvature: f64,
-    /// Mean of the mean curvature over the area, 1/length.
+    /// Average of the mean curvature over the area of the region, 1/length.
     pub mean_curvature: f64,
     /// Unit vector of the mean direction of largest curvature, with an arbitrary sign. `None` if the points have no
     /// common direction, as on a sphere.

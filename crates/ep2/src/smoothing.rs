@@ -4,11 +4,11 @@
 //! and Surface Fitting with Splines, 1993, chapter 5) and is implemented in FITPACK. Among all splines whose sum of
 //! squared weighted residuals is at most `s`, it searches a smooth one with few knots:
 //!
-//! 1. Compute the least-squares spline for the current knots, initially without interior knots. As long as the sum
-//!    exceeds `s`, add a knot in the interval along u or v that contributes most to the sum, at the centroid of its
-//!    squared residuals.
-//! 2. To the equations, add the jumps of the highest derivative at the knots, multiplied by `1/p`. Search the parameter
-//!    `p` for which the sum equals `s` within a relative error of 1e-3.
+//! 1. Compute the least-squares spline for the current knots, initially without interior knots. As long as its sum of
+//!    squared residuals exceeds `s`, add a knot in the interval along u or v that contributes most to the sum. The knot
+//!    is at the centroid of the squared residuals in this interval.
+//! 2. Add equations that require the jumps of the highest derivative at the knots to be 0. Their weight is `1/p`.
+//!    Search the parameter `p` for which the sum of squared residuals equals `s` within a relative error of 1e-3.
 //!
 //! If the points do not determine all coefficients, the solution with the smallest norm is used.
 
@@ -41,7 +41,7 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 pub(crate) struct SmoothingSpline {
     /// Degrees of the spline in u and v, from 1 to [`MAX_DEGREE`].
     pub(crate) degrees: [usize; 2],
-    /// Required sum of squared weighted residuals, `s ≥ 0`.
+    /// Required sum of squared weighted residuals, called `s` in the description of this module; at least 0.
     pub(crate) smoothing: f64,
     /// Largest number of interior knots along u and along v.
     pub(crate) most_knots: [usize; 2],

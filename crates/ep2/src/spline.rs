@@ -114,9 +114,9 @@ impl<T: Copy + Default + AddAssign + Mul<f64, Output = T>> Jet<T> {
     }
 }
 
-/// `w(u, v) = Σ c_ij B_i(u) B_j(v)`.
+/// The spline `w(u, v) = Σ c_ij B_i(u) B_j(v)`, where `B_i` and `B_j` are B-splines.
 ///
-/// Outside of the rectangle, the polynomials at its edge are extrapolated.
+/// Outside of the rectangle of the knots, the polynomials at its edge are extrapolated.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TensorSpline {
     /// Knots along u.

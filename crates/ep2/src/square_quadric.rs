@@ -12,8 +12,8 @@ pub(crate) const UNKNOWNS: usize = 6;
 /// Eigenvalues of the normal equations count as rounding errors if their ratio to the largest eigenvalue is below this
 /// value.
 const RANK_TOLERANCE: f64 = 1e-13;
-/// Smallest allowed value of √(1 − 2mQ) on an implicit quadric z = Q + m z²/2. Where this root is 0, the graph is
-/// vertical.
+/// Smallest allowed value of √(1 − 2mQ) on an implicit quadric z = Q + m z²/2, where Q is a quadric in a and b, and m a
+/// number. Where this root is 0, the graph is vertical.
 const MIN_ROOT: f64 = 0.2;
 /// Number of iterations. In each iteration, the weights are computed again from the noise and the slopes.
 const ITERATIONS: usize = 4;
@@ -86,7 +86,7 @@ pub(crate) fn rms_second_derivative(series: &[f64; UNKNOWNS]) -> f64 {
 #[derive(Clone, Debug)]
 pub(crate) struct SquareQuadric {
     unknowns: Row,
-    /// The coefficient m, in the patch's unit; 0 if the height itself is the quadric Q.
+    /// The coefficient m, in the patch's unit of length; 0 if the height z itself is the quadric Q.
     square_term: f64,
     pub(crate) covariance: Gram,
     pub(crate) variances: Variances,
@@ -116,7 +116,8 @@ struct NormalEquations {
     of_square_term: SquareTerm,
 }
 
-/// Normal equations of the coefficient m: the products with the other unknowns, the sum of squares, and the right side.
+/// Parts of the normal equations that belong to the coefficient m: its products with the other unknowns, its sum of
+/// squares, and its right side.
 #[derive(Default)]
 struct SquareTerm {
     products: Kinds<Row>,
@@ -235,7 +236,7 @@ impl SquareQuadric {
         }
     }
 
-    /// The values of Q, its slopes along a and b, and √(1 − 2mQ), for the surface z = Q + m z²/2.
+    /// For the surface z = Q + m z²/2: the value of Q and its slopes along a and b, and the root √(1 − 2mQ).
     #[inline]
     fn shape(&self, a: f64, b: f64) -> ([f64; 3], f64) {
         let c = &self.unknowns;
@@ -287,7 +288,7 @@ impl SquareQuadric {
         [height, along_a / half_u, along_b / half_v]
     }
 
-    /// The deviations of a patch's contacts from this quadric, with their weights.
+    /// The deviations of a patch's contacts from this quadric in height and slope, with their weights.
     ///
     /// An error of a contact's position along the normal causes an error of its height that is larger by the factor √D.
     /// Here D = 1 + p² + q², and p and q are the slopes. A tilt of the normal by a small angle changes the slope p
@@ -422,8 +423,9 @@ fn inverse(gram: &Gram, contacts: usize) -> Result<Gram, Ep2Error> {
     Ok(vectors * Gram::from_diagonal(&eigen.eigenvalues.map(f64::recip)) * vectors.transpose())
 }
 
-/// Coefficient `index` of the spline that equals a quadric. The coefficient of a monomial is its blossom: the mean of
-/// products of different inner knots of the B-spline. The number of factors is the degree of the monomial.
+/// Coefficient with the index `index` of the spline that equals a quadric. It is the sum of the spline coefficients of
+/// the quadric's monomials. The spline coefficient of a monomial is its blossom. This is the mean of all products of
+/// different inner knots of the B-spline, with as many factors as the degree of the monomial.
 fn coefficient(unknowns: &Row, a: &Knots, b: &Knots, index: usize) -> f64 {
     let (a1, a2) = blossoms(a, index / b.functions());
     let (b1, b2) = blossoms(b, index % b.functions());

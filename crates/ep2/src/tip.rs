@@ -116,17 +116,18 @@ impl RoundTip {
     /// The radius of curvature of the surface on which the tip's centre moves, if this radius is smaller than the tip's
     /// radius; otherwise `None`. If it is smaller, the computed contacts move in the direction opposite to the centres.
     ///
-    /// A displacement of the contact is I − r K times the displacement of the centre. Here r is the tip's radius, and K
-    /// is the curvature of the surface on which the centre moves. On a real object, K is below 1/r. Therefore a linear
-    /// regression of the contacts on the centres has a negative eigenvalue only because of noise.
+    /// A displacement of the contact is the matrix I − r K times the displacement of the centre. Here I is the
+    /// identity, r is the tip's radius, and K is the curvature of the surface on which the centre moves. On a real
+    /// object, K is below 1/r. Therefore a linear regression of the contacts on the centres has a negative eigenvalue
+    /// only because of noise.
     fn reversal_radius(
         &self,
         centres: &[Contact],
         contacts: &[Contact],
         up: Vector3<f64>,
     ) -> Option<f64> {
-        /// An error is returned only if an eigenvalue is below 0 by this number of standard errors. The probability of
-        /// a false alarm is then 1/30,000.
+        /// An error is returned only if an eigenvalue is below 0 by at least this number of standard errors. The
+        /// probability of an error on a possible object is then 1/30,000.
         const MIN_STANDARD_ERRORS: f64 = 4.0;
         let away = match up.iamin() {
             0 => Vector3::x(),
@@ -179,7 +180,7 @@ fn products(ones: &[Vector2<f64>], others: &[Vector2<f64>]) -> Matrix2<f64> {
     })
 }
 
-/// The unit vector along a normal; 0 if the normal is missing or invalid.
+/// The unit vector along `normal`; the zero vector if the normal is missing or invalid.
 fn unit(normal: Option<Vector3<f64>>) -> Vector3<f64> {
     let normal = normal.unwrap_or_default();
     let length = normal.abs().sum();

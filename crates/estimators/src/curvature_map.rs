@@ -35,7 +35,7 @@ pub fn map_table(unit: LengthUnit, of_study: bool) -> MapTable {
     MapTable::new(columns(unit, of_study))
 }
 
-/// Adds one point to a map. The fields of values that the estimator does not compute stay empty.
+/// Adds one point to a table of maps. Columns for values that the estimator does not compute stay empty.
 pub fn push_map_point(
     table: &mut MapTable,
     cell_and_true_class: Option<(usize, ShapeClass)>,

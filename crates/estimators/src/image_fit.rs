@@ -20,7 +20,7 @@ type Layers<'a> = dyn Fn(f64, &[f64]) -> Result<Vec<Body>, PressError> + 'a;
 pub struct ImageFitSetup<'a> {
     /// Settings of the estimator, from the config.
     pub estimator: &'a PressEstimatorConfig,
-    /// Soft body of the sensor. Its parameters are used if the settings of the estimator do not state them.
+    /// Soft body of the sensor. Its parameters are used where the estimator's config states no parameters.
     pub model: &'a PressModelConfig,
     /// Skin, layout and discs of the sensor.
     pub sphere: &'a MarkerSphere<'a>,

@@ -53,7 +53,7 @@ impl ImageEstimator {
     /// Compares a stated indentation with the indentation estimated from the images alone.
     ///
     /// # Errors
-    /// The reason for which the images alone do not determine the indentation.
+    /// The reason why the images alone do not determine the indentation.
     pub fn check_indentation(
         &self,
         pictures: &MarkerImages,
@@ -78,8 +78,8 @@ impl ImageEstimator {
         })
     }
 
-    /// Residual displacement of each marker: the displacement estimated from the marker's own image, minus the
-    /// displacement in the estimated press.
+    /// Residual displacement of each marker: the displacement that is estimated from the marker's own image, minus the
+    /// displacement that the estimated press predicts.
     pub fn beyond(
         &self,
         pictures: &MarkerImages,

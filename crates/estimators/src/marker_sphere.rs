@@ -19,7 +19,7 @@ pub struct MarkerSphere<'a> {
     pub marker_depth: f64,
     /// Arrangement of the markers.
     pub layout: Layout,
-    /// Number of straight segments in the outline of a gore in drawings.
+    /// Number of straight segments along each side of a gore's outline in drawings.
     pub outline_samples: u32,
     /// The two discs of each marker; `None` if the config has no discs.
     pub discs: Option<&'a DiscsConfig>,
@@ -166,7 +166,7 @@ fn layout_error(error: &LayoutError) -> FieldError {
     }
 }
 
-/// Converts an error of the markers or the camera to an error that names the config field.
+/// Converts an error of the markers or the camera to an error that names the wrong field of the config.
 pub fn optics_error(error: &OpticsError) -> FieldError {
     if let OpticsError::BadSetting(bad) = error
         && bad.setting == "turn_rad"

@@ -11,11 +11,12 @@ use palpate_study::{FieldError, Warning};
 pub struct PressFitSetup<'a> {
     /// Settings of the estimator, from the config.
     pub estimator: &'a PressEstimatorConfig,
-    /// Soft body of the sensor. Its parameters are used if the settings of the estimator do not state them.
+    /// Soft body of the sensor. Its parameters are used where the estimator's config states no parameters.
     pub model: &'a PressModelConfig,
     /// The soft body of the sensor, with displacements at the depth of the markers.
     pub body: &'a Body,
-    /// Thickness of the layer, if `body` is a layer whose tables may be used for the fit too; otherwise `None`.
+    /// If `body` is a bonded layer whose tables can also be used for the fit, the thickness of this layer; otherwise
+    /// `None`.
     pub shared: Option<f64>,
     /// Function that builds a layer with its tables, from its thickness and the depth of the markers.
     pub layer: &'a dyn Fn(f64, f64) -> Result<Body, PressError>,
@@ -28,7 +29,7 @@ pub struct PressFitSetup<'a> {
     pub calibrated_at: Option<f64>,
     /// Whether the estimator receives the indentation as an input instead of fitting it.
     pub knows_indentation: bool,
-    /// Stated standard deviations of normal and tangential displacements; `None` if they are not stated.
+    /// Stated standard deviations of the noise of normal and tangential displacements; `None` if they are not stated.
     pub stds: [Option<f64>; 2],
 }
 
@@ -112,8 +113,8 @@ impl From<PressFitError> for PressError {
     }
 }
 
-/// Builds the soft body of a model. `layer` is a function that builds a bonded layer from its thickness and the depth
-/// of its markers.
+/// Builds the soft body that `model` describes, with displacements at the depth `depth` of the markers. `layer` is a
+/// function that builds a bonded layer from its thickness and this depth.
 pub fn sensor_body(
     model: &PressModelConfig,
     depth: f64,
@@ -159,7 +160,7 @@ pub fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(), Fiel
     Err(FieldError::at(path, message))
 }
 
-/// Converts an error of the soft body to an error that names its config field.
+/// Converts an error of the soft body to an error that names the wrong field of the config.
 pub fn body_error(table: &str, error: PressError) -> FieldError {
     match error {
         PressError::BadSetting(BadSetting {

@@ -44,7 +44,7 @@ pub enum SurfaceError {
     },
 }
 
-/// Coordinates with their names as text for a message, such as `x = 1, y = 2`.
+/// Text for a message that contains coordinates and their names, such as `x = 1, y = 2`.
 fn place(coordinates: [(&str, &f64); 2]) -> String {
     if coordinates.iter().any(|(_, value)| !value.is_finite()) {
         return "at a place beyond the range of numbers".to_owned();

@@ -14,7 +14,7 @@ pub struct LevelSet {
     /// Unit normal `∇F/|∇F|`, out of the solid.
     pub normal: Vector3<f64>,
     /// Hessian of the function F divided by the length of its gradient, `Hess F / |∇F|`; symmetric, 1/length. Only its
-    /// tangential part has a meaning.
+    /// components along the tangent plane have a meaning.
     pub second_form: Matrix3<f64>,
 }
 
@@ -48,8 +48,8 @@ impl LevelSet {
         }
     }
 
-    /// The shape operator as a linear map of 3D vectors, 1/length: `dn = S dq` for a tangent displacement `dq`. It maps
-    /// the normal to zero.
+    /// The shape operator S as a linear map of 3D vectors, 1/length. For a tangent displacement `dq`, the normal
+    /// changes by `dn = S dq`. S maps the normal to zero.
     pub fn shape_operator(&self) -> Matrix3<f64> {
         // `tangential` projects vectors onto the tangent plane. For a unit normal n, it equals I − n nᵀ, but its
         // diagonal is computed without cancellation.
@@ -80,7 +80,8 @@ pub struct TangentForm {
 }
 
 impl TangentForm {
-    /// The tangent form that has this unit normal, and this curvature form in the basis `(x, x × normal)`.
+    /// The tangent form with the unit normal `normal` as gradient. `curvature` is the curvature form in the basis
+    /// `(x, x × normal)`.
     #[inline]
     pub const fn of_unit_normal(normal: Vector3<f64>, curvature: CurvatureForm) -> Self {
         Self {

@@ -45,8 +45,8 @@ pub struct MeridianPoint {
     pub normal: [f64; 2],
 }
 
-/// Slope angle of a [`Meridian`] at a point, and the derivatives of the arc length and of the slope angle with respect
-/// to the parameter.
+/// Slope angle of a [`Meridian`] at a point, and two derivatives with respect to the parameter: of the arc length and
+/// of the slope angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeridianSlope {
     /// Angle by which the normal has turned from the axis, positive on a convex surface.

@@ -130,8 +130,8 @@ pub trait Surface {
     /// [`SurfaceError::OffDomain`] if the surface has no point at `(x, y)`, or if `x` or `y` is not finite.
     fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError>;
 
-    /// Default position of the first contact, `(x, y)` in the surface's frame: the origin of the frame, or the top of
-    /// the object.
+    /// Default `(x, y)` of the contact with which a simulation starts, in the surface's frame: the origin of the frame,
+    /// or the top of the object.
     fn default_contact(&self) -> (f64, f64) {
         (0.0, 0.0)
     }

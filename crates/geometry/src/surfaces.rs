@@ -1,4 +1,4 @@
-//! The surfaces, one file per family of surfaces, and an enum of all of them.
+//! All types of surfaces, and the enum [`Shape`], which contains a surface of any type.
 
 mod cylinder;
 mod ellipsoid;

@@ -19,13 +19,14 @@ const LOCAL: usize = SUPPORT * SUPPORT;
 pub(super) struct Equations {
     pub(super) grams: Kinds<DMatrix<f64>>,
     pub(super) right_sides: Kinds<DVector<f64>>,
-    /// Weighted sums of the squared deviations of the observations from the quadric.
+    /// Weighted sums of the squared deviations of the observed heights and slopes from the quadric.
     pub(super) squares: Kinds<f64>,
     /// Number of equations for heights and for slopes.
     pub(super) count: Kinds<usize>,
 }
 
-/// Contribution to the normal equations by the contacts within one knot interval along u and one along v.
+/// Contribution to the normal equations by the contacts in one cell of the knots: one knot interval along u and one
+/// along v.
 #[derive(Clone)]
 struct Cell {
     gram: [[f64; LOCAL]; LOCAL],
@@ -38,7 +39,7 @@ impl Cell {
         right: [0.0; LOCAL],
     };
 
-    /// Adds one observation to the right side and, if `with_gram`, to the matrix.
+    /// Adds one observation to the right side of the equations and, if `with_gram`, to their matrix.
     #[inline]
     fn add(
         &mut self,
@@ -186,8 +187,9 @@ const GAUSS: [(f64, f64); 4] = [
     (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
 ];
 
-/// The matrix P with cᵀPc = ∬ w_aaa² + 3 w_aab² + 3 w_abb² + w_bbb² over the square, for a spline with the coefficients
-/// c. This integral does not depend on the directions of the axes.
+/// The roughness of a spline w(a, b) is the integral ∬ w_aaa² + 3 w_aab² + 3 w_abb² + w_bbb² over the square. It is
+/// cᵀPc for the coefficients c of the spline. This function returns the matrix P. The integrand does not depend on the
+/// directions of the axes.
 pub(super) fn roughness_penalty(knots: &[Knots; 2]) -> DMatrix<f64> {
     let grams: [[DMatrix<f64>; 4]; 2] = knots
         .each_ref()

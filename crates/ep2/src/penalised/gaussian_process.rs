@@ -10,8 +10,8 @@ use crate::matrix::SparseMap;
 use crate::matrix::product;
 use crate::square_quadric::UNKNOWNS;
 
-/// A random factor of the process is omitted if the second derivatives that it causes have a variance below this value
-/// everywhere in the square.
+/// The process is a sum of functions with random factors. A function is omitted if its second derivatives have a
+/// variance below this value everywhere in the square.
 const MIN_VARIANCE: f64 = 1e-3;
 
 /// A random surface, as a linear map from independent random factors of variance 1 to the coefficients of a series. The
@@ -77,8 +77,8 @@ fn max_square_second_derivative([i, j]: [usize; 2]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Covariance of the coefficients of T_0 to T_degree, for a process of one variable with variance 1. It is computed by
-/// Gauss–Chebyshev quadrature.
+/// Covariance of the coefficients of the Chebyshev polynomials T_0 to T_degree, for a process of one variable with
+/// variance 1. It is computed by Gauss–Chebyshev quadrature.
 fn covariance(length: f64, degree: usize) -> DMatrix<f64> {
     let nodes = 2 * degree + 2;
     let places: Vec<f64> = (0..nodes)
@@ -121,8 +121,8 @@ mod tests {
         }
     }
 
-    /// Variances of the process's second derivative along a at the place (a, b): for all products of polynomials, and
-    /// for all products except those of quadrics.
+    /// Variance of the process's second derivative along a at the place (a, b). The first result is for all products of
+    /// polynomials, the second for all products except those of quadrics.
     fn bends(length: f64, degree: usize, [a, b]: [f64; 2]) -> [f64; 2] {
         let [a, b] = [a, b].map(|x| values(x, degree).collect::<Vec<f64>>());
         let here: Vec<f64> = products(degree).map(|[i, j]| a[i] * b[j]).collect();

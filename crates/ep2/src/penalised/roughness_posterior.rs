@@ -18,20 +18,22 @@ use crate::square_quadric::{Square, UNKNOWNS, rms_second_derivative};
 const MAX_LENGTH: f64 = 3.0;
 /// The smallest correlation length that a series can represent, multiplied by the degree of the series.
 const MIN_LENGTH_TIMES_DEGREE: f64 = 6.0;
-/// Largest ratio of neighbouring correlation lengths in the average.
+/// The posterior is averaged over several correlation lengths. This is the largest ratio of two neighbouring lengths.
 const MAX_LENGTH_RATIO: f64 = 3.0;
 /// The correlation length with the largest prior probability.
 const EXPECTED_LENGTH: f64 = 1.75;
 /// The prior probability of a correlation length decreases with this power of the length, on both sides of its maximum.
 const LENGTH_POWER: f64 = 2.0;
-/// The amplitude with the largest prior probability, relative to the second derivatives of the quadric.
+/// The amplitude of the roughness with the largest prior probability, relative to the second derivatives of the
+/// quadric.
 const EXPECTED_AMPLITUDE: f64 = 0.75;
 /// The amplitude with the largest prior probability for deviations from an implicit quadric, relative to the second
 /// derivatives of the quadric. These deviations are usually smaller than deviations from an ordinary quadric.
 const EXPECTED_AMPLITUDE_ABOUT_IMPLICIT: f64 = 0.25;
 /// The prior probability of an amplitude decreases with this power of the amplitude, on both sides of its maximum.
 const AMPLITUDE_POWER: f64 = 4.0;
-/// Number of amplitudes in the average on each side of the expected amplitude.
+/// The posterior is averaged over several amplitudes of the roughness. This is their number on each side of the
+/// expected amplitude.
 const AMPLITUDE_STEPS: i32 = 6;
 /// Difference between the logarithms of consecutive amplitudes in the average.
 const LOG_AMPLITUDE_STEP: f64 = 0.5;
@@ -39,11 +41,11 @@ const LOG_AMPLITUDE_STEP: f64 = 0.5;
 /// real surface depends on place and direction, unlike that of a sample of the process. Therefore the contacts
 /// determine the roughness of a real surface less accurately.
 const LIKELIHOOD_POWER: f64 = 0.5;
-/// Some combinations of length and amplitude are omitted from the average. This is the smallest logarithm of the ratio
-/// of a combination's probability to the largest probability for which the combination is used.
+/// Improbable combinations of length and amplitude are omitted from the average. A combination is used if the logarithm
+/// of the ratio between its probability and the largest probability is at least this value.
 const MIN_LOG_PROBABILITY: f64 = -7.0;
-/// Largest ratio of the information in the equations to the information in the prior at the expected amplitude. With a
-/// larger ratio, rounding errors would dominate.
+/// Largest allowed ratio of the information from the contacts (the normal equations) to the information in the prior at
+/// the expected amplitude. With a larger ratio, rounding errors would dominate.
 const MAX_INFORMATION: f64 = 1e11;
 
 /// Data from which the posterior is computed. The surface is a quadric plus a series of Chebyshev polynomials, and
@@ -53,12 +55,14 @@ pub(super) struct SeriesProblem<'a> {
     pub(super) degree: usize,
     /// Number of observations in the equations.
     pub(super) observations: usize,
-    /// Whether the variances are stated. If not, only their ratio is used.
+    /// Whether the variances of the contacts' errors are stated. If not, only the ratio between heights and slopes is
+    /// used.
     pub(super) is_known: bool,
     pub(super) square: Square,
     /// Coefficients of the quadric, as a series of Chebyshev polynomials.
     pub(super) quadric: [f64; UNKNOWNS],
-    /// Data of the coefficient m, if the surface is an implicit quadric z = Q + m z²/2 plus a series; otherwise `None`.
+    /// The coefficient m as an additional unknown, if the surface is an implicit quadric z = Q + m z²/2 plus a series;
+    /// otherwise `None`. Q is a quadric in a and b.
     pub(super) square_term: Option<SquareTerm>,
 }
 
@@ -88,7 +92,7 @@ struct Rest {
     gram: DMatrix<f64>,
     right: DVector<f64>,
     square: f64,
-    /// Number of equations minus the number of the quadric's coefficients.
+    /// Number of equations from the contacts minus the number of the quadric's coefficients.
     degrees: f64,
     is_known: bool,
     expected_amplitude: f64,
@@ -97,8 +101,8 @@ struct Rest {
 /// The rough part of the surface, as a Gaussian process with one correlation length.
 struct Process {
     log_length: f64,
-    /// Modes as columns. Each mode is a combination of the rough products. Expressed in the modes, the matrix of the
-    /// equations is tridiagonal.
+    /// Modes of the process as columns. Each mode is a combination of the rough products. In the basis of the modes,
+    /// the matrix of the normal equations is tridiagonal.
     modes: DMatrix<f64>,
     information: Tridiagonal,
     right: Vec<f64>,
@@ -294,7 +298,8 @@ struct Mixture {
 }
 
 impl Rest {
-    /// These equations, with increased variances where the ratio of information would exceed [`MAX_INFORMATION`].
+    /// These equations. If their ratio of information exceeds [`MAX_INFORMATION`], the variances are increased such
+    /// that it equals this limit.
     fn limited(self) -> Result<Self, Ep2Error> {
         let amplitude = self.expected_amplitude;
         let information = self.gram.trace() * amplitude * amplitude;

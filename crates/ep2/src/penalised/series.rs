@@ -20,9 +20,11 @@ pub(super) struct SeriesEquations {
 /// of Chebyshev polynomials, so all products of pairs follow from one series of twice the degree.
 struct Sums {
     degree: usize,
-    /// Sums of weight · T_p(a) T_q(b) over the contacts, for p + q up to twice the degree; p varies slowest.
+    /// Sums of weight · T_p(a) T_q(b) over the contacts, for all p and q with p + q up to twice the degree. The sums
+    /// are ordered first by p, then by q.
     moments: Vec<f64>,
-    /// Sums of weight · value · T_i(a) T_j(b) over the contacts, for i + j up to the degree; i varies slowest.
+    /// Sums of weight · value · T_i(a) T_j(b) over the contacts, for all i and j with i + j up to the degree. The sums
+    /// are ordered first by i, then by j.
     right: Vec<f64>,
     square: f64,
 }
@@ -123,8 +125,8 @@ impl SeriesEquations {
         equations
     }
 
-    /// Adds the equations of the slopes along `axis`. `sums` contains the sums for a series that represents the
-    /// derivative along this axis.
+    /// Adds the equations of the slopes along `axis`. `sums` contains the sums of the slopes for a series that
+    /// represents the derivative along this axis.
     fn add_derivatives(&mut self, sums: &Sums, axis: usize, degree: usize) {
         let adjoint = derivative(degree, axis).transposed();
         let half = adjoint.apply_to_rows(&sums.gram());

@@ -13,9 +13,9 @@ use crate::square_quadric::UNKNOWNS;
 /// their traces. The addition makes all coefficients determined.
 const PENALTY_SHARE: f64 = 1e-7;
 
-/// Modes U with UᵀAU = diag(fidelity) and UᵀPU = diag(roughness), where A are the weighted normal equations and P the
-/// penalty. With the smoothing weight λ, the coefficients are U diag(1/(fidelity + λ roughness)) Uᵀ (right side).
-/// Therefore all results that depend on λ are simple sums over the modes.
+/// Modes U with UᵀAU = diag(fidelity) and UᵀPU = diag(roughness), where A is the matrix of the weighted normal
+/// equations and P the penalty matrix. With the smoothing weight λ, the coefficients are U diag(1/(fidelity + λ
+/// roughness)) Uᵀ (right side). Therefore all results that depend on λ are simple sums over the modes.
 #[derive(Clone)]
 pub(super) struct Spectrum {
     modes: DMatrix<f64>,
@@ -108,7 +108,7 @@ impl Spectrum {
         filters.collect()
     }
 
-    /// The coefficients of the spline, for these filters of the modes.
+    /// The coefficients of the spline. `filters` contains the filter factors of the modes from [`Spectrum::filters`].
     pub(super) fn coefficients(&self, filters: &[f64]) -> DVector<f64> {
         let in_modes = filters.iter().zip(&self.right).map(|(f, right)| f * right);
         &self.modes * DVector::from_iterator(self.right.len(), in_modes)

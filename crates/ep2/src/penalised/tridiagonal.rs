@@ -1,5 +1,5 @@
 //! Symmetric tridiagonal matrices. A matrix is transformed to this form if only determinants and inverses are needed,
-//! because this costs less than the computation of eigenvalues.
+//! because this is faster than the computation of eigenvalues.
 
 use nalgebra::{DMatrix, SymmetricTridiagonal};
 
@@ -9,7 +9,7 @@ pub(super) struct Tridiagonal {
     beside: Vec<f64>,
 }
 
-/// The factors L and D of the decomposition L D Lᵀ = 1 + s T.
+/// The factors L and D of the decomposition L D Lᵀ = 1 + s T, for a number s and a tridiagonal matrix T.
 pub(super) struct Factors {
     pivots: Vec<f64>,
     /// The entries of L below the diagonal.
@@ -46,7 +46,7 @@ impl Tridiagonal {
 }
 
 impl Factors {
-    /// Logarithm of the determinant of 1 + s T.
+    /// Logarithm of the determinant of the decomposed matrix 1 + s T.
     pub(super) fn log_determinant(&self) -> f64 {
         // Logarithms are slow, so compute one logarithm for the product of eight pivots. This product does not
         // overflow.

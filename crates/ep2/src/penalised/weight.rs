@@ -7,7 +7,8 @@ use crate::Ep2Error;
 use crate::spline::{LANES, Lanes};
 use crate::square_quadric::UNKNOWNS;
 
-/// Number of weights at which the criterion is evaluated, in equal steps of the logarithm; a multiple of [`LANES`].
+/// Number of smoothing weights at which the criterion is evaluated, in equal steps of the logarithm. It must be a
+/// multiple of [`LANES`].
 const NODES: usize = 80;
 /// Lower end of the search for the smoothing weight, relative to the smallest weight that damps a mode by half.
 const MIN_WEIGHT_RATIO: f64 = 1e-2;
@@ -22,10 +23,11 @@ const SMALL_HALVINGS: f64 = 60.0;
 /// The half-damping weight of a mode is the smoothing weight that damps it by half. If its ratio to the largest
 /// half-damping weight is below this value, the mode does not extend the range of the search.
 const MIN_MODE_RATIO: f64 = 1e-8;
-/// The upper end of the search exceeds the expected weight by at least this difference of logarithms.
+/// Smallest difference between the logarithm of the largest smoothing weight in the search and the logarithm of the
+/// expected weight.
 const EXPECTED_MARGIN: f64 = 5.0;
-/// The expected weight is limited. Its logarithm exceeds the logarithm of the largest weight that damps a mode by half
-/// by at most this difference.
+/// Upper limit of the expected weight, as a difference of logarithms. The limit is relative to the largest weight that
+/// damps a mode by half.
 const MAX_EXPECTED: f64 = 16.0;
 
 /// A criterion by which the smoothing weight is chosen.
@@ -80,7 +82,7 @@ struct Sums<T = f64> {
     /// Weighted sum of squared residuals at this smoothing weight.
     residual: T,
     residual_prime: T,
-    /// Sum of squared residuals plus λ times the penalty, with the smoothing weight λ.
+    /// Weighted sum of squared residuals plus λ times the penalty, with the smoothing weight λ.
     penalised: T,
     penalised_prime: T,
     /// Effective degrees of freedom: trace of the map from the observations to the fitted values.
@@ -305,16 +307,16 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Logarithm of the smoothing weight that is expected for the roughness of a sphere with this squared curvature.
-/// Lengths are in units of half a side of the square.
+/// Logarithm of the smoothing weight λ that is expected for the roughness of a sphere. `square_curvature` is the square
+/// of the sphere's curvature κ. Lengths are in units of half a side of the square.
 ///
-/// The penalty of a sphere of curvature κ over the square is 32 κ⁶. This corresponds to third derivatives with the
-/// amplitude λ^(−1/2) = ¾ κ³.
+/// The penalty of a sphere over the square is 32 κ⁶. This corresponds to third derivatives with the amplitude ¾ κ³. The
+/// expected weight is the inverse square of this amplitude.
 pub(super) fn log_weight_of_sphere(square_curvature: f64) -> f64 {
     -2.0 * libm::log(0.75_f64) - 3.0 * libm::log(square_curvature)
 }
 
-/// Two logarithms: of the lower end of the search, and of the largest weight that damps some mode by half.
+/// Two logarithms of smoothing weights: the lower end of the search, and the largest weight that damps a mode by half.
 fn range(spectrum: &Spectrum) -> (f64, f64) {
     let halves = || {
         let modes = spectrum.fidelity.iter().zip(&spectrum.roughness);

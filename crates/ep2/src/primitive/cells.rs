@@ -1,5 +1,5 @@
-//! Divides contacts into cells of neighbours. If most residuals within a cell have the same sign, they are a misfit of
-//! the shape and not noise.
+//! Divides contacts into cells, which are groups of neighbouring contacts. If most residuals within a cell have the
+//! same sign, they are a misfit of the shape and not noise.
 
 use nalgebra::Vector3;
 use palpate_statistics::ratio_tail;
@@ -44,8 +44,9 @@ impl Cells {
         Some(Self { cell_of, count })
     }
 
-    /// P-value of the cells' mean values: the probability that noise alone causes means of at least this size.
-    /// `correlation` is the number of consecutive values that count as one because their errors are correlated.
+    /// P-value of the mean values of the cells: the probability that noise alone causes mean values of at least this
+    /// size. `values` contains one value for each contact. `correlation` is the number of consecutive values that count
+    /// as one because their errors are correlated.
     pub(super) fn p_value(&self, values: &[f64], unknowns: usize, correlation: f64) -> f64 {
         let mut sums = vec![(0.0, 0.0); self.count];
         for (value, &cell) in values.iter().zip(&self.cell_of) {

@@ -9,16 +9,16 @@ use super::robust_fit::Solution;
 
 /// Probability that an interval contains the true value.
 const PROBABILITY: f64 = 0.95;
-/// The curvature counts as determined only if the half-width of its interval, relative to the curvature, is below this
-/// value. For larger half-widths, the computed interval would be too narrow.
+/// The curvature counts as determined only if the half-width of its 95 % interval, divided by the curvature, is below
+/// this value. For larger half-widths, the computed interval would be too narrow.
 const MAX_RELATIVE_HALF_WIDTH: f64 = 0.4;
 /// If the p-value of the test for lack of fit is below this value, the interval is widened.
 const MISFIT_P_VALUE: f64 = 0.01;
-/// Largest ratio of the noise to the spread of the contacts for which the curvature counts as determined. With larger
-/// noise, errors of positions along the surface make the fitted radius too small.
+/// If the ratio of the noise to the spread of the contacts exceeds this value, the curvature does not count as
+/// determined. With larger noise, errors of positions along the surface make the fitted radius too small.
 const MAX_RELATIVE_NOISE: f64 = 0.1;
 
-/// Estimate of the curvature's error and its 95 % interval, in the unit of the contacts' spread.
+/// Estimated error of the curvature and its 95 % interval. The unit of length is the spread of the contacts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CurvatureInterval {
     pub(super) std: f64,

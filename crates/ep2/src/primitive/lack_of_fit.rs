@@ -14,18 +14,18 @@ use crate::effective_readings::correlation_time;
 /// Largest degree of the polynomial in the contacts' coordinates that describes the smooth deviation.
 const MAX_DEGREE: usize = 4;
 /// A patch counts as a graph over its plane if all normals are within 72 degrees of the mean normal. This is the cosine
-/// of that angle.
+/// of 72 degrees, rounded.
 const MIN_GRAPH_COSINE: f64 = 0.3;
 /// A column of the equations is skipped if it is almost a linear combination of the earlier columns: the independent
 /// share of its squared length is at most this value.
 const RANK_TOLERANCE: f64 = 1e-9;
-/// With noise, the limit of the independent share is this factor times the variance of the positions, but at most
-/// [`MAX_RANK_TOLERANCE`].
+/// With noise, the limit [`RANK_TOLERANCE`] is replaced by this factor times the variance of the positions' errors, if
+/// that is larger. The new limit is at most [`MAX_RANK_TOLERANCE`].
 const MIN_NOISE_RATIO: f64 = 10.0;
 const MAX_RANK_TOLERANCE: f64 = 2e-3;
 /// Largest number of contacts in the normal equations. If there are more, an evenly spaced selection is used.
 const MAX_CONTACTS: usize = 20_000;
-/// Number of contacts from which the range of the coordinates is computed.
+/// Largest number of contacts from which the range of the coordinates is computed.
 const BASIS_CONTACTS: usize = 2000;
 /// Number of consecutive contacts in a block. For a large number of contacts, the correlation is estimated from some of
 /// the blocks.
@@ -37,7 +37,7 @@ const MIN_EQUATIONS_RATIO: f64 = 1.5;
 /// Result of the test for lack of fit.
 #[derive(Clone, Debug)]
 pub(super) struct LackOfFit {
-    /// The probability that contacts on the shape would fit worse.
+    /// The probability that contacts with the same noise on a surface of exactly this shape would fit worse.
     pub(super) p_value: f64,
     /// Number of consecutive positions, and number of consecutive normals, that count as one because their errors are
     /// correlated.
@@ -93,7 +93,7 @@ impl Basis {
         }
     }
 
-    /// Values and gradients of the monomials at a footpoint, in the axes of the pose.
+    /// Writes the values and gradients of the monomials at the footpoint `foot`, in the axes of the pose.
     fn at(&self, foot: &Vector3<f64>, values: &mut [f64], gradients: &mut [Vector3<f64>]) {
         let place = (foot - self.centre) / self.scale;
         let mut powers = [[1.0; MAX_DEGREE + 1]; 3];
@@ -303,7 +303,8 @@ fn tested(
     }
 }
 
-/// Cholesky factor of normal equations. A column that is almost a linear combination of earlier columns is skipped.
+/// Cholesky factor of normal equations, computed column by column. A column that is almost a linear combination of
+/// earlier columns is skipped.
 struct Sequential {
     factor: DMatrix<f64>,
     parts: Vec<f64>,

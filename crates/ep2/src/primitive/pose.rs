@@ -1,9 +1,9 @@
 //! Position and size of a plane, a sphere or a cylinder, with the distances of contacts from it.
 //!
-//! Let q = p − o, where p is the position of a contact and o is a point of the surface. n is the normal at o, a is the
-//! axis of a cylinder, and k is the curvature. With f = k |q|²/2 + q·n, the signed distance is d = 2 f / (1 + √(1 + 2 k
-//! f)). For a cylinder, |q|² is replaced by |q|² − (q·a)². This formula is exact. It is smooth at k = 0, where the
-//! shape is a plane (Marshall, Lukacs and Martin 2001).
+//! Let q = p − o, where p is the position of a contact and o is a point of the surface. n is the surface normal at o, a
+//! is the unit vector along the axis of a cylinder, and k is the curvature. Let f = k |q|²/2 + q·n; for a cylinder,
+//! |q|² is replaced by |q|² − (q·a)². Then the signed distance is d = 2 f / (1 + √(1 + 2 k f)). This formula is exact.
+//! It is smooth at k = 0, where the shape is a plane (Marshall, Lukacs and Martin 2001).
 
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
 
@@ -34,7 +34,7 @@ impl Cloud {
         }
     }
 
-    /// The cloud with only the contacts that are used.
+    /// The cloud with only those contacts for which `is_used` is true.
     pub(super) fn selected(&self, is_used: &[bool]) -> Self {
         let select = |all: &[Vector3<f64>]| {
             let pairs = all.iter().zip(is_used);
@@ -73,7 +73,8 @@ pub(super) struct Deviation {
 }
 
 impl Pose {
-    /// A pose with this point, normal and, for a cylinder, axis.
+    /// A pose with the given point of the surface, the normal at this point and, for a cylinder, the direction of the
+    /// axis.
     pub(super) fn new(
         shape: Shape,
         point: Vector3<f64>,
@@ -111,7 +112,7 @@ impl Pose {
         }
     }
 
-    /// Whether the shape has the fitted parameter with this index.
+    /// Whether the shape has the fitted parameter with the index `unknown`. For example, a plane has no curvature.
     pub(super) fn has(&self, unknown: usize) -> bool {
         match unknown {
             2 => self.shape == Shape::Cylinder,
@@ -120,9 +121,10 @@ impl Pose {
         }
     }
 
-    /// Returns four values: the position in the axes of the pose; this position without its component along the axis of
-    /// a cylinder; the square root √(1 + 2 k f), where k is the curvature and f the function in the formula of the
-    /// distance; and the distance.
+    /// Returns four values that describe `place` relative to the surface. The first is its position q relative to the
+    /// reference point, in the axes of the pose. The second is q without its component along the axis of a cylinder;
+    /// for the other shapes, it is q. The third is the square root √(1 + 2 k f), where k is the curvature and f = k
+    /// |q|²/2 + q·n, as in the description of this module. The fourth is the signed distance from the surface.
     #[inline]
     fn at(&self, place: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64, f64) {
         let q = self.axes * (place - self.point);
@@ -207,7 +209,7 @@ impl Pose {
     }
 
     /// The same surface with another reference point, which is the point of the surface nearest to `place`. If `place`
-    /// is near the centre or the axis, the reference point does not change.
+    /// is near the centre of a sphere or the axis of a cylinder, the reference point does not change.
     pub(super) fn based_at(&self, place: &Vector3<f64>) -> Self {
         let (_, _, s, distance) = self.at(place);
         if s < 0.05 || s.is_nan() {
@@ -238,7 +240,7 @@ impl Pose {
 }
 
 impl Deviation {
-    /// Derivative of the normal with respect to the fitted parameter with this index.
+    /// Derivative of the normal with respect to the fitted parameter with the index `unknown`.
     pub(super) fn normal_row(&self, unknown: usize) -> Vector3<f64> {
         self.normal_rows.column(unknown).into()
     }
@@ -250,7 +252,7 @@ pub(super) struct Equations {
     pub(super) grams: [Gram; 2],
     pub(super) gradients: [Row; 2],
     pub(super) squares: [f64; 2],
-    /// Number of distances, and number of components of normals, in the sums.
+    /// Number of summed distances, and number of summed components of normals.
     pub(super) counts: [f64; 2],
 }
 

@@ -6,7 +6,7 @@ use super::pose::{Cloud, Pose};
 use super::robust_fit::StatedNoise;
 use super::{Candidate, Shape, start};
 
-/// "None of these shapes" is as probable as the best shape if the p-value of the best shape has this value.
+/// P-value of the best shape's fit at which "none of these shapes" is as probable as the best shape.
 const NONE_P_VALUE: f64 = 0.01;
 /// Positions count as a line if their variance across the line is below this multiple of the variance of the noise.
 const MIN_SPREAD_RATIO: f64 = 10.0;

@@ -7,9 +7,9 @@ use nalgebra::{Matrix3, Matrix4, SymmetricEigen, Vector2, Vector3, Vector4};
 use super::pose::{Cloud, Pose};
 use crate::Shape;
 
-/// Number of axis directions of a cylinder that are compared. They are evenly distributed over the hemisphere.
+/// Number of directions that are compared as the axis of a cylinder. They are evenly distributed over the hemisphere.
 const DIRECTIONS: usize = 60;
-/// Number of the best axis directions from which fits start.
+/// Number of directions from which fits of a cylinder start: those of the compared directions that fit best.
 const BEST_DIRECTIONS: usize = 4;
 
 /// Mean position of the contacts.
@@ -89,7 +89,8 @@ fn smallest_axis(moment: &Matrix3<f64>) -> Vector3<f64> {
     eigen.eigenvectors.column(eigen.eigenvalues.imin()).into()
 }
 
-/// A direction on a spiral that is evenly distributed over the hemisphere.
+/// The direction with the index `index` of [`DIRECTIONS`] directions, which lie on a spiral and are evenly distributed
+/// over the hemisphere.
 fn hemisphere(index: usize) -> Vector3<f64> {
     let height = (index as f64 + 0.5) / DIRECTIONS as f64;
     let turn = index as f64 * PI * (3.0 - 5.0_f64.sqrt());

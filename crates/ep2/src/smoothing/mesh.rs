@@ -6,7 +6,7 @@ use super::triangle::{Block, Triangle};
 use crate::knots::{Knots, MAX_DEGREE};
 use crate::spline::TensorSpline;
 
-/// Largest allowed ratio of the two parts into which a new knot divides an interval.
+/// Largest allowed ratio of the lengths of the two parts into which a new knot divides an interval.
 const MAX_PART_RATIO: f64 = 10.0;
 
 /// The jumps of a derivative at a knot, for the `degree + 2` B-splines whose support contains the knot; further entries
@@ -56,7 +56,7 @@ impl Mesh {
         self.knots[self.slow].degree() * self.fast_functions() + self.fast_degree() + 1
     }
 
-    /// Index of a coefficient, from the indices of its B-splines along the slow and the fast axis.
+    /// Index of a coefficient. `slow` and `fast` are the indices of its B-splines along the slow and the fast axis.
     #[inline]
     pub(super) fn index(&self, slow: usize, fast: usize) -> usize {
         slow * self.fast_functions() + fast
@@ -72,7 +72,7 @@ impl Mesh {
         self.narrow();
     }
 
-    /// Exchanges the axes if this makes the band narrower.
+    /// Exchanges the slow and the fast axis if this makes the band of the equations narrower.
     fn narrow(&mut self) {
         let band = self.band();
         self.slow = self.fast();
@@ -89,7 +89,7 @@ impl Mesh {
         self.knots[self.fast()].degree()
     }
 
-    /// The spline with these coefficients, which are in the order of the mesh.
+    /// The spline with the coefficients `coefficients`, which are in the order of the mesh.
     pub(super) fn spline(self, coefficients: Vec<f64>) -> TensorSpline {
         let [u_functions, v_functions] = [0, 1].map(|axis| self.knots[axis].functions());
         let coefficients = if self.slow == 0 {
@@ -110,7 +110,7 @@ impl Mesh {
 pub(super) struct Roughness {
     slow: Vec<Jumps>,
     fast: Vec<Jumps>,
-    /// Number of B-splines along the slow and the fast axis whose support contains a knot.
+    /// Number of B-splines whose support contains a given knot: along the slow axis, and along the fast axis.
     cut: [usize; 2],
     fast_functions: usize,
     band: usize,
@@ -171,8 +171,9 @@ fn push(block: &mut Block, jumps: Option<&Jumps>, cut: usize, stride: usize, par
 /// B-splines has the same index as the knot.
 ///
 /// A B-spline is a divided difference of a truncated power. Therefore the jump of the derivative at a knot `t` is a
-/// fixed multiple of `(t_last − t_first) / Π (t − t_other)`. Lengths are divided by the mean interval, so the jumps
-/// have no unit.
+/// fixed multiple of `(t_last − t_first) / Π (t − t_other)`. Here `t_first` and `t_last` are the ends of the B-spline's
+/// support, and the product is over all knots of the B-spline except `t`. Lengths are divided by the mean interval, so
+/// the jumps have no unit.
 fn derivative_jumps(knots: &Knots) -> Vec<Jumps> {
     let degree = knots.degree();
     let (start, end) = knots.domain();

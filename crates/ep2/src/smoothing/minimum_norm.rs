@@ -5,7 +5,8 @@
 
 use super::triangle::{Block, Triangle};
 
-/// The solution with the smallest norm, and the rank of the equations. Diagonal entries up to `floor` count as zero.
+/// The solution with the smallest norm, and the rank of the equations. Diagonal entries whose magnitude is at most
+/// `floor` count as zero.
 pub(super) fn solve(triangle: &Triangle, floor: f64) -> (Vec<f64>, usize) {
     let trapezoid = Trapezoid::of(triangle, floor);
     (trapezoid.least_solution(), trapezoid.pivots.len())
@@ -43,11 +44,12 @@ impl Trapezoid {
         Self { reduced, pivots }
     }
 
-    /// The solution of `B x = g` with the smallest norm, where `B` is the trapezoid and `g` its right-hand side. This
-    /// solution has no component in the null space of `B`.
+    /// The solution `x` of the equations `B x = g` with the smallest norm, where `B` is the matrix of this trapezoid
+    /// and `g` its right-hand side. This solution has no component in the null space of `B`.
     ///
-    /// The columns of `B`, from the last to the first, are rotated into a triangle `G` such that `Bᵀ = Q G`. The rows
-    /// of `B` are also used from the last to the first. The solution is then `x = Q G⁻ᵀ g`.
+    /// The method is a QR decomposition `Bᵀ = Q G` with an orthogonal matrix `Q` and a triangular matrix `G`. The
+    /// columns of `B` are merged into `G` one by one by rotations, from the last column to the first. The rows of `B`
+    /// are used in reversed order too. Then the solution is `x = Q G⁻ᵀ g`.
     fn least_solution(&self) -> Vec<f64> {
         let (rank, band) = (self.pivots.len(), self.reduced.band());
         let mut factor = Triangle::new(rank, band);
@@ -79,9 +81,9 @@ impl Trapezoid {
 /// The rotations by which additional rows were merged into a triangle, in the order in which they were applied.
 struct Rotations {
     band: usize,
-    /// Index of each additional row, and the column at which it starts.
+    /// For each additional row, its index and the column at which its entries start.
     rows: Vec<(usize, usize)>,
-    /// Cosine and sine of the rotations, `band` pairs per row.
+    /// Cosine and sine of each rotation. There are `band` pairs per additional row.
     planes: Vec<[f64; 2]>,
 }
 
@@ -95,7 +97,7 @@ impl Rotations {
     }
 
     /// Merges an additional row into the triangle by rotations, which make all entries of the row zero. `name` is the
-    /// index of the row.
+    /// index of the row, and `start` is the column of its first entry.
     fn rotate_in(&mut self, triangle: &mut Triangle, name: usize, start: usize, row: &mut [f64]) {
         self.rows.push((name, start));
         for offset in 0..self.band {
@@ -139,7 +141,8 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// The equations x + y = 2 and y + z = 4 have a line of solutions. The solution nearest to 0 is (0, 2, 2).
+    /// The solutions (x, y, z) of the equations x + y = 2 and y + z = 4 form a line. The solution nearest to the origin
+    /// is (0, 2, 2).
     #[test]
     fn the_nearest_of_a_line_of_solutions() {
         let mut triangle = Triangle::new(3, 2);
@@ -155,8 +158,7 @@ mod tests {
         }
     }
 
-    /// An unknown in the middle that is not in any equation becomes zero, and the unknowns after it are computed
-    /// correctly.
+    /// One of the unknowns is not in any equation. It becomes zero, and the unknowns after it are computed correctly.
     #[test]
     fn an_unmeasured_unknown() {
         let mut triangle = Triangle::new(4, 3);

@@ -22,7 +22,7 @@ pub(crate) struct WeightedPoint {
 /// Points with the values of the B-splines at these points.
 pub(super) struct Observations<'a> {
     points: &'a [WeightedPoint],
-    /// Units of the heights and of the weights that are used in the computation.
+    /// Unit of the heights and unit of the weights in the computation.
     units: [f64; 2],
     /// B-splines at each point, along both variables.
     bases: Vec<[LocalBasis; 2]>,

@@ -2,7 +2,8 @@
 
 /// Maximum number of parameters that are tried.
 const MOST_TRIALS: usize = 20;
-/// If a parameter is far from the root, the next parameter is the current one multiplied or divided by this factor.
+/// If a parameter is far from the root, the next parameter is the current parameter multiplied by this factor (if the
+/// parameter is too large) or divided by it (if it is too small).
 const FAR: f64 = 0.04;
 /// If a step by the factor [`FAR`] would pass a bound, the next parameter is between the bound and the last trial
 /// instead. Its distance from the bound is this share of the distance between the bound and the last trial.
@@ -18,10 +19,10 @@ pub(super) struct Trial {
 /// Tries parameters until the `excess` of one of them is within `tolerance`. Returns whether such a parameter was
 /// found.
 ///
-/// The residual sum F decreases with p. At p = 0 it is the sum of the polynomial, with the excess `below`; at infinity
-/// it is the sum of the least-squares spline, with the excess `above`. As soon as there is a trial on each side of the
-/// root, a function `(a p + b)/(p + c)` is computed from three trials. Its root is the next parameter. Before that, a
-/// parameter that is far from the root is moved by a factor of 25.
+/// The residual sum F decreases with p. At p = 0 it is the residual sum of the polynomial without interior knots, and
+/// its excess is `below`. At infinity it is the residual sum of the least-squares spline, and its excess is `above`.
+/// First, a parameter that is far from the root is multiplied or divided by [`FAR`]. As soon as there is a trial on
+/// each side of the root, a function `(a p + b)/(p + c)` is computed from three trials. Its root is the next parameter.
 pub(super) fn search(
     below: f64,
     above: f64,
@@ -85,7 +86,8 @@ pub(super) fn search(
     false
 }
 
-/// The root of the function `(a p + b)/(p + c)` through three trials. The last trial may be at infinity.
+/// The root p of the function `(a p + b)/(p + c)` that passes through three trials. The parameter of the trial `high`
+/// may be infinite.
 fn rational_root(low: Trial, middle: Trial, high: Trial) -> f64 {
     let (p, f) = (
         [low.parameter, middle.parameter, high.parameter],

@@ -1,6 +1,7 @@
 //! Upper triangular band matrices, computed by orthogonal transformations.
 
-/// Number of rows that are processed together. Missing rows are filled with zeros.
+/// Number of rows of a block that are processed together. The number of rows is rounded up to a multiple of this value
+/// by rows of zeros.
 const LANES: usize = 4;
 /// Maximum number of rows of a block, chosen such that a block fits into the processor's cache.
 const MOST_ROWS: usize = 128;
@@ -17,8 +18,8 @@ pub(super) struct Block {
     rows: usize,
     /// Height of a column, in groups of [`LANES`] rows.
     packs: usize,
-    /// Whether the rows have already been merged into a triangle. The values in the block are then meaningless, and
-    /// they are cleared before the next row is added.
+    /// Whether the rows have already been merged into a triangle. Then the values in the block have no meaning any
+    /// more, and they are cleared before the next row is added.
     is_stale: bool,
     columns: Vec<[f64; LANES]>,
 }
@@ -41,7 +42,7 @@ impl Block {
         self.rows == self.packs * LANES
     }
 
-    /// Adds a row of zeros with this right-hand side, and returns its index.
+    /// Adds a row of zeros with the right-hand side `right`, and returns the index of the row.
     pub(super) fn push(&mut self, right: f64) -> usize {
         debug_assert!(!self.is_full());
         if self.is_stale {
@@ -76,7 +77,7 @@ pub(super) struct Triangle {
     band: usize,
     /// For each row, `band` entries starting at the diagonal, followed by the right-hand side.
     rows: Vec<f64>,
-    /// Sum of squared residuals that remains for the best `x`.
+    /// Sum of squared residuals of the least-squares solution `x`.
     pub(super) residual_sum: f64,
 }
 
@@ -107,7 +108,7 @@ impl Triangle {
         &self.rows[row * (self.band + 1)..][..self.band]
     }
 
-    /// The entries of a row, starting at its diagonal, for changes.
+    /// The entries of a row, starting at its diagonal. They can be changed.
     pub(super) fn row_mut(&mut self, row: usize) -> &mut [f64] {
         &mut self.rows[row * (self.band + 1)..][..self.band]
     }

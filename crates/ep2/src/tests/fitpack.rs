@@ -1,5 +1,5 @@
-//! Compares smoothing splines with those of FITPACK's `surfit` (from SciPy 1.17.1). The number of knots is limited only
-//! by the data.
+//! Compares smoothing splines with those of FITPACK's `surfit` (from SciPy 1.17.1). No maximum number of knots is set,
+//! so the data determine the number.
 
 use crate::Status;
 use crate::smoothing::{Smoothed, SmoothingSpline, WeightedPoint};

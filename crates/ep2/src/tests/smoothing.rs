@@ -15,7 +15,7 @@ fn point(u: f64, v: f64, w: f64) -> WeightedPoint {
     }
 }
 
-/// A grid of 7 × 7 points in the square [−1, 1]², with these heights.
+/// A grid of 7 × 7 points in the square [−1, 1]², with heights from the function `height`.
 fn grid(height: fn(f64, f64) -> f64) -> Vec<WeightedPoint> {
     let places = |index: usize| (index as f64 - 3.0) / 3.0;
     (0..49)
@@ -121,7 +121,8 @@ fn knots_can_be_limited() {
     assert_eq!(smoothed.spline.v.interior().len(), 2);
 }
 
-/// If weights and heights are multiplied by powers of two, the spline stays exactly the same.
+/// If weights and heights are multiplied by powers of two, the spline has exactly the same values in the new unit of
+/// the heights.
 #[test]
 fn weights_and_heights_in_other_units_have_the_same_spline() {
     let points = grid(|u, v| libm::sin(4.0 * u) + libm::cos(3.0 * v));

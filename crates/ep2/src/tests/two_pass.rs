@@ -1,4 +1,4 @@
-//! The two-pass method, on surfaces whose curvature has a closed form.
+//! Tests the estimator `two-pass` on surfaces whose curvature is given by a formula.
 
 use approx::assert_relative_eq;
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -57,7 +57,8 @@ fn patch(contacts: &[Contact]) -> Patch {
     Patch::new(contacts, &Vector3::z()).unwrap()
 }
 
-/// Compares the Gaussian curvature K and the mean curvature H on a grid with closed forms.
+/// Compares the estimated Gaussian curvature K and mean curvature H at the points of a grid with the formulas of the
+/// surface.
 fn assert_curvature(
     method: &TwoPass,
     surface: Surface,
@@ -190,7 +191,8 @@ fn results_do_not_depend_on_size_and_orientation() {
     }
 }
 
-/// The distance between the fingers is 1.5, so the default unit must be equal to a stated unit of 1.5.
+/// The distance between the fingers is 1.5. Therefore the default unit of length must give the same result as a stated
+/// unit of 1.5.
 #[test]
 fn the_default_unit_is_the_distance_between_fingers() {
     let contacts = contacts(saddle, true);

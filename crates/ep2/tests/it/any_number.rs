@@ -1,5 +1,5 @@
-//! Patches that determine a surface are fitted. For any other numbers, the result is finite or the expected error.
-//! Neither the unit of length nor the orientation changes the result.
+//! If contacts determine a surface, it is fitted. For contacts with any other numbers, the result is finite or the
+//! expected error. Neither the unit of length nor the orientation changes the result.
 
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use palpate_ep2::{
@@ -90,9 +90,8 @@ fn methods(number: f64) -> [Box<dyn Method>; 4] {
     ]
 }
 
-/// How much the numbers of a map point contradict each other. The Gaussian and the mean curvature are compared with the
-/// values that follow from the principal curvatures. The axes are compared with an orthonormal frame. The result is the
-/// largest deviation.
+/// Largest contradiction between the numbers of a map point. The Gaussian and the mean curvature are compared with the
+/// values that follow from the principal curvatures. The axes are compared with an orthonormal frame.
 fn inconsistency(point: &MapPoint) -> f64 {
     let (least, most) = (point.k_min, point.k_max);
     let scale = least.abs().max(most.abs()).max(f64::MIN_POSITIVE);
@@ -157,8 +156,8 @@ fn too_large_maps_and_regions_of_another_size_are_refused() {
     );
 }
 
-/// If the standard errors are smaller than rounding errors, one class has the probability 1. If numbers overflow, no
-/// probabilities are returned.
+/// If the standard errors of the curvatures are smaller than rounding errors, one shape class has the probability 1. If
+/// numbers overflow, no probabilities are returned.
 #[test]
 fn uncertainties_of_any_size_return_probabilities_or_none() {
     let thresholds = ShapeThresholds::new(0.01, 0.1).unwrap();
@@ -286,7 +285,8 @@ proptest! {
 proptest! {
     #![proptest_config(config(24))]
 
-    /// Curvatures are proportional to the inverse of lengths, and do not depend on the orientation.
+    /// If all lengths are multiplied by a factor, the curvatures are divided by it. They do not depend on the
+    /// orientation of the patch.
     #[test]
     fn scaled_and_turned_patches_have_scaled_curvatures(
         power in -200..200,

@@ -47,11 +47,13 @@ pub(super) enum Surface {
     Plane,
     Sphere(f64),
     Cylinder(f64),
-    /// The saddle w = −(u² − r v²)/2R. The numbers are R and r.
+    /// The saddle w = −(u² − r v²)/2R. The two values of this variant are R and r.
     Saddle(f64, f64),
-    /// Outer side of a torus. The numbers are the radius of the tube and the radius of the circle of the tube's centre.
+    /// Outer side of a torus. The two values of this variant are the radius of the tube and the radius of the circle on
+    /// which the tube's centre lies.
     Torus(f64, f64),
-    /// The wave w = a sin(2π u / l + phase). The numbers are a, l and phase.
+    /// The wave w = a sin(2π u / l + phase). The three values of this variant are the amplitude a, the wavelength l and
+    /// the phase.
     Wave(f64, f64, f64),
 }
 
@@ -103,7 +105,7 @@ impl Surface {
         }
     }
 
-    /// `count` contacts at random places in a disc with this radius around the pole.
+    /// `count` contacts at random places in a disc with the radius `radius` around the pole.
     pub(super) fn disc(
         &self,
         random: &mut Random,
@@ -120,7 +122,8 @@ impl Surface {
         all
     }
 
-    /// Contacts of `fingers` strokes along u with `each` contacts, in a square with this half-width.
+    /// Contacts of `fingers` strokes along u, in a square with the half-width `half` around the pole. Each stroke has
+    /// `each` contacts.
     pub(super) fn strokes(
         &self,
         half: f64,

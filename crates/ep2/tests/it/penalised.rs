@@ -1,4 +1,5 @@
-//! The penalised spline: its estimates on surfaces with closed forms, and their standard errors.
+//! Tests the estimates of the penalised spline and their standard errors on surfaces whose curvature is given by a
+//! formula.
 
 use crate::samples::{DETAILED, QUADRIC_LIKE, Surface, Sweep, Truth, Waves, grid};
 use nalgebra::{Point3, Vector3};
@@ -150,8 +151,8 @@ fn most_classes_are_correct_at_the_noise_of_the_paper() {
     }
 }
 
-/// Two shares of all grid points and trials: those in which the true Gaussian curvature is within 1.96 standard errors
-/// of its estimate, and the same for the mean curvature.
+/// Two shares of all grid points and trials. In the first share, the true Gaussian curvature is within 1.96 standard
+/// errors of its estimate. In the second share, the true mean curvature is.
 fn coverage(
     surface: impl Fn(f64, f64) -> Truth + Copy,
     contacts: impl Fn(u64) -> Vec<Contact>,

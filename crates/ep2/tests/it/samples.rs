@@ -7,13 +7,13 @@ use palpate_sensing::{Channel, Stream};
 /// A point of a surface, its outward normal (of any length), its Gaussian and its mean curvature.
 pub(crate) type Truth = (Point3<f64>, Vector3<f64>, f64, f64);
 
-/// A surface given as a graph, with closed forms at each (x, y).
+/// A surface given as a graph, with formulas for its point, normal and curvatures at each (x, y).
 pub(crate) struct Surface {
     pub(crate) name: &'static str,
     pub(crate) at: fn(f64, f64) -> Truth,
 }
 
-/// A random quadric plus two random waves, in closed form.
+/// A random surface: a quadric plus two waves.
 pub(crate) struct Waves {
     quadric: [f64; 3],
     /// Amplitude, wave numbers along x and y, and phase.

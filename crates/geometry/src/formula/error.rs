@@ -19,8 +19,8 @@ use super::Formula;
 pub struct FormulaError {
     /// Kind of error, with the names and numbers that it reports.
     pub kind: FormulaErrorKind,
-    /// Byte range of the error in the text; an empty range at the end of the text if something is missing there. `None`
-    /// if the error has no single place.
+    /// Byte range of the wrong part in the text. If something is missing at the end of the text, it is an empty range
+    /// there. `None` if the error has no single place.
     pub span: Option<Range<usize>>,
     text: String,
 }
@@ -135,7 +135,7 @@ fn did_you_mean(suggestion: &Option<String>) -> String {
 
 impl fmt::Display for FormulaError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        /// Number of characters of the formula that a message shows.
+        /// Largest number of characters of the formula that a message shows.
         const SHOWN: usize = 72;
         /// If the formula is longer than [`SHOWN`], the message shows at most this number of characters before the
         /// marked part.

@@ -189,7 +189,8 @@ impl Mul for Jet {
 
 impl Div for Jet {
     type Output = Self;
-    /// Computes the derivatives of q = a/b from the equation q b = a, because b² may overflow.
+    /// Computes the quotient q = a/b. Its derivatives follow from the equation q b = a. The usual formula is not used,
+    /// because it contains b², which may overflow.
     #[inline]
     fn div(self, other: Self) -> Self {
         let b = other.value;

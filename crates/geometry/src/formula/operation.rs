@@ -4,8 +4,8 @@ use std::f64::consts::LN_10;
 
 use super::jet::{Jet, Number};
 
-/// An operation on one operand a. It may also be an operation on two operands whose second operand is a constant; the
-/// constant is then stored here.
+/// An operation on one operand a. An operation on a and a constant, such as a sum, also counts as an operation on one
+/// operand; the constant is stored here.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Unary {
     Negate,
@@ -17,7 +17,8 @@ pub(super) enum Unary {
     DivideBy(f64),
     /// The power a^c of the operand a with a constant exponent c.
     Power(f64),
-    /// The power |a|^c with a constant c >= 2. It is twice differentiable even at a = 0, where |a| is not.
+    /// The power |a|^c with a constant c >= 2. This power is twice differentiable even at a = 0, although |a| is not
+    /// differentiable there.
     AbsPower(f64),
     /// The power c^a of a constant c > 0, with the operand a as exponent.
     Exponential(f64),
@@ -182,7 +183,8 @@ impl Binary {
     }
 }
 
-/// The power v^n and its first two derivatives with respect to v. They are also correct for v ≤ 0 if they exist there.
+/// The power v^n and its first two derivatives with respect to v. The results are also correct for v ≤ 0, if the power
+/// and its derivatives exist there.
 fn power(v: f64, n: f64) -> [f64; 3] {
     let raise = |exponent: f64| {
         if exponent.fract() == 0.0 && exponent.abs() <= 16.0 {

@@ -4,9 +4,9 @@ use super::Formula;
 use super::jet::Number;
 use super::operation::{Binary, Unary};
 
-/// Number of stack slots. Of the two operands of an operator, the operand that needs more slots is evaluated first.
-/// Therefore n slots are enough for 2ⁿ − 1 operands (Sethi and Ullman 1970). A text of m characters has at most (m +
-/// 1)/2 operands.
+/// Largest number of stack slots of a program. Each operator evaluates the operand that needs more slots before the
+/// other operand. Therefore n slots are enough for 2ⁿ − 1 operands (Sethi and Ullman 1970). A text of m characters has
+/// at most (m + 1)/2 operands.
 const SLOTS: usize = 13;
 const _: () = assert!(Formula::MAX_CHARACTERS.div_ceil(2) < 1 << SLOTS);
 

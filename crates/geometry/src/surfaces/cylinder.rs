@@ -7,8 +7,9 @@ use crate::{ChartJet, CurvatureForm, InvalidShape, LevelSet, Parameters, Surface
 
 /// An infinite cylinder with a horizontal axis through the origin.
 ///
-/// `d` is the unit vector along the axis, and `b = z × d`. The chart is `u d + r sin v b + r cos v z`, with `u = v = 0`
-/// on the top line. The forms are `M = diag(1, r)`, `K = diag(0, 1/r)`, `T = 0`.
+/// `d` is the unit vector along the axis, and `b = z × d`. The chart is `u d + r sin v b + r cos v z` with the radius
+/// `r`; `u = v = 0` is a point of the top line. The metric is `M = diag(1, r)`, the curvature form `K = diag(0, 1/r)`
+/// and the torsion form `T = 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
     radius: f64,

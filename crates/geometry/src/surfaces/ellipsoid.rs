@@ -7,7 +7,7 @@ use crate::{ChartJet, InvalidShape, LevelSet, Meridian, Parameters, Surface, Sur
 
 /// The ellipsoid `x²/a² + y²/b² + z²/c² = 1`.
 ///
-/// Chart `(a sin u, b cos u sin v, c cos u cos v)` with |u| ≤ π/2: `u = v = 0` is the top; its poles
+/// Chart `(a sin u, b cos u sin v, c cos u cos v)` with |u| ≤ π/2: `u = v = 0` is the top, and the poles of the chart
 /// lie on the x axis. The chart is not orthogonal unless two semi-axes are equal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid {
@@ -70,9 +70,10 @@ impl Surface for Ellipsoid {
         )
     }
 
-    /// The closest point `x` satisfies `x_i/a_i = w_i/(σ + b_i)` with `w_i = p_i a_i/a_min²` and `b_i = (a_i/a_min)² −
-    /// 1`, where `a` are the semi-axes and `p` is the given point. σ is the only value `σ >= 0` for which `x` is on the
-    /// ellipsoid (Eberly, *Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid*).
+    /// Computes the point `x` of the ellipsoid that is closest to the given point `p`. It satisfies
+    /// `x_i/a_i = w_i/(σ + b_i)` with `w_i = p_i a_i/a_min²` and `b_i = (a_i/a_min)² − 1`, where `a_i` are the
+    /// semi-axes and `a_min` is the shortest. σ is the only value `σ >= 0` for which `x` is on the ellipsoid (Eberly,
+    /// *Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid*).
     fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
         let none = SurfaceError::no_closest_point(point);
         let smallest = self.semi_axes.min();

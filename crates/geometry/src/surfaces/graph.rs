@@ -212,9 +212,9 @@ struct Foot {
     half_square: f64,
     gradient: Vector2<f64>,
     hessian: Matrix2<f64>,
-    /// Determinant of `I + s sᵀ`, where s is the slope. This matrix would be the Hessian if the graph were a plane. The
-    /// next field is the determinant of the Hessian. Both are computed from expanded formulas, because on a steep slope
-    /// the formula `(1 + s_x²)(1 + s_y²) − s_x² s_y²` loses all digits.
+    /// Determinant of the matrix `I + s sᵀ`, where I is the identity and s the slope. This matrix would be the Hessian
+    /// if the graph were a plane. The next field is the determinant of the Hessian. Both are computed from expanded
+    /// formulas, because on a steep slope the formula `(1 + s_x²)(1 + s_y²) − s_x² s_y²` loses all digits.
     stretch: f64,
     determinant: f64,
 }

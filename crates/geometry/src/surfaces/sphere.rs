@@ -9,9 +9,9 @@ use crate::{
 
 /// A sphere about the origin.
 ///
-/// Chart `(R sin u, R cos u sin v, R cos u cos v)` with |u| ≤ π/2: `u = v = 0` is the top, where the
-/// Gauss frame equals the axes; its poles lie on the x axis. `M = diag(R, R cos u)`, `K = I/R`,
-/// `T = [0, −tan(u)/R]`.
+/// Chart `(R sin u, R cos u sin v, R cos u cos v)` with |u| ≤ π/2: `u = v = 0` is the top, where the Gauss frame equals
+/// the axes. The poles of the chart lie on the x axis. The metric is `M = diag(R, R cos u)`, the curvature form
+/// `K = I/R` and the torsion form `T = [0, −tan(u)/R]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     radius: f64,

@@ -7,8 +7,9 @@ use crate::{ChartJet, InvalidShape, LevelSet, Parameters, Surface, SurfaceError}
 
 /// A ring torus about the z axis.
 ///
-/// With the major radius R, the minor radius r and `ρ = R + r sin u`, the chart is `(ρ cos v, ρ sin v, r cos u)`. `u =
-/// 0` is the top circle, and `u` increases outwards. `M = diag(r, ρ)`, `K = diag(1/r, sin(u)/ρ)`.
+/// With the major radius R, the minor radius r and `ρ = R + r sin u`, the chart is `(ρ cos v, ρ sin v, r cos u)`.
+/// `u = 0` is the top circle, and `u` increases outwards. The metric is `M = diag(r, ρ)`, and the curvature form is
+/// `K = diag(1/r, sin(u)/ρ)`.
 ///
 /// ```
 /// use std::f64::consts::FRAC_PI_2;

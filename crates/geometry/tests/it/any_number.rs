@@ -1,5 +1,5 @@
-//! Near their default contact, surfaces return results without errors. For arguments with any bit patterns, they return
-//! either finite numbers or an error, and returned points lie on the surface.
+//! Near their default contact, all methods of surfaces succeed. For arguments with any bit patterns, they return either
+//! finite numbers or an error, and returned points lie on the surface.
 
 use nalgebra::{Point3, Vector3};
 use palpate_geometry::formula::Formula;
@@ -9,7 +9,7 @@ use palpate_geometry::{
 };
 use proptest::prelude::*;
 
-/// Numbers at the limits of doubles, and numbers whose squares exceed these limits.
+/// Numbers at the limits of doubles, and numbers whose squares overflow or underflow.
 const EXTREMES: [f64; 12] = [
     f64::NAN,
     f64::INFINITY,
@@ -62,7 +62,8 @@ fn is_finite<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> bool {
     numbers.into_iter().all(|number| number.is_finite())
 }
 
-/// Whether each method of a surface succeeds at a position. This also checks that the results are finite.
+/// For each method of a surface, whether it succeeds at a position. The function also checks that the results are
+/// finite.
 fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], TestCaseError> {
     let (at, place) = (Parameters::new(x, y), Point3::new(x, y, z));
     let is_unit = |vector: &Vector3<f64>| (vector.norm() - 1.0).abs() < 1e-9;

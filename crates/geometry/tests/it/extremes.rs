@@ -1,5 +1,5 @@
-//! Tests extreme sizes, ratios and distances, from the smallest double to 1e300. The bounds of the errors state how
-//! many digits may be lost.
+//! Tests surfaces and formulas with extreme sizes, ratios and distances, from the smallest double to 1e300. The bounds
+//! of the errors state how many digits may be lost.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};

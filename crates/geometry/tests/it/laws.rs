@@ -47,7 +47,7 @@ struct Place<'a, S> {
     specimen: &'a Specimen,
     at: Parameters,
     geometry: ChartGeometry,
-    /// Largest difference between two lengths that counts as rounding.
+    /// A difference between two lengths counts as rounding error if it is at most this value.
     tiny: f64,
 }
 
@@ -193,8 +193,8 @@ impl<'a, S: Surface> Place<'a, S> {
         }
     }
 
-    /// Checks that no sample point of the surface is closer than the closest point. Graphs are tested only within the
-    /// distance `reach`.
+    /// Checks that no sample point in `points` is closer to a query point than the closest point that the surface
+    /// computes. Graphs are tested only within the distance `reach`.
     fn none_of_these_is_closer(&self, points: &[Point3<f64>]) {
         let is_graph = matches!(
             self.specimen.shape,

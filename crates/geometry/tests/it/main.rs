@@ -1,4 +1,4 @@
-//! Geometry tests: laws for every surface, and closed forms for each one.
+//! Tests of the geometry: mathematical laws that hold for every surface, and exact formulas for each surface.
 #![allow(clippy::unwrap_used)]
 
 mod any_number;

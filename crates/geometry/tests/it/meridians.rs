@@ -10,7 +10,7 @@ use palpate_geometry::{Meridian, Surface};
 const PARABOLOIDS: [f64; 4] = [5.0, 0.5, 0.01, -0.3];
 const SPHEROIDS: [[f64; 2]; 4] = [[1.0, 2.0], [2.0, 0.5], [1.0, 1.0], [0.3, 30.0]];
 
-/// The meridian of a surface in the plane y = 0, and its apex above or below the origin.
+/// The meridian of a surface in the plane y = 0, and its apex, which lies on the z axis.
 fn from_apex(surface: &impl Surface) -> (Meridian, Point3<f64>) {
     let apex = surface.contact_at(0.0, 0.0).unwrap();
     (surface.meridian(&apex, &Vector3::x()).unwrap(), apex)

@@ -1,9 +1,10 @@
-//! If all lengths are multiplied by 2^k, curvatures in closed form are multiplied by exactly 2^−k.
+//! If all lengths of a surface are multiplied by 2^k, its curvatures are multiplied by exactly 2^−k.
 
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Sphere, Torus};
 use palpate_geometry::{CurvatureForm, Parameters, Surface};
 
-/// Compares the surface of every size with the surface of size 1. `lengths` states which chart parameters are lengths.
+/// Compares surfaces of several sizes with the surface of size 1. `lengths` states which of the two chart parameters
+/// are lengths.
 fn scales_exactly<S: Surface>(of_size: impl Fn(f64) -> S, lengths: [bool; 2]) {
     let unit = of_size(1.0);
     for k in -40..=40 {

@@ -152,8 +152,8 @@ fn are_not_finite_exactly_where_they_do_not_exist() {
     }
 }
 
-/// The jet of a formula by finite differences: the gradient from central differences of the value, the second
-/// derivatives from central differences of the gradient.
+/// The value and derivatives of a formula by central differences. The gradient is computed from values, and the second
+/// derivatives from the exact gradient.
 fn by_differences(formula: &Formula, x: f64, y: f64) -> Jet {
     let h = 1e-5;
     let (e, w) = (formula.jet(x + h, y), formula.jet(x - h, y));
