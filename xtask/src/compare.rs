@@ -12,24 +12,28 @@ const CELLS: &str = "cells.csv";
 const SCORED: &str = "claims.csv";
 /// File in which palpate lists the files that it wrote. It is not committed.
 pub(crate) const MANIFEST: &str = ".palpate.toml";
-/// Column with the number of the cell. After a partial run, it shows which committed rows to compare.
+/// Column with the number of the cell. After a run of only some cells, this column shows which committed rows to
+/// compare.
 const CELL: &str = "cell";
 /// Relative tolerance for numbers, because results differ slightly between C libraries and processors.
 const TOLERANCE: f64 = 1e-9;
 /// For numbers with a smaller absolute value, the tolerance is absolute: `TOLERANCE * SMALL`.
 const SMALL: f64 = 1e-3;
-/// Statistics that are computed from a histogram. Their tolerance is the next constant: the width of a bin, relative to
-/// the distance from the true value.
+/// Statistics that are computed from a histogram.
 const QUANTILES: [&str; 3] = ["q05", "q50", "q95"];
+/// Tolerance for the statistics in [`QUANTILES`]: the width of a histogram bin, relative to the distance of the quantile
+/// from the true value.
 const BIN: f64 = 0.008;
-/// Text that replaces the value if a file is missing.
+/// Text in [`Difference::now`] if the new file is missing.
 const ABSENT: &str = "–";
 
-/// A difference from a committed table or config: a number, a text or a row.
+/// A difference between a committed and a new file: another number or text in a table, other rows, another config, or a
+/// missing file.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Difference {
     file: String,
-    /// The fields of the row before the field that differs.
+    /// The first fields of the row in which a field differs, to identify the row; at most 4 fields. Empty if the whole
+    /// file differs.
     row: String,
     column: String,
     committed: String,
@@ -44,7 +48,8 @@ impl Difference {
     }
 }
 
-/// Whether a field agrees with the committed field. Differences that are normal between machines are ignored.
+/// Whether the field with the index `place` agrees in a committed row `old` and in the new row `new`. Differences that
+/// are normal between machines are ignored.
 fn is_alike(header: &[String], place: usize, old: &[String], new: &[String]) -> bool {
     let number = |text: &String| text.parse::<f64>().ok();
     let (Some(then), Some(now)) = (number(&old[place]), number(&new[place])) else {

@@ -8,7 +8,7 @@ use super::source::COPIES;
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
-/// A calibration that was fitted to all points, and for each series the straight lines that were fitted to the series
+/// A calibration that was fitted to the points of all series, and the straight lines that were fitted to each series
 /// alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationReport {
@@ -53,8 +53,7 @@ impl Fitted {
 /// warning.
 const MAX_RESIDUAL: f64 = 0.1;
 
-/// Largest accepted increase of R² if the fitted line has an intercept instead of none. A larger increase causes a
-/// warning.
+/// Largest accepted increase of R² when an intercept is added to the fitted line. A larger increase causes a warning.
 const MAX_GAIN_OF_INTERCEPT: f64 = 0.3;
 
 /// Largest accepted relative difference between the slopes of the series. A larger difference causes a warning.

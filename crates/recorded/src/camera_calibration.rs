@@ -18,8 +18,8 @@ const MIN_GROUND: u8 = 40;
 /// Largest accepted share of saturated pixels (green level 255) in the centre of a frame. Frames with a larger share
 /// are rejected.
 const MAX_SATURATED: f64 = 0.5;
-/// Largest ratio of an odd term's standard error to its prior standard deviation for which the frame counts as
-/// determining the term.
+/// The frame determines an odd term of the lens if the term's standard error is at most this share of the term's prior
+/// standard deviation.
 const MAX_TERM_SHARE: f64 = 0.5;
 
 /// Fits a camera to the markers of a frame at rest. The study (or grid point of a study) must be a press with a camera.
@@ -27,10 +27,9 @@ const MAX_TERM_SHARE: f64 = 0.5;
 /// and k5, are fitted only if the frame determines them: their standard errors must be at most half of their prior
 /// standard deviations. Otherwise k5, or both terms, have the values of the study.
 ///
-/// # Errors
-/// [`RecordedError::Readings`] in these cases: the study has no camera; the frame has another size or other colours
-/// than the study states, lacks markers of the layout, is saturated or under-exposed, or contradicts the layout. The
-/// message states the values.
+/// # Errors [`RecordedError::Readings`] in these cases: the study has no camera; the frame has another size or other
+/// colours than the study states, lacks markers of the layout, is saturated or under-exposed, or contradicts the
+/// layout. The message states the wrong value and the expected value.
 pub fn calibrate_camera(
     rest: &Frame,
     study: &StudyConfig,

@@ -44,7 +44,7 @@ const NAMES: [(&str, Option<&str>); CAMERA.len()] = [
 /// A camera with the uncertainty of its parameters.
 pub(super) struct CameraPrior<'a> {
     pub(super) geometry: CameraGeometry,
-    /// Prior standard deviation of each sensor parameter, in the order of the entries of a `Departure`.
+    /// Prior standard deviation of each sensor parameter. A [`Departure`] has entries in the same order.
     pub(super) stds: [f64; Departure::NUMBERS],
     /// Joint prior of the camera's parameters from a calibration, as differences from their nominal values with a
     /// covariance. `None` without a calibration.

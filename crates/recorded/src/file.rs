@@ -54,7 +54,7 @@ impl RecordedFile {
         Ok(Self::new(name, bytes))
     }
 
-    /// The same file, with the statement that its table has the form `form`.
+    /// The same file, but its table is read in the form `form`.
     #[must_use]
     pub fn written(self, form: Form) -> Self {
         Self { form, ..self }

@@ -27,7 +27,7 @@ pub(super) struct Thresholds {
 /// Noise of the contacts, either estimated or stated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct PatchNoise {
-    /// Standard deviation of the positions along the normal of the surface.
+    /// Standard deviation of the noise of the positions, along the normal of the surface.
     pub(super) position_std: Value,
     /// Standard deviation of the tilt of a normal about each of the two tangents, degrees; `null` if the contacts have
     /// no normals.
@@ -95,8 +95,9 @@ pub struct GlideEstimate {
     pub(super) thresholds: Thresholds,
     /// Noise of the contacts; `null` if the method does not estimate noise.
     pub(super) noise: Option<PatchNoise>,
-    /// Whether the method two-pass reached its target, which is a given sum of squares in each pass; `null` for other
-    /// methods. If it did not reach the target (`knots-exhausted`, `unsettled`), do not use the curvatures.
+    /// Whether the method `two-pass` reached its target, which is a given sum of squared residuals in each pass; `null`
+    /// for other methods. If the method did not reach the target (`knots-exhausted`, `unsettled`), do not use the
+    /// curvatures.
     pub(super) status: Option<&'static str>,
     /// Effective degrees of freedom of the fit.
     pub(super) effective_unknowns: f64,
@@ -105,7 +106,7 @@ pub struct GlideEstimate {
     /// Connected parts of the map in which all points have the same class, the largest first.
     pub(super) regions: Vec<PatchRegion>,
     /// P-value of the goodness of fit: the probability that noise of the stated size causes a worse fit if the model is
-    /// right. `null` if the noise is estimated instead of stated, and for the method two-pass.
+    /// right. `null` if the noise is estimated instead of stated, and for the method `two-pass`.
     pub(super) p_value: Option<f64>,
     /// Effective number of independent contacts. It is reduced by repeated contacts, by rests of a finger, and by
     /// correlated noise.
@@ -141,8 +142,8 @@ impl GlideEstimate {
 /// Map of the estimated curvature, on a grid over the patch or at the contacts.
 #[derive(Clone, Debug)]
 pub struct GlideMap {
-    /// The points of the map: one per contact, or the points of a grid. In a grid, the slowest index runs along the
-    /// fingers' path.
+    /// The points of the map: one per contact, or the points of a grid. In the list of grid points, the coordinate
+    /// along the fingers' path changes slowest.
     pub points: Vec<MapPoint>,
     /// Index of the region of each point; `None` for a map at the contacts.
     pub regions: Option<Vec<usize>>,

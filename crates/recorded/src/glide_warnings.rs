@@ -11,12 +11,12 @@ use super::glide_options::GlideOptions;
 use super::misfit_warning::ReadingWords;
 use super::source::ReadingSource;
 
-/// Largest accepted ratio between the stated and the measured distance between fingers, whichever is larger. A larger
-/// ratio causes a warning.
+/// Largest accepted ratio of two distances between fingers, the stated and the measured distance; the larger one is
+/// divided by the smaller one. A larger ratio causes a warning.
 const MAX_SPACING_RATIO: f64 = 3.0;
 
-/// Ratio of distances from which there is a warning about an outlier. It compares the largest distance of a contact
-/// from its nearest neighbour with the second largest.
+/// Largest accepted ratio of the two largest distances between a contact and its nearest neighbour. A larger ratio
+/// causes a warning that the contact with the largest distance may be an outlier.
 const MAX_DISTANCE_RATIO: f64 = 3.0;
 /// Largest number of contacts for which the search for a distant contact is made, because it compares all pairs.
 const MAX_COMPARED: usize = 3000;
@@ -65,13 +65,13 @@ pub(super) fn distant(
     })
 }
 
-/// Largest accepted ratio between the estimated and the stated noise, whichever is larger. A larger ratio causes a
-/// warning, because the intervals are then wrong.
+/// Largest accepted ratio of the estimated and the stated standard deviation of the noise; the larger one is divided by
+/// the smaller one. A larger ratio causes a warning, because the intervals are then wrong.
 const MAX_NOISE_RATIO: f64 = 1.5;
 
-/// Warnings if the stated noise of the contacts differs from the noise that the same method estimates. `ratios`
-/// contains two ratios, for positions and for normals: the standard deviation in the patch, divided by the standard
-/// deviation of a single contact.
+/// Warnings if the stated noise of the contacts differs from the noise that the same method estimates. A contact of the
+/// patch may be the mean of several contacts. `ratios` contains two ratios, for positions and for normals: the standard
+/// deviation of such a mean, divided by the standard deviation of a single contact.
 pub(super) fn stated_noise(
     patch: &Patch,
     estimator: &GlideEstimatorConfig,
@@ -171,11 +171,12 @@ const MIN_CONTACTS: usize = 8;
 /// evenly spaced selection of them is used.
 const MAX_CONTACTS: usize = 2000;
 
-/// Smallest decrease, as a factor, of the fit's error by a change of the normals (swapped or reversed components) that
-/// causes a warning.
+/// There is a warning if the normals fit the contacts better after their components are swapped or reversed: the error
+/// of the fit decreases by more than this factor.
 const MIN_RATIO: f64 = 2.0;
 
-/// Largest error of a quadric fit for which contacts and normals count as consistent.
+/// Contacts and normals count as consistent if the error of a fitted quadric surface is below this value, see
+/// [`fit_error`].
 const MAX_ERROR: f64 = 0.1;
 
 /// Text about a likely mistake in the normals: swapped columns or a wrong sign. The normals are compared with a quadric

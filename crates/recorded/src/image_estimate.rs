@@ -25,9 +25,9 @@ const BLEMISHED: &str = "the effects of `light_at_rim` and `blur_px` are correct
      rest; they change when markers move, which may cause other warnings";
 
 /// Factor by which all uncertainties of JPEG frames are multiplied. The compression changes all markers in a similar
-/// way, so its errors do not average out. The factor was found by experiments. With a factor of 2, the true curvature
-/// was in 19 of 20 intervals from frames of quality 92 and 95, but only in 6 of 12 intervals from frames with
-/// subsampled colours. With a factor of 3, it was in all intervals.
+/// way, so its errors do not average out. The factor was found by experiments. With a factor of 2, 19 of 20 intervals
+/// from frames of quality 92 and 95 contained the true curvature. However, only 6 of 12 intervals from frames with
+/// subsampled colours contained it. With a factor of 3, all intervals contained it.
 const JPEG_FACTOR: f64 = 3.0;
 /// Warning text for JPEG frames.
 const OF_JPEG: &str = "the frames are compressed as JPEG, which changes all markers in a similar way, so all \
@@ -393,7 +393,8 @@ impl ScaledFit {
     }
 }
 
-/// Question in the warning about scatter at rest. It names a possible cause.
+/// Question in the warning that the markers at rest scatter more than the stated errors explain. The question names a
+/// possible cause.
 const OF_REST: &str = "do the camera and the discs match the sensor?";
 
 fn scattered(frame: &Frame, scatter: f64) -> String {

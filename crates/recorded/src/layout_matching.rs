@@ -31,12 +31,13 @@ const DISCS: [(usize, &str); 10] = [
 pub(super) const CAMERA: [usize; 11] = [4, 5, 6, 7, 8, 9, 10, 11, 12, TERMS[0], TERMS[1]];
 /// Number of rough matching rounds before the final round.
 const ROUNDS: usize = 4;
-/// Standard deviations of a marker's image in the rough fits: both centroid coordinates (px), hue (turns), and
-/// logarithm of the size. They are large, because the misalignments of the discs are still unknown.
+/// Standard deviations of the four numbers of a marker's image in the rough fits: both centroid coordinates (px), hue
+/// (turns), and logarithm of the size. They are large, because the misalignments of the discs are still unknown.
 const ROUGH_STDS: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
-/// Smallest share of the layout's markers that must be found, and largest share of found markers that are not in the
-/// layout. The first constant is for the final round, the second for the rough rounds.
+/// Smallest share of the layout's markers that must be found in the final round, and largest share of found markers that
+/// may not be in the layout.
 const SHARES: [f64; 2] = [0.66, 0.2];
+/// The same two shares as in [`SHARES`], but for the rough rounds.
 const ROUGH_SHARES: [f64; 2] = [0.5, 0.5];
 /// Largest accepted median difference between measured and nominal hues of the markers, turns.
 const MAX_HUE_DIFFERENCE: f64 = 0.06;

@@ -24,7 +24,7 @@ use super::value::{FORMAT_VERSION, Value, finite};
 const LEAST_NOISE: f64 = 1e-10;
 
 /// Confidence level of the test whether the force grows with the power 3/2 of the indentation. Readings of a Hertzian
-/// contact pass this test with this probability. Readings that fail cause a warning.
+/// contact pass the test with this probability. There is a warning if the readings fail the test.
 const LEVEL: f64 = 0.995;
 
 /// A recorded load curve.
@@ -96,7 +96,8 @@ pub struct LoadEstimate {
     /// Curvature of the object: 1/R minus the curvature of the sensor, where R is the effective radius. `None` if
     /// Young's modulus or the radius of the sensor is not given.
     object_curvature: Option<Value>,
-    /// Exponent of the power law that fits the forces best, to first order. For a Hertzian contact, it is 3/2.
+    /// Exponent n of the power law F ∝ δⁿ that fits the forces F best, where δ is the indentation. It is found by one
+    /// linear step from n = 3/2, which is the exponent of a Hertzian contact.
     exponent: Value,
     /// Standard deviation of the noise of each force, N; stated, or estimated from the residuals.
     force_std_n: f64,

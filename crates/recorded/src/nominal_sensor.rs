@@ -16,7 +16,7 @@ use palpate_study::FieldError;
 /// share of the sensor's radius) and rotation (degrees).
 const CAMERA_STDS: [f64; 4] = [0.5, 0.1, 0.1, 5.0];
 /// Prior standard deviations of the odd terms of a lens, k3 and k5. The terms of all usual fisheye projections, from
-/// orthographic to stereographic, are within two of these standard deviations.
+/// orthographic to stereographic, differ from 0 by at most two of these standard deviations.
 pub(super) const TERM_STDS: [f64; 2] = [0.1, 0.05];
 /// Indices of the odd terms k3 and k5 of the lens in a [`Departure`].
 pub(super) const TERMS: [usize; 2] = [19, 20];

@@ -101,8 +101,8 @@ pub struct PressReport {
     pub(super) contact_std: [Option<f64>; 2],
     /// Fitted offset that is added to all normal displacements; `null` if it is not fitted.
     pub(super) baseline: Option<Value>,
-    /// Factor on normal displacements (for a Gaussian, the ratio of its amplitude to the indentation); `null` if it is
-    /// not fitted.
+    /// Fitted factor by which all normal displacements are multiplied; `null` if it is not fitted. For a Gaussian, it
+    /// is the ratio of the Gaussian's amplitude to the indentation.
     pub(super) gain: Option<Value>,
     /// Markers that were left out of the fit, because their readings contradict the other markers.
     pub(super) wrong_markers: Vec<Row>,

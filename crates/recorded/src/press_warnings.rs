@@ -12,7 +12,8 @@ use super::press_recording::PressRecording;
 use super::press_report::Row;
 use super::source::ReadingSource;
 
-/// Standard deviation that is assumed if an indentation is stated without one, relative to the indentation.
+/// Standard deviation of a stated indentation, relative to the indentation. It is assumed if the standard deviation is
+/// not stated.
 const INDENTATION_SHARE: f64 = 0.02;
 
 /// The stated indentation with its standard deviation, and a warning if the standard deviation is an assumption.
@@ -155,7 +156,8 @@ pub(super) fn large_contact(
     )
 }
 
-/// Smallest accepted share of the variance that a fit explains. A smaller share causes a warning.
+/// Smallest accepted share of the variance of the normal displacements that a fit explains. A smaller share causes a
+/// warning.
 const MIN_R_SQUARED: f64 = 0.5;
 
 /// Displacements whose sign is checked are at least this share of the largest displacement.
@@ -212,10 +214,10 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
     Some(text)
 }
 
-/// Smallest decrease, as a factor, of the mean square residual by swapped or reversed columns that causes a warning.
+/// There is a warning if swapping or reversing columns decreases the mean square residual by more than this factor.
 const MIN_IMPROVEMENT: f64 = 4.0;
-/// Largest accepted noise of displacements along the skin, relative to the largest of them. If the estimated noise is
-/// larger, or if there are misfits, the columns are checked for mistakes.
+/// Largest accepted noise of displacements along the skin, relative to the largest displacement along the skin. If the
+/// estimated noise is larger, or if there are misfits, the columns are checked for mistakes.
 const MAX_NOISE: f64 = 0.2;
 
 /// Function that swaps the components of a displacement along the skin, or changes their signs.

@@ -177,8 +177,8 @@ impl RollEstimate {
         values
     }
 
-    /// Smallest and largest value of each curvature that is compatible with exact rotations and pads; `None` if the
-    /// rotations have noise.
+    /// Smallest and largest value of each curvature that is compatible with the readings, if the rotations and the pads
+    /// are exact. `None` if the rotations have noise.
     fn bounds(&self) -> Option<BTreeMap<&'static str, [Option<f64>; 2]>> {
         let estimate = &self.series.as_ref()?.estimate;
         let bounds = |(name, quantity)| Some((name, estimate.bounds(quantity)?));

@@ -23,8 +23,8 @@ const MIN_TURN_RATIO: f64 = 1.0 / 30.0;
 /// Significance level below which a fit of time series is reported as poor.
 const MIN_P_VALUE: f64 = 0.005;
 
-/// Smallest possible shift of a sensor with pads, relative to the pitch. The limit is low enough, because pads are
-/// hardly ever less than 0.8 pitches apart.
+/// Smallest shift that agrees with the stated pitch of the pads, as a multiple of the pitch. A smaller shift causes a
+/// warning. Neighbouring pads are hardly ever less than 0.8 pitches apart, so correct shifts exceed this limit.
 const MIN_SHIFT: f64 = 0.5;
 /// Shifts up to this size, relative to the pitch, count as 0, because they are rounding errors.
 const ROUNDING: f64 = 1e-9;

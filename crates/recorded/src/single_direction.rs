@@ -12,7 +12,7 @@ use super::value::Value;
 
 /// Rolls have a single direction if the ratio of the rms rotations across and along this direction is below this value.
 const MAX_SPREAD: f64 = 0.05;
-/// Size of the additional roll across the recorded rolls, relative to their rms rotation.
+/// Rotation of the additional roll across the recorded rolls, relative to the rms rotation of the recorded rolls.
 const ACROSS_SHARE: f64 = 0.1;
 
 /// Normal curvature along the path of the contact.
@@ -25,8 +25,9 @@ pub struct DirectedCurvature {
 }
 
 /// Returns the angle of the contact's path, from u towards v, and readings for a fit. `None` if the rolls have several
-/// directions. The readings for the fit contain one additional, invented roll. It is perpendicular to the recorded
-/// rolls, and its shift is that on a plane. Without it, the fit would be impossible.
+/// directions. The readings for the fit contain one additional, invented roll. This roll is perpendicular to the
+/// recorded rolls, and its shift is the shift that it would have on a plane. Without this roll, the fit would be
+/// impossible.
 ///
 /// Let g be the direction in which the probe is driven, and b the path of the contact per radian. The relative
 /// curvature along b is b·g/(|b|²|g|). It does not depend on the curvature across b, so the additional roll does not

@@ -13,7 +13,8 @@ use super::error::RecordedError;
 pub(super) struct ReadingSource {
     pub(super) name: String,
     pub(super) lines: Vec<usize>,
-    /// For each reading, its row in the file, counted from 0. The list is empty if no row was left out.
+    /// For each reading, its row in the file, counted from 0. The list is empty if no row was left out, because each
+    /// reading then has the same index as its row.
     pub(super) rows: Vec<usize>,
     /// Warnings about columns that were not found by their names, or that are not read.
     pub(super) notes: Vec<Warning>,

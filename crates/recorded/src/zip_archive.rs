@@ -6,9 +6,9 @@ use miniz_oxide::inflate::decompress_to_vec_with_limit;
 
 /// Largest total size of the files in an archive, MiB.
 const MAX_MIB: usize = 256;
-/// Size in bytes of the record at the end of an archive. The next constant is the largest size of the comment after
-/// this record.
+/// Size of the record at the end of an archive, bytes. A comment may follow this record.
 const END: usize = 22;
+/// Largest size of the comment at the end of an archive, bytes.
 const MAX_COMMENT: usize = 65_535;
 
 /// Name and contents of a file in an archive.

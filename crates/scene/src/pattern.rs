@@ -38,11 +38,12 @@ pub struct CutPattern {
     pub gores: u32,
     /// Number of markers printed on the gores.
     pub markers: usize,
-    /// Largest and rms strain of folding.
+    /// Largest strain and root mean square strain of the skin when the flat gores are folded over the sphere.
     pub fold_strain: FoldStrain,
-    /// Table of the folding strain over half a gore, from its middle meridian to its edge.
+    /// Folding strain at the points of a grid over half a gore: from the middle meridian of the gore to its edge, and
+    /// from the equator to the apex.
     pub strain: Table,
-    /// Table of the folding strain for 3 to 12 gores.
+    /// Largest and root mean square folding strain of skins with 3 to 12 gores.
     pub strain_by_gores: Table,
 }
 
@@ -151,8 +152,8 @@ fn pattern_error(error: &PatternError) -> FieldError {
     FieldError::at(path, error)
 }
 
-/// Number of steps in each direction of the table of strains: from the middle meridian to the edge, and from the
-/// equator to the apex.
+/// Number of grid steps of the table of folding strains in each of its two directions: from the middle meridian of a
+/// gore to its edge, and from the equator to the apex.
 const STEPS: u32 = 18;
 
 fn strain_over_gore(gores: u32) -> Result<Table, PatternError> {

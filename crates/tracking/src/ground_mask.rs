@@ -80,8 +80,8 @@ impl GroundMask {
         }
     }
 
-    /// Computes a grey image in which markers are bright. On a dark background, a pixel is the brightest of its three
-    /// colours. On a bright background, it is the inverse of the smaller of green and blue.
+    /// Computes a grey image in which markers are bright. On a dark background, the grey value of a bin is the largest
+    /// of red, green and blue. On a bright background, it is 255 minus the smaller of green and blue.
     fn set_plane(&mut self, ground: Ground) {
         let share = share_of(self.frame.pixels());
         let sums = self.frame.sums.iter();
@@ -182,8 +182,8 @@ fn share_of(pixels: usize) -> impl Fn(u16) -> u8 {
     move |sum| ((u32::from(sum) * scale) >> 16).min(255) as u8
 }
 
-/// For each brightness of the background, a factor in units of 1/65,536. It converts a brightness difference to a share
-/// of the background's light. The factor is 0 if the background is too dark.
+/// For each brightness of the background (0 to 255), a factor in units of 1/65,536. The factor converts a brightness
+/// difference to a share of the background's light, in units of 1/255. The factor is 0 if the background is too dark.
 fn scales() -> [u32; 256] {
     std::array::from_fn(|light| {
         if light < MIN_GROUND_BRIGHTNESS {

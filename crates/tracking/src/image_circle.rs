@@ -20,8 +20,8 @@ const MIN_VISIBLE: f64 = 0.8;
 /// Length of the arcs into which the circle is divided, in bins. The rim is visible along an arc if a point of the rim
 /// lies on it.
 const STEP: f64 = 4.0;
-/// Largest accepted distance of a point of the rim from the circle. It is the first number (in bins) plus the second
-/// number multiplied by the radius of the circle.
+/// Largest accepted distance of a point of the rim from the circle. The distance is the first number, in bins, plus the
+/// product of the second number and the radius of the circle.
 const MAX_DISTANCE: [f64; 2] = [1.5, 0.01];
 /// Number of circles that are tried. Each of them goes through three points of the rim.
 const TRIES: usize = 64;
@@ -285,8 +285,9 @@ impl Rim {
     }
 }
 
-/// The colour of the corners, as sums over bins. The second result is the largest difference between the colour of a
-/// bin in the corners and this colour.
+/// The colour of the frame's corners, and the colour difference above which a bin does not have this colour. The limit
+/// follows from the differences within the corners. Both results are sums over the pixels of a bin. `None` unless at
+/// least three corners have the same colour.
 fn corner_colour(binned: &BinnedFrame) -> Option<([f64; 3], f64)> {
     let (width, height) = (binned.width, binned.height);
     let side = (width.min(height) / 40).max(2);

@@ -16,7 +16,8 @@ const MIN_CHROMA: f64 = 0.2;
 /// a pixel is assigned to its middle. The value was measured on discs with radii of 8 to 26 px, with pixels that
 /// integrate the light over their area.
 const EDGE_PX: f64 = 0.067;
-/// Share of the variance of edge pixels that is due to errors that are equal in all colours.
+/// The light of edge pixels has errors that are equal in all colours, and errors that differ between colours. This is
+/// the share of the equal errors in the variance.
 const COMMON_SHARE: f64 = 0.5;
 
 /// The marker with the sums `sums` over its pixels. `None` if its hue is outside the range of markers, or if a number

@@ -11,11 +11,12 @@ use crate::shapes::{Shape, Window};
 /// Width of the ring in which the background around a marker is measured, px. The ring surrounds the window of the
 /// marker.
 const RING_PX: i32 = 4;
-/// A marker ends where the mean signal of the markers falls below this share of its full value.
+/// A marker ends at the distance from its shape at which the mean signal of several markers falls below this share of
+/// the full signal.
 const END_SIGNAL: f64 = 0.004;
 /// Largest distance of a saturated pixel from a shape at which the pixel still counts as part of the marker, px.
 const HUE_REACH_PX: i32 = 2;
-/// Number of markers on which the distance by which markers extend beyond their shapes is measured.
+/// Number of markers that are used to measure how far markers extend beyond their shapes.
 const SAMPLE_SIZE: usize = 12;
 /// Smallest brightness of the background that is used as a divisor, in levels (0 to 255).
 const MIN_BRIGHTNESS: f32 = 8.0;

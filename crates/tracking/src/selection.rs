@@ -26,8 +26,8 @@ const SPLIT_AREA: f64 = 1.6;
 const MAX_ELONGATION: f64 = 3.0;
 /// Smallest accepted ratio of a marker's area to the area of the ellipse with the same second moments.
 const MIN_FILL: f64 = 0.7;
-/// Smallest value of a marker's pixels, relative to the 90 % quantile of the values in its shape. Pixels with smaller
-/// values may be shade.
+/// Smallest grey value of a marker's pixels, relative to the 90 % quantile of the grey values in the marker's shape.
+/// Pixels with smaller values may be shade.
 const STEEP: f64 = 0.6;
 
 impl Selection {

@@ -71,7 +71,7 @@ impl Default for Truth {
 }
 
 impl Truth {
-    /// The nominal camera, with the true odd terms of the lens instead of the nominal ones.
+    /// The nominal camera, but its lens has the true odd terms instead of the nominal odd terms.
     fn lens(&self) -> Camera {
         Camera::new(Lens::fisheye(self.terms), SIZE, 65.0).expect("a camera")
     }

@@ -3,8 +3,9 @@
 use palpate_recorded::{RecordedFile, RollOptions, RollRecording, estimate_roll, parse_roll};
 use serde_json::{Value, json};
 
-/// Radius of the probe and radius of the object, mm. The next constant is the pitch of the pads, mm.
+/// Radius of the probe and radius of the object, mm.
 const RADII: [f64; 2] = [10.0, 40.0];
+/// Pitch of the pads, mm.
 const PITCH: f64 = 1.0;
 const HEADER: &str = "probe,time_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm";
 

@@ -173,7 +173,8 @@ impl SimulatedCamera {
         })
     }
 
-    /// The same camera without noise and without pixels; `None` if there is no such camera.
+    /// The same camera, but it computes the images of markers directly and without noise. `None` if the error-free
+    /// [`ImageNoise`] cannot be built.
     pub(super) fn exact(&self) -> Option<Self> {
         let noise = ImageNoise::new(&PressNoiseConfig::default()).ok()?;
         Some(Self {

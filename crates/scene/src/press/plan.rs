@@ -419,7 +419,8 @@ impl PressRungs {
         })
     }
 
-    /// Measures the errors of all models, from the fastest to the slowest. The errors are relative to the last model.
+    /// Measures the errors of all models, from the fastest to the slowest. The error of a model is the difference of
+    /// its results from those of the last model.
     fn measure(
         &self,
         markers: &Markers,

@@ -168,17 +168,18 @@ pub(super) struct PressNoise {
     /// Error of each component of each tangential displacement.
     pub(super) tangential: GaussianError,
     pub(super) indentation: IndentationSensor,
-    /// Error of the gain, the factor on all normal displacements.
+    /// Error of the gain, which is the factor by which all normal displacements are multiplied.
     pub(super) gain: GaussianError,
     /// Number of markers whose readings are outliers.
     outliers: usize,
-    /// Error of an outlier. It is added to the other errors of the marker.
+    /// Additional error of the displacements of an outlier marker. It is added to the other errors of this marker.
     outlier: GaussianError,
     seed: u64,
 }
 
 impl PressNoise {
-    /// The noise that a config states, for a given number of markers. It is reduced by averaging over `frames` frames.
+    /// The noise that a config states, for a sensor with `markers` markers. Averaging over `frames` frames reduces the
+    /// noise of the displacements.
     pub(super) fn new(
         config: &PressNoiseConfig,
         frames: u32,

@@ -413,12 +413,12 @@ impl<'a> DiscMarkers<'a> {
     }
 }
 
-/// Distance above and below a disc at which displacements of the skin are computed to find its strain, as a share of
-/// the sensor's radius.
+/// To find the strain of a disc, displacements of the skin are computed at this distance above and below the disc. The
+/// distance is a share of the sensor's radius.
 const STRAIN_STEP: f64 = 0.0025;
 
-/// Models of the skin just above and just below the discs of one colour. The difference between the two displacements
-/// determines the strain of the discs.
+/// Models of the skin just above and just below the discs of one colour. The difference between the displacements of
+/// the two models determines the strain of the discs.
 struct DiscStrain {
     /// Share of the skin's strain that the discs follow. 1 means that the discs strain as much as the skin.
     share: f64,
@@ -447,8 +447,9 @@ impl DiscStrain {
         })
     }
 
-    /// For each disc in a press, the relative widening of the disc and of the skin around it. If an incompressible skin
-    /// is compressed along its normal, it widens in both tangential directions, each by half of the normal strain.
+    /// For each disc in a press, two numbers: the relative widening of the disc, and the relative widening of the skin
+    /// around the disc. If an incompressible skin is compressed along its normal, the skin widens in both tangential
+    /// directions, each by half of the normal strain.
     fn stretches(
         &self,
         markers: &Markers,
@@ -471,8 +472,8 @@ mod tests {
     use super::*;
     use palpate_press::Skin;
 
-    /// Half of the area strain of a half-space, (r u_r)′ / 2r, computed by finite differences of the radial
-    /// displacement u_r.
+    /// Half of the area strain of a half-space: (r u_r)′ / (2r), where r is the distance from the contact's centre and
+    /// u_r the radial displacement. The derivative with respect to r is computed by finite differences.
     fn widened(markers: &[[f64; 2]], depth: f64, geometry: &PressGeometry) -> Vec<f64> {
         const STEP: f64 = 1e-3;
         let body = half_space(depth);

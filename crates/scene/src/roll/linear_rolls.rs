@@ -22,9 +22,11 @@ pub(super) struct LinearRolls {
 struct LinearRoll {
     /// Path of the contact along u and v if the probe rotates exactly as commanded.
     commanded: [f64; 2],
-    /// Change of the contact's path per unit error of the rotation about x.
+    /// Change of the contact's path if the rotation about x has an error of one unit. The unit is the size of the
+    /// error: its standard deviation or its bound.
     per_error_x: [f64; 2],
-    /// Change of the contact's path per unit error of the rotation about y.
+    /// Change of the contact's path if the rotation about y has an error of one unit. The unit is the same as in
+    /// `per_error_x`.
     per_error_y: [f64; 2],
     reported: ProbeRotation,
 }

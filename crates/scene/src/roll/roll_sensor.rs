@@ -246,8 +246,8 @@ impl RotationSensor {
         !self.is_random_per_roll() && self.error.bias() == 0.0 && self.drift_rad_per_s == 0.0
     }
 
-    /// Path of the config field that states the larger of two errors: the error of the rotation and the error of the
-    /// encoder.
+    /// A config states two errors of the reported rotation: the error of the rotation and the error of the encoder.
+    /// Returns the path of the field that states the larger error.
     pub(super) fn path(&self) -> &'static str {
         match self.encoder {
             Some(encoder) if encoder.std_rad() >= self.error.std() => "scene.noise.encoder",

@@ -81,7 +81,7 @@ pub(super) fn fit(
 }
 
 impl Line {
-    /// Checks that all numbers of the line are finite, and that its slope is not zero.
+    /// Returns the line if all its numbers are finite and its slope is not zero; otherwise returns an error.
     pub(super) fn checked(self) -> Result<Self, CalibrationError> {
         let optional = [self.slope_std, self.intercept, self.residual_std];
         if !self.slope.is_normal() {
