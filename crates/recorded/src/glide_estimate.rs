@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use palpate_ep2::{
     Contact, Curvature, EffectiveReadings, Ep2Error, IndependentFit, MapPoint, Method, MisfitTest,
     Outlier, Patch, Regions, RoundTip, Shape, ShapeError, ShapeFit, SoundContacts, Status,
-    StrokeCurvature, Uncertainty, regions, stroke_curvature,
+    StrokeCurvature, regions, stroke_curvature,
 };
 use palpate_estimators::{GlideFit, GlideMethod, fit_shape};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
@@ -382,7 +382,16 @@ impl<'r> GlideFitResult<'r> {
         let stds = curvature.uncertainty.filter(|_| !is_open);
         let gaussian_std = stds.map(|stds| stds.gaussian_std);
         let mean_std = stds.map(|stds| stds.mean_std);
-        let [min_std, max_std] = principal_stds(&curvature);
+        let principal_stds = match &self.surface {
+            Surface::Graph(graph) => graph.1.fit.principal_stds_at(&centre.position),
+            Surface::Shape(fit) => fit.principal_stds(),
+        };
+        let std = |place: usize| {
+            principal_stds
+                .map(|stds| stds[place])
+                .filter(|std| std.is_finite())
+        };
+        let [min_std, max_std] = [0, 1].map(std);
         let (tested, unknown) = self.misfit();
         let warnings = self.warnings(&tested.misfits, unknown);
         let (noise, status, effective_unknowns, shape) = match &self.surface {
@@ -581,31 +590,4 @@ fn remedied(error: &Ep2Error, fingers: usize) -> String {
 fn of_size([u, v]: [f64; 2]) -> Option<ShapeThresholds> {
     let paper_units = 3.0 / (0.5 * u + 0.5 * v);
     ShapeThresholds::new(0.005 * paper_units * paper_units, 0.03 * paper_units).ok()
-}
-
-/// Standard errors of the principal curvatures H ∓ √(H² − K), to first order. H is the mean curvature, and K the
-/// Gaussian curvature. `None` if the two curvatures cannot be distinguished, or if the method states no uncertainty.
-fn principal_stds(curvature: &Curvature) -> [Option<f64>; 2] {
-    let Some(uncertainty) = curvature.uncertainty else {
-        return [None; 2];
-    };
-    let Uncertainty {
-        gaussian_std,
-        mean_std,
-        correlation,
-    } = uncertainty;
-    let variance = |by_gaussian: f64, by_mean: f64| {
-        let (gaussian, mean) = (by_gaussian * gaussian_std, by_mean * mean_std);
-        (gaussian * gaussian + 2.0 * correlation * gaussian * mean + mean * mean).max(0.0)
-    };
-    let mean = curvature.mean;
-    let square = mean * mean - curvature.gaussian;
-    if square <= 2.0 * variance(-1.0, 2.0 * mean).sqrt() || square <= 0.0 {
-        return [None; 2];
-    }
-    let half = square.sqrt();
-    [-1.0, 1.0].map(|sign| {
-        let std = variance(-0.5 * sign / half, 1.0 + sign * mean / half).sqrt();
-        std.is_finite().then_some(std)
-    })
 }
