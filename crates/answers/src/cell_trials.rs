@@ -18,7 +18,7 @@ const FIRST_FRESH_TRIAL: u64 = 1 << 40;
 /// If more scenes than this are in memory, the scenes that are not needed now are dropped, because scenes with a camera
 /// are large.
 const MAX_CACHED_SCENES: usize = 64;
-/// Kind of failure for a scene whose readings would not determine an estimate if they had no noise.
+/// Kind of failure of a scene whose readings do not determine an estimate, even without noise.
 const UNDETERMINED: &str = "undetermined";
 
 /// All trials of one search, for each cell of the study and each tested value of the searched field.
@@ -111,8 +111,8 @@ impl<'a> CellTrials<'a> {
         Ok(())
     }
 
-    /// The error which reports that the statistic of the target is undefined at a value and a cell. `why` is the
-    /// reason.
+    /// Returns the error [`AnswerError::Undefined`]: the statistic of the target cannot be computed at the requested
+    /// value and cell. `why` is the reason.
     fn undefined(&self, ask: &ScoreRequest, why: &'static str) -> AnswerError {
         let found = self.source.study_at(ask.value);
         let found = found.and_then(|study| Ok((study.cell(ask.cell)?.coordinates, study)));

@@ -11,7 +11,8 @@ pub(crate) const MAX_COLUMNS: usize = 64;
 const VALUES_PER_FIELD: [usize; 3] = [9, 5, 3];
 
 /// All combinations of the values of the grid's fields, where the value of the last field changes fastest. Without
-/// fields, there is one empty combination. `gap` limits the rounding of the values.
+/// fields, there is one empty combination. The values of a range are rounded to steps that are small compared with
+/// `gap`.
 pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, AnswerError> {
     let count = VALUES_PER_FIELD[fields.len().clamp(1, VALUES_PER_FIELD.len()) - 1];
     let mut places: Vec<Vec<f64>> = vec![Vec::new()];
@@ -34,8 +35,9 @@ pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, 
     Ok(places)
 }
 
-/// New combinations near the combination `best`. In each field with a range, they are the midpoints between `best` and
-/// its neighbours among the `known` combinations.
+/// New combinations next to the combination `best`. In each field with a range, the new values are the midpoints
+/// between the value of `best` and the nearest values of the `known` combinations that differ from `best` only in this
+/// field.
 pub(crate) fn neighbours(
     fields: &[Field],
     gap: f64,

@@ -58,7 +58,7 @@ pub struct RegionColumn {
 /// A tested value of the searched field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DesignPoint {
-    /// The value. For a listed value, its index in the list.
+    /// The tested value of the searched field. For a listed value, its index in the list.
     pub value: f64,
     /// Side of the target on which the value lies; `None` if it is undecided.
     pub side: Option<Side>,
@@ -241,7 +241,7 @@ impl Region {
         samples.max_by(|one, other| self.by_rank(one, other))
     }
 
-    /// The value that comes nearest to meeting the target at any of these combinations, with its combination and the
+    /// The value that comes nearest to meeting the target at any combination in `columns`, with its combination and the
     /// result of its decisive cell. If some values have few enough failures, the value with the best statistic among
     /// them is returned. Otherwise, the value with the fewest failures is returned.
     pub(crate) fn nearest<'a>(

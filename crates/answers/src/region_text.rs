@@ -197,8 +197,8 @@ impl Region {
         }
     }
 
-    /// The reason in words if values next to the range that meets the target miss it because too many of their trials
-    /// fail; otherwise empty.
+    /// If values next to the range that meets the target miss it because too many of their trials fail, the text states
+    /// this reason. Otherwise, the text is empty.
     fn failures_in_words(&self, column: &RegionColumn) -> String {
         match self.failing_end(column) {
             Some((point, sample)) => format!(", because {}", self.result_at(point, sample)),
@@ -206,8 +206,8 @@ impl Region {
         }
     }
 
-    /// The first end of a range that misses the target at which too many trials fail, with its decisive result. The
-    /// ends of the whole searched range are ignored.
+    /// The first end, among the ends of the ranges that miss the target, at which too many trials fail. It is returned
+    /// with the result of its decisive cell. The ends of the whole searched range are ignored.
     pub(crate) fn failing_end<'a>(
         &self,
         column: &'a RegionColumn,
@@ -287,7 +287,8 @@ impl Region {
         }
     }
 
-    /// The result at a value in words: the statistic or, if too many trials fail, the failures.
+    /// The result at a tested value, in words: the statistic of the target or, if too many trials fail, the share of
+    /// failed trials.
     fn result_at(&self, point: &DesignPoint, sample: &Sample) -> String {
         let (value, label) = (self.searched.value(point.value), self.label());
         if self.is_failing(sample) || sample.counts.failed == sample.counts.trials {
@@ -346,7 +347,7 @@ impl Region {
         }
     }
 
-    /// Words for the values of the other fields with which the best value meets the target.
+    /// The values of the other varied fields at which the best value meets the target, in words.
     fn at_best(&self, best: &Best<'_>, sought: Option<usize>) -> String {
         let grid = self.grid.iter().zip(&best.column.at).enumerate();
         let grid = grid.filter(|(place, _)| Some(*place) != sought);
@@ -446,7 +447,7 @@ impl Region {
         )
     }
 
-    /// The values that meet the target at one combination, in words.
+    /// The values of the searched field that meet the target, in words, at one combination of the grid's values.
     fn values_that_meet_in(&self, column: &RegionColumn) -> String {
         let (span, is_listed) = (self.searched.span, self.searched.is_listed());
         let mut runs = column.on(Side::Meets).peekable();
@@ -487,7 +488,8 @@ impl Region {
 const MEETS: [&str; 2] = ["meets", "meet"];
 const MISSES: [&str; 2] = ["misses", "miss"];
 
-/// The form of the verb that agrees with these values: the first form for one value or range, the second for a list.
+/// The form of a verb that agrees with the text `values`: `one` if the text states one value or range, `many` if it is
+/// a list.
 fn verb(values: &str, [one, many]: [&'static str; 2]) -> &'static str {
     if values.contains(" and ") { many } else { one }
 }

@@ -31,7 +31,7 @@ pub use verify::Run;
 /// for the share of trials that fail.
 pub(crate) type Scores = [f64; 2];
 
-/// A request for the scores of a cell at a value of the field.
+/// A request for the scores of one cell at one value of the searched field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ScoreRequest {
     /// Value of the searched field. For listed values, it is the index in the list.
@@ -112,7 +112,7 @@ pub(crate) struct TestedValue {
 /// Without a budget, the result depends only on the scores.
 ///
 /// # Errors
-/// The error of the curve.
+/// The error of `curves`, if a score cannot be computed.
 pub(crate) fn search<C: Curves + ?Sized>(
     curves: &mut C,
     search: &Search,

@@ -1,5 +1,5 @@
-//! Errors of palpate on fixed scenes with fixed seeds. Models are compared with closed forms, estimators with the true
-//! values of the scenes, and the marker tracker with the true positions of the discs in its frames.
+//! Errors of palpate on fixed scenes with fixed seeds. Models are compared with closed-form solutions, estimators with
+//! the true values of the scenes, and the marker tracker with the true positions of the discs in its frames.
 //!
 //! `cargo xtask bench-check` compares these errors with `baseline/accuracy.csv`, to detect changes of the code that
 //! make results less accurate. An error is relative unless its name ends with a unit.
@@ -47,7 +47,7 @@ pub(crate) fn rms(errors: impl IntoIterator<Item = f64>) -> f64 {
     (sum / f64::from(count)).sqrt()
 }
 
-/// Errors of simulated rolls with each roll model, relative to closed forms.
+/// Errors of simulated rolls with each roll model, relative to closed-form solutions.
 fn roll_errors() -> Result<Figures> {
     let charts = Chart::Montana(HeldAxis::Transported);
     let rk4 = |chart| Model::Rk4 { steps: 64, chart };

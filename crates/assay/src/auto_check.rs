@@ -4,7 +4,7 @@
 //! | kind | computation whose instructions are counted | error | reference | competing models |
 //! |---|---|---|---|---|
 //! | roll | the rolls of one trial without noise | contacts at the end, relative to the contact's length scale | Montana's equations in the charts of both bodies | all models, with all settings that use no charts |
-//! | glide | the contact points of all fingers | contacts, relative to the tip's radius | the offset surface in closed form; Newton's method for a closed form, and a closed form for Newton's method | closed form, Newton's method with tolerances in steps of ten |
+//! | glide | the contact points of all fingers | contacts, relative to the tip's radius | closed-form solution of the offset surface; if a model has a closed form, this model and Newton's method are compared with each other | closed form, Newton's method with the tolerances 10⁻¹, 10⁻², … 10⁻¹³ |
 //! | press | the press, and the displacements of the markers | displacements, relative to the largest | quadrature over wavenumbers, which no competing model uses | Hertz, half-space, layer |
 //!
 //! The set-up of a scene is not counted. For a roll, the instructions of some models need not be counted: those that

@@ -1,4 +1,5 @@
-//! Contacts in closed form: the contact at the end of a roll of the unit sphere, and the contact of a round fingertip.
+//! Closed-form solutions for contacts: the contact at the end of a roll of the unit sphere, and the contact of a round
+//! fingertip.
 //!
 //! `palpate-rolling` computes most of these contacts by other methods, so the closed forms are an independent check. If
 //! a tip of radius r touches from above at the point p with outward normal n, the centre of the tip is p + r n. All

@@ -1,9 +1,9 @@
 //! Measures two properties of estimates on random scenes: the coverage of their 50, 80 and 95 % intervals, and their
 //! warnings.
 //!
-//! Families of scenes are defined in tables of `palpate`. For each family, this program draws random scenes and
-//! simulates noisy readings. It counts how often the intervals of the estimates contain the true value, and how often
-//! an estimate has a warning.
+//! Each row of a table of `palpate` defines a family of similar scenes. For each family, this program draws random
+//! scenes and simulates noisy readings. It counts how often the intervals of the estimates contain the true value, and how
+//! often an estimate has a warning.
 
 mod coverage;
 mod random_scene;
@@ -38,8 +38,8 @@ pub struct Options<'a> {
     pub only: &'a str,
 }
 
-/// Returns the table with the measured columns, and a line for each family that violates the limits on warnings.
-/// `report` is called with a line for each measured family.
+/// Measures the coverage and the warnings of the selected families. Returns the table with the measured columns, and a
+/// line for each family that violates the limits on warnings. `report` is called with a line for each measured family.
 ///
 /// # Errors
 /// An error if no family is selected or a scene cannot be set up.

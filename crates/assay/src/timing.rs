@@ -17,7 +17,7 @@ use anyhow::{Context, Result, bail, ensure};
 /// Flag that makes a test program run its computations once for the instruction counter, instead of measuring their
 /// times.
 pub const COUNTED: &str = "--counted";
-/// Message for users if valgrind is not installed, so that [`instructions`] returns `None`.
+/// Message for users. If valgrind is not installed, [`instructions`] returns `None`, and this message is printed.
 pub const NO_VALGRIND: &str =
     "valgrind is not installed: instructions are not counted, their column stays empty";
 

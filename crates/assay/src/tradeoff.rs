@@ -3,7 +3,7 @@
 //!
 //! | ladder | reference |
 //! |---|---|
-//! | rolling | closed forms of a ball and a paraboloid; integrators with other equations, in charts, on the ellipsoid |
+//! | rolling | closed-form solutions on a ball and a paraboloid; on the ellipsoid, integrators of other equations (in charts) |
 //! | gliding | the offset surface of a ball, a saddle, an ellipsoid |
 //! | pads, probes, fits | the object's curvature, in closed form |
 //! | press models | quadrature over wavenumbers: [`crate::paraboloid_reference`] |

@@ -1,4 +1,4 @@
-//! The papers' claims. Scores them with the tables of studies, and makes the scorecard.
+//! Scores the claims of the papers with the tables of studies, and makes the scorecard.
 
 mod bounds;
 mod check;

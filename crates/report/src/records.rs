@@ -221,7 +221,7 @@ pub(crate) fn by_key<K: PartialEq, T>(items: impl IntoIterator<Item = (K, T)>) -
     groups
 }
 
-/// Removes repeated items. The others stay in the order in which they first appear.
+/// Removes repeated items. The remaining items stay in the order in which they first appear.
 pub(crate) fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<T> {
     let keys = items.into_iter().map(|item| (item, ()));
     by_key(keys).into_iter().map(|(item, _)| item).collect()

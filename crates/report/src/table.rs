@@ -5,7 +5,7 @@ use crate::{Files, ReportError};
 use palpate_study::number::finite;
 use palpate_study::{Statistic, config};
 
-/// Statistics whose columns may be missing in the file. They are then `None` in all rows.
+/// Statistics whose columns may be missing in the file. A statistic without a column is `None` in all rows.
 const OPTIONAL: [Statistic; 3] = [
     Statistic::RmsErrorStd,
     Statistic::Coverage50,
@@ -155,7 +155,7 @@ impl Table {
         self.statistics.iter().map(|(name, _)| name.as_str())
     }
 
-    /// A statistic in `row`; `None` if its field is empty, or if there is no such column.
+    /// A statistic in `row`; `None` if its cell in the table is empty, or if the table has no such column.
     pub(crate) fn statistic(&self, row: usize, name: &str) -> Option<f64> {
         self.statistics
             .iter()

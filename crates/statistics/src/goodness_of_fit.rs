@@ -15,7 +15,8 @@ pub struct GoodnessOfFit {
     pub freedom: usize,
     /// Probability of a chi-squared that is at least as large as this one, if the model is correct and the noise is
     /// normal with the stated size. A small p-value means that the readings contradict the model or the stated noise.
-    /// If they do not, the p-value is distributed uniformly from 0 to 1. Without degrees of freedom, the p-value is 1.
+    /// If the readings agree with both, the p-value is distributed uniformly from 0 to 1. Without degrees of freedom,
+    /// the p-value is 1.
     pub p_value: f64,
 }
 

@@ -24,7 +24,7 @@ pub enum Misfit {
         quantity: StatedQuantity,
         /// Stated value of the quantity.
         stated: f64,
-        /// The estimate from the readings, in the same unit.
+        /// Estimate of the quantity from the readings, in the same unit as the stated value.
         estimated: f64,
         /// P-value of the difference between the stated value and the estimate.
         p_value: f64,

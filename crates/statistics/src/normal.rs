@@ -1,6 +1,7 @@
 //! The normal distribution.
 
-/// Largest score that [`score_of_tail`] returns. A statement with a score this large is practically certain.
+/// Largest score, in standard deviations of the normal distribution, that [`score_of_tail`] returns. A statement with a
+/// score this large is practically certain.
 pub const CERTAIN: f64 = 40.0;
 
 /// Half-widths of the 50, 80 and 95 % intervals of the normal distribution, in standard deviations.

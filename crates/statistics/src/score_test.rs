@@ -77,8 +77,8 @@ impl Explained {
 }
 
 /// The number of the alternative with the smallest p-value, and this p-value multiplied by the number of alternatives
-/// (Bonferroni). An alternative may be, for example, that a certain probe is an outlier. Without alternatives, the
-/// result is (0, 1).
+/// (Bonferroni). `chances` contains the number and the p-value of each alternative. An alternative may be, for example,
+/// that a certain probe is an outlier. Without alternatives, the result is (0, 1).
 ///
 /// ```
 /// let found = palpate_statistics::least_likely([(3, 0.5), (7, 0.01)].into_iter());

@@ -80,7 +80,7 @@ counters! {
     searched => searches;
     /// Counts contacts with an elastic layer for which an integral equation was solved.
     solved_layer => layers;
-    /// Counts images of markers that were computed without pixels.
+    /// Counts markers whose image was computed in closed form.
     projected => projections;
     /// Counts rendered camera frames.
     painted => frames;

@@ -207,13 +207,13 @@ fn push_field(text: &mut String, field: &str) {
     }
 }
 
-/// A map, that is, a table of the curvatures at the points of a patch, with one row per point. The rows are filled
-/// field by field.
+/// A map, that is, a table of the curvatures at the points of a patch, with one row per point. The values of a row are
+/// added one by one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapTable {
     /// The finished rows of the map.
     pub table: Table,
-    /// The fields of the unfinished row. The row is added to the table when it is complete.
+    /// The values of the unfinished row, as texts. The row is added to the table when it is complete.
     row: Vec<String>,
 }
 
@@ -231,7 +231,7 @@ impl MapTable {
         self.row.push(field.to_string());
     }
 
-    /// Adds a number to the unfinished row, or an empty field if there is no number.
+    /// Adds a number to the unfinished row, or an empty text if there is no number.
     pub fn number(&mut self, value: Option<f64>) {
         self.row.push(value.map_or_else(String::new, shortest));
     }

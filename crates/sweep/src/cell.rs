@@ -89,8 +89,9 @@ pub struct StoppingRule {
     pub quantity: usize,
     /// Statistic of the quantity that must be precise.
     pub statistic: StoppingStatistic,
-    /// Relative standard error of the statistic below which the cell ends. It is computed from the scatter between
-    /// trials, so the observations within one trial count as a single observation.
+    /// The trials of a cell end when the relative standard error of the statistic is below this value. The standard
+    /// error is computed from the scatter between trials, so the observations within one trial count as a single
+    /// observation.
     pub relative_standard_error: f64,
     /// Smallest number of trials of a cell. The rule never ends a cell earlier.
     pub min_trials: u64,

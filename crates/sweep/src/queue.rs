@@ -14,8 +14,7 @@ const MAX_BLOCKS: u64 = 64;
 /// Largest number of jobs that may be handed out before the results of the slowest job are passed on. This limits how
 /// many results wait in memory for earlier results.
 const AHEAD: u64 = 512;
-/// Largest number of jobs that may be handed out before the results of the slowest job are passed on, while a cell is
-/// handed out that a rule may end early.
+/// This limit replaces [`AHEAD`] while the queue hands out a cell that a rule may end early.
 const AHEAD_WITH_RULE: u64 = 128;
 
 /// The experiment of a cell, or the error with which its set-up failed. The first thread that needs the experiment sets

@@ -24,7 +24,7 @@ pub type Clock<'a> = dyn Fn() -> Duration + 'a;
 pub struct RunOptions {
     /// Number of worker threads; by default one per processor.
     pub threads: Option<NonZeroUsize>,
-    /// Whether a thread always runs whole blocks of trials. Then no clock is read, and the distribution of the trials
+    /// Whether a thread always runs whole blocks of trials. If so, no clock is read, and the distribution of the trials
     /// among the threads depends only on the number of threads.
     pub whole_blocks: bool,
 }
@@ -63,7 +63,7 @@ impl Runner {
     /// Starts the threads. On a platform without threads, such as WebAssembly, the calling thread does the work.
     ///
     /// # Errors
-    /// [`NoThreads`].
+    /// [`NoThreads`] if the threads cannot be started.
     pub fn new(options: &RunOptions) -> Result<Self, NoThreads> {
         let RunOptions {
             threads,

@@ -65,7 +65,7 @@ impl Sums {
         }
     }
 
-    /// Converts the sums for the case that all of these observations are from a single trial.
+    /// The same sums for observations that are all from a single trial: the standard errors count them as one trial.
     pub(crate) fn of_trial(self) -> Self {
         let means = [self.estimates.mean(), Some(self.magnitude)];
         Self {
@@ -156,8 +156,8 @@ fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
     }
 }
 
-/// Mean of two means. `mean` is the mean of `count` values, and `other` is the mean of `more` values. Both must be 0 or
-/// positive.
+/// Mean of the values of two groups. `mean` is the mean of the `count` values of one group, and `other` is the mean of
+/// the `more` values of the other group. Both means must be 0 or positive.
 fn toward(mean: f64, other: f64, [count, more]: [u64; 2]) -> f64 {
     mean + (other - mean) * (more as f64 / (count + more).max(1) as f64)
 }

@@ -238,7 +238,7 @@ impl Record {
     }
 
     /// Passes the observations of each of `trials` to `read`. `before` contains the length of each column before the
-    /// first of these trials. All of them must have made the same number of observations.
+    /// first of these trials. All of these trials must have made the same number of observations.
     pub(crate) fn pass_on(
         &self,
         trials: Range<u64>,

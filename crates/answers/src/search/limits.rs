@@ -30,7 +30,7 @@ pub(super) struct Rules {
     pub(super) gap: f64,
     /// Largest number of trials of a cell at one value.
     pub(super) most_trials: u64,
-    /// Score at which a value meets the target. The scores of all cells must be at least as large.
+    /// A value meets the target if the scores of all cells are at least this large.
     pub(super) meets: f64,
     /// A negative score. A value misses the target if the score of at least one condition in one cell is below this
     /// score.
@@ -100,7 +100,7 @@ impl<'a> Effort<'a> {
         })
     }
 
-    /// Part of `trials` that can be run in the remaining time, as a share of at most 1.
+    /// Share of `trials` that can be run in the remaining time, at most 1.
     pub(super) fn part(&self, trials: u64) -> f64 {
         self.budget.map_or(1.0, |budget| {
             let left = budget.saturating_sub((self.clock)()).as_secs_f64();

@@ -16,11 +16,12 @@ pub struct Span {
 
 /// Ratio of the two ends of a range above which values are spaced logarithmically.
 const MIN_LOG_RATIO: f64 = 8.0;
-/// Number of possible values within a gap: values are rounded to multiples of the gap divided by about this number.
+/// Values are rounded to multiples of a step. About this many steps fit into a gap.
 const STEPS_PER_GAP: f64 = 8.0;
 
 impl Span {
-    /// A range of all numbers, or of whole numbers, between two finite numbers with `from` ≤ `to`.
+    /// The range from `from` to `to`, which must be finite with `from` ≤ `to`. If `is_whole` is true, the range
+    /// contains only whole numbers.
     pub(crate) fn new(from: f64, to: f64, is_whole: bool) -> Self {
         Self {
             from,
@@ -40,8 +41,8 @@ impl Span {
         if gap.is_nan() { 0.0 } else { gap }
     }
 
-    /// Position of a value in the range, from 0 (lower end) to 1 (upper end). On a logarithmic range, the position is
-    /// proportional to the logarithm.
+    /// Position of a value in the range, from 0 (lower end) to 1 (upper end). On a logarithmic range, the position
+    /// depends linearly on the logarithm of the value.
     pub(super) fn share(&self, value: f64) -> f64 {
         let share = match self.is_log {
             true => libm::log(value / self.from) / libm::log(self.to / self.from),
@@ -56,7 +57,8 @@ impl Span {
         }
     }
 
-    /// Value at a position from 0 to 1. It is rounded to a step that is small compared with a gap of size `gap`.
+    /// Value at the position `share` in the range, from 0 (lower end) to 1 (upper end). The value is rounded to a step
+    /// that is small compared with a gap of size `gap`.
     pub(super) fn at(&self, share: f64, gap: f64) -> f64 {
         let mix = |a: f64, b: f64| a * (1.0 - share) + b * share;
         let value = match self.is_log {

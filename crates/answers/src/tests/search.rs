@@ -25,7 +25,7 @@ fn runner(threads: usize) -> Runner {
     Runner::new(&options).unwrap()
 }
 
-/// Independent numbers in (0, 1), a function of their index (SplitMix64).
+/// Pseudo-random number in (0, 1) for an index (SplitMix64). The numbers for different indices are independent.
 fn uniform(index: u64) -> f64 {
     let mut bits = index.wrapping_mul(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -40,7 +40,8 @@ fn normal(index: u64) -> f64 {
     (-2.0 * libm::log(radius)).sqrt() * libm::cos(std::f64::consts::TAU * angle)
 }
 
-/// A trial whose error is a normal number times `scale`. The trial fails with the probability `fails`.
+/// A trial whose error is a normally distributed random number times `scale`. The trial fails with the probability
+/// `fails`.
 struct Noisy {
     seed: u64,
     scale: f64,
@@ -69,14 +70,14 @@ impl Trial for Noisy {
     }
 }
 
-/// Scale of the errors and share of failures, as a function of the searched value.
+/// Function of the searched value. It returns the scale of the errors and the share of failed trials.
 type Curve = fn(f64) -> (f64, f64);
 
 /// Curve of the rms error of [`Noisy`] trials. The target is an rms error of at most 1 with at most 5 % failures.
 struct Noise<'a> {
     runner: &'a Runner,
     seed: u64,
-    /// Scale of the errors and share of failures in each cell.
+    /// The curve of each cell: scale of the errors, and share of failed trials.
     cells: Vec<Curve>,
     known: HashMap<(u64, usize, bool), Batches>,
     trials: u64,

@@ -14,8 +14,8 @@ use crate::timing::Evaluation;
 pub const SCENES: u64 = 50;
 /// Largest allowed ratio of the chosen model's cost to the cost of the cheapest model within the tolerance.
 pub(super) const MAX_COST_RATIO: f64 = 2.0;
-/// A model of a roll is certainly dearer than another one if it evaluates the contact equations more than this many
-/// times as often.
+/// A roll model certainly costs more than another one if it evaluates the contact equations more than this many times
+/// as often.
 const MAX_EVALUATION_RATIO: usize = 3;
 
 /// A random scene with the model that `auto` chose, and the models that it could have chosen.
@@ -37,7 +37,7 @@ pub struct AutoChoice {
 }
 
 impl AutoChoice {
-    /// The choice of `auto` on the scene with this kind and number.
+    /// The choice of `auto` on scene `number` of this kind.
     ///
     /// # Errors
     /// An error if the scene cannot be set up, or its model is not `auto`.

@@ -152,8 +152,8 @@ fn named(model: Model) -> Result<RollModelConfig> {
     })
 }
 
-/// Models of a glide, with their errors. The reference for Newton's method is a closed form: that of the offset
-/// surface, or else that of the competing model. The reference for the competing closed form is Newton's method.
+/// Models of a glide, with their errors. The reference for Newton's method is a closed form: the solution of the offset
+/// surface, or else the competing model with a closed form. The reference for this competing model is Newton's method.
 fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels> {
     let newton = |tolerance| GlideModelConfig::Newton { tolerance };
     let mut models = vec![GlideModelConfig::ClosedForm {}];
@@ -214,8 +214,8 @@ fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels
     })
 }
 
-/// Contacts of all fingers, computed from the closed form of the offset surface. `None` for objects on which a
-/// competing model has a closed form itself.
+/// Contacts of all fingers, computed from the closed-form solution of the offset surface. `None` for objects for which
+/// a competing model has a closed form itself.
 fn true_touches(config: &GlideConfig, tip: f64) -> Option<Vec<Point3<f64>>> {
     let touch: Box<dyn Fn([f64; 2]) -> [f64; 3]> = match &config.object {
         &ObjectConfig::Ellipsoid { semi_axes } => {

@@ -7,7 +7,7 @@ use palpate_scene::Scene;
 use super::ladder::{Ladder, RungError};
 use super::scene_trials::{Choice, Measure, outcomes, root_mean, scenes};
 
-/// Number of contacts of each of the three fingers.
+/// Compared numbers of contacts per finger. There are three fingers.
 const CONTACTS: [u32; 4] = [5, 10, 30, 100];
 /// Largest number of contacts per finger for the two-pass method, which takes several seconds with more contacts.
 const MAX_OF_TWO_PASS: u32 = 30;

@@ -64,7 +64,7 @@ impl SceneRungs {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RungError {
     pub(super) error: f64,
-    /// Standard error of the error; `None` if the error is not computed from trials.
+    /// Standard error of the rung's error; `None` if the error is not computed from trials.
     pub(super) std: Option<f64>,
 }
 

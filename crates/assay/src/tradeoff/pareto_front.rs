@@ -36,7 +36,7 @@ pub(super) fn pareto(rungs: &[CostError]) -> Vec<bool> {
         .collect()
 }
 
-/// Index of the cheapest rung on the front whose error is at most `target`.
+/// Index of the cheapest rung on the Pareto front whose error is at most `target`.
 pub(super) fn answer(rungs: &[CostError], target: f64) -> Option<usize> {
     let on_front = pareto(rungs);
     let adequate = |rung: &usize| on_front[*rung] && rungs[*rung].error <= target;

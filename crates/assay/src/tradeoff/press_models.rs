@@ -19,8 +19,8 @@ const PLACES: usize = 77;
 /// Largest distance from the contact at which displacements are computed, mm.
 const REACH: f64 = 20.0;
 
-/// Factors for the number of quadrature nodes, with the names that they add to a rung. They apply to contacts that are
-/// solved directly instead of interpolated.
+/// Factors for the number of quadrature nodes, each with the text that it adds to the name of a rung. The factors apply
+/// to contacts that are solved directly instead of interpolated.
 const RESOLUTIONS: [(&str, f64); 5] = [
     (" × 1/4", 0.25),
     (" × 3/8", 0.375),

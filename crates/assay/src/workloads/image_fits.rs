@@ -16,7 +16,8 @@ use crate::timing::Evaluation;
 
 /// Depths of the magenta and the yellow discs under the skin, mm.
 const DEPTHS: [f64; 2] = [3.0, 1.0];
-/// Difference of a disc's depth from which derivatives are computed by finite differences, mm.
+/// Step in the depth of a disc, mm. Derivatives with respect to the depth are computed by finite differences with this
+/// step.
 const DEPTH_STEP: f64 = 1e-3 * SKIN;
 /// Standard deviations of the parameters of a [`Departure`], which describes how a real sensor differs from its config.
 /// The parameters are the depths and diameters of the discs, the image centre, the focal length, the position and

@@ -132,7 +132,7 @@ fn an_object_without_a_closed_form_is_integrated() {
     assert_eq!(trial.draws, 16);
 }
 
-/// The work of a scene without its number of random words.
+/// The counted work of a scene, without the number of random words.
 fn without_draws(tally: Tally) -> Tally {
     Tally { draws: 0, ..tally }
 }

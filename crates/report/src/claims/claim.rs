@@ -117,8 +117,8 @@ impl Claim {
         })
     }
 
-    /// Adds a check of the ratios y₂/y₁ of successive rows, sorted by `x`. Only rows that differ in nothing but the
-    /// paths `free` are compared.
+    /// Adds a check of the ratios y₂/y₁, where y₁ and y₂ are the values `y` of successive rows, sorted by `x`. Two rows
+    /// are compared only if they differ in nothing but the paths `free`.
     pub(super) fn steps(
         self,
         free: &'static [&'static str],
@@ -168,17 +168,17 @@ impl Claim {
         self
     }
 
-    /// Uses only rows that `keep` accepts for the check.
+    /// The check uses only rows that `keep` accepts.
     pub(super) fn when(self, keep: impl Fn(&Row<'_>) -> bool + 'static) -> Self {
         self.last(|check| check.keep.push(Box::new(keep)))
     }
 
-    /// Uses only rows of this quantity for the check.
+    /// The check uses only rows of this quantity.
     pub(super) fn of(self, quantity: &'static str) -> Self {
         self.when(move |row| row.quantity() == quantity)
     }
 
-    /// Uses only rows whose `number` is within a bound for the check.
+    /// The check uses only rows whose `number` is within a bound.
     pub(super) fn only(
         self,
         number: impl Fn(&Row<'_>) -> Option<f64> + 'static,
@@ -202,8 +202,8 @@ impl Claim {
         self.last(|check| check.merge = Some(merge))
     }
 
-    /// Compares only the values of rows that `compared` accepts with the bound. The values of other rows are only
-    /// printed.
+    /// The check compares only some values with the bound: those of rows that `compared` accepts. All other values are
+    /// only printed.
     pub(super) fn comparing(self, compared: fn(&Row<'_>) -> bool) -> Self {
         self.last(|check| check.compared = Some(compared))
     }
@@ -223,7 +223,7 @@ impl Claim {
         self.last(|check| check.portion = Portion::One)
     }
 
-    /// Skips the check if it has no values. By default, the claim is then not testable.
+    /// Skips the check if it has no values. By default, a claim is not testable if one of its checks has no values.
     pub(super) fn if_present(self) -> Self {
         self.last(|check| check.role = Role::DecidesIfPresent)
     }

@@ -161,7 +161,7 @@ impl Scene<'_> {
     }
 
     /// Draws lines that connect the first contacts of all fingers, then the second contacts, and so on. They show the
-    /// shape of the surface between the fingers. Without equal numbers of contacts, no lines are drawn.
+    /// shape of the surface between the fingers. If the fingers have different numbers of contacts, no lines are drawn.
     fn links(&self) -> Drawn {
         let fingers = &self.contacts.fingers;
         let counts = fingers.iter().map(|finger| finger.touches.len());

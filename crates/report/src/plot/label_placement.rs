@@ -9,7 +9,7 @@ pub(super) const NAME: i32 = 45;
 const DISTANCES: [i32; 9] = [27, 54, 90, 135, 186, 246, 315, 390, 480];
 /// Largest distance of a label from its point without a line between them, in drawing units.
 const MAX_WITHOUT_LEADER: i32 = 60;
-/// Number of the smallest [`DISTANCES`] that are tried for the label of a point that is not on the Pareto front.
+/// For the label of a point that is not on the Pareto front, only this many of the smallest [`DISTANCES`] are tried.
 const BESIDE: usize = 2;
 /// Number of directions that are tried for a label.
 const DIRECTIONS: usize = 24;

@@ -370,7 +370,7 @@ fn label(of: &Selection<'_>, name: &str) -> Result<Label, ReportError> {
     }
 }
 
-/// Those of the `rows` that have this value on the axis.
+/// The rows among `rows` whose field `axis` has this value.
 fn with(rows: &[usize], axis: &Axis, value: &str) -> Vec<usize> {
     let rows = rows.iter().copied();
     rows.filter(|row| axis.text(*row) == value).collect()

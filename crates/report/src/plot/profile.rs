@@ -197,7 +197,8 @@ impl<'a> Axes<'a> {
     }
 }
 
-/// Style of the series with this label. If the series differ in only one field, its value may be given instead.
+/// Style of the series with this label. If the series differ in only one field, the value of this field may be given
+/// instead of the label.
 fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
     let is_it = |series: &&Series<'_>| series.label == name || series.name == [name];
     let found = series.iter().find(is_it);

@@ -58,7 +58,7 @@ pub(crate) struct Points {
 
 impl Points {
     /// Converts the reference points of a plot. `series` returns the style of the series with a given name, and
-    /// `panels` are the values of the panels. The error states why a set cannot be drawn.
+    /// `panels` are the values of the panels. The error states why a set of points cannot be drawn.
     pub(crate) fn of(
         points: &[config::Points],
         [x, y]: [AxisScale; 2],
@@ -112,8 +112,8 @@ impl Points {
         sets.map(|(_, set)| set.clone()).collect()
     }
 
-    /// Label and style of each set. If sets with the same label have different colours, the legend shows a neutral
-    /// colour.
+    /// Label and style of each set of points. If sets with the same label have different colours, the legend shows a
+    /// neutral colour.
     pub(crate) fn legend(&self) -> Vec<(String, Style)> {
         let mut entries: Vec<(String, Style)> = Vec::new();
         for (_, set) in &self.sets {

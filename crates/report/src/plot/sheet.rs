@@ -94,7 +94,7 @@ pub(crate) struct Sample {
 /// Entries of a key: the symbol (sample) and the text of each entry.
 pub(crate) type Key = Vec<(Sample, String)>;
 
-/// Draws a figure: first the title, then the content with `draw`, then the notes.
+/// Draws a figure: first the title, then the content, which `draw` draws, then the notes.
 pub(crate) fn figure(
     words: Words,
     width: i32,

@@ -146,7 +146,7 @@ impl Fault {
 pub(super) struct Source {
     pub(super) file: String,
     pub(super) text: String,
-    /// Whether the text is the content of the file. If it is not, line numbers would be meaningless.
+    /// Whether the text is the content of the file. If the text was generated, line numbers would be meaningless.
     is_written: bool,
 }
 

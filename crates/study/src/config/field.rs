@@ -41,7 +41,8 @@ impl Label {
     }
 }
 
-/// Words for a field whose unit is the unit in its column's header. `segments` are the keys of the field's path.
+/// Words of the label for a field whose numbers have the unit in the header of its column. `segments` are the keys of
+/// the field's path.
 fn plain(segments: &[&str]) -> String {
     match segments {
         ["noise", "wrong markers", "count"] => "wrong markers".to_owned(),

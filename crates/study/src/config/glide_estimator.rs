@@ -19,7 +19,7 @@ pub enum GlideEstimatorConfig {
         #[serde(default)]
         criterion: CriterionName,
         /// Factor on the effective degrees of freedom of the spline in robust cross validation. A larger factor gives a
-        /// smoother surface; 1 gives plain cross validation. Only the criterion robust-gcv has this setting.
+        /// smoother surface; 1 gives plain cross validation. Only the criterion `robust-gcv` has this setting.
         #[serde(default = "gamma")]
         #[schemars(extend("minimum" = 1, "maximum" = 100))]
         gamma: f64,
@@ -67,9 +67,9 @@ pub enum GlideEstimatorConfig {
     Quadric(StatedNoise),
     /// A plane, fitted without outliers.
     Plane(StatedNoise),
-    /// A sphere, fitted without outliers. The contacts may be on any side of the sphere.
+    /// A sphere, fitted without outliers. The contacts need not be on its upper side.
     Sphere(StatedNoise),
-    /// A circular cylinder, fitted without outliers. The contacts may be on any side of the cylinder.
+    /// A circular cylinder, fitted without outliers. The contacts need not be on its upper side.
     Cylinder(StatedNoise),
     /// The most probable of four answers: a plane, a sphere, a cylinder, or none of these shapes.
     Shape(StatedNoise),

@@ -51,8 +51,8 @@ pub struct DiscsConfig {
     /// The disc of a marker that is nearer to the camera.
     #[serde(default, skip_serializing_if = "DiscColour::is_magenta")]
     pub inner: DiscColour,
-    /// Largest offset between the two discs of a marker along the skin, as a share of the yellow diameter. The offsets
-    /// are drawn once per seed.
+    /// Largest offset between the two discs of a marker along the skin, as a share of the diameter of the yellow disc.
+    /// The offsets are drawn once per seed.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub misalignment: f64,

@@ -22,8 +22,8 @@ pub struct PlotConfig {
     /// Title of the plot; by default the title of the study.
     pub title: Option<String>,
     /// Kind of the plot. It determines which keys the plot may have. All kinds have the keys `name` and `title`; all
-    /// kinds except contacts have `where`. A profile also has `component`, `panels`, `marks` and `points`. Lines have
-    /// every key except `component`.
+    /// kinds except `contacts` have `where`. The kind `profile` also has `component`, `panels`, `marks` and `points`.
+    /// The kind `lines` has every key except `component`.
     #[serde(default, skip_serializing_if = "PlotKind::is_lines")]
     pub kind: PlotKind,
     /// Column whose values are plotted along x. Plots of the kind `lines` need this key.

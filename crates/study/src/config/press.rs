@@ -386,8 +386,7 @@ pub struct PressNoiseConfig {
     /// Error of the gain, drawn for each press. The gain is the factor by which all normal displacements of a press are
     /// multiplied; without error, it is 1.
     pub gain: Option<ReadingNoise<Pure>>,
-    /// Markers that have a large error in addition to the other errors. In every trial, other markers are chosen at
-    /// random.
+    /// Markers that have a large error in addition to the other errors. Each trial chooses them anew at random.
     pub wrong_markers: Option<WrongMarkers>,
     /// Error of the red, green and blue value of each pixel in a rendered frame, in grey levels. The brightest level is
     /// 255.
@@ -399,7 +398,7 @@ pub struct PressNoiseConfig {
     pub centroid: Option<ReadingNoise<Pure>>,
     /// Relative error of each marker's size. Only for a projected sensor.
     pub size: Option<ReadingNoise<Pure>>,
-    /// Markers that are missing in the pressed frame. In every trial, other markers are chosen at random.
+    /// Markers that are missing in the pressed frame. Each trial chooses them anew at random.
     pub lost_markers: Option<LostMarkers>,
     /// Differences between a camera sensor and its calibration. Each trial draws new sensor parameters, new frames
     /// without a press, and new misalignments of the discs. The estimator `image` uses the stated standard deviations
@@ -473,7 +472,7 @@ pub struct Level(pub f64);
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LostMarkers {
-    /// Number of missing markers. In every trial, other markers are chosen at random.
+    /// Number of missing markers. Each trial chooses the missing markers anew at random.
     pub count: u32,
 }
 
@@ -481,7 +480,7 @@ pub struct LostMarkers {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WrongMarkers {
-    /// Number of markers with the additional error. In every trial, other markers are chosen at random.
+    /// Number of markers with the additional error. Each trial chooses these markers anew at random.
     pub count: u32,
     /// Standard deviation of the additional Gaussian error. It applies to the normal displacement and to both
     /// components along the skin.

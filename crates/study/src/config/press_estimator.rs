@@ -13,10 +13,10 @@ pub enum PressEstimatorConfig {
         /// none.
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: Option<f64>,
-        /// Prior of the indentation: its settings are part of the estimator's table.
+        /// Prior of the indentation. Its settings are keys of the estimator's table.
         #[serde(flatten)]
         prior: IndentationPrior,
-        /// Priors of the displacements: their settings are part of the estimator's table.
+        /// Priors of the displacements. Their settings are keys of the estimator's table.
         #[serde(flatten)]
         displacements: DisplacementPriors,
     },
@@ -25,10 +25,10 @@ pub enum PressEstimatorConfig {
         /// Thickness of the layer. The default is the thickness of the scene's model.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         thickness: Option<f64>,
-        /// Prior of the indentation: its settings are part of the estimator's table.
+        /// Prior of the indentation. Its settings are keys of the estimator's table.
         #[serde(flatten)]
         prior: IndentationPrior,
-        /// Priors of the displacements: their settings are part of the estimator's table.
+        /// Priors of the displacements. Their settings are keys of the estimator's table.
         #[serde(flatten)]
         displacements: DisplacementPriors,
     },
@@ -39,7 +39,7 @@ pub enum PressEstimatorConfig {
         /// none.
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: Option<f64>,
-        /// Prior of the indentation: its settings are part of the estimator's table.
+        /// Prior of the indentation. Its settings are keys of the estimator's table.
         #[serde(flatten)]
         prior: IndentationPrior,
         /// Whether the noise of displacements is stated or estimated.
@@ -59,7 +59,7 @@ pub enum PressEstimatorConfig {
         /// used.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         window: Option<f64>,
-        /// Prior of the indentation: its settings are part of the estimator's table.
+        /// Prior of the indentation. Its settings are keys of the estimator's table.
         #[serde(flatten)]
         prior: IndentationPrior,
         /// Offset of the normal displacements, that is, their value when nothing touches the sensor: zero or fitted.
@@ -83,7 +83,7 @@ pub enum PressEstimatorConfig {
         /// model is a layer.
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: Option<f64>,
-        /// Prior of the indentation: its settings are part of the estimator's table.
+        /// Prior of the indentation. Its settings are keys of the estimator's table.
         #[serde(flatten)]
         prior: IndentationPrior,
         /// Standard deviation that the estimator assumes for a sideways movement of the object, along x and along y.

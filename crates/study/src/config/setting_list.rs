@@ -383,7 +383,7 @@ pub fn rename_settings(message: &str, name: impl Fn(&str) -> String) -> String {
 }
 
 /// The table `base` with the `given` settings. Settings that state the same quantity as a given setting in another way
-/// are removed. If `kind` is given, the settings that both kinds have keep their values.
+/// are removed. If another `kind` is given, settings that the old and the new kind both have keep their values.
 ///
 /// ```
 /// use palpate_study::config::{GlideEstimatorConfig, with_settings};

@@ -72,7 +72,7 @@ pub struct StudyConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StopConfig {
-    /// Relative standard error of the statistic below which the trials end.
+    /// The trials of a cell end when the relative standard error of the statistic is below this value.
     #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
     pub relative_standard_error: f64,
     /// Quantity whose statistic is tested, by its name in `cells.csv`. The default is the first quantity of the scene.

@@ -148,7 +148,7 @@ impl Axis {
         }
     }
 
-    /// Path of the part of the config that determines a value of the axis.
+    /// Path of the place in the config that determines the value of the axis at `row` and `column`.
     pub(super) fn location(&self, row: usize, column: usize) -> String {
         let path = &self.path;
         match &self.rows {

@@ -48,7 +48,7 @@ pub enum Varied {
     Listed(Vec<toml::Value>),
 }
 
-/// Reason why a text is not a field with values.
+/// Reason why the text of an argument does not state a field and its values.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum VaryError {
     /// The text contains no field or no values.

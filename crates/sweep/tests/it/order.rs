@@ -1,4 +1,4 @@
-//! Tests the probabilities that two estimates are in the right order: their values against closed forms, and the
+//! Tests the probabilities that two estimates are in the right order: their values against closed-form results, and the
 //! coverage of their intervals.
 
 use palpate_statistics::normal_tail;

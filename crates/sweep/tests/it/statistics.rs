@@ -1,4 +1,5 @@
-//! Compares statistics with closed forms and with direct computation, also for numbers near the limits of doubles.
+//! Compares statistics with closed-form results and with direct computation, also for numbers near the limits of
+//! doubles.
 
 use approx::assert_relative_eq;
 use palpate_sweep::{BLOCK, Failure, Observation, Record};

@@ -89,7 +89,7 @@ pub(super) fn read(files: &Files) -> Result<Trace, ReportError> {
     })
 }
 
-/// Rejects a table if one of its first `columns` columns has another unit.
+/// Returns an error if one of the first `columns` columns of a table has another unit than `unit`.
 fn one_unit(table: &Records, unit: &str, columns: usize) -> Result<(), ReportError> {
     match (0..columns).find(|column| table.unit(*column) != unit) {
         None => Ok(()),

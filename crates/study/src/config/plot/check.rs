@@ -8,8 +8,8 @@ use crate::config::study::Output;
 use crate::config::tree::{suggest, text};
 use toml::Value;
 
-/// Checks the plots of a study, after the schema has accepted them. The keys of each plot must be possible together,
-/// the study must write the table that the plot needs, and the named columns must exist.
+/// Checks the plots of a study, after the schema has accepted them. The keys of each plot must be compatible with each
+/// other, the study must write the table that the plot needs, and the named columns must exist.
 pub(in crate::config) fn check(
     section: &Value,
     plots: &[PlotConfig],
