@@ -7,7 +7,7 @@ use anyhow::{Result, ensure};
 /// Folder of the files with the baselines.
 pub(crate) const DIRECTORY: &str = "crates/assay/baseline";
 
-/// Names and numbers, in the order of the table.
+/// The numbers of a table with their names, in the order of the rows.
 pub(crate) type Figures = Vec<(String, f64)>;
 
 /// Reads a table with a header and two columns: name and number.

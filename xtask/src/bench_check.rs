@@ -24,8 +24,8 @@ pub(crate) const COST: Limits = Limits {
     allowed: 0.03,
     floor: 0.0,
 };
-/// Limits for errors. Errors below the floor (about 20 rounding errors) vary with the mathematical library of the
-/// machine.
+/// Limits for the errors of computed results. Errors below the floor (about 20 rounding errors) vary with the
+/// mathematical library of the machine.
 pub(crate) const ERROR: Limits = Limits {
     what: "error",
     harness: "accuracy",

@@ -21,8 +21,8 @@ const TOLERANCE: f64 = 1e-9;
 const SMALL: f64 = 1e-3;
 /// Statistics that are computed from a histogram.
 const QUANTILES: [&str; 3] = ["q05", "q50", "q95"];
-/// Tolerance for the statistics in [`QUANTILES`]: the width of a histogram bin, relative to the distance of the quantile
-/// from the true value.
+/// Tolerance for the statistics in [`QUANTILES`]: the width of a histogram bin, relative to the distance between
+/// quantile and true value.
 const BIN: f64 = 0.008;
 /// Text in [`Difference::now`] if the new file is missing.
 const ABSENT: &str = "–";

@@ -43,9 +43,10 @@ enum Task {
     Scale(scale::Options),
     /// Measure the error and the cost of all contact models; writes results/tradeoff/.
     Tradeoff(tradeoff::Options),
-    /// Check the answers of design and distinguish on fixed scenes against references; writes results/answers.csv.
+    /// Compare the answers of `palpate design` and `palpate distinguish` for fixed scenes with references; writes
+    /// results/answers.csv.
     Answers(assay_harness::Options),
-    /// Check the intervals and warnings of estimates on random scenes against the true values; writes the tables that
+    /// Compare the intervals and warnings of estimates in random scenes with the true values; writes the tables that
     /// `palpate check` reads.
     Intervals(assay_harness::Options),
     /// Compare instruction counts and errors with the committed baseline.

@@ -76,8 +76,8 @@ pub fn config(bytes: &[u8]) -> Outcome {
     Ok(())
 }
 
-/// Parses the formula of a height field, and evaluates it at three points. This is done once with two parameters and
-/// once without parameters.
+/// Parses the formula of a height field, and evaluates it at three points. The formula is parsed twice: with values of
+/// two parameters, and without parameters.
 ///
 /// # Errors
 /// Message of the parser if both attempts fail.

@@ -1,4 +1,4 @@
-//! Runs a study and draws its plot as SVG, without a file.
+//! Runs a study and draws its plot as SVG text, without writing a file.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;

@@ -62,8 +62,8 @@ pub struct CellGroup {
     /// One line of text per needed model, with the reason, and one line per warning. The lines apply to every cell of
     /// the group.
     pub needs: Vec<String>,
-    /// Parts of the simulation that the cells of this group do not need, although other scenes of this kind do; for
-    /// example "integrator".
+    /// Parts of the simulation that the cells of this group do not need, although other scenes of the same kind (rolls,
+    /// glides or presses) need them; for example "integrator".
     pub needless: Vec<&'static str>,
     /// Models that can compute the true values of the group's first cell.
     pub rungs: Rungs,
@@ -317,7 +317,8 @@ fn intervals(scenes: &[CellScene]) -> Vec<(usize, Coverage)> {
     all
 }
 
-/// Parts of the simulation that this scene does not need, although other scenes of this kind do.
+/// Parts of the simulation that this scene does not need, although other scenes of the same kind (rolls, glides or
+/// presses) need them.
 fn needless(
     trial: &SceneTrial,
     scene: &SceneConfig,

@@ -107,10 +107,10 @@ pub fn coverage(scene: &SceneConfig, unit: LengthUnit) -> Coverage {
     }
 }
 
-/// Config of one scene of a family. `cells` contains the header and the cell of each column in the family's row. Columns
-/// that are not fields of a scene are ignored.
+/// Config of one scene of a family. `cells` contains, for each column of the table, the header and the text in the row
+/// of the family. Columns that are not fields of a scene are ignored.
 ///
-/// A cell contains a value, a range `low..high`, or `factor * field`. `draw` chooses a number from a range. `factor *
+/// The text is a value, a range `low..high`, or `factor * field`. `draw` chooses a number from a range. `factor *
 /// field` is a multiple of the number in the earlier column `field`.
 ///
 /// # Errors

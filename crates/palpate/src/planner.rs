@@ -219,7 +219,7 @@ pub(crate) fn plan<C: Plannable>(
     Ok((planned, plan))
 }
 
-/// The goal that a plan must reach, and the runner and clock that it uses.
+/// Makes a plan for a goal. Contains the goal, and the runner and the clock with which the planner measures times.
 struct Planner<'a> {
     goal: &'a Goal,
     runner: &'a Runner,

@@ -27,9 +27,10 @@ const MAX_TERM_SHARE: f64 = 0.5;
 /// and k5, are fitted only if the frame determines them: their standard errors must be at most half of their prior
 /// standard deviations. Otherwise k5, or both terms, have the values of the study.
 ///
-/// # Errors [`RecordedError::Readings`] in these cases: the study has no camera; the frame has another size or other
-/// colours than the study states, lacks markers of the layout, is saturated or under-exposed, or contradicts the
-/// layout. The message states the wrong value and the expected value.
+/// # Errors
+/// [`RecordedError::Readings`] in these cases: the study has no camera; the frame has another size or other colours
+/// than the study states, lacks markers of the layout, is saturated or under-exposed, or contradicts the layout. The
+/// message states the values.
 pub fn calibrate_camera(
     rest: &Frame,
     study: &StudyConfig,

@@ -230,8 +230,8 @@ fn numbers(geometry: &CameraGeometry) -> [f64; CAMERA.len()] {
     [x, y, geometry.px_per_rad, a, b, c, d, e, f, k3, k5]
 }
 
-/// Factors that convert the entries of a `Departure` to camera parameters. In a `Departure`, the scale is relative to
-/// `px_per_rad`, and angles are in rad.
+/// Factors that convert the camera entries of a [`Departure`] to the units of the camera parameters. In a `Departure`,
+/// the change of the scale is relative to `px_per_rad`, and angles are in rad.
 fn scales(camera: &CameraEstimate) -> [f64; CAMERA.len()] {
     let mut scales = [1.0; CAMERA.len()];
     scales[2] = camera.px_per_rad;

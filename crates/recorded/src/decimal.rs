@@ -32,7 +32,7 @@ pub(super) struct DecimalSign {
 }
 
 impl DecimalSign {
-    /// Stores the number in a field if the number shows which decimal sign the table uses.
+    /// Stores `text`, a number of the table, if it shows which decimal sign the table uses.
     pub(super) fn add(&mut self, text: &str) {
         let first = match () {
             () if text.contains('.') => &mut self.point,

@@ -1,4 +1,4 @@
-//! Recorded files, as bytes with a name for messages.
+//! Recorded files: the bytes of a file, and its name in messages.
 
 use std::io::Read;
 use std::path::Path;

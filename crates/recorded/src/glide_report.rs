@@ -15,7 +15,8 @@ use palpate_estimators::{map_table, push_map_point};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Column, Unit, Warning};
 
-/// Thresholds of the curvatures. A smaller curvature counts as zero.
+/// Thresholds of the Gaussian and the mean curvature. A curvature whose magnitude is below its threshold counts as
+/// zero.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Thresholds {
     pub(super) gaussian: Value,
@@ -108,8 +109,8 @@ pub struct GlideEstimate {
     /// P-value of the goodness of fit: the probability that noise of the stated size causes a worse fit if the model is
     /// right. `null` if the noise is estimated instead of stated, and for the method `two-pass`.
     pub(super) p_value: Option<f64>,
-    /// Effective number of independent contacts. It is reduced by repeated contacts, by rests of a finger, and by
-    /// correlated noise.
+    /// Effective number of independent contacts. It is smaller than the number of contacts if contacts are repeated, if
+    /// a finger rests, or if the noise is correlated.
     pub(super) effective_contacts: f64,
     /// Number of contacts after repeated contacts and contacts of a resting finger were merged.
     pub(super) distinct_contacts: usize,

@@ -13,8 +13,7 @@ use super::camera_file::CameraEstimate;
 use super::nominal_sensor::NominalSensor;
 use super::study_options::{StudyMismatch, factor, press_of};
 
-/// Settings that the readings do not state, for an estimate from displacements. Lengths are in the unit of the
-/// readings.
+/// Settings of an estimate from displacements, in addition to the readings. Lengths are in the unit of the readings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PressOptions {

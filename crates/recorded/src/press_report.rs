@@ -41,7 +41,7 @@ pub(super) struct Principal {
 /// A row of the file with the readings.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(super) struct Row {
-    /// Number of the row, from 1, without the header.
+    /// Number of the row, counted from 1. The header row is not counted.
     pub(super) row: usize,
     /// Line of the row in the file; `null` for arrays.
     pub(super) line: Option<usize>,

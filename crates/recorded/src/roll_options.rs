@@ -42,7 +42,7 @@ pub struct RollSettings {
     pub start: Option<[f64; 2]>,
 }
 
-/// Settings of an estimate that the readings do not state.
+/// Settings of an estimate from rolls, in addition to the readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RollOptions {
     /// The probe's radius, in the readings' length unit.

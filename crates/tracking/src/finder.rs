@@ -15,8 +15,8 @@ use crate::{Ground, Marker, Mask, TrackingError};
 /// The markers that were found in a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The image circle. It was given by the caller or found in the frame. If neither is the case, it is a circle
-    /// around the whole frame.
+    /// The image circle. The caller gave it, or it was found in the frame. Otherwise, it is a circle around the whole
+    /// frame.
     pub mask: Mask,
     /// Whether the background of the markers is bright or dark.
     pub ground: Ground,

@@ -221,9 +221,11 @@ pub(crate) struct Rim {
     columns: Vec<Option<[usize; 2]>>,
 }
 
-/// Largest accepted colour difference between the corners, in levels (0 to 255).
+/// Colours of two corners of the frame count as the same colour if they differ by less than this value, in levels (0 to
+/// 255).
 const MAX_CORNER_DIFFERENCE: f64 = 16.0;
-/// Smallest colour difference from the corners at which a bin counts as part of the sensor, in levels (0 to 255).
+/// A bin can count as part of the sensor only if its colour differs from the colour of the frame's corners by more than
+/// this value, in levels (0 to 255).
 const MIN_DIFFERENCE: f64 = 8.0;
 
 impl Rim {

@@ -209,7 +209,7 @@ fn numeric_flags(command: &str) -> Vec<String> {
     help.lines().filter_map(flag).collect()
 }
 
-/// Options without which a flag is rejected, because it would have no effect.
+/// Other options that a flag needs. Without them, the flag would have no effect, so it is rejected.
 fn needed(flag: &str) -> &'static str {
     match flag {
         "indentation-std" => "--indentation 1.5",

@@ -107,8 +107,9 @@ fn assert_line(line: &Line, expected: [f64; 3], units: [f64; 3]) {
     }
 }
 
-/// An independent reading of the figure gave 0.0258 turns/mm, R² 0.85 and a residual of 0.15 mm. These values belong to
-/// the line with an intercept. The residual is the rms residual divided by the slope.
+/// The expected values were read off the published figure independently: a slope of 0.0258 turns/mm, R² of 0.85, and a
+/// residual of 0.15 mm. These values belong to the line with an intercept. The residual is the rms residual divided by
+/// the slope.
 #[test]
 fn the_published_hue() {
     let fitted = NormalCalibration::fit(&hue_points(|_| true), NormalFrom::Hue).unwrap();
@@ -140,7 +141,7 @@ fn the_published_hue_of_each_object() {
     }
 }
 
-/// The expected slope of 7.0 px/mm comes from an independent reading of the figure. The expected R² of 0.99 is stated
+/// The expected slope of 7.0 px/mm was read off the published figure independently. The expected R² of 0.99 is stated
 /// in the paper.
 #[test]
 fn the_published_shift() {

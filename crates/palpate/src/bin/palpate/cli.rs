@@ -170,7 +170,7 @@ Example:
   palpate report results/ep1-roll-length results/ep1-pad-resolution --out report.html"
     )]
     Report(ReportArgs),
-    /// Print the JSON Schema of configs, with which editors check a config. With --quantities, print the quantities
+    /// Print the JSON Schema of configs, which editors use to check a config. With --quantities, print the quantities
     /// and statistics that a plot may use.
     #[command(after_help = "Examples:
   palpate schema > palpate.schema.json

@@ -239,7 +239,8 @@ fn goal_of(args: &RunArgs) -> String {
     both.join(" ")
 }
 
-/// Numbers of the cells that the run consists of: every n-th cell of the study. All shards share these cells.
+/// Numbers of the cells that the run consists of: every n-th cell of the study. If the run is divided into shards,
+/// these cells are divided among the shards.
 pub(crate) fn numbers_of(study: &Study, every_nth_cell: usize) -> Vec<usize> {
     (0..study.cell_count()).step_by(every_nth_cell).collect()
 }

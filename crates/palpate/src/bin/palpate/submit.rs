@@ -22,8 +22,8 @@ const JOBS: &str = "jobs.txt";
 const SHARDS: &str = "shards";
 const LOGS: &str = "logs";
 
-/// Longest time limit without a warning signal, minutes. A longer job gets a signal one minute before its end. For a
-/// shorter job, one minute would be a large part of its time.
+/// Jobs with a time limit of at most this many minutes get no signal before their end, because one minute would be a
+/// large part of their time. Longer jobs get a signal one minute before their end.
 const SHORT_MIN: u64 = 3;
 
 pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {

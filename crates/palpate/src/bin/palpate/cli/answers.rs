@@ -50,10 +50,12 @@ pub(crate) struct DesignArgs {
     /// fields vary, the answer contains the combinations of their values that meet the target.
     #[arg(long, value_name = "PATH=VALUES", required = true)]
     pub(crate) vary: Vec<Vary>,
-    /// Find the largest value of this varied field with which some values of the other varied fields meet the target.
+    /// Find the largest value of this varied field at which the target can be met. The other varied fields may have any
+    /// of their values.
     #[arg(long, value_name = "PATH", conflicts_with = "minimise")]
     pub(crate) maximise: Option<String>,
-    /// Find the smallest value of this varied field with which some values of the other varied fields meet the target.
+    /// Find the smallest value of this varied field at which the target can be met. The other varied fields may have
+    /// any of their values.
     #[arg(long, value_name = "PATH")]
     pub(crate) minimise: Option<String>,
     /// Largest share of the trials that may fail; with 1, any share may fail.

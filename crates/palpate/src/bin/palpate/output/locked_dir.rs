@@ -125,8 +125,8 @@ impl LockedDir {
     }
 
     /// Writes files of a study, each given by name and contents, as [`Self::write`] does. Also removes files of other
-    /// studies, and tables in the other format, if palpate wrote them. Returns one line of text for each file that it
-    /// did not remove because a user wrote or edited it.
+    /// studies, and tables in the other format (CSV or Parquet), if palpate wrote them. Returns one line of text for
+    /// each file that it did not remove because a user wrote or edited it.
     pub(crate) fn replace(
         &mut self,
         files: Vec<(&str, Contents<'_>)>,

@@ -60,7 +60,7 @@ impl StudyId {
         }
     }
 
-    /// Key and value of each metadata entry that a table gets: the study's name, and the SHA-256 of its config.
+    /// Metadata of a table, as pairs of key and value: the name of the study, and the SHA-256 of the study's config.
     pub(crate) fn about(&self) -> [(&'static str, String); 2] {
         [
             ("study", self.study.clone()),

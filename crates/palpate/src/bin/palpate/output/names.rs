@@ -24,30 +24,33 @@ pub(crate) const JOURNAL: &str = "journal.palpate";
 pub(crate) const CELLS: &str = "cells.csv";
 pub(crate) const FAILURES: &str = "failures.csv";
 pub(crate) const MAP: &str = "map.csv";
-/// File names of the tables `cells`, `failures` and `map` in Parquet format.
+/// File name of the main table in Parquet format. The other two constants are for the tables `failures` and `map`.
 pub(crate) const CELLS_PARQUET: &str = "cells.parquet";
 pub(crate) const FAILURES_PARQUET: &str = "failures.parquet";
 pub(crate) const MAP_PARQUET: &str = "map.parquet";
 /// File names of a run's warnings, as lines of text and as JSON. A run without warnings does not write these files.
 pub(crate) const WARNINGS: [&str; 2] = ["warnings.txt", "warnings.json"];
-/// Names of the files that `palpate design` writes: its tables, its text, its config, and its figure without the
-/// extension.
+/// Name of the main table that `palpate design` writes. The next constants are its other files: the table of a region,
+/// the text, the config, and the figure without its extension.
 pub(crate) const DESIGN: &str = "design.csv";
 pub(crate) const DESIGN_REGION: &str = "region.csv";
 pub(crate) const DESIGN_WORDS: &str = "design.txt";
 pub(crate) const DESIGN_CONFIG: &str = "design.toml";
 pub(crate) const DESIGN_FIGURE: &str = "design";
-/// Names of the files that `palpate distinguish` writes: its table, its text, and its figure without the extension.
+/// Name of the table that `palpate distinguish` writes. The next constants are its text and its figure without the
+/// extension.
 pub(crate) const DISTINGUISH: &str = "distinguish.csv";
 pub(crate) const DISTINGUISH_WORDS: &str = "distinguish.txt";
 pub(crate) const DISTINGUISH_FIGURE: &str = "distinguish";
-/// Names of the files that `palpate sensitivity` writes: its table, its text, and its figure without the extension.
+/// Name of the table that `palpate sensitivity` writes. The next constants are its text and its figure without the
+/// extension.
 pub(crate) const SENSITIVITY: &str = "sensitivity.csv";
 pub(crate) const SENSITIVITY_WORDS: &str = "sensitivity.txt";
 pub(crate) const SENSITIVITY_FIGURE: &str = "sensitivity";
 /// File name of the table with the scores of the papers' claims.
 pub(crate) const CLAIMS: &str = "claims.csv";
-/// Names of the files with the trace of one trial.
+/// Name of the table with the true values of a traced trial. The next constants are the other files of the trace: the
+/// readings, the tracked markers, and two camera frames.
 pub(crate) const TRACE: &str = "trace.csv";
 pub(crate) const READINGS: &str = "readings.csv";
 pub(crate) const MARKERS: &str = "markers.csv";

@@ -275,7 +275,8 @@ fn key_value(key: &str, value: &str) -> ipc::KeyValue {
     }
 }
 
-/// Converts a Parquet error to an I/O error. The message is only that of the cause.
+/// Converts a Parquet error to an I/O error. If another error caused the Parquet error, the message is that of the
+/// cause alone.
 fn plain(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(cause) => match cause.downcast::<io::Error>() {

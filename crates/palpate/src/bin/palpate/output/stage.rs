@@ -239,7 +239,7 @@ pub(crate) fn remove_abandoned(folder: &Path) {
     }
 }
 
-/// Whether the file at `path` is still this open file. Another process may have renamed or removed it.
+/// Whether `path` still names the open file `file`. Another process may have renamed or removed this file.
 pub(crate) fn is_named(file: &File, path: &Path) -> bool {
     let open = file.try_clone().and_then(Handle::from_file);
     matches!((open, Handle::from_path(path)), (Ok(open), Ok(named)) if open == named)
