@@ -26,7 +26,7 @@ pub(crate) fn until_best<F>(
         }
     }
     Err(PressError::Undetermined {
-        what: "the sum of squares has no clear minimum",
+        what: "the sum of squared residuals has no clear minimum",
     })
 }
 

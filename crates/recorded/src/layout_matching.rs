@@ -52,7 +52,7 @@ const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// Index of the camera's height in a [`Departure`].
 const HEIGHT: usize = 9;
 /// Possible causes, for the message that a frame does not contain the layout.
-const CAUSES: &str = "is it from another layout or camera, are its pixels encoded by sRGB (setting `srgb`), does the camera differ from `place`, `turn_deg` and `field_deg` of the study's `scene.sensor`, or are its discs misaligned by more than `scene.probe.discs.misalignment`?";
+const CAUSES: &str = "possible causes: the frame is from another layout or camera; its pixels are encoded by sRGB (then use setting `srgb`); the camera differs from `place`, `turn_deg` or `field_deg` of the study's `scene.sensor`; or the discs are misaligned by more than `scene.probe.discs.misalignment`";
 /// Maximum number of fits. Each fit starts at the result of the previous fit.
 const MAX_FITS: usize = 12;
 /// The fit is repeated until χ² decreases by less than this value.
@@ -192,7 +192,7 @@ impl Matched {
             return Err(format!(
                 "contradicts the layout, most of all in the {} of the markers: chi-squared is {} \
                  per degree of freedom (at most {CONTRADICTION}), and the markers are {} px from \
-                 their expected positions, number {worst} the farthest: {CAUSES}",
+                 their expected positions, number {worst} the farthest; {CAUSES}",
                 self.most_off(),
                 Number::rounded(reduced),
                 Number::rounded(residual_px)
@@ -400,7 +400,7 @@ fn missing_markers(
     if few || beside as f64 > most * wanted as f64 {
         return Err(format!(
             "shows {there} of the {wanted} markers of the layout that the camera should see, and \
-             {beside} other shapes: {CAUSES}"
+             {beside} other shapes; {CAUSES}"
         ));
     }
     let turns = expected.iter().zip(images).filter_map(|(expected, image)| {

@@ -25,7 +25,7 @@ impl ReadingWords<'_> {
             ),
             Misfit::Outlier { reading, .. } => {
                 let reading = (self.reading)(*reading);
-                format!("{reading} contradicts the others (p-value {shown})")
+                format!("{reading} contradicts the other readings (p-value {shown})")
             }
             Misfit::Stated {
                 quantity,

@@ -156,7 +156,7 @@ fn refused(recorded: &RollRecording, readings: &SeriesReadings, error: SeriesErr
             at(roll, sample)
         ),
         SeriesError::Contradiction { roll } => format!(
-            "no constant curvature agrees with the rotations and pads of all probes; probe {} contradicts the others most: state the noise of the rotations, or use method trajectory",
+            "no constant curvature agrees with the rotations and pads of all probes; probe {} contradicts the other probes most: state the noise of the rotations, or use method trajectory",
             recorded.probe(roll)
         ),
         _ => error.to_string(),

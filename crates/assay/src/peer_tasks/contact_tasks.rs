@@ -24,13 +24,13 @@ type MethodRung = (&'static str, Box<dyn Method>, fn(Fit) -> Fit);
 pub(super) fn few() -> Result<Vec<Figure>> {
     let one_pass = TwoPass {
         passes: Passes::One,
-        // Lengths are fitted in the unit of the readings, because the peer's weights are also per unit of length.
+        // Fit in the unit of length of the readings, because the peer's weights are also per this unit of length.
         unit_length: Some(1.0),
         ..TwoPass::default()
     };
     let methods: [MethodRung; 5] = [
         (
-            "one pass, the same spline",
+            "first pass of two-pass (the same spline)",
             Box::new(one_pass),
             Fit::without_uncertainty,
         ),

@@ -139,7 +139,7 @@ fn an_outlier_is_named_by_its_number() {
     );
     let warnings = json["warnings"].to_string();
     assert!(
-        warnings.contains("probe 13 contradicts the others"),
+        warnings.contains("probe 13 contradicts the other readings"),
         "{warnings}"
     );
     // If the noise is estimated, there is no p-value, but the warning nevertheless names the probe.

@@ -129,7 +129,7 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
         problem.fit.markers.see(&best.state.place, contact.radius)?;
         if best.is_stuck() {
             return Err(PressError::Undetermined {
-                what: "the sum of squares has no clear minimum",
+                what: "the sum of squared residuals has no clear minimum",
             });
         }
         // `factor` corrects the bias of the most likely curvature. The ends of the interval are multiplied by the same

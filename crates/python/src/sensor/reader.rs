@@ -62,7 +62,10 @@ pub(super) fn reader(
     let is_stated = base.is_some() || given.contains_key("depth");
     let options = PressOptions::with_settings(base, given, None, true).map_err(error::setting)?;
     if !is_stated {
-        return Err(refused("depth", "calibration needs either depth or like"));
+        return Err(refused(
+            "depth",
+            "is missing: calibration needs either depth or like",
+        ));
     }
     Ok(Some(FrameReader::Displacements {
         calibration: Box::new(calibration.clone()),

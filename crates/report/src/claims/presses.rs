@@ -117,10 +117,10 @@ fn effective_radius() -> Claim {
     let says = [
         "Effective radius converges with indentation",
         "31.4, 22.0, 15.4 mm",
-        "The estimated effective radius converges to the true 26.7, 20 and 16 mm by an indentation of 1.4 mm; below \
-         1 mm noise dominates.",
+        "The estimated effective radius converges to the true radius of 26.7, 20 or 16 mm as the indentation grows to \
+         1.4 mm; below 1 mm noise dominates.",
     ];
-    let what = "effective_radius of 26.7, 20 or 16 mm (the study's length unit must not be `unit`)";
+    let what = "row of effective_radius whose true value is 26.7, 20 or 16 mm (the study must state its `length_unit`)";
     let mut claim = Claim::new(16, says, what, |row| {
         row.quantity() == "effective_radius" && RADII.iter().any(|radius| has_radius(row, *radius))
     })

@@ -135,7 +135,7 @@ fn claim_16_needs_the_papers_objects_estimator_and_unit() {
     cells.push_of("gaussian", "effective_radius,1/mm", numbers, "");
     untestable(&cells.study(&config("[16]", "")), &["gaussian with c = 1"]);
     let unnamed = config("[16]", "").replace("length_unit = \"mm\"\n", "");
-    untestable(&cells.study(&unnamed), &["must not be `unit`"]);
+    untestable(&cells.study(&unnamed), &["must state its `length_unit`"]);
 }
 
 // ---- Claim 17: regimes

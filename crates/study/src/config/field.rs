@@ -46,7 +46,7 @@ impl Label {
 fn plain(segments: &[&str]) -> String {
     match segments {
         ["noise", "wrong markers", "count"] => "wrong markers".to_owned(),
-        ["noise", "wrong markers", "std"] => "error of wrong markers, std".to_owned(),
+        ["noise", "wrong markers", "std"] => "wrong_markers error, std".to_owned(),
         ["noise", "lost markers", "count"] => "lost markers".to_owned(),
         ["noise", channel, "std"] => format!("{channel} noise, std"),
         ["noise", channel, "fraction" | "bound"] => format!("{channel} noise"),
