@@ -98,7 +98,10 @@ pub enum AnswerError {
 impl AnswerError {
     /// The error for a quantity that a scene of this kind does not have. `quantities` are the quantities of the scene.
     pub(crate) fn no_quantity(scene: &'static str, name: &str, quantities: &[Quantity]) -> Self {
-        let known: Vec<&str> = quantities.iter().map(|one| one.name).collect();
+        let mut known: Vec<&str> = quantities.iter().map(|one| one.name).collect();
+        let is_principal = Quantity::PRINCIPAL.iter().any(|one| one.name == name);
+        let with_key = "and this one with `scene.principal_curvatures = true`";
+        known.extend((is_principal && scene != "press").then_some(with_key));
         Self::NoQuantity {
             scene,
             name: name.to_owned(),

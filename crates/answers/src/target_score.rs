@@ -52,8 +52,7 @@ impl SceneTarget {
 
     /// Empty batches that will store only the quantities that the target needs.
     pub(crate) fn batches(&self, first: u64) -> Batches {
-        let of = self.quantity().inverse_of();
-        let of = of.and_then(|of| self.quantities.iter().position(|one| *one == of));
+        let of = self.quantity().inverse_of(self.quantities);
         let stored = [self.place].into_iter().chain(of).collect();
         let is_quantile = matches!(
             self.target.statistic,
@@ -77,7 +76,7 @@ impl SceneTarget {
 
     fn statistic(&self, scene: &Scene, all: &CellStatistics) -> Option<f64> {
         let mut summaries = all.quantities.clone();
-        if self.quantity().inverse_of().is_some() {
+        if self.quantity().inverse_of(self.quantities).is_some() {
             drop_undefined_moments(self.quantities, &mut summaries);
         }
         match self.target.statistic {
@@ -140,7 +139,7 @@ impl SceneTarget {
                 Some("the estimator states no standard deviation")
             }
             Statistic::StdBound => Some("there is no bound; only presses with noise have a bound"),
-            _ if self.quantity().inverse_of().is_some() => {
+            _ if self.quantity().inverse_of(self.quantities).is_some() => {
                 Some("its sign is undecided; use a quantile, or the curvature")
             }
             _ => None,

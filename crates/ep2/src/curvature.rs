@@ -1,5 +1,6 @@
 //! The curvature of a graph, and the standard errors of the curvature.
 
+use nalgebra::SMatrix;
 use palpate_geometry::CurvatureForm;
 
 use crate::Ep2Error;
@@ -212,6 +213,30 @@ pub(crate) fn form_and_basis(jet: &Jet) -> (CurvatureForm, [nalgebra::Vector3<f6
         k_vv: bend * (t - 2.0 * share * s + share * share * r) * e / d,
     };
     (form, [along, across])
+}
+
+/// Standard errors of k_min, k_max (in the graph's unit) and the angle of their directions (rad), as
+/// [`CurvatureForm::principal_stds`] returns them, from the covariance of the graph's derivatives.
+pub(crate) fn principal_stds(
+    jet: &Jet,
+    covariance: &SMatrix<f64, DERIVATIVES, DERIVATIVES>,
+) -> [f64; 3] {
+    const STEP: f64 = 1e-5;
+    let form = |derivative: usize, step: f64| {
+        let mut jet = *jet;
+        let Jet {
+            u, v, uu, uv, vv, ..
+        } = &mut jet;
+        *[u, v, uu, uv, vv][derivative] += step;
+        let form = form_and_basis(&jet).0;
+        [form.k_uu, form.k_vv, form.k_uv]
+    };
+    let gradients = SMatrix::<f64, 3, DERIVATIVES>::from_fn(|entry, derivative| {
+        let [low, high] = [-STEP, STEP].map(|step| form(derivative, step)[entry]);
+        (high - low) / (2.0 * STEP)
+    });
+    let covariance = gradients * covariance * gradients.transpose();
+    form_and_basis(jet).0.principal_stds(&covariance.into())
 }
 
 #[cfg(test)]

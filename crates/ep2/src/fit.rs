@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, SMatrix, Vector3};
 
-use crate::curvature::{Curvatures, form_and_basis};
+use crate::curvature::{Curvatures, form_and_basis, principal_stds};
 use crate::penalised::Basis;
 use crate::posterior::{Posterior, PosteriorLine, Series};
 use crate::spline::{Jet, LANES, Lanes, Local, TensorSpline};
@@ -116,6 +116,23 @@ impl Fit {
     pub fn curvature_at(&self, world: &Point3<f64>) -> Result<Curvature, Ep2Error> {
         let place = self.frame.point(world);
         Ok(self.jet_and_curvature(place.x, place.y)?.1)
+    }
+
+    /// Standard errors of the principal curvatures k_min and k_max (1/length), and of the angle of their directions (rad),
+    /// at the same point as [`Fit::curvature_at`]. They have the properties of
+    /// [`CurvatureForm::principal_stds`](palpate_geometry::CurvatureForm::principal_stds). `None` if the method computes
+    /// no standard errors.
+    pub fn principal_stds_at(&self, world: &Point3<f64>) -> Option<[f64; 3]> {
+        let place = self.frame.point(world);
+        let local = Local::of(&self.spline.u, place.x);
+        let line = Line::of(self, place.y, 0..self.spline.u.functions());
+        let jets = line.jet(&Local::side_by_side([&local; LANES]), self);
+        let series = self.series([place.x; LANES])?;
+        let errors = line.posterior.as_ref()?.errors(&series, &jets);
+        let covariance = SMatrix::from_fn(|row, at| errors[row][at].to_array()[0]);
+        let [min, max, angle] = principal_stds(&self.jet(place.x, place.y), &covariance);
+        let scale = self.frame.scale();
+        Some([min / scale, max / scale, angle])
     }
 
     /// The point of the surface at a place (u, v) in the patch's coordinates.

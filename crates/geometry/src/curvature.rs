@@ -38,7 +38,7 @@ pub struct CurvatureForm {
 /// square root of the 95 % quantile of χ² with 2 degrees of freedom.
 const SIGNIFICANT_SPREAD: f64 = 2.447_746_830_680_816;
 /// Standard deviation of an undetermined direction, which is uniform over half a turn: π/√12, rad.
-const UNKNOWN_DIRECTION_STD: f64 = 0.906_899_682_117_089_3;
+pub const UNKNOWN_DIRECTION_STD: f64 = 0.906_899_682_117_089_3;
 
 /// The two principal curvatures, ordered by signed value, and their directions.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -21,6 +21,7 @@ pub mod surfaces;
 
 pub use curvature::{
     CurvatureForm, InvalidThresholds, PrincipalCurvatures, ShapeClass, ShapeThresholds,
+    UNKNOWN_DIRECTION_STD,
 };
 pub use error::{InvalidShape, SurfaceError};
 pub use fundamental::{ChartGeometry, ChartJet, GaussFrame, Parameters};

@@ -1,11 +1,11 @@
 //! Chooses the number of trials and the model for cells of a study.
 
 use palpate_scene::{Scene, SceneTrial, Scenes, TOLERANCES};
-use palpate_study::Quantity;
 use palpate_study::config::{
     self, ConfigError, GlideModelConfig, GlideSensorConfig, ModelConfig, PressModelConfig,
     PressSensorConfig, RollModelConfig, RollSensorConfig, SceneConfig, Study, StudyConfig,
 };
+use palpate_study::{Quantity, Unit};
 use palpate_sweep::{Clock, Runner};
 
 use crate::planner::{self, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable};
@@ -172,8 +172,8 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
     let mut truths = vec![0.0_f64; quantities.len()];
     scene
         .trial(0, |quantity, outcome| {
-            // A shape class is not a number, so a model error cannot shift it. Leave it out.
-            if quantities[quantity].name != "class" {
+            // A model error does not shift a class, so it is left out.
+            if ![Quantity::CLASS, Quantity::AXIS_UNDETERMINED].contains(&quantities[quantity]) {
                 truths[quantity] = truths[quantity].max(outcome.truth.abs());
                 values.push(PassValue {
                     quantity,
@@ -191,6 +191,8 @@ fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pa
     };
     let quantities = (0..truths.len()).map(|place| PassQuantity {
         scale: match truths[place] {
+            // An angle has no typical size, so its errors are relative to 1 rad.
+            _ if quantities[place].unit == Unit::Degree => 1_f64.to_degrees(),
             0.0 => of_unit(place),
             truth => truth,
         },

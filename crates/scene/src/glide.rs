@@ -5,5 +5,4 @@ mod glide_plan;
 mod glide_tables;
 mod glide_trial;
 
-pub(crate) use glide_trial::GLIDE_QUANTITIES;
 pub use glide_trial::GlideScene;

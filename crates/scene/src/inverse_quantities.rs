@@ -13,16 +13,12 @@ const MIN_DEVIATIONS: f64 = 4.0;
 /// would depend on the few trials nearest to 0. Quantiles of inverse quantities are kept, because they are defined.
 pub fn drop_undefined_moments(quantities: &[Quantity], summaries: &mut [Summary]) {
     for (place, quantity) in quantities.iter().enumerate() {
-        let Some(of) = quantity.inverse_of() else {
+        let Some(inverted) = quantity.inverse_of(quantities) else {
             continue;
         };
-        let inverted = quantities.iter().position(|one| *one == of);
-        let is_far = inverted.is_some_and(|inverted| {
-            let Summary { mean, std, .. } = summaries[inverted];
-            let std = std.unwrap_or(0.0);
-            mean.is_some_and(|mean| mean.abs() >= MIN_DEVIATIONS * std)
-        });
-        if is_far {
+        let Summary { mean, std, .. } = summaries[inverted];
+        let std = std.unwrap_or(0.0);
+        if mean.is_some_and(|mean| mean.abs() >= MIN_DEVIATIONS * std) {
             continue;
         }
         summaries[place] = Summary {

@@ -13,6 +13,7 @@ mod ladder;
 mod measured_sensor;
 mod pattern;
 mod press;
+mod principal_curvatures;
 mod roll;
 mod scene;
 mod scene_trial;

@@ -10,5 +10,5 @@ mod roll_trial;
 mod sampled_rolls;
 
 pub use pulp::Arch;
-pub(crate) use roll_trial::ROLL_QUANTITIES;
 pub use roll_trial::RollScene;
+pub(crate) use roll_trial::quantities_of;

@@ -9,11 +9,11 @@ use palpate_study::{FieldError, MapTable, Quantity, Warning};
 use palpate_sweep::Observation;
 
 use crate::cache::SharedModels;
-use crate::glide::{GLIDE_QUANTITIES, GlideScene};
+use crate::glide::GlideScene;
 use crate::ladder::{Ladder, Rung};
 use crate::measured_sensor::MeasuredSensor;
 use crate::press::PressScene;
-use crate::roll::{ROLL_QUANTITIES, RollScene};
+use crate::roll::RollScene;
 use crate::trace::{Trace, TraceError};
 
 /// A scene of any kind that is ready to run its [`Trials`].
@@ -66,8 +66,8 @@ impl Deref for Scene {
 /// Quantities that the scene of a config reports, as in [`Trials::quantities`]. The scene is not built.
 pub fn quantities_of(config: &SceneConfig) -> &'static [Quantity] {
     match config {
-        SceneConfig::Roll(_) => &ROLL_QUANTITIES,
-        SceneConfig::Glide(_) => &GLIDE_QUANTITIES,
+        SceneConfig::Roll(roll) => crate::roll::quantities_of(roll.principal_curvatures),
+        SceneConfig::Glide(glide) => GlideScene::quantities_of(glide),
         SceneConfig::Press(press) => PressScene::quantities_of(press),
         SceneConfig::Fingertip(sensor) => MeasuredSensor::quantities_of(&sensor.probe),
     }

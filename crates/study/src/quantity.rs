@@ -158,14 +158,16 @@ quantities! {
     WRONG_MATCHES = "wrong_matches", "wrong matches", One, Measured, &["press"];
     /// Number of pixels that are computed to render the frames of one press.
     PIXELS = "pixels", "pixels evaluated per press", One, Measured, &["press"];
-    /// Radius of the pressed object; negative if the object is concave.
-    OBJECT_RADIUS = "object_radius", "object radius", Length, Estimated, &["press"];
-    /// Larger principal curvature of the object at the contact. It is positive if the object is convex.
-    PRINCIPAL_CURVATURE_MAX = "principal_curvature_max", "larger principal curvature", PerLength, Estimated, &["press"];
-    /// Smaller principal curvature of the object at the contact. It is positive if the object is convex.
-    PRINCIPAL_CURVATURE_MIN = "principal_curvature_min", "smaller principal curvature", PerLength, Estimated, &["press"];
-    /// Angle from the x axis at the contact to the direction of the smaller principal curvature (a cylinder's axis).
-    AXIS_DEG = "axis_deg", "axis of the object", Degree, Estimated, &["press"];
+    /// Radius of the object, negative if it is concave. In rolls and glides with `principal_curvatures`, it is the inverse of the mean curvature where all normal curvatures are equal.
+    OBJECT_RADIUS = "object_radius", "object radius", Length, Estimated, &["roll", "glide", "press"];
+    /// Larger principal curvature of the object at the contact, positive if the object is convex. Rolls and glides need `principal_curvatures` for it.
+    PRINCIPAL_CURVATURE_MAX = "principal_curvature_max", "larger principal curvature", PerLength, Estimated, &["roll", "glide", "press"];
+    /// Smaller principal curvature of the object at the contact, positive if the object is convex. Rolls and glides need `principal_curvatures` for it.
+    PRINCIPAL_CURVATURE_MIN = "principal_curvature_min", "smaller principal curvature", PerLength, Estimated, &["roll", "glide", "press"];
+    /// Angle from the x axis at the contact to the direction of the smaller principal curvature (a cylinder's axis). Rolls and glides need `principal_curvatures` for it.
+    AXIS_DEG = "axis_deg", "axis of the object", Degree, Estimated, &["roll", "glide", "press"];
+    /// 1 if the principal curvatures do not differ significantly, so that the axis is undetermined, otherwise 0. Rolls and glides need `principal_curvatures` for it.
+    AXIS_UNDETERMINED = "axis_undetermined", "share of undetermined axes", One, Measured, &["roll", "glide"];
     /// Force between the sensor and the object.
     FORCE = "force", "force", Newton, Estimated, &["press"];
     /// Largest strain of the skin when it is folded from flat pieces to a sphere.
@@ -177,10 +179,22 @@ quantities! {
 }
 
 impl Quantity {
-    /// If this quantity is a radius, the curvature of which it is the inverse; otherwise `None`. If the trials do not
-    /// determine the sign of the curvature, the radius has quantiles, but no mean and no standard deviation.
-    pub fn inverse_of(self) -> Option<Self> {
-        (self == Self::OBJECT_RADIUS).then_some(Self::OBJECT_CURVATURE)
+    /// Quantities of rolls and glides that are computed only with `scene.principal_curvatures`.
+    pub const PRINCIPAL: [Self; 5] = [
+        Self::PRINCIPAL_CURVATURE_MAX,
+        Self::PRINCIPAL_CURVATURE_MIN,
+        Self::AXIS_DEG,
+        Self::AXIS_UNDETERMINED,
+        Self::OBJECT_RADIUS,
+    ];
+
+    /// If this quantity is a radius, the index in `quantities` of the curvature of which it is the inverse; otherwise
+    /// `None`. If the trials do not determine the sign of the curvature, the radius has quantiles, but no mean and no
+    /// standard deviation.
+    pub fn inverse_of(self, quantities: &[Self]) -> Option<usize> {
+        let is_inverse = |one: &Self| [Self::OBJECT_CURVATURE, Self::MEAN_CURVATURE].contains(one);
+        let mut places = quantities.iter();
+        (self == Self::OBJECT_RADIUS).then(|| places.position(is_inverse))?
     }
 
     /// The quantity with this name; `None` if there is none.

@@ -1,6 +1,7 @@
 //! Maps of fitted shapes: points with their curvature.
 
 use nalgebra::{Point3, Vector3};
+use palpate_geometry::UNKNOWN_DIRECTION_STD;
 
 use super::pose::Pose;
 use crate::{Contact, Curvature, MapPoint, Shape, ShapeFit, Uncertainty};
@@ -16,6 +17,23 @@ impl ShapeFit {
         let normal = pose.normal_at(&place.coords);
         let foot = place.coords - normal * pose.distance(&place.coords);
         self.point(foot, normal)
+    }
+
+    /// Standard errors of the principal curvatures k_min and k_max (1/length), and of the angle of their directions
+    /// (rad). `None` if the curvature has no standard error.
+    pub fn principal_stds(&self) -> Option<[f64; 3]> {
+        let std = self.curvature.std?;
+        let along = if self.shape == Shape::Cylinder {
+            0.0
+        } else {
+            std
+        };
+        let [min, max] = match self.curvature.value? < 0.0 {
+            true => [std, along],
+            false => [along, std],
+        };
+        let angle = self.direction_std_rad.unwrap_or(UNKNOWN_DIRECTION_STD);
+        Some([min, max, angle.min(UNKNOWN_DIRECTION_STD)])
     }
 
     /// Smallest and largest coordinates of the contacts in the plane that touches the shape in the middle of the

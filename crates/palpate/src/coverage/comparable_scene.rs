@@ -12,9 +12,10 @@ pub(super) type Fields = BTreeMap<String, Json>;
 
 /// Beginnings of the paths of fields that are not compared. These fields do not affect readings and estimates, or the
 /// random scenes contain all their values.
-const IGNORED: [&str; 7] = [
+const IGNORED: [&str; 8] = [
     "scene.model.tolerance",
     "scene.evaluate",
+    "scene.principal_curvatures",
     "scene.object_contact",
     "scene.motion.inter_finger_distance",
     "scene.motion.rate_rad_per_s",

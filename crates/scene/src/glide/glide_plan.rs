@@ -1,5 +1,6 @@
 //! Builds a [`GlideScene`] from its config, and compares the models that can compute the contacts.
 
+use nalgebra::Vector3;
 use palpate_ep2::{Contact, RoundTip};
 use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
 use palpate_rolling::{Fingertip, GlideError, Glider, InvalidTouch, Model, Touch, TouchModel};
@@ -13,12 +14,12 @@ use super::fingertip_sensor::{GlideSensor, SensorKind};
 use super::glide_trial::{ContactNoise, FingerTouch, GlideScene, TrueGrid, TruePlace};
 use crate::config_conversion::{pad_layout, range_error, sensor_error, shape};
 use crate::ladder::{Accuracy, Ladder, Rung};
+use crate::principal_curvatures::PointCurvature;
 use crate::scene::Need;
 use palpate_estimators::GlideMethod;
 use palpate_study::config::{
-    EvaluateConfig, FingertipConfig, GlideConfig, GlideModelConfig, GlideMotionConfig,
-    GlideNoiseConfig, GlideSensorConfig, ModelConfig, NoiseAxis, NormalNoise, ObjectConfig,
-    PositionNoise,
+    FingertipConfig, GlideConfig, GlideModelConfig, GlideMotionConfig, GlideNoiseConfig,
+    GlideSensorConfig, ModelConfig, NoiseAxis, NormalNoise, ObjectConfig, PositionNoise,
 };
 use palpate_study::{FieldError, Warning};
 
@@ -40,7 +41,7 @@ impl GlideScene {
         let tip = sensor.tip(radius);
         let noise = noise(&config.noise, config.motion.inter_finger_distance)?;
         let method = GlideMethod::of(&config.estimator, Some(config.motion.inter_finger_distance));
-        let grid = grid(&config.evaluate, glider.object(), middle)?;
+        let grid = grid(config, glider.object(), middle)?;
         let models = [Some(need(&glider)), noise.need(), Some(sensor.need())].into_iter();
         let models = models
             .chain([tip.map(|tip| tip_text(&tip, sensor.normals))])
@@ -342,10 +343,11 @@ impl ContactNoise {
 }
 
 fn grid(
-    config: &EvaluateConfig,
+    glide: &GlideConfig,
     object: &Shape,
     (middle_x, middle_y): (f64, f64),
 ) -> Result<TrueGrid, FieldError> {
+    let config = &glide.evaluate;
     let thresholds = ShapeThresholds::new(config.gaussian_threshold, config.mean_threshold)
         .map_err(|error| FieldError::at("scene.evaluate.gaussian_threshold", error))?;
     let at = |index| share(index, config.grid) * config.half_width;
@@ -362,11 +364,22 @@ fn grid(
             .map_err(grid_error)?;
         let curvature = everywhere.unwrap_or(touch.curvature);
         let (gaussian, mean) = (curvature.gaussian_curvature(), curvature.mean_curvature());
+        let principal = || {
+            let x = Vector3::x();
+            let along = (x - touch.normal * touch.normal.dot(&x)).normalize();
+            let (normal, form) = object.curvature_along(&touch.point, &along).ok()?;
+            let of_form = PointCurvature::of(&form, None, None);
+            let mut principal = PointCurvature::of(&curvature, None, None);
+            // The second axis of the form is −y.
+            principal.values[3] = -of_form.values[3];
+            Some((principal, [along, normal.cross(&along)]))
+        };
         Ok(TruePlace {
             point: touch.point,
             gaussian,
             mean,
             class: thresholds.classify(gaussian, mean),
+            principal: glide.principal_curvatures.then(principal).flatten(),
         })
     };
     let places = (0..config.grid)

@@ -1,15 +1,18 @@
 //! A glide that is ready to run, and its trials.
 
+use std::sync::LazyLock;
+
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::{
     Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Patch, RoundTip, ShapeError, ShapeFit,
 };
-use palpate_geometry::{ShapeClass, ShapeThresholds};
+use palpate_geometry::{CurvatureForm, ShapeClass, ShapeThresholds};
 use palpate_rolling::Touch;
 use palpate_sensing::{Channel, NormalError, PositionError, Stream};
 use palpate_statistics::BadSetting;
 
 use crate::ladder::Ladder;
+use crate::principal_curvatures::PointCurvature;
 use crate::scene::{Need, Trials};
 use crate::trace::{Trace, TraceError};
 use palpate_estimators::{GlideFit, GlideMethod, fit_shape, map_table};
@@ -18,11 +21,15 @@ use palpate_study::{FieldError, MapTable, Quantity};
 use palpate_sweep::Observation;
 
 /// Quantities that a glide estimates at every point of its grid.
-pub(crate) const GLIDE_QUANTITIES: [Quantity; 3] = [
+const GLIDE_QUANTITIES: [Quantity; 3] = [
     Quantity::GAUSSIAN_CURVATURE,
     Quantity::MEAN_CURVATURE,
     Quantity::CLASS,
 ];
+
+/// The quantities of glides with `principal_curvatures`.
+static WITH_PRINCIPAL: LazyLock<Vec<Quantity>> =
+    LazyLock::new(|| [&GLIDE_QUANTITIES[..], &Quantity::PRINCIPAL].concat());
 
 /// A glide that is ready to run. It contains the true contacts, the sensor, the noise and the estimator of a grid point
 /// of a study.
@@ -54,6 +61,25 @@ impl GlideSurface {
             Self::Graph(fit) => fit.curvature_at(place),
             Self::Shape(fit) => Ok(fit.point_at(place).curvature),
         }
+    }
+
+    /// Principal curvatures at the point next to `place`. Angles are measured from `axes[0]` towards `axes[1]`.
+    fn principal_at(
+        &self,
+        place: &Point3<f64>,
+        axes: &[Vector3<f64>; 2],
+    ) -> Result<PointCurvature, Ep2Error> {
+        let point = self.points_at(std::slice::from_ref(place))?[0];
+        let stds = match self {
+            Self::Graph(fit) => fit.principal_stds_at(place),
+            Self::Shape(fit) => fit.principal_stds(),
+        };
+        let [x, y] = axes.map(|axis| axis.dot(&point.direction_of_min));
+        let mean_std = point.curvature.uncertainty.map(|one| one.mean_std);
+        let mut principal = PointCurvature::of(&CurvatureForm::default(), stds, mean_std);
+        let mean = point.curvature.mean;
+        principal.values = [point.k_min, point.k_max, mean, libm::atan2(y, x)];
+        Ok(principal)
     }
 
     pub(super) fn points_at(&self, places: &[Point3<f64>]) -> Result<Vec<MapPoint>, Ep2Error> {
@@ -94,6 +120,9 @@ pub(super) struct TruePlace {
     pub(super) gaussian: f64,
     pub(super) mean: f64,
     pub(super) class: ShapeClass,
+    /// Principal curvatures, and the tangents from which and towards which angles are measured. `None` unless the config
+    /// has `principal_curvatures`.
+    pub(super) principal: Option<(PointCurvature, [Vector3<f64>; 2])>,
 }
 
 impl TruePlace {
@@ -102,7 +131,10 @@ impl TruePlace {
             Quantity::GAUSSIAN_CURVATURE => Some(self.gaussian),
             Quantity::MEAN_CURVATURE => Some(self.mean),
             Quantity::CLASS => Some(1.0),
-            _ => None,
+            _ => {
+                let (truth, _) = &self.principal?;
+                Some(truth.outcome(truth, quantity)?.truth)
+            }
         }
     }
 }
@@ -157,6 +189,14 @@ impl GlideScene {
         })
     }
 
+    /// Quantities that trials of the glide in a config report.
+    pub(crate) fn quantities_of(config: &GlideConfig) -> &'static [Quantity] {
+        match config.principal_curvatures {
+            true => &WITH_PRINCIPAL,
+            false => &GLIDE_QUANTITIES,
+        }
+    }
+
     /// Compares a fit with the true surface at each grid point.
     fn compare(
         &self,
@@ -181,6 +221,10 @@ impl GlideScene {
             for (quantity, outcome) in outcomes.into_iter().enumerate() {
                 observe(quantity, outcome);
             }
+            if let Some((truth, axes)) = &place.principal {
+                let estimate = fit.principal_at(&place.point, axes)?;
+                estimate.report(truth, self.quantities(), observe);
+            }
         }
         Ok(())
     }
@@ -188,7 +232,7 @@ impl GlideScene {
 
 impl Trials for GlideScene {
     fn quantities(&self) -> &'static [Quantity] {
-        &GLIDE_QUANTITIES
+        Self::quantities_of(&self.config)
     }
 
     fn is_random(&self) -> bool {
@@ -229,7 +273,7 @@ impl Trials for GlideScene {
     }
 
     fn truth(&self, quantity: usize) -> Option<f64> {
-        let quantity = *GLIDE_QUANTITIES.get(quantity)?;
+        let quantity = *self.quantities().get(quantity)?;
         let mut values = self.grid.places.iter().map(|place| place.value(quantity));
         let first = values.next()??;
         values.all(|value| value == Some(first)).then_some(first)

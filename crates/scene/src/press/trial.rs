@@ -19,6 +19,7 @@ use super::plan::{Choice, PressRungs};
 use super::reading::{CameraPressSensor, CameraReading, PressNoise, PressReading, PressSensor};
 use super::truth::{PressGeometry, SoftBody, TruePress};
 use crate::ladder::Ladder;
+use crate::principal_curvatures::{finite, half_turn};
 use crate::scene::{Need, Trials};
 use crate::trace::{Trace, TraceError};
 
@@ -509,13 +510,4 @@ fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
     let one_std = end.map_or(std, |end| (end - value).abs() / NORMAL_95);
     let [narrowest, narrow, _] = HALF_WIDTHS.map(|width| (truth - value).abs() <= width * one_std);
     [narrowest, narrow, interval.holds(truth)]
-}
-
-/// The angle of an axis, degrees, moved into the range from −90 to 90.
-fn half_turn(degrees: f64) -> f64 {
-    degrees - 180.0 * (degrees / 180.0).round()
-}
-
-fn finite(value: f64) -> Option<f64> {
-    Some(value).filter(|value| value.is_finite())
 }

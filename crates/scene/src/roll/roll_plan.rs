@@ -87,6 +87,7 @@ impl RollScene {
             rotation_sensor,
             reading_noise,
             truth,
+            has_principal: config.principal_curvatures,
             directions_path: config.motion.directions_path(),
             tolerance: match config.model {
                 RollModelConfig::Auto { tolerance, .. } => Some(tolerance),

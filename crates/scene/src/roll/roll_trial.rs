@@ -1,6 +1,7 @@
 //! A roll that is ready to run, and its trials.
 
 use std::ops::Range;
+use std::sync::LazyLock;
 
 use nalgebra::Vector2;
 use palpate_ep1::{
@@ -15,8 +16,9 @@ use pulp::{Arch, Simd, WithSimd};
 use super::linear_rolls::{LinearRolls, ManyRolls};
 use super::motion_noise::{MotionNoise, NoiseTrial, Roll};
 use super::roll_sensor::{RollSensor, RotationSensor};
-use super::sampled_rolls::SampledRolls;
+use super::sampled_rolls::{SampledRolls, series_principal};
 use crate::ladder::Ladder;
+use crate::principal_curvatures::PointCurvature;
 use crate::scene::{Need, Trials};
 use crate::trace::{Trace, TraceError};
 use palpate_study::config::{LengthUnit, RollEstimatorConfig, Side};
@@ -30,6 +32,18 @@ pub(crate) const ROLL_QUANTITIES: [Quantity; 5] = [
     Quantity::MEAN_CURVATURE,
     Quantity::ARC_LENGTH,
 ];
+
+/// The quantities of rolls with `principal_curvatures`.
+static WITH_PRINCIPAL: LazyLock<Vec<Quantity>> =
+    LazyLock::new(|| [&ROLL_QUANTITIES[..], &Quantity::PRINCIPAL].concat());
+
+/// Quantities of a roll. `has_principal` states whether the config has `principal_curvatures`.
+pub(crate) fn quantities_of(has_principal: bool) -> &'static [Quantity] {
+    match has_principal {
+        true => &WITH_PRINCIPAL,
+        false => &ROLL_QUANTITIES,
+    }
+}
 
 /// Rolls that are ready to run. The scene contains the true rolls, the noise, the sensor and the estimator of a grid
 /// point of a study.
@@ -51,6 +65,8 @@ pub struct RollScene {
     pub(super) sampled: Option<SampledRolls>,
     pub(super) estimator: RollEstimatorConfig,
     pub(super) truth: Truth,
+    /// Whether trials also report principal curvatures.
+    pub(super) has_principal: bool,
     pub(super) directions_path: &'static str,
     /// Largest error that `auto` allows when it chooses a model; `None` if the config names the model.
     pub(super) tolerance: Option<f64>,
@@ -153,6 +169,10 @@ impl RollScene {
         ]
     }
 
+    fn true_principal(&self) -> PointCurvature {
+        PointCurvature::of(&self.truth.curvature, None, None)
+    }
+
     /// The outcomes of one trial, in the order of [`Trials::quantities`].
     ///
     /// # Errors
@@ -171,7 +191,9 @@ impl RollScene {
             return Ok(self.compare(&estimate));
         }
         match self.series_method() {
-            Some((sampled, method)) => self.series_outcomes(sampled, method, trial),
+            Some((sampled, method)) => self
+                .series_outcomes(sampled, method, trial)
+                .map(|(outcomes, _)| outcomes),
             None => self
                 .sensor_trial(trial)
                 .map(|estimate| self.compare(&estimate)),
@@ -189,8 +211,8 @@ impl RollScene {
         trials: Range<u64>,
         mut take: impl FnMut(&[Observations<'_>; ROLL_QUANTITIES.len()]) -> usize,
     ) -> u64 {
-        let (Some(linear), RollFit::Fit(fit), RollSensor::Ideal) =
-            (&self.linear, &self.fit, &self.sensor)
+        let (Some(linear), RollFit::Fit(fit), RollSensor::Ideal, false) =
+            (&self.linear, &self.fit, &self.sensor, self.has_principal)
         else {
             return 0;
         };
@@ -359,7 +381,7 @@ impl RollScene {
 
 impl Trials for RollScene {
     fn quantities(&self) -> &'static [Quantity] {
-        &ROLL_QUANTITIES
+        quantities_of(self.has_principal)
     }
 
     fn is_random(&self) -> bool {
@@ -384,6 +406,9 @@ impl Trials for RollScene {
         trial: u64,
         observe: &mut dyn FnMut(usize, Observation),
     ) -> Result<(), &'static str> {
+        if self.has_principal {
+            return self.trial_with_warnings(trial, observe).map(drop);
+        }
         let outcomes = self.outcomes(trial)?.into_iter().enumerate();
         outcomes.for_each(|(quantity, outcome)| observe(quantity, outcome));
         Ok(())
@@ -394,23 +419,48 @@ impl Trials for RollScene {
         trial: u64,
         observe: &mut dyn FnMut(usize, Observation),
     ) -> Result<Vec<&'static str>, &'static str> {
-        if self.series_method().is_some() {
-            return self.trial(trial, observe).map(|()| Vec::new());
+        if let Some((sampled, method)) = self.series_method() {
+            let (outcomes, estimate) = self.series_outcomes(sampled, method, trial)?;
+            for (quantity, outcome) in outcomes.into_iter().enumerate() {
+                observe(quantity, outcome);
+            }
+            if self.has_principal {
+                let truth = self.true_principal();
+                series_principal(&estimate, &outcomes[3], &truth).report(
+                    &truth,
+                    self.quantities(),
+                    observe,
+                );
+            }
+            return Ok(Vec::new());
         }
         let mut readings = Vec::with_capacity(self.rolls.len());
         self.readings(trial, |reading| readings.push(reading))?;
         let radius = self.roller.probe().radius();
-        let estimate = LeastSquares::of(radius, self.reading_noise, &readings)
+        let (fit, estimate) = LeastSquares::fitted(radius, self.reading_noise, &readings)
             .map_err(|error| error.name())?;
         for (quantity, outcome) in self.compare(&estimate).into_iter().enumerate() {
             observe(quantity, outcome);
+        }
+        if self.has_principal {
+            let form = estimate.curvature;
+            let stds = fit
+                .covariance(&estimate)
+                .map(|all| form.principal_stds(&all));
+            let principal = PointCurvature::of(&form, stds, estimate.mean_curvature.std);
+            principal.report(&self.true_principal(), self.quantities(), observe);
         }
         let misfits = estimate.misfits(self.reading_noise, &readings);
         Ok(misfits.iter().map(|misfit| misfit.code()).collect())
     }
 
     fn truth(&self, quantity: usize) -> Option<f64> {
-        self.truths().get(quantity).copied()
+        let usual = self.truths().get(quantity).copied();
+        usual.or_else(|| {
+            let truth = self.true_principal();
+            let quantity = *self.quantities().get(quantity)?;
+            Some(truth.outcome(&truth, quantity)?.truth)
+        })
     }
 
     fn needs(&self) -> Vec<Need> {

@@ -17,6 +17,7 @@ use palpate_sweep::Observation;
 use super::motion_noise::{NoiseTrial, Roll};
 use super::roll_sensor::{RollSensor, RotationSensor};
 use super::roll_trial::{ROLL_QUANTITIES, RollScene};
+use crate::principal_curvatures::PointCurvature;
 use crate::trace::TraceError;
 
 /// Largest total number of samples of the rolls in a trial.
@@ -144,13 +145,13 @@ enum NoSeries {
 }
 
 impl RollScene {
-    /// The outcomes of a trial whose estimator uses time series.
+    /// The outcomes of a trial whose estimator uses time series, and the estimate.
     pub(super) fn series_outcomes(
         &self,
         sampled: &SampledRolls,
         method: SeriesMethod,
         trial: u64,
-    ) -> Result<[Observation; ROLL_QUANTITIES.len()], &'static str> {
+    ) -> Result<([Observation; ROLL_QUANTITIES.len()], SeriesEstimate), &'static str> {
         let rolls = self.series(sampled, Some(trial));
         let rolls = rolls.map_err(|(_, fault)| match fault {
             NoSeries::Roll(error) => error.fault.name(),
@@ -164,7 +165,7 @@ impl RollScene {
         for (outcome, quantity) in outcomes.iter_mut().zip(QUANTITIES) {
             outcome.interval_holds = Some(holds(outcome, &estimate, quantity));
         }
-        Ok(outcomes)
+        Ok((outcomes, estimate))
     }
 
     /// Time series of all rolls. They have the noise of trial number `trial`; they have no noise if `trial` is `None`.
@@ -262,6 +263,23 @@ const QUANTITIES: [Quantity; 4] = [
     Quantity::Gaussian,
     Quantity::Mean,
 ];
+
+/// The principal curvatures of an estimate from time series, with its own intervals. `mean` is the outcome of the mean
+/// curvature.
+pub(super) fn series_principal(
+    estimate: &SeriesEstimate,
+    mean: &Observation,
+    truth: &PointCurvature,
+) -> PointCurvature {
+    let stds = estimate.curvature.principal_stds(&estimate.covariance);
+    let mut point = PointCurvature::of(&estimate.curvature, Some(stds), mean.std);
+    point.interval_holds[2] = mean.interval_holds;
+    for (place, quantity) in [(0, Quantity::PrincipalMin), (1, Quantity::PrincipalMax)] {
+        let outcome = point.measured(truth, place);
+        point.interval_holds[place] = Some(holds(&outcome, estimate, quantity));
+    }
+    point
+}
 
 /// Whether the 50, 80 and 95 % intervals contain the true value. The first two intervals are computed from the standard
 /// error, as for a normal distribution.

@@ -13,4 +13,5 @@ mod marker_errors;
 mod names;
 mod press;
 mod press_settings;
+mod principal_curvatures;
 mod roll;

@@ -60,11 +60,11 @@ fn quantities_are_those_of_their_scenes() {
     let scenes = [
         (
             "roll",
-            "probe = { kind = \"sphere\", radius = 1.0 }\nobject = { kind = \"sphere\", radius = 4.0 }\nmotion = { rate_rad_per_s = 0.1, duration_s = 1.0 }",
+            "probe = { kind = \"sphere\", radius = 1.0 }\nobject = { kind = \"sphere\", radius = 4.0 }\nmotion = { rate_rad_per_s = 0.1, duration_s = 1.0 }\nprincipal_curvatures = true",
         ),
         (
             "glide",
-            "probe = { kind = \"sphere\", radius = 1.0 }\nobject = { kind = \"sphere\", radius = 4.0 }\nmotion = { finger_positions = [0.0], inter_finger_distance = 1.0, patch_length = 1.0, contacts_per_finger = 3 }\nevaluate = { grid = 3, half_width = 0.2, gaussian_threshold = 0.1, mean_threshold = 0.1 }",
+            "probe = { kind = \"sphere\", radius = 1.0 }\nobject = { kind = \"sphere\", radius = 4.0 }\nmotion = { finger_positions = [0.0], inter_finger_distance = 1.0, patch_length = 1.0, contacts_per_finger = 3 }\nevaluate = { grid = 3, half_width = 0.2, gaussian_threshold = 0.1, mean_threshold = 0.1 }\nprincipal_curvatures = true",
         ),
         (
             "press",

@@ -32,6 +32,9 @@ pub struct RollConfig {
     /// The estimator of the object's curvature.
     #[serde(default)]
     pub estimator: RollEstimatorConfig,
+    /// Whether the tables also have the principal curvatures, their direction and the radius of the object.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub principal_curvatures: bool,
 }
 
 impl RollConfig {

@@ -1,0 +1,115 @@
+//! Principal curvatures, their direction and the radius: quantities of rolls and glides that only some configs list.
+
+use palpate_geometry::{CurvatureForm, UNKNOWN_DIRECTION_STD};
+use palpate_statistics::HALF_WIDTHS;
+use palpate_study::Quantity;
+use palpate_sweep::Observation;
+
+/// Principal curvatures that differ by less than this share have no directions. Rounding causes such differences on a
+/// sphere.
+const UMBILIC_TOLERANCE: f64 = 1e-9;
+
+/// Curvatures at a point: true ones, or an estimate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PointCurvature {
+    /// k_min, k_max and the mean curvature, 1/length, and the angle of the direction of k_min, rad.
+    pub(crate) values: [f64; 4],
+    /// Standard errors of the values; `None` for true values, and if the estimator states none.
+    pub(crate) stds: [Option<f64>; 4],
+    /// Whether the estimator's own intervals contain the true values of the three curvatures.
+    pub(crate) interval_holds: [Option<[bool; 3]>; 3],
+}
+
+impl PointCurvature {
+    /// The curvatures of a form, with the angle from its first axis. `stds` are the standard errors of k_min, k_max and
+    /// the angle, and `mean_std` is the one of the mean curvature.
+    pub(crate) fn of(form: &CurvatureForm, stds: Option<[f64; 3]>, mean_std: Option<f64>) -> Self {
+        let principal = form.principal();
+        let axis_rad = principal.angle_of_max_rad + std::f64::consts::FRAC_PI_2;
+        let std = |place: usize| finite(stds?[place]);
+        Self {
+            values: [
+                principal.k_min,
+                principal.k_max,
+                form.mean_curvature(),
+                axis_rad,
+            ],
+            stds: [std(0), std(1), mean_std, std(2)],
+            interval_holds: [None; 3],
+        }
+    }
+
+    /// Whether all normal curvatures are equal, so that no direction is a principal direction.
+    fn is_umbilic(&self) -> bool {
+        let [min, max, ..] = self.values;
+        max - min <= UMBILIC_TOLERANCE * min.abs().max(max.abs())
+    }
+
+    /// Compares one of the curvatures with its true value. `place` is its index in `values`.
+    pub(crate) fn measured(&self, truth: &Self, place: usize) -> Observation {
+        Observation {
+            std: self.stds[place],
+            interval_holds: self.interval_holds[place],
+            ..Observation::plain(self.values[place], truth.values[place])
+        }
+    }
+
+    /// Compares a quantity of this estimate with its true value; `None` if one of them is undefined.
+    pub(crate) fn outcome(&self, truth: &Self, quantity: Quantity) -> Option<Observation> {
+        let outcome = match quantity {
+            Quantity::PRINCIPAL_CURVATURE_MIN => self.measured(truth, 0),
+            Quantity::PRINCIPAL_CURVATURE_MAX => self.measured(truth, 1),
+            Quantity::OBJECT_RADIUS if truth.is_umbilic() => {
+                let mean = self.measured(truth, 2);
+                let error = (mean.estimate - mean.truth).abs();
+                let holds = |std: f64| HALF_WIDTHS.map(|width| error <= width * std);
+                let radius = mean.estimate.recip();
+                // The interval of the radius contains the inverses of the numbers in that of the curvature.
+                Observation {
+                    std: mean.std.and_then(|std| finite(std * radius * radius)),
+                    interval_holds: mean.interval_holds.or_else(|| mean.std.map(holds)),
+                    ..Observation::plain(radius, mean.truth.recip())
+                }
+            }
+            Quantity::AXIS_DEG if !self.is_umbilic() && !truth.is_umbilic() => {
+                let [axis, truth] = [self, truth].map(|one| half_turn(one.values[3].to_degrees()));
+                // Angles that differ by half a turn describe the same axis. Use the one nearest to the true angle.
+                Observation {
+                    std: self.stds[3].map(f64::to_degrees),
+                    ..Observation::plain(truth + half_turn(axis - truth), truth)
+                }
+            }
+            Quantity::AXIS_UNDETERMINED => {
+                let is_large = |std| std >= UNKNOWN_DIRECTION_STD;
+                let is_undetermined = self.stds[3].map_or(self.is_umbilic(), is_large);
+                let [share, truth] = [is_undetermined, truth.is_umbilic()].map(u8::from);
+                Observation::plain(f64::from(share), f64::from(truth))
+            }
+            _ => return None,
+        };
+        Some(outcome).filter(|one| (one.estimate - one.truth).is_finite())
+    }
+
+    /// Reports the quantities of this estimate that are defined. `quantities` are all quantities of the scene.
+    pub(crate) fn report(
+        &self,
+        truth: &Self,
+        quantities: &[Quantity],
+        observe: &mut dyn FnMut(usize, Observation),
+    ) {
+        for (place, quantity) in quantities.iter().enumerate() {
+            if let Some(outcome) = self.outcome(truth, *quantity) {
+                observe(place, outcome);
+            }
+        }
+    }
+}
+
+/// The angle of an axis, degrees, moved into the range from −90 to 90.
+pub(crate) fn half_turn(degrees: f64) -> f64 {
+    degrees - 180.0 * (degrees / 180.0).round()
+}
+
+pub(crate) fn finite(value: f64) -> Option<f64> {
+    Some(value).filter(|value| value.is_finite())
+}
