@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::bonded_layer::{BondedLayer, ENDS, LayerContact};
 use crate::{PressError, half_space};
 
-/// Distance from a contact beyond which displacements are set to 0, length.
+/// Displacements at distances from the contact above this value (length) are set to 0.
 const MAX_DISTANCE: f64 = 1e50;
 
 /// A model of the soft body. It computes the displacement of the skin, at the depth of the markers, in a press.
@@ -46,7 +46,7 @@ enum Rung {
     },
 }
 
-/// Method by which the contacts with a bonded layer are computed.
+/// The two methods by which contacts with a bonded layer are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Layers {
     /// Interpolation in tables, which is faster for many contacts.
@@ -59,7 +59,7 @@ enum Layers {
 #[derive(Clone, Debug)]
 pub struct Contact<'b> {
     body: &'b Body,
-    /// The contact with the layer, if the body is a layer.
+    /// The contact with the bonded layer, if the body is a bonded layer; otherwise `None`.
     layer: Option<LayerContact>,
     /// Relative curvature 1/R_s + 1/R_o, 1/length, with the radius R_s of the sensor and R_o of the object.
     pub relative_curvature: f64,
@@ -78,20 +78,20 @@ pub struct Displacement {
     pub radial: f64,
 }
 
-/// Displacement at a distance r from the middle of a contact of radius a, divided by the relative curvature. The
-/// derivatives are with respect to r and a. After the division, displacements have the unit length², and derivatives
-/// the unit length.
+/// Displacement of the skin at the distance r from the middle of a contact of radius a, and its derivatives with
+/// respect to r and a. All values are divided by the relative curvature. Therefore displacements have the unit length²,
+/// and derivatives the unit length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Field {
     /// Inward displacement, divided by the relative curvature.
     pub(crate) normal: f64,
-    /// Derivative of the inward displacement with respect to the distance.
+    /// Derivative of the inward displacement with respect to the distance r.
     pub(crate) normal_per_r: f64,
     /// Derivative of the inward displacement with respect to the contact's radius.
     pub(crate) normal_per_a: f64,
     /// Displacement along the skin, away from the contact.
     pub(crate) radial: f64,
-    /// Derivative of the displacement along the skin with respect to the distance.
+    /// Derivative of the displacement along the skin with respect to the distance r.
     pub(crate) radial_per_r: f64,
     /// Derivative of the displacement along the skin with respect to the contact's radius.
     pub(crate) radial_per_a: f64,
@@ -173,9 +173,9 @@ impl Body {
         })
     }
 
-    /// The Gaussian approximation of the 2020 paper, u = δ exp(−r²/2σ²) with σ² = δ R/c. Here u is the inward
-    /// displacement, r the distance from the contact, δ the indentation, R the effective radius and c a constant. There
-    /// are no displacements along the skin. The paper uses c = 1.
+    /// The Gaussian approximation of the 2020 paper: the inward displacement is u = δ exp(−r²/2σ²). Here r is the
+    /// distance from the contact and δ the indentation. The width σ follows from σ² = δ R/c, with the effective radius
+    /// R and a constant c. There are no displacements along the skin. The paper uses c = 1.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for a `c` that is not finite and positive.
@@ -203,8 +203,8 @@ impl Body {
         matches!(self.0, Rung::Gaussian { .. })
     }
 
-    /// Limit of the tables: the indentation divided by the relative curvature for the widest contact in the tables.
-    /// Fits avoid wider contacts, because each of them must be solved, which is slow.
+    /// Limit of the tables of a bonded layer: for the widest contact in the tables, the indentation divided by the
+    /// relative curvature. Fits avoid wider contacts, because each of them must be solved, which is slow.
     pub(crate) fn end_of_tables(&self) -> f64 {
         let end = match &self.0 {
             Rung::BondedLayer {
@@ -216,8 +216,8 @@ impl Body {
         end.map_or(f64::INFINITY, |[indentation, _]| indentation)
     }
 
-    /// Poisson's ratio, and the depth at which displacements are computed. `None` for bodies without a model of
-    /// sideways shifts; only half-spaces have such a model.
+    /// Poisson's ratio, and the depth at which displacements are computed. `None` if the body has no model of the
+    /// object's sideways shift; only half-spaces have such a model.
     pub(crate) fn sideways(&self) -> Option<(f64, f64)> {
         match self.0 {
             Rung::HalfSpace { poisson, depth } => Some((poisson, depth)),

@@ -1,13 +1,13 @@
 //! Contact with an incompressible elastic layer bonded to a rigid core.
 //!
 //! The object is a frictionless rigid paraboloid. Its curvature is the relative curvature of the two bodies. The layer
-//! is flat, and depths are measured from its surface. The displacement is the sum of two parts. The first is the
-//! displacement of a half-space under the contact's pressure, in closed form ([`pressure_field`]). The second is the
-//! correction for the rigid base, which is a sum over wavenumbers ([`reflection`]) or is interpolated in a table
-//! ([`contact_table`]).
+//! is flat, and depths are measured from its surface. The displacement is the sum of two parts. One part is the
+//! displacement of a half-space under the contact's pressure, which is computed by a formula ([`pressure_field`]). The
+//! other part is the correction for the rigid base, which is a sum over wavenumbers ([`reflection`]) or is interpolated
+//! in a table ([`contact_table`]).
 //!
-//! The solution depends only on three ratios: the contact's radius, the depth and the distance, each divided by the
-//! thickness.
+//! The solution depends only on three ratios: the contact's radius, the depth of a point and its distance from the
+//! contact, each divided by the layer's thickness.
 
 mod contact_table;
 mod pressure;
@@ -26,7 +26,7 @@ use reflection::Waves;
 use crate::PressError;
 use crate::body::Field;
 
-/// Largest radius of a contact that can be solved, relative to the thickness.
+/// Largest radius of a contact that can be solved, relative to the layer's thickness.
 const MAX_RADIUS: f64 = 50.0;
 /// Maximum number of steps of Newton's method. Usually, about four steps are enough.
 const STEPS: usize = 30;
@@ -38,7 +38,8 @@ pub(crate) struct BondedLayer {
     depth: f64,
     /// Factor on the standard number of quadrature nodes, for contacts that are solved without a table.
     resolution: f64,
-    /// The models of this layer at several depths, which share tables, and the index of the depth of `self` among them.
+    /// The tables of this layer for several depths, which include the depth of `self`. `number` is the index of this
+    /// depth in the family.
     family: Arc<Family>,
     number: usize,
 }
@@ -71,8 +72,9 @@ pub(crate) struct LayerContact {
     /// thickness too.
     depth: f64,
     contact: f64,
-    /// Four numbers of the pressure: the indentation, its derivative with respect to the radius, ∫ φ dt (force), and −∫
-    /// φ'/t dt (peak pressure).
+    /// Four results of the pressure: the indentation, its derivative with respect to the contact's radius, ∫ φ dt (from
+    /// which the force follows), and −∫ φ'/t dt (from which the peak pressure follows). φ(t) is the function that
+    /// describes the pressure; see [`pressure`].
     numbers: [f64; 4],
     terms: Vec<Term>,
     base: Base,
@@ -93,8 +95,8 @@ impl BondedLayer {
         layers.pop().ok_or(PressError::OutOfRange)
     }
 
-    /// One layer at several depths, in the order of the depths. Their tables are computed together, in little more time
-    /// than the tables for one depth.
+    /// Models of one layer, one for each of the depths `depths` and in their order. The tables of all models are
+    /// computed together, in little more time than the tables for one depth.
     pub(crate) fn at_depths(thickness: f64, depths: &[f64]) -> Result<Vec<Self>, PressError> {
         let good = (1e-50..=1e50).contains(&thickness);
         PressError::unless_good("thickness", thickness, good, "from 1e-50 to 1e50")?;
@@ -305,8 +307,8 @@ impl LayerContact {
     }
 }
 
-/// An estimate of the contact's radius, within a few per cent, from the square root of the indentation divided by the
-/// relative curvature. Lengths are relative to the thickness.
+/// An estimate of the contact's radius with an error of a few per cent. `root` is the square root of the quotient of
+/// the indentation and the relative curvature. Lengths are relative to the thickness.
 fn guessed_contact(root: f64) -> f64 {
     let mut contact = root;
     for _ in 0..STEPS {

@@ -32,11 +32,11 @@ use crate::PressError;
 /// the indentation depends on the unknown length of the line.
 const MAX_CURVATURE_RATIO: f64 = 1e6;
 
-/// Distance from the contact, relative to its longer semi-axis, beyond which displacements are set to 0.
+/// Displacements are set to 0 if the distance from the contact, relative to its longer semi-axis, exceeds this value.
 const MAX_DISTANCE: f64 = 1e50;
 
-/// Number of panels in the quadrature of χ_x. Each panel is half as long as the previous one, because the integrand may
-/// have a peak at the end.
+/// Number of panels (intervals) in the quadrature of the integral χ_x. Each panel is half as long as the panel before,
+/// because the integrand may have a peak at the end.
 const PANELS: i32 = 12;
 
 /// Number of quadrature nodes in each panel.
@@ -238,8 +238,9 @@ fn confocal(square_b: f64, x: f64, y: f64, z: f64) -> f64 {
     lambda
 }
 
-/// Two integrals. The first is ∫_λ^∞ √Q/((A+s)²(B+s)) ds with A = 1, B = b² and Q = (A+s)(B+s) − x²(B+s) − y²(A+s). The
-/// second is the same integral with A and B exchanged. `edge` is √Q(λ).
+/// Returns two integrals over s from λ to ∞. Let A = 1, B = b² (`square_b`) and Q(s) = (A+s)(B+s) − x²(B+s) − y²(A+s).
+/// The first integrand is √Q/((A+s)²(B+s)), and the second is √Q/((A+s)(B+s)²). In this function, the arguments `x` and
+/// `y` are the squares x² and y². `edge` is √Q(λ).
 fn rational_integrals(square_b: f64, x: f64, y: f64, lambda: f64, edge: f64) -> [f64; 2] {
     let middle = 0.5 * (x + y - 1.0 - square_b);
     let product = square_b - square_b * x - y;
@@ -271,8 +272,8 @@ fn rational_integrals(square_b: f64, x: f64, y: f64, lambda: f64, edge: f64) -> 
     sums
 }
 
-/// Threshold for the series of Carlson's integrals. The series are exact to rounding errors if the relative deviations
-/// of the three arguments from their mean are below this value.
+/// Carlson's integrals are computed by series if the relative deviations of the three arguments from their mean are
+/// below this value. The series are then exact to rounding errors.
 const DUPLICATED: f64 = 2e-3;
 
 /// Carlson's R_F(x, y, z) by duplication (Carlson 1979). The arguments must be ≥ 0, and at most one of them may be 0.

@@ -13,7 +13,7 @@ use crate::{
     Place, PressError, PressEstimate, PrincipalCurvatures, Prior, Reading, Verdict,
 };
 
-/// Number of fitted parameters. They are the components Sxx, Sxy and Syy of the logarithm of the curvature tensor, two
+/// Number of fitted parameters: the components xx, xy and yy of the matrix logarithm S of the curvature tensor, two
 /// coordinates of the contact, and the indentation.
 const UNKNOWNS: usize = 6;
 /// Index of the indentation in the fitted parameters.
@@ -42,7 +42,7 @@ const MAX_LOG: f64 = 8.0;
 /// Number of directions in which bounds of the normal curvature are computed.
 const DIRECTIONS: usize = 360;
 
-/// Number of iterations in which the noise is estimated from the residuals.
+/// Number of times that the noise is estimated from the residuals and the fit is repeated.
 const NOISE_PASSES: usize = 2;
 
 impl ForwardFit {
@@ -170,7 +170,8 @@ impl Stds {
         (is_finite && is_positive).then_some(Self(inverse))
     }
 
-    /// Standard error of a weighted sum of the tensor's components xx, xy and yy.
+    /// Standard error of a weighted sum of the components xx, xy and yy of the tensor S (logarithm of the
+    /// relative-curvature tensor).
     fn tensor(&self, weights: &Vector3<f64>) -> f64 {
         let tensor: Matrix3<f64> = self.0.fixed_view::<3, 3>(0, 0).into();
         weights.dot(&(tensor * weights)).max(0.0).sqrt()
@@ -181,7 +182,7 @@ impl Stds {
         self.tensor(&along(angle))
     }
 
-    /// Standard error of the tensor's component xy in axes that are rotated by `angle`.
+    /// Standard error of the component xy of the tensor S in axes that are rotated by `angle`.
     fn turn(&self, angle: f64) -> f64 {
         let (sine, cosine) = libm::sincos(2.0 * angle);
         self.tensor(&(0.5 * Vector3::new(-sine, 2.0 * cosine, sine)))
@@ -202,8 +203,8 @@ impl Stds {
         self.0[(INDENTATION, INDENTATION)].sqrt()
     }
 
-    /// Standard error of the contact radius a. Because a² ∝ δ/C, it follows from the errors of the indentation δ and
-    /// the mean curvature C, which are treated as independent.
+    /// Standard error of the contact radius a. a² is proportional to δ/C with the indentation δ and the mean curvature
+    /// C. Therefore the standard error follows from the errors of δ and C, which are treated as independent.
     fn contact_radius(&self, contact: &EllipticContact, mean_std: f64) -> f64 {
         0.5 * contact.radius() * libm::hypot(mean_std, self.indentation() / contact.indentation)
     }
@@ -249,7 +250,8 @@ fn principal(tensor: &Vector3<f64>) -> ([f64; 2], f64) {
     ([mean + radius, mean - radius], angle)
 }
 
-/// Derivatives of the tensor's component in the direction `angle` with respect to its components xx, xy and yy.
+/// The component of a symmetric tensor in the direction `angle` is a weighted sum of its components xx, xy and yy. This
+/// function returns the three weights.
 fn along(angle: f64) -> Vector3<f64> {
     let (sine, cosine) = libm::sincos(angle);
     Vector3::new(cosine * cosine, 2.0 * sine * cosine, sine * sine)

@@ -28,7 +28,7 @@ pub enum PressError {
         marker: usize,
         /// Distance of the marker from the apex along the skin, length.
         distance: f64,
-        /// Half the sensor's circumference, which is the distance that the marker must not reach, length.
+        /// Half the circumference of the sensor, length. The distance of a marker from the apex must be smaller.
         limit: f64,
     },
     /// The indentation is not positive, so the bodies do not touch.
@@ -71,7 +71,7 @@ pub enum PressError {
         indentation: f64,
         /// The indentation must be less than this length.
         limit: f64,
-        /// Name of the quantity that limits the indentation, such as "the layer's thickness".
+        /// Name of the quantity whose value is `limit`, such as "the layer's thickness".
         what: &'static str,
     },
     /// The contact would be too wide for the sensor or for the convex object.
@@ -84,7 +84,7 @@ pub enum PressError {
         radius: f64,
         /// The contact radius must be less than this length.
         limit: f64,
-        /// Name of the quantity that limits the contact radius, such as "the sensor's radius".
+        /// Name of the quantity whose value is `limit`, such as "the sensor's radius".
         what: &'static str,
     },
     /// The ratio of the contact's radius to the layer's thickness is too large for the equations to be solved.
@@ -96,7 +96,7 @@ pub enum PressError {
     LayerTooThin {
         /// Ratio of the contact's radius to the thickness.
         ratio: f64,
-        /// Largest ratio for which the equations can be solved.
+        /// Largest ratio of contact radius to thickness for which the equations can be solved.
         limit: f64,
     },
     /// There are fewer readings than fit parameters.
@@ -110,8 +110,8 @@ pub enum PressError {
         /// Number of equations that the fit needs.
         needed: usize,
     },
-    /// All markers moved equally, or they did not move more than their noise. If there is no contact, this test detects
-    /// one in less than 5 % of the cases (`cargo xtask intervals press`).
+    /// All markers moved equally, or they did not move more than their noise. If there is no contact, the fit
+    /// nevertheless reports a contact in less than 5 % of the presses (`cargo xtask intervals press`).
     #[error(
         "no contact was found: the best fit of a press reduces chi-squared by {improvement:.1}; \
          at least {needed:.1} is needed",
@@ -152,13 +152,13 @@ pub enum PressError {
          markers can see it; the layout or the camera is wrong"
     )]
     HiddenMarker {
-        /// Number of the first marker with this contradiction, counted from 0.
+        /// Smallest number of a marker with this contradiction, counted from 0.
         marker: usize,
     },
     /// The readings do not determine the fit parameters.
     #[error("the readings do not determine the press: {what}")]
     Undetermined {
-        /// Text for the message that states what the readings do not determine.
+        /// Text for the message: the quantity that the readings do not determine.
         what: &'static str,
     },
     /// A number in the input or in the computation is beyond the range of doubles.

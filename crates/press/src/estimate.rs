@@ -63,7 +63,7 @@ impl Interval {
         }
     }
 
-    /// The interval whose ends are the ends of this interval, transformed by the increasing function `end`.
+    /// The interval whose ends are `end(low)` and `end(high)`. The function `end` must be increasing.
     pub(crate) fn map(self, end: impl Fn(f64) -> f64) -> Self {
         Self {
             low: self.low.map(&end),
@@ -94,7 +94,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// The verdict from the interval of the relative curvature. `sensor` is the curvature of the sensor.
+    /// The verdict that follows from the interval of the relative curvature. `sensor` is the curvature of the sensor.
     pub(crate) fn of(interval: Interval, sensor: f64) -> Self {
         let Interval { low, high } = interval;
         match (low, high) {
@@ -132,8 +132,8 @@ pub struct PressEstimate {
     /// Curvature of the sensor, 1/length.
     pub sensor_curvature: f64,
     /// Relative curvature 1/R_s + 1/R_o, 1/length, corrected for the bias of least squares. The interval is computed by
-    /// profile likelihood. One marker may contradict all other markers, but not enough to be rejected as an outlier. In
-    /// this case, the interval also contains the interval of a fit without this marker.
+    /// profile likelihood. If one marker contradicts the other markers, but not enough to be rejected as an outlier,
+    /// the interval also contains the interval of a fit without this marker.
     pub relative_curvature: Estimated,
     /// Relative curvature of the best fit, without bias correction, 1/length.
     pub most_likely_curvature: f64,
@@ -180,7 +180,7 @@ pub struct PressEstimate {
 }
 
 impl PressEstimate {
-    /// This estimate with another interval of the relative curvature. The verdict is updated.
+    /// This estimate with `interval` as the interval of the relative curvature. The verdict is updated.
     pub(crate) fn holding(mut self, interval: Interval) -> Self {
         self.relative_curvature.interval = interval;
         self.verdict = Verdict::of(interval, self.sensor_curvature);

@@ -40,7 +40,7 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Returns an error if the value or its standard deviation is out of its range.
+    /// Returns an error if the measured value or its standard deviation is out of its range.
     pub(crate) fn check(self) -> Result<(), PressError> {
         let Self { value, std } = self;
         let good = (0.0..=1e100).contains(&std);

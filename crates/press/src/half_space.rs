@@ -1,4 +1,4 @@
-//! Hertz contact on an elastic half-space, at any depth, in closed form.
+//! Displacements in an elastic half-space under a Hertz contact, at any depth, computed by formulas.
 //!
 //! The pressure p₀ √(1 − r²/a²) under a paraboloid of radius R has the Hankel transform (p₀/a) (sin ka − ka cos ka)/k³,
 //! where a is the contact's radius. The displacements below the surface of the half-space are
@@ -24,21 +24,22 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::body::Field;
 
-/// Threshold for the series for points far from the contact. The series is exact to rounding errors if the ratio of the
-/// contact's radius to the distance of the point is below this value.
+/// The series for points far from the contact is used if the ratio of the contact's radius to the distance of the point
+/// from the contact is below this value. The series is then exact to rounding errors.
 const SERIES_RATIO: f64 = 1.0 / 12.0;
 
 /// Number of terms of the series for points far from the contact.
 const TERMS: usize = 7;
 
-/// Number of orders of the Legendre polynomials in the series.
+/// Number of Legendre polynomials in the series for points far from the contact.
 const ORDERS: usize = 2 * TERMS + 2;
 
-/// Number of series. There are three series Q₃⁰, Q₂⁰, Q₁⁰ of order 0, three series Q₃¹, Q₂¹, Q₁¹ of order 1, and the
-/// series S₁ and S₀ for each order.
+/// Number of integrals that are computed by series: Q₃⁰, Q₂⁰ and Q₁⁰ of order 0, Q₃¹, Q₂¹ and Q₁¹ of order 1, and S₁
+/// and S₀ for both orders. The fields of [`Moments`] define them.
 const SERIES: usize = 10;
 
-/// Factors of (z/ρ) P_m and of P_{m−1} in the recurrence for the Legendre polynomial P_{m+1}.
+/// Factors of (z/ρ) P_m and of P_{m−1} in the recurrence for the Legendre polynomial P_{m+1} at z/ρ, where z is the
+/// depth of the point and ρ its distance from the middle of the contact.
 const RECURRENCE: [[f64; 2]; ORDERS] = {
     let mut factors = [[0.0; 2]; ORDERS];
     let mut m = 0;
@@ -50,9 +51,9 @@ const RECURRENCE: [[f64; 2]; ORDERS] = {
     factors
 };
 
-/// Factors of the terms of each series, without the powers of −s². They come from sin x − x cos x = Σ (−1)ⁿ (2n+2)
-/// x^{2n+3}/(2n+3)! and sin x = Σ (−1)ⁿ x^{2n+1}/(2n+1)!, multiplied by the factorial of the power of k that is
-/// integrated.
+/// Factors of the terms of each series, without the powers of −s². Here s is the ratio of the contact's radius to the
+/// distance of the point. They come from sin x − x cos x = Σ (−1)ⁿ (2n+2) x^{2n+3}/(2n+3)! and sin x = Σ (−1)ⁿ
+/// x^{2n+1}/(2n+1)!, multiplied by the factorial of the power of k that is integrated.
 const FACTORS: [[f64; SERIES]; TERMS] = {
     let mut factors = [[0.0; SERIES]; TERMS];
     let mut n = 0;
@@ -97,15 +98,16 @@ pub(crate) fn field(poisson: f64, z: f64, a: f64, r: f64) -> Field {
     moments.field(poisson, z, a)
 }
 
-/// The integrals Q and S of the half-space solution. The integrals of order 1 are divided by the distance r.
+/// The integrals Q and S of the half-space solution; the description of this module defines Q. The integrals of order 1
+/// are divided by the distance r from the axis.
 struct Moments {
     /// The integrals Q₃⁰, Q₂⁰ and Q₁⁰ of order 0.
     even: [f64; 3],
     /// The integrals Q₃¹, Q₂¹ and Q₁¹ of order 1, divided by the distance r.
     odd: [f64; 3],
-    /// ∫ sin(ka) k^{−j} e^{−kz} J₀(kr) dk for j = 1, 0.
+    /// The integrals S₁ and S₀ of order 0: ∫ sin(ka) k^{−j} e^{−kz} J₀(kr) dk for j = 1 and j = 0.
     ring_even: [f64; 2],
-    /// ∫ sin(ka) k^{−j} e^{−kz} J₁(kr) dk for j = 1, 0, divided by r.
+    /// The integrals S₁ and S₀ of order 1, divided by r: ∫ sin(ka) k^{−j} e^{−kz} J₁(kr) dk for j = 1 and j = 0.
     ring_odd: [f64; 2],
     r: f64,
 }
@@ -264,7 +266,8 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// The values of a field as an array: first the values whose unit is length², then the values whose unit is length.
+    /// The six values of a [`Field`] as an array: first the values whose unit is length², then the values whose unit is
+    /// length.
     fn parts(field: &Field) -> [f64; 6] {
         [
             field.normal,

@@ -2,7 +2,7 @@
 //!
 //! The displacement is u = C F(a, r), where C is the relative curvature and r the distance from the contact. The
 //! contact's radius a follows from C D(a) = δ, where δ is the indentation. Therefore ∂u/∂δ = F_a/D' and ∂u/∂ln C = C F
-//! − δ F_a/D'.
+//! − δ F_a/D', with the derivatives F_a = ∂F/∂a and D' = dD/da.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -12,7 +12,7 @@ use crate::body::Field;
 use crate::shear::{StuckShift, stuck_shift};
 use crate::{Contact, EllipticContact, Place, PressError, Skin};
 
-/// Largest scale for the start values of a fit, as a multiple of the extent of the markers.
+/// Largest length scale for the start values of a fit, as a multiple of the extent of the markers.
 const MAX_SCALE: f64 = 10.0;
 
 /// Markers at points under the skin.
@@ -286,8 +286,8 @@ fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
     !bearings.windows(2).any(is_gap)
 }
 
-/// Derivatives with respect to four fit parameters. The first is the logarithm of the relative curvature. Then follow
-/// the displacements of the contact along the two axes at its place, and the indentation.
+/// Derivatives with respect to four fit parameters: the logarithm of the relative curvature, the displacements of the
+/// contact along the two axes at its place, and the indentation.
 pub(crate) type Slopes = [f64; 4];
 
 /// Values of a contact that are needed for the derivatives of displacements.

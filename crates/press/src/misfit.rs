@@ -20,20 +20,22 @@ const BY_DISTANCE: Range<usize> = 0..5;
 /// Indices of the patterns that also depend on the direction.
 const BY_DIRECTION: Range<usize> = 5..7;
 
-/// A pattern is tested only if at least this share of it is not explained by the fitted parameters. A smaller remainder
-/// is mostly an effect of the model's nonlinearity.
+/// A pattern is tested only if at least this share of it is not explained by the fitted parameters. If the share is
+/// smaller, the unexplained rest is mostly an effect of the model's nonlinearity.
 const MIN_REMAINING_SHARE: f64 = 0.1;
 
-/// Values of all tested patterns at a marker, one column per pattern. The three rows are the components inward and
-/// along both axes of the skin at the marker. The scale of a pattern is arbitrary.
+/// Displacements of a marker in all tested patterns, one column per pattern. The three rows are the components inward
+/// and along both axes of the skin at the marker. The scale of a pattern is arbitrary.
 pub(crate) type Patterns = SMatrix<f64, 3, PATTERNS>;
 
-/// Patterns of a marker's displacement by a contact.
+/// Displacements of a marker in the tested patterns. `contact` is the fitted contact, and `sight` the position of the
+/// marker as viewed from it.
 ///
-/// Let u_z be the inward displacement, u_r the displacement along the skin, and r the distance from the contact. If the
-/// body differs from the model, the size or the steepness of u_z and u_r changes, or an offset is added. If the contact
-/// is elongated, the inward displacement changes approximately by r ∂u_z/∂r cos 2θ, where θ is the angle from the
-/// contact's axis. The displacements along the skin change by the gradient of the potential r u_r cos 2θ.
+/// Let u_z be the inward displacement, u_r the displacement along the skin, and r the distance from the contact. Five
+/// patterns show that the body differs from the model: the size of u_z, the steepness of u_z, an offset of u_z, the
+/// size of u_r and the steepness of u_r. Two patterns show that the contact is elongated. The inward displacement then
+/// changes approximately by r ∂u_z/∂r cos 2θ, where θ is the angle from the contact's longer axis. The displacements
+/// along the skin change by the gradient of the potential r u_r cos 2θ.
 pub(crate) fn patterns(contact: &Contact<'_>, sight: &Sight) -> Patterns {
     let field = contact.field(sight.distance);
     let steep = sight.distance * field.normal_per_r;
@@ -73,8 +75,7 @@ pub(crate) fn patterns(contact: &Contact<'_>, sight: &Sight) -> Patterns {
 pub(crate) enum Noise {
     /// Residuals are compared with the stated noise.
     Stated,
-    /// Residuals are compared with noise that is estimated from the residuals. The fields are chi-squared of the
-    /// residuals and its degrees of freedom.
+    /// Noise that is estimated from the residuals: chi-squared of the residuals, and its degrees of freedom.
     Found { chi_squared: f64, freedom: usize },
 }
 
@@ -103,8 +104,8 @@ impl Noise {
     }
 }
 
-/// Weighted sums over the readings. Each sum contains products of a pattern: with the derivatives with respect to the
-/// fit parameters, with the other patterns, and with the residuals.
+/// Weighted sums over the readings of products of two values. One value is from a pattern. The other value is a
+/// derivative with respect to a fit parameter, a value of a pattern, or a residual.
 pub(crate) struct PatternSums {
     pub(crate) by_slopes: SMatrix<f64, UNKNOWNS, PATTERNS>,
     pub(crate) by_patterns: SMatrix<f64, PATTERNS, PATTERNS>,
@@ -112,8 +113,8 @@ pub(crate) struct PatternSums {
 }
 
 impl PatternSums {
-    /// The significant patterns in the residuals of a fit. `sums` and `covariance` are the sums and the covariance of
-    /// this fit.
+    /// The significant patterns in the residuals of a fit. `sums` contains chi-squared of this fit and its derivatives,
+    /// and `covariance` is the covariance of the fit parameters.
     pub(crate) fn misfits(
         &self,
         sums: &Sums,
@@ -131,9 +132,9 @@ impl PatternSums {
         misfits.filter(|misfit| misfit.p_value() < SIGNIFICANCE_LEVEL)
     }
 
-    /// Decrease of chi-squared, to first order, if the amplitudes of the patterns `range` were fitted too. At the best
-    /// fit, the gradient of chi-squared is 0, unless a fit parameter is at the limit of its range. At such a limit, the
-    /// part of the residuals that belongs to the gradient is removed (Neyman's C(α)).
+    /// Decrease of chi-squared, to first order, if the amplitudes of the patterns with the indices `range` were fitted
+    /// too. At the best fit, the gradient of chi-squared is 0, unless a fit parameter is at the limit of its range. At
+    /// such a limit, the part of the residuals that belongs to the gradient is removed (Neyman's C(α)).
     fn explained(&self, range: Range<usize>, sums: &Sums, covariance: &Square) -> Explained {
         let Self {
             by_slopes,

@@ -7,7 +7,8 @@ use crate::state::State;
 use crate::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, Square, Sums};
 use crate::{Estimated, GoodnessOfFit, PressError, PressEstimate, Verdict};
 
-/// Maximum number of fits. A further fit is needed whenever the search for the interval finds a better fit.
+/// Maximum number of fits of one press. Whenever the search for the interval finds a better fit, the estimate is
+/// computed again from this fit.
 const MAX_FITS: usize = 4;
 
 /// Calls `conclude` with a fit. If `conclude` returns a better fit instead of an estimate, it is called again with this
@@ -30,7 +31,7 @@ pub(crate) fn until_best<F>(
     })
 }
 
-/// Fields of [`PressEstimate`] whose computation depends on the kind of readings (displacements or images).
+/// Those fields of [`PressEstimate`] that are computed differently from displacements and from images.
 pub(crate) struct OfReadings {
     pub(crate) relative_curvature: Estimated,
     pub(crate) baseline: Option<Estimated>,

@@ -5,7 +5,8 @@
 //! traction with the amplitude q̄ and the wavenumber k displaces the material at the depth z. In units of q̄
 //! e^{−kz}/(2Gk), with the shear modulus G, the displacement has three components: 2(1−ν) − kz along the direction of
 //! the wave, 2 across it, and (1−2ν) + kz inward. The inward component is shifted by a quarter of a wavelength. The
-//! shift of the contact is π(2−ν) q₀ a/(4G). For a unit shift, with the azimuth φ relative to the shift:
+//! shift of the contact is π(2−ν) q₀ a/(4G). For a shift by one unit of length, with the azimuth φ relative to the
+//! direction of the shift:
 //!
 //! ```text
 //! along  = s [2(2−ν) A₀ − z B₀ + cos 2φ (2ν A₂ + z B₂)]     across = s sin 2φ (2ν A₂ + z B₂)
@@ -33,10 +34,11 @@ pub(crate) struct StuckShift {
     pub(crate) normal: f64,
 }
 
-/// Displacement of a point of the skin while a contact with the radius `contact_radius` shifts by 1 without slip. The
-/// point is at the depth `depth >= 0` and at the distance `r >= 0` from the middle of the contact. `azimuth` is the
-/// angle between the shift and the direction from the contact to the point, rad. At the surface, all points of the
-/// contact move by 1. Far away, the displacement is the same as under a point force (Cerruti).
+/// Displacement of a point of the skin while a contact with the radius `contact_radius` shifts by one unit of length
+/// without slip. The point is at the depth `depth >= 0` and at the distance `r >= 0` from the middle of the contact.
+/// `azimuth` is the angle between the shift and the direction from the contact to the point, rad. At the surface, all
+/// points of the contact move by one unit of length. Far away, the displacement is the same as under a point force
+/// (Cerruti).
 ///
 /// # Errors
 /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5], a `depth` or `distance` that is not from 0 to 1e50, a
@@ -72,7 +74,8 @@ pub(crate) fn stuck_shift(
     })
 }
 
-/// The integrals A_m and B_m for m = 0, 1, 2, with lengths in units of the contact's radius.
+/// The integrals A_m and B_m for m = 0, 1, 2, as in the description of this module. Lengths are in units of the
+/// contact's radius.
 struct Waves {
     a: [f64; 3],
     b: [f64; 3],

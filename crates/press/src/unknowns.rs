@@ -1,4 +1,4 @@
-//! The list of fit parameters of a press, and chi-squared with its derivatives with respect to them.
+//! The list of a press's fit parameters, and chi-squared with its derivatives with respect to these parameters.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -22,8 +22,8 @@ pub(crate) const OTHERS: usize = 4;
 pub(crate) type Unknowns = SVector<f64, UNKNOWNS>;
 pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// If the ratio of a prior's standard deviation to its value is below this limit, the parameter counts as exact and is
-/// not fitted. A fit with a smaller standard deviation would suffer from rounding errors.
+/// If a prior's standard deviation, divided by the prior's value, is below this limit, the parameter counts as exact
+/// and is not fitted. A fit with such a small standard deviation would suffer from rounding errors.
 pub(crate) const EXACT: f64 = 1e-10;
 
 /// The parameters that are fitted, and their normal priors.
@@ -94,7 +94,7 @@ impl Sums {
         }
     }
 
-    /// Returns these sums for a fit in which the fit parameter with the index `held` is held constant.
+    /// Returns these sums for a fit in which the fit parameter with the index `held` is constant.
     pub(crate) fn holding(mut self, held: usize) -> Self {
         self.gradient[held] = 0.0;
         self.hessian.row_mut(held).fill(0.0);
@@ -112,8 +112,8 @@ impl Sums {
         solve(&damped, &-self.gradient)
     }
 
-    /// Derivatives of all fit parameters with respect to the logarithm of the curvature. They are along a curve: for
-    /// each curvature, the other fit parameters minimise chi-squared.
+    /// Derivatives of all fit parameters with respect to the logarithm of the curvature, if the other fit parameters
+    /// change such that they minimise chi-squared for each curvature.
     pub(crate) fn ridge(&self) -> Unknowns {
         let across = -self.hessian.column(CURVATURE);
         let mut along = solve(&self.holding(CURVATURE).hessian, &across).unwrap_or_default();
@@ -142,7 +142,7 @@ impl Sums {
         }
     }
 
-    /// Completes the Hessian by symmetry, and removes the parameters that are not fitted.
+    /// Completes the Hessian by symmetry, and removes the derivatives with respect to parameters that are not fitted.
     pub(crate) fn only(&mut self, sought: &[bool; UNKNOWNS]) {
         for row in 0..UNKNOWNS {
             for column in 0..row {

@@ -14,17 +14,17 @@ use super::reflection::{BEYOND, Spectrum, Wave, bessel};
 use crate::PressError;
 use crate::body::Field;
 
-/// Ends of the ranges of contact radii, relative to the thickness. Each range has its own table.
+/// Ends of the ranges of contact radii, relative to the layer's thickness. Each range has its own table.
 pub(crate) const ENDS: [f64; 10] = [0.0, 0.75, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.5, 12.0];
 /// Number of contact radii in a table. It is also the number of distances in a panel (an interval of distances from the
 /// contact).
 const NODES: usize = 16;
-/// Width of a panel within the contact and near it, relative to the thickness. A panel is an interval of distances with
-/// its own polynomial.
+/// Width of a panel within the contact and near it, relative to the layer's thickness. A panel is an interval of
+/// distances from the contact that has its own polynomial.
 const PANEL: f64 = 1.0;
 /// Ratio of the widths of neighbouring panels (intervals of distances) far from the contact.
 const GROWTH: f64 = 1.5;
-/// Terms of the pressure are omitted if they are smaller than this value, relative to the largest term.
+/// Terms of the pressure's series are omitted if their ratio to the largest term is below this value.
 const RELATIVE_CUTOFF: f64 = 1e-12;
 
 /// Contacts in one range of radii, at one depth.
@@ -47,7 +47,7 @@ pub(super) struct Entry {
     pub(super) panels: Panels,
 }
 
-/// Correction of the displacement for the rigid base, as polynomials of the distance.
+/// Correction of the displacement for the rigid base, as polynomials of the distance from the contact.
 #[derive(Clone, Debug)]
 pub(super) struct Panels {
     ends: Vec<f64>,
@@ -156,7 +156,7 @@ fn numbers_of(row: &[f64], a: f64) -> [f64; 4] {
 }
 
 impl Panels {
-    /// Correction of the displacement for the rigid base at the distance `r`; 0 beyond the last panel.
+    /// Correction of the displacement for the rigid base at the distance `r` from the contact; 0 beyond the last panel.
     pub(super) fn field(&self, r: f64) -> Field {
         let place = self.ends[1..].partition_point(|end| *end < r);
         if place + 1 >= self.ends.len() {
@@ -181,10 +181,11 @@ impl Panels {
     }
 }
 
-/// A row of a table. It contains, in this order: the values [`Entry::numbers`], the terms of φ and of ∂φ/∂a, and
-/// Chebyshev coefficients for each panel of distances. The coefficients describe the normal and the radial
-/// displacement, and their derivatives with respect to the contact's radius. Each value is divided by the power of the
-/// radius to which it is proportional for small contacts.
+/// A row of a table, for one contact radius a. It contains, in this order: the values [`Entry::numbers`], the terms of
+/// the series of φ and of ∂φ/∂a, and Chebyshev coefficients for each panel of distances. The function φ describes the
+/// pressure; see [`Pressure`]. The coefficients describe the normal and the radial displacement, and their derivatives
+/// with respect to the contact's radius. Each value is divided by the power of the radius to which it is proportional
+/// for small contacts.
 fn row(
     pressure: &Pressure,
     terms: usize,
@@ -254,12 +255,12 @@ fn panels(contact: f64) -> Vec<f64> {
     ends
 }
 
-/// Relative position of a value between two ends: −1 at the first end, and 1 at the second.
+/// Relative position of a value in an interval: −1 at the end `from`, and 1 at the end `to`.
 fn position([from, to]: [f64; 2], value: f64) -> f64 {
     (2.0 * value - from - to) / (to - from)
 }
 
-/// Angle whose cosine is the Chebyshev node with this index.
+/// Angle whose cosine is the Chebyshev node with the index `node`.
 fn angle(node: usize) -> f64 {
     PI * (node as f64 + 0.5) / NODES as f64
 }
@@ -306,7 +307,7 @@ impl Polynomials {
     }
 }
 
-/// A Chebyshev series and its derivative with respect to x, by Clenshaw's recurrence.
+/// Value of a Chebyshev series at x and its derivative with respect to x, computed by Clenshaw's recurrence.
 fn chebyshev(coefficients: &[f64], x: f64) -> [f64; 2] {
     let ([mut b, mut b_next], [mut d, mut d_next]) = ([0.0; 2], [0.0; 2]);
     for c in coefficients[1..].iter().rev() {

@@ -1,9 +1,10 @@
 //! Computes the pressure of a frictionless rigid paraboloid on a layer from the contact's radius.
 //!
-//! Lengths are in units of the thickness, and displacements are for a relative curvature of 1. α is the contact's
-//! radius. The Hankel transform of the pressure is written as Q(k) = ∫₀^α φ(t) cos(kt) dt, so that the pressure is
-//! automatically zero beyond α. The condition that the displacement within the contact is D − r²/2 becomes a Fredholm
-//! equation of the second kind for φ (Copson's method; Lebedev and Ufliand 1958):
+//! Lengths are in units of the layer's thickness, and displacements are for a relative curvature of 1. α is the
+//! contact's radius, and D is the indentation. The Hankel transform of the pressure is written as Q(k) = ∫₀^α φ(t)
+//! cos(kt) dt with a function φ, so that the pressure is automatically zero beyond α. The condition that the
+//! displacement within the contact is D − r²/2 becomes a Fredholm equation of the second kind for φ (Copson's method;
+//! Lebedev and Ufliand 1958):
 //!
 //! ```text
 //! φ(t) − (2/π) ∫₀^α φ(s) ∫₀^∞ g(k) cos kt cos ks dk ds = (2/π)(D − t²)
@@ -24,7 +25,8 @@ use super::pressure_field::Term;
 use super::reflection;
 use crate::PressError;
 
-/// Smallest number of wavenumbers. It is enough for an integrand that decays smoothly and does not oscillate.
+/// Smallest number of wavenumbers at which an integrand is evaluated. It is enough for an integrand that decays
+/// smoothly and does not oscillate.
 const SMOOTH: f64 = 48.0;
 /// Threshold for rounding errors. Coefficients that are smaller than this value, relative to the largest coefficient,
 /// are discarded.
@@ -35,18 +37,18 @@ const ROUNDING: f64 = 3e-14;
 pub(super) struct Pressure {
     /// Radius α of the contact.
     pub(super) contact: f64,
-    /// Indentation, for a relative curvature of 1 and in units of the thickness.
+    /// Indentation, for a relative curvature of 1 and in units of the layer's thickness.
     pub(super) indentation: f64,
-    /// Derivative of the indentation with respect to the radius.
+    /// Derivative of the indentation with respect to the contact's radius.
     pub(super) slope: f64,
-    /// ∫ φ dt, which is the force divided by π E* C_r.
+    /// ∫ φ dt, which is the force divided by π E* C_r, with the effective modulus E* and the relative curvature C_r.
     pub(super) force: f64,
-    /// −∫ φ'/t dt, which is the pressure in the middle divided by E* C_r/2.
+    /// −∫ φ'/t dt, which is the pressure in the middle of the contact divided by E* C_r/2.
     pub(super) peak: f64,
     /// Legendre coefficients of φ and of ∂φ/∂α.
     pub(super) terms: Vec<Term>,
-    /// One entry per quadrature node t of the pressure: t, and the values of φ and ∂φ/∂α at t, multiplied by the weight
-    /// of the node.
+    /// Three numbers for each quadrature node t of the pressure: t itself, and φ and ∂φ/∂α at t, both multiplied by the
+    /// weight of the node.
     nodes: Vec<[f64; 3]>,
 }
 
@@ -136,9 +138,9 @@ impl Pressure {
     }
 }
 
-/// Pressure in the middle of a contact of radius 1: −∫ φ'/t dt over [0, 1]. φ is the series of Legendre polynomials P_n
-/// with the given coefficients. For n = 2j, the integral of P_n is (−1)ʲ n (2/3)(4/5) ⋯ ((n−2)/(n−1)). The term of P₀
-/// belongs to a flat punch and is 1.
+/// Pressure in the middle of a contact of radius 1: −∫ φ'/t dt over [0, 1], including the jump of φ to 0 at t = 1. φ is
+/// the series of Legendre polynomials P_n (n = 2j) with the given coefficients. P_n contributes (−1)ʲ n (2/3)(4/5) ⋯
+/// ((n−2)/(n−1)). P₀, which belongs to a flat punch, contributes 1.
 fn middle(coefficients: &[f64]) -> f64 {
     let (mut product, mut sign) = (1.0, -1.0);
     let mut sum = coefficients[0];
@@ -198,7 +200,8 @@ fn legendre(shares: &[[f64; 2]], values: &[f64]) -> Vec<f64> {
     coefficients
 }
 
-/// The coefficients of both series as terms, each multiplied by its factor and by (−1)ʲ.
+/// Terms that consist of the coefficients of two series, `curved` and `flat`. The coefficients with the index j are
+/// multiplied by the factor of their series and by (−1)ʲ.
 fn terms(curved: &[f64], curved_factor: f64, flat: &[f64], flat_factor: f64) -> Vec<Term> {
     let at = |series: &[f64], j: usize| series.get(j).copied().unwrap_or(0.0);
     let count = curved.len().max(flat.len());

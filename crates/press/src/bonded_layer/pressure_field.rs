@@ -1,8 +1,9 @@
 //! Displacements of an incompressible half-space under the pressure of a contact.
 //!
-//! The displacements are Φ − z ∂Φ/∂z inward and −z ∂Φ/∂r outward, with Φ = ∫₀^a φ(t) Re[r² + (z + it)²]^{−1/2} dt. If φ
-//! is a series of Legendre polynomials, Φ is a series of oblate spheroidal harmonics (Hobson 1931, §251): for φ = Σ
-//! (−1)ʲ cₙ Pₙ(t/a) with n = 2j, z = aξη and r² = a²(1 + ξ²)(1 − η²),
+//! A point at the depth z and at the distance r from the axis is displaced by Φ − z ∂Φ/∂z inward and by −z ∂Φ/∂r
+//! outward. The potential is Φ = ∫₀^a φ(t) Re[r² + (z + it)²]^{−1/2} dt, where a is the contact's radius and φ the
+//! function that describes the pressure. If φ is a series of Legendre polynomials, Φ is a series of oblate spheroidal
+//! harmonics (Hobson 1931, §251): for φ = Σ (−1)ʲ cₙ Pₙ(t/a) with n = 2j, z = aξη and r² = a²(1 + ξ²)(1 − η²),
 //!
 //! ```text
 //! Φ = Σ cₙ Pₙ(η) qₙ(ξ)      (n + 1) qₙ₊₁ = n qₙ₋₁ − (2n + 1) ξ qₙ      q₀ = acot ξ
@@ -14,10 +15,11 @@
 use crate::body::Field;
 use crate::half_space::{self, Spheroidal};
 
-/// If the ratio of the contact's radius to the distance of the point is below this value, the contact is treated as a
-/// point force.
+/// If the ratio of the contact's radius to the distance of a point from the contact is below this value, the contact is
+/// treated as a point force.
 const POINT: f64 = 1e-10;
-/// The upward recurrence is used as long as it amplifies rounding errors at most by the factor e^9.
+/// The radial functions are computed by an upward recurrence if it amplifies rounding errors by at most the factor e^9;
+/// otherwise by a downward recurrence. This is the exponent.
 const UPWARD: f64 = 9.0;
 /// Terms of the series below e^−32 are omitted.
 const NEGLIGIBLE: f64 = 32.0;
@@ -26,10 +28,11 @@ const NEGLIGIBLE: f64 = 32.0;
 const START_DECAY: f64 = 15.0;
 /// Largest number of orders of the recurrence for which the values are stored without allocating memory on the heap.
 const FEW: usize = 64;
-/// Lower limit of ξ² + η² when it is a divisor. It limits the loss of digits near the contact's edge.
+/// Lower limit of the divisor ξ² + η², where ξ and η are spheroidal coordinates. It limits the loss of digits near the
+/// contact's edge.
 const EDGE: f64 = 1e-7;
 
-/// Coefficients of one Legendre term of a pressure: (−1)ʲ cₙ for φ and for its derivative ∂φ/∂a.
+/// Coefficients of the Legendre polynomial Pₙ (n = 2j) in a pressure: (−1)ʲ cₙ for φ and for its derivative ∂φ/∂a.
 pub(super) type Term = [f64; 2];
 
 /// The displacements and their derivatives at the distance `r` and the depth `z` in a half-space under a pressure
@@ -59,7 +62,8 @@ pub(super) fn field(a: f64, terms: &[Term], z: f64, r: f64) -> Field {
     }
 }
 
-/// Computes the radial functions q₀, q₁, … at `xi`, and returns the number of functions that are not negligible.
+/// Computes the radial functions q₀, q₁, … of the spheroidal harmonics at ξ = `xi` and stores them in `q`. Returns the
+/// number of functions that are not negligible.
 fn second_kind(xi: f64, q: &mut [f64]) -> usize {
     let angle = libm::log(xi + (1.0 + xi * xi).sqrt());
     let zeroth = libm::atan2(1.0_f64, xi);
@@ -102,7 +106,7 @@ struct Sums {
     by_xi: f64,
     by_eta: f64,
     by_both: f64,
-    /// Σ n(n+1) cₙ Pₙ qₙ, from which the second derivatives follow by Legendre's equation.
+    /// The sum Σ n(n+1) cₙ Pₙ qₙ, from which the second derivatives of Φ follow by Legendre's equation.
     weighted: f64,
 }
 

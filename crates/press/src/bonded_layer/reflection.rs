@@ -1,15 +1,16 @@
 //! Computes the effect of the rigid base as a sum over wavenumbers. This effect is the difference between the
 //! displacements of the layer and the displacements of a half-space.
 //!
-//! Lengths are in units of the thickness; H is the wavenumber, ζ the depth, and x = H(1 − ζ). A pressure with the
-//! Hankel transform Q displaces the layer by ∫ Q N J₀ dk inward and ∫ Q R J₁ dk outward,
+//! Lengths are in units of the layer's thickness; H is the wavenumber, ζ the depth, and x = H(1 − ζ). A pressure with
+//! the Hankel transform Q displaces the layer by ∫ Q N J₀ dH inward and by ∫ Q R J₁ dH outward. J₀ and J₁ are Bessel
+//! functions of H times the distance, and N and R are
 //!
 //! ```text
 //! N = [(cosh H + H sinh H)(sinh x − x cosh x) + H cosh H · x sinh x] / (cosh² H + H²)      R = ∂N/∂x likewise
 //! ```
 //!
-//! and the half-space by N = (1 + Hζ) e^{−Hζ}, R = Hζ e^{−Hζ}. The difference decays as e^{−(2−ζ)H}. It is computed
-//! from its terms in e^{−2H} and e^{−2x}, so there is no cancellation where it is small.
+//! For a half-space, N = (1 + Hζ) e^{−Hζ} and R = Hζ e^{−Hζ}. The difference between layer and half-space decays as
+//! e^{−(2−ζ)H}. It is computed from its terms in e^{−2H} and e^{−2x}, so there is no cancellation where it is small.
 
 use std::sync::OnceLock;
 
@@ -19,8 +20,8 @@ use crate::body::Field;
 /// A term e^{−x} is negligible for x above this value.
 const NEGLIGIBLE: f64 = 36.0;
 
-/// Difference between half-space and layer at the surface, relative to the half-space:
-/// 1 − (sinh 2H − 2H)/(cosh 2H + 2H² + 1).
+/// Difference between the displacements of half-space and layer at the surface, relative to the half-space: 1 − (sinh
+/// 2H − 2H)/(cosh 2H + 2H² + 1), with the wavenumber H.
 pub(super) fn at_surface(wavenumber: f64) -> f64 {
     let h = wavenumber;
     let q = libm::exp(-2.0 * h);
@@ -30,8 +31,8 @@ pub(super) fn at_surface(wavenumber: f64) -> f64 {
 /// The wavenumber beyond which the result of [`at_surface`] is negligible.
 pub(super) const SURFACE_REACH: f64 = NEGLIGIBLE / 2.0;
 
-/// The difference between layer and half-space at a depth, as two factors: the factor of J₀ (inward displacement) and
-/// the factor of J₁ (outward displacement).
+/// The difference between the displacements of layer and half-space at the depth `depth`, as two factors: the factor of
+/// J₀ (inward displacement) and the factor of J₁ (outward displacement).
 fn at_depth(wavenumber: f64, depth: f64) -> [f64; 2] {
     let (h, x) = (wavenumber, wavenumber * (1.0 - depth));
     let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));
@@ -53,7 +54,7 @@ fn reach_at(depth: f64) -> f64 {
 }
 
 /// Distance beyond the contact's edge, in thicknesses, at which all displacements are below 1e-9 of the largest
-/// displacement. They decay as e^{−0.739 r}, where cos 0.739 = 0.739.
+/// displacement. At the distance r, they decay as e^{−0.739 r}, where 0.739 is the solution of cos x = x.
 pub(super) const BEYOND: f64 = 30.0;
 
 /// Largest distance for which the first sum over wavenumbers is accurate. Each further sum is accurate up to twice the
@@ -80,8 +81,8 @@ pub(super) struct Wave {
     pub(super) per_contact: [f64; 2],
 }
 
-/// Wavenumbers with their weights, and the Hankel transforms of a contact's pressure and of its derivative with respect
-/// to the contact's radius.
+/// Wavenumbers with their weights. For each wavenumber, the Hankel transforms of a contact's pressure and of the
+/// pressure's derivative with respect to the contact's radius.
 pub(super) struct Spectrum {
     nodes: Vec<[f64; 2]>,
     transforms: Vec<[f64; 2]>,
@@ -89,7 +90,8 @@ pub(super) struct Spectrum {
 
 impl Spectrum {
     /// All wavenumbers that contribute noticeably to the displacements at the depth `depth` under the pressure
-    /// `pressure`. If `resolution` is 1, they are dense enough for distances up to `reach`.
+    /// `pressure`. If `resolution` is 1, the wavenumbers are dense enough for points at distances up to `reach` from
+    /// the contact.
     pub(super) fn new(pressure: &Pressure, depth: f64, reach: f64, resolution: f64) -> Self {
         let distance = pressure.contact + reach;
         let nodes = wavenumbers(reach_at(depth), distance, resolution);

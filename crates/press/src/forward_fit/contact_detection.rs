@@ -11,22 +11,22 @@ use crate::markers::see;
 use crate::no_contact::no_contact;
 use crate::state::State;
 
-/// False alarm rate: probability that a contact is detected although there is none. It is for contacts that are
-/// searched only at the markers. On a thin layer, a fit also finds contacts between the markers, which increases the
-/// rate by about 0.005.
+/// False alarm rate: probability that a contact is detected although there is none. This value assumes that contacts
+/// are searched only at the markers. On a thin layer, a fit also finds contacts between the markers, which increases
+/// the probability by about 0.005.
 const FALSE_ALARM_RATE: f64 = 0.04;
-/// Smallest improvement of chi-squared by the other markers if one marker moved significantly. If the improvement is
-/// smaller, only this one marker shows a contact, and it may be an outlier.
+/// If one marker moved significantly, the contact must also improve chi-squared of the other markers by at least this
+/// value. Otherwise only this one marker shows a contact, and it may be an outlier.
 const MIN_IMPROVEMENT_OF_OTHERS: f64 = 9.0;
 
 impl Problem<'_> {
     /// Smallest improvement of chi-squared by a contact, compared with no contact, for which the contact counts as
     /// detected.
     ///
-    /// If there is only noise, a contact with the best depth and width can be fitted at each marker. Such a contact has
-    /// two degrees of freedom. Half of these contacts are outward and therefore impossible. The number of independent
-    /// places is at most the number of markers (Bonferroni). If the noise is estimated from the residuals, the test
-    /// uses the F distribution.
+    /// If there is only noise, a contact can be fitted at each marker. Its indentation and its width are two degrees of
+    /// freedom. Half of these contacts would point outward and are therefore impossible. The number of independent
+    /// positions of the contact is at most the number of markers (Bonferroni). If the noise is estimated from the
+    /// residuals, the test uses the F distribution.
     pub(super) fn needed(&self) -> f64 {
         let odds = libm::log(self.counting().count() as f64 / (2.0 * FALSE_ALARM_RATE));
         if self.knows_noise() {

@@ -13,8 +13,8 @@ use crate::state::State;
 use crate::unknowns::{INDENTATION, Square, Sums};
 use crate::{PressError, PressEstimate};
 
-/// Limit of the ratio between the stated noise and the noise of the residuals. The stated noise is reported as wrong if
-/// it is larger or smaller by at least this factor.
+/// The stated noise is reported as wrong only if it is larger or smaller than the noise of the residuals by at least
+/// this factor.
 const MIN_NOISE_RATIO: f64 = 1.5;
 
 impl ForwardFit {
@@ -108,10 +108,10 @@ impl ForwardFit {
     }
 
     /// Tests an estimate of this fit and returns the ways in which the readings contradict the model. A stated
-    /// indentation is tested separately by [`Self::check_indentation`]. In these cases, only the size of the residuals
-    /// is tested: an elliptic contact, the Gaussian approximation, an undetected contact, or hardly more equations than
-    /// parameters. If the residuals are too large for the stated noise, the tests for outliers and patterns use the
-    /// noise of the residuals instead.
+    /// indentation is tested separately by [`Self::check_indentation`]. For an elliptic contact, the Gaussian
+    /// approximation, an undetected contact, or a fit with hardly more equations than parameters, only the size of the
+    /// residuals is tested. If the residuals are too large for the stated noise, the tests for outliers and patterns
+    /// use the noise of the residuals instead.
     ///
     /// # Errors
     /// Errors of [`ForwardFit::estimate`], and [`PressError::OutOfRange`] if the estimate is not from this fit.

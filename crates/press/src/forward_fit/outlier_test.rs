@@ -10,14 +10,14 @@ use crate::misfit::Noise;
 use crate::state::State;
 use crate::unknowns::{CURVATURE, Square, Sums, Unknowns};
 
-/// Smallest ratio of the estimated noise to the largest displacement for which outliers are tested. Smaller estimated
-/// noise may only be the rounding of the readings.
+/// Outliers are tested only if the ratio of the estimated noise to the largest displacement is at least this value.
+/// Smaller noise may only be the rounding of the readings.
 const ROUNDING: f64 = 1e-3;
 /// Smallest number of degrees of freedom for tests with estimated noise.
 const MIN_FREEDOM: usize = 8;
 
-/// Limit of the share of a reading's noise that remains in its residual. Below it, the fit follows the marker, and the
-/// test must use a fit without the marker.
+/// A part of a reading's noise remains in its residual. If this part is below this share, the fit follows the marker,
+/// and the test must use a fit without the marker.
 const MIN_RESIDUAL_SHARE: f64 = 0.1;
 
 impl Problem<'_> {
@@ -92,7 +92,7 @@ impl Problem<'_> {
         Some((others, state, sums))
     }
 
-    /// A copy of `slopes` in which the derivatives with respect to parameters that are not fitted are 0.
+    /// A copy of `slopes` in which the derivatives with respect to parameters that are not fitted are set to 0.
     pub(super) fn of_sought(&self, slopes: &Unknowns) -> Unknowns {
         Unknowns::from_fn(|unknown, _| match self.fitted.sought[unknown] {
             true => slopes[unknown],

@@ -69,7 +69,7 @@ impl<'a> Problem<'a> {
             && (!self.uses_tangential() || is_stated(self.fit.tangential_std))
     }
 
-    /// Number of displacement components that are used per marker.
+    /// Number of displacement components that the fit uses per marker: 1 (normal) or 3 (with tangential).
     pub(super) fn components(&self) -> usize {
         if self.uses_tangential() { 3 } else { 1 }
     }
@@ -81,8 +81,8 @@ impl<'a> Problem<'a> {
         places.map(|marker| markers.sight(place, marker)).collect()
     }
 
-    /// Chi-squared without its derivatives. For a marker, `moved` returns its normal and tangential displacement in the
-    /// model.
+    /// Chi-squared without its derivatives. The function `moved` returns the normal and tangential displacement of a
+    /// marker in the model.
     pub(super) fn cost(
         &self,
         state: &State,
@@ -269,8 +269,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The place on the skin in the direction `direction`. If the contact must lie on a circle, the x axis of the place
-    /// points along the circle.
+    /// The place on the skin in the direction `direction` from the sensor's centre. If the contact must lie on a
+    /// circle, the x axis of the place points along the circle.
     pub(super) fn place_at(&self, direction: &Vector3<f64>) -> Place {
         let Some(pole) = self.circle else {
             return self.reading.markers.skin().place_at(direction);

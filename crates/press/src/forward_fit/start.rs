@@ -19,13 +19,14 @@ const BEYOND: [f64; 3] = [0.2, 0.7, 1.5];
 /// A contact outside the markers is a start value only if its chi-squared exceeds the smallest chi-squared by less than
 /// this value.
 const MAX_EXCESS: f64 = 50.0;
-/// Contact radii that are tried, in units of the markers' scale. The first is a medium radius.
+/// Contact radii that are tried, in units of the markers' scale. The first entry is a medium radius, which is tried at
+/// all places.
 pub(super) const RADII: [f64; 5] = [0.14, 0.03, 0.07, 0.24, 0.4];
 /// Number of contact directions for which all radii are tried.
 const VIEWS: usize = 3;
 
 /// Start values: the `few` most likely contacts among the markers, and the most likely contact outside the markers. The
-/// contact outside is omitted if it is much less likely than the others.
+/// contact outside the markers is omitted if it is much less likely than the other contacts.
 pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
     let shapes = Shapes::new(problem, &RADII);
     let mut near = tried(problem, &shapes, &with_between(most_moved(problem)));
@@ -122,8 +123,8 @@ fn tried(problem: &Problem<'_>, shapes: &Shapes, directions: &[Vector3<f64>]) ->
     states
 }
 
-/// Chi-squared and fit parameters of a contact with the radius of `shape`. If the indentation or the gain is fitted, it
-/// has its best value.
+/// Chi-squared and fit parameters of a contact with the radius of `shape`. If the indentation or the gain is a fitted
+/// parameter, its best value is computed.
 fn of_shape(
     problem: &Problem<'_>,
     shapes: &Shapes,
@@ -190,7 +191,7 @@ fn most_moved(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
         .collect()
 }
 
-/// The given directions, followed by the mean directions of the first two, three, … of them.
+/// The given directions, followed by mean directions: of the first two of them, of the first three, and so on.
 fn with_between(mut directions: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     let between = |count: usize| directions[..count].iter().sum::<Vector3<f64>>();
     let between: Vec<Vector3<f64>> = (2..=directions.len())

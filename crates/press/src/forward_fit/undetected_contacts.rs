@@ -12,7 +12,7 @@ use crate::unknowns::{ACROSS, ALONG, CURVATURE, Sums};
 
 /// Largest radius of the contacts that are tried, relative to the sensor's radius.
 const MAX_RADIUS: f64 = 0.9;
-/// Ratio of each contact radius that is tried to the next larger one.
+/// Contacts with several radii are tried. This is the ratio of each radius to the next larger radius.
 const RADIUS_RATIO: f64 = 0.8;
 /// Number of contact radii that are tried.
 const RADII: usize = 32;
@@ -109,8 +109,9 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
     }
 
     /// The most likely contact and the interval of the curvature. A curvature is in the interval if its chi-squared
-    /// exceeds the smallest chi-squared by less than `limit`. `None` in three cases: all tried contacts are in the
-    /// interval, the widest contact in the interval fits between the markers, or noise would hide every contact.
+    /// exceeds the smallest chi-squared by less than `limit`. `None` in three cases: the interval contains all tried
+    /// contacts, the widest contact in the interval could remain undetected between the markers, or no tried contact
+    /// would show clearly in the readings.
     pub(super) fn left(&self, limit: f64) -> Option<(State, Sums, Interval)> {
         let best = self.found.iter().min_by(Candidate::likelier)?;
         let least = best.sums.chi_squared;
@@ -148,8 +149,8 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
 }
 
 impl UndetectedContacts<'_, '_> {
-    /// How clearly a contact would show in the readings: chi-squared of its displacements, compared with no
-    /// displacement.
+    /// How clearly a contact would show in the readings: the sum of its squared displacements, each divided by the
+    /// standard deviation of its noise.
     fn clarity(&self, state: &State) -> f64 {
         let problem = self.problem;
         let Ok(contact) = problem.contact(state) else {

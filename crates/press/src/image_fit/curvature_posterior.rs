@@ -19,12 +19,13 @@ const STEP: f64 = 0.3;
 /// Largest variance of the logarithm of the curvature for which the mean is computed. If the variance is larger, the
 /// images only determine the order of magnitude of the curvature.
 const MAX_VARIANCE: f64 = 1.0;
-/// Largest difference between mean and mode, in standard errors, for which the expansion is valid.
+/// Largest difference between mean and mode of the curvature, in standard errors, for which the formula of the mean is
+/// used. For larger differences, the expansion is not valid.
 const MAX_SHIFT: f64 = 1.0;
 
 impl<V: View + Clone> Problem<'_, V> {
-    /// Mean minus most likely value of the logarithm of the curvature. The result is 0 if it cannot be computed.
-    /// `weighed` is the fit with newly computed weights.
+    /// Posterior mean of the logarithm of the curvature, minus its most likely value. The result is 0 if it cannot be
+    /// computed. `weighed` is the fit after its weights were computed again.
     pub(super) fn mean_beside(&self, weighed: &FitState, covariance: &Square) -> f64 {
         let variance = covariance[(CURVATURE, CURVATURE)];
         let std = variance.sqrt();

@@ -5,9 +5,9 @@ use nalgebra::{DMatrix, DVector};
 use crate::PressError;
 
 /// A prior of some common sensor deviations. It comes from another frame of the same sensor, or from an earlier fit of
-/// the frame at rest itself. The fit then ignores the information about these sensor deviations in the frame at rest,
-/// so that no frame is used twice. The frame at rest still determines the remaining sensor deviations and the
-/// misalignments.
+/// the frame at rest itself. If such a prior is set, the fit ignores the information about these sensor deviations in
+/// the frame at rest, so that no frame is used twice. The frame at rest still determines the remaining sensor
+/// deviations and the misalignments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeparturePrior {
     /// Indices of the sensor deviations in ascending order. Their standard deviations must not be 0.
@@ -20,14 +20,14 @@ pub struct DeparturePrior {
 pub(super) struct FreePrior {
     /// For each sensor deviation of the prior, its position in the list of all uncertain sensor deviations.
     places: Vec<usize>,
-    /// Inverse of the covariance. Each sensor deviation is divided by its standard deviation before the covariance is
-    /// computed.
+    /// Inverse of the covariance matrix of the prior's sensor deviations, where each sensor deviation is divided by its
+    /// standard deviation.
     precision: DMatrix<f64>,
 }
 
 impl DeparturePrior {
-    /// Converts the prior to the form for the equations. `stds` contains the standard deviations of all common sensor
-    /// deviations. Exact sensor deviations have the standard deviation 0 and must not be in the prior.
+    /// Converts the prior to the form that the equations need. `stds` contains the standard deviations of all common
+    /// sensor deviations. Exact sensor deviations have the standard deviation 0 and must not be in the prior.
     pub(super) fn of_free(&self, stds: &[f64]) -> Result<FreePrior, PressError> {
         let Self {
             numbers,

@@ -12,7 +12,7 @@ const MAX_STEPS: usize = 200;
 const DAMPING: f64 = 1.0;
 /// Damping above which the search ends.
 const MAX_DAMPING: f64 = 1e9;
-/// A search ends after a step that decreases chi-squared by less than this value.
+/// An exact search ends after a step that decreases chi-squared by less than this value.
 const ENOUGH: f64 = 1e-6;
 /// A search with increased variances ends after a step that decreases chi-squared by less than this value. Such a
 /// search need not be exact.
@@ -21,11 +21,11 @@ const ROUGHLY: f64 = 1.0;
 const MAX_VARIANCE: f64 = 1e12;
 /// Ratio between the variance factors of consecutive searches.
 const FALL: f64 = 10.0;
-/// The first variance factor is the variance of the first residuals, raised to one of these powers. If chi-squared
-/// remains too large, the next exponent is tried.
+/// Exponents for the first variance factor of a sequence of searches, which is the variance of the first residuals,
+/// raised to the exponent. If chi-squared remains too large, the next exponent is tried.
 const ROOTS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
-/// Smallest acceptable p-value of chi-squared. If it is smaller, a further search follows. For a correct sensor model,
-/// such an unnecessary search has a probability of 0.001.
+/// Smallest accepted p-value of chi-squared. If the p-value is smaller, a further search follows. For a correct sensor
+/// model, this is the probability that an unnecessary search follows.
 const PLAUSIBLE: f64 = 1e-3;
 
 /// The result of a search: the sensor parameters with the smallest cost.
@@ -155,7 +155,7 @@ impl<V: View> Resting<'_, V> {
         Some((middle / NUMBERS as f64).min(MAX_VARIANCE))
     }
 
-    /// This fit with the variances of all readings multiplied by `variance`.
+    /// A copy of this fit in which the variances of all readings are multiplied by `variance`.
     fn noisier(&self, variance: f64) -> Self {
         let mut frame = (*self.frame).clone();
         for weight in frame.weights.iter_mut().flatten() {

@@ -65,7 +65,7 @@ impl FitState {
         stds.get(stds.len() / 2).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Predicted decrease of chi-squared by an undamped step; 0 if this step cannot be computed.
+    /// Predicted decrease of chi-squared by the next undamped step of the search; 0 if this step cannot be computed.
     pub(super) fn promise(&self) -> f64 {
         let gradient = self.sums.gradient;
         solve(&self.sums.hessian, &gradient).map_or(0.0, |step| gradient.dot(&step))

@@ -33,15 +33,16 @@ pub(super) type Jacobian = MatrixXx6<f64>;
 #[derive(Clone, Debug)]
 pub(super) struct Slopes {
     pub(super) jacobian: Jacobian,
-    /// The part of the derivatives that changes of the common sensor deviations can imitate, as components.
+    /// The part of the derivatives that changes of the common sensor deviations can imitate, as one component per
+    /// sensor deviation.
     pub(super) shared: Jacobian,
-    /// Products of the derivatives with respect to two fit parameters each, minus the products of the parts in
-    /// `shared`.
+    /// Matrix of the scalar products of the derivatives with respect to each pair of fit parameters, minus the scalar
+    /// products of the parts in `shared`.
     pub(super) square: Square,
 }
 
-/// A least-squares problem: the readings, the fitted parameters, and the weights of the readings. The weights are only
-/// computed again on request.
+/// A least-squares problem: the readings, the fitted parameters, and the weights of the readings. The weights are
+/// computed again only by [`Problem::weigh`] and [`Problem::weigh_at_rest`].
 #[derive(Clone)]
 pub(super) struct Problem<'a, V> {
     pub(super) fit: &'a ImageFit<V>,
@@ -53,7 +54,7 @@ pub(super) struct Problem<'a, V> {
     pub(super) fitted: Fitted,
     /// Indices of the used markers, which are visible at rest and in the press and are not outliers.
     pub(super) counting: Vec<usize>,
-    /// Square root of the robust weight of each used marker.
+    /// Square root of the weight of each used marker in the robust fit.
     pub(super) trust: Vec<f64>,
     /// Corrections of the disc displacements, because the fitted depths of the discs differ from the nominal depths.
     /// They are computed together with the weights.
@@ -253,7 +254,7 @@ impl<'a, V: View> Problem<'a, V> {
         self.fitted(state, residuals, &pictures, &slopes)
     }
 
-    /// The images, and their derivatives with respect to displacements only.
+    /// The images of all markers, and their derivatives with respect to the displacements of the discs only.
     pub(super) fn by_displacements(
         &self,
         moved: &[[MarkerDisplacement; 2]],
@@ -385,8 +386,8 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(sums)
     }
 
-    /// Products of the columns of `jacobian`, without the part that changes of the common sensor deviations can
-    /// imitate.
+    /// The derivatives `jacobian` with the scalar products of their columns, without the part that changes of the
+    /// common sensor deviations can imitate.
     fn slopes(&self, jacobian: Jacobian) -> Result<Slopes, PressError> {
         let shared = self.shared(&jacobian)?;
         Ok(Slopes {

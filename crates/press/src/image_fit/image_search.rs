@@ -18,8 +18,8 @@ use crate::{Estimated, GoodnessOfFit, Measured, PressError, PressEstimate};
 /// Outlier threshold: a marker is an outlier if the sum of its four squared residuals is above this value. Noise alone
 /// causes this once in three million markers.
 pub(super) const WRONG: f64 = 36.0;
-/// In the robust fit, which precedes the rejection of outliers, a marker has a reduced weight if its sum of squares is
-/// above this value.
+/// In the robust fit, which precedes the rejection of outliers, a marker has a reduced weight if the sum of its four
+/// squared residuals is above this value.
 const ROBUST: f64 = 16.0;
 /// Largest share of outliers among the markers. If there are more, the model is probably wrong, and no marker is
 /// rejected.
@@ -32,12 +32,12 @@ const SENSOR_UPDATES: usize = 5;
 /// The updates of the sensor parameters end if the predicted decrease of chi-squared is less than this value, which is
 /// the square of 1/20 standard deviation.
 const SETTLED: f64 = 2.5e-3;
-/// Smallest improvement of chi-squared by a contact, compared with no contact, for which the contact counts as
-/// detected. A displacement fit with 240 markers has the same threshold. The value is larger than for the same number
-/// of markers in a displacement fit, because each marker has four noisy readings.
+/// A contact counts as detected if it improves chi-squared by at least this value, compared with no contact. A fit of
+/// displacements with 240 markers has the same threshold. Fits of images usually have fewer markers, but each marker
+/// has four noisy readings.
 const MIN_IMPROVEMENT: f64 = 16.0;
-/// Largest standard error of the logarithm of the curvature for which a bad fit still counts as a contact. If it is
-/// larger, the images are compatible with objects of any sharpness.
+/// Largest standard error of the logarithm of the curvature for which a bad fit still counts as a contact. If the
+/// standard error is larger, the images are compatible with objects of any sharpness.
 const MAX_LOG_STD: f64 = 10.0;
 /// A rough fit stops if the next step is predicted to decrease chi-squared by less than this value.
 const ROUGHLY: f64 = 1e-1;
@@ -296,7 +296,7 @@ impl<V: View> Problem<'_, V> {
 
 /// Contact radii that are tried for the start values, relative to the sensor's radius.
 const RADII: [f64; 4] = [0.08, 0.14, 0.22, 0.35];
-/// Number of markers at which contacts are tried in addition. They are the markers that moved most.
+/// Number of additional positions at which contacts are tried: the positions of the markers that moved most.
 const BESIDE: usize = 2;
 
 impl<V: View> Problem<'_, V> {

@@ -28,12 +28,13 @@ pub struct Rest {
     /// Information matrix (inverse covariance) of the uncertain common sensor deviations, from the frame at rest and
     /// the priors.
     pub(super) information: DMatrix<f64>,
-    /// For each marker, how its misalignment depends on the uncertain common sensor deviations, and how uncertain it
-    /// would be if they were known.
+    /// For each marker, the linear dependence of its misalignment on the uncertain common sensor deviations, and the
+    /// covariance that the misalignment would have if these deviations were known.
     pub(super) local: Vec<Option<Local>>,
-    /// Images of the markers at rest, with derivatives, for the sensor at which the model was linearised.
+    /// Images of the markers at rest that the model predicts, and their derivatives. They are for the sensor parameters
+    /// at which the model was linearised.
     pub(super) slopes: Arc<PictureSlopes>,
-    /// The readings of the frame to which the sensor was fitted.
+    /// The readings of the frame at rest, to which the sensor's parameters were fitted.
     pub(super) frame: Arc<RestFrame>,
 }
 
@@ -181,7 +182,7 @@ pub(super) struct Equations {
 #[derive(Clone)]
 struct Own {
     square: Matrix2<f64>,
-    /// Inverse of the matrix `square`; 0 for aligned discs.
+    /// Inverse of the matrix `square`; 0 if the discs are exactly aligned.
     inverse: Matrix2<f64>,
     across: OMatrix<f64, U2, Dyn>,
     right: Vector2<f64>,
@@ -197,7 +198,8 @@ impl Own {
         }
     }
 
-    /// Adds the prior of the misalignment to the equations and inverts them; `None` if they cannot be solved.
+    /// Adds the prior of the misalignment to the equations and inverts their matrix; `None` if the equations cannot be
+    /// solved.
     fn solve(&mut self, misalignment: &[f64; 2], std: f64, damping: f64) -> Option<()> {
         if std > 0.0 {
             let per_square = std.powi(-2);

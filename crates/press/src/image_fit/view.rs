@@ -23,8 +23,8 @@ const MISALIGNMENT_STEP: f64 = 1e-6;
 /// Step of numerical derivatives with respect to displacements, as a share of the skin's radius.
 const DISPLACEMENT_STEP: f64 = 1e-6;
 
-/// Relative rounding error of the four numbers of an image that the model computes. For numbers below 1, it is the
-/// absolute error.
+/// Rounding error of the four numbers of an image that the model computes: relative to the number, or absolute for
+/// numbers below 1.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// The image of a marker, as measured by the tracker.
@@ -84,7 +84,8 @@ pub(super) struct Sensor {
 }
 
 impl Sensor {
-    /// Adds the difference `to` − `from` between two sensors to this sensor.
+    /// Adds the differences between the parameters of the sensors `to` and `from` (`to` − `from`) to the parameters of
+    /// this sensor.
     pub(super) fn shift(&mut self, to: &Self, from: &Self) {
         for ((one, to), from) in self.common.iter_mut().zip(&to.common).zip(&from.common) {
             *one += to - from;
@@ -135,7 +136,7 @@ pub struct PictureSlopes {
 }
 
 impl PictureSlopes {
-    /// Whether all fields have the correct sizes for `markers` markers and `departures` sensor deviations.
+    /// Whether all lists and matrices have the correct sizes for `markers` markers and `departures` sensor deviations.
     pub(super) fn are_of(&self, markers: usize, departures: usize) -> bool {
         self.pictures.len() == markers
             && self.common.shape() == (NUMBERS * markers, departures)

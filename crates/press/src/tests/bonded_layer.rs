@@ -1,5 +1,5 @@
-//! Compares the bonded layer with values of an independent solver and with limiting cases, and checks equations that
-//! every solution satisfies.
+//! Compares the displacements of the bonded layer with values from an independent solver and with limiting cases, and
+//! checks equations that every solution satisfies.
 
 use std::f64::consts::PI;
 

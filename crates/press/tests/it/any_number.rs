@@ -1,5 +1,5 @@
-//! Presses with random parameters. A possible press has a contact and an estimate. For any parameters, the result is
-//! finite or an expected error.
+//! Presses with random parameters. If a press is possible, its contact and an estimate can be computed. For any other
+//! parameters, the result is finite or an expected error.
 
 use palpate_press::sneddon_indentation;
 use palpate_press::{
@@ -41,7 +41,7 @@ fn assert_finite(contact: &Contact<'_>, r: f64, young: f64) {
     );
 }
 
-/// Contacts with a plane, and with a dish whose curvature is nearly opposite to the sensor's curvature. The
+/// Tests contacts with a plane, and with a dish whose curvature is nearly opposite to the sensor's curvature. The
 /// indentations reach from nearly 0 to the radius of the sensor.
 #[test]
 fn contacts_on_skins_of_any_size_have_the_hertz_radius() {
@@ -102,7 +102,7 @@ fn is_setting(value: f64, range: impl std::ops::RangeBounds<f64>) -> bool {
     range.contains(&value)
 }
 
-/// Returns the value if `is_good`. Otherwise checks that the error is `bad-setting`.
+/// Returns the value if `is_good`. Otherwise checks that `result` is an error with the name `bad-setting`.
 fn valid_value<T: std::fmt::Debug>(is_good: bool, result: Result<T, PressError>) -> Option<T> {
     if is_good {
         return Some(result.unwrap());

@@ -1,5 +1,5 @@
-//! Misfits of estimates. If the model is right, hardly any misfit is reported. If it is wrong, the expected misfit is
-//! reported.
+//! Tests the reported misfits of estimates. If the model is right, misfits are reported rarely. If the model is wrong,
+//! the expected misfit is reported.
 
 use palpate_press::{Body, ForwardFit, Interval, Measured, Misfit, PressEstimate, Reading};
 
@@ -12,8 +12,8 @@ const STATED: Measured = Measured {
     std: 0.02,
 };
 
-/// Codes of the misfits in each trial. The presses are simulated with the body `pressed`, changed by `change`, and
-/// fitted with the body `body`. If the fit fails, the code of its error is returned instead.
+/// Codes of the misfits that are reported in each trial. The presses are simulated with the body `pressed`, changed by
+/// `change`, and fitted with the body `body`. If the fit fails, the code of its error is returned instead.
 fn codes(
     [body, pressed]: [&Body; 2],
     stated: Measured,
@@ -102,7 +102,7 @@ fn smaller_noise_than_stated_is_found() {
     );
 }
 
-/// The stated indentation is smaller than the indentation that the displacements imply, by 5 standard deviations.
+/// The stated indentation is smaller than the true indentation of the press by 5 standard deviations.
 #[test]
 fn a_smaller_stated_indentation_is_found() {
     // Only a stated indentation that is too small is tested. One that is too large is seldom found, because a sharper
@@ -279,7 +279,8 @@ fn undetected_presses_are_bounded_and_reported() {
     );
 }
 
-/// The values of an estimate are changed to values that no press can have.
+/// If the values of an estimate are changed to values that no press can have, the test for misfits returns an error or
+/// valid p-values.
 #[test]
 fn estimates_of_no_press_are_refused() {
     let markers = published();

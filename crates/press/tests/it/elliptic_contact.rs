@@ -1,4 +1,4 @@
-//! Compares elliptic contacts with golden values and with the closed form of a round contact.
+//! Compares elliptic contacts with golden values and with the formula of a round contact.
 
 use palpate_press::{Body, EllipticContact};
 

@@ -1,4 +1,4 @@
-//! Estimates of principal curvatures from presses on cylinders, ellipsoids and balls.
+//! Tests estimates of principal curvatures from presses on cylinders, ellipsoids and balls.
 
 use palpate_press::{EllipticContact, ForwardFit, Markers, Measured, PressError, Reading};
 use palpate_sensing::{Channel, Stream};

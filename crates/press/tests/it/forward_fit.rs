@@ -49,7 +49,7 @@ fn exact_readings_determine_the_curvature() {
     }
 }
 
-/// The markers form a grid of 7 × 7. Along x and y, it extends to half of the skin's radius.
+/// The markers form a grid of 7 × 7. From the apex, it extends by half of the skin's radius along ±x and ±y.
 #[test]
 fn exact_readings_on_sensors_of_any_size_determine_the_curvature() {
     type OfRadius = fn(f64) -> Body;
@@ -115,7 +115,7 @@ fn tangential_readings_reduce_the_standard_error_if_the_indentation_is_fitted() 
     }
 }
 
-/// The expected bound, 6.7 % of the curvature, comes from an independent calculation.
+/// The expected Cramér–Rao bound, 6.7 % of the curvature, comes from an independent calculation.
 #[test]
 fn the_bound_matches_an_independent_calculation() {
     let (markers, body) = (published(), half_space());
@@ -139,8 +139,9 @@ fn the_bound_matches_an_independent_calculation() {
     assert!(by(1e-300).is_none());
 }
 
-/// In 400 presses, the rms error is equal to the bound within its statistical uncertainty, and the intervals contain
-/// the true value. The indentation is stated, or it is fitted together with tangential readings.
+/// In 400 presses, the root-mean-square error is equal to the Cramér–Rao bound within its statistical uncertainty, and
+/// the 95 % intervals contain the true value as often as they should. The indentation is stated, or it is fitted
+/// together with tangential readings.
 #[test]
 fn errors_from_noisy_readings_reach_the_bound() {
     const PRESSES: u64 = 400;
@@ -272,7 +273,7 @@ fn wrong_markers_are_named() {
     }
 }
 
-/// Markers outside of the window do not shift the estimated contact.
+/// Markers outside of the fit's `window` do not shift the estimated contact.
 #[test]
 fn a_window_stays_on_the_contact() {
     let (markers, body) = (published(), half_space());
@@ -325,8 +326,8 @@ fn a_gain_prior_widens_the_interval_to_contain_the_truth() {
 }
 
 /// Columns: effective radius, indentation δ, and amplitude, σ, R² and σ²/δ of a Gaussian. Another program fitted the
-/// Gaussian by unweighted least squares. The data are displacements of a half-space at a depth of 2 mm. They are at 60
-/// equally spaced distances, from 0 to twice the contact radius.
+/// Gaussian by unweighted least squares to displacements of a half-space at a depth of 2 mm. The displacements are at
+/// 60 equally spaced distances, from 0 to twice the contact radius.
 const GAUSSIANS: [[f64; 6]; 4] = [
     [26.67, 1.0, 0.870, 5.385, 0.977, 29.0],
     [20.0, 1.0, 0.844, 4.763, 0.978, 22.7],

@@ -1,5 +1,5 @@
-//! Compares displacements of the half-space with an independent quadrature and with a closed form, which was computed
-//! with 60 digits.
+//! Compares displacements of the half-space with an independent quadrature, and with the values of a formula, which
+//! were computed with 60 digits.
 
 use palpate_press::Body;
 
@@ -71,7 +71,7 @@ fn golden_displacements() {
 }
 
 /// Columns: Poisson's ratio, depth, radial position, normal and radial displacement under a contact of radius 1, per
-/// unit of relative curvature. The values were computed from Huber's closed form (1904), by mpmath with 60 digits.
+/// unit of relative curvature. The values were computed from Huber's formulas (1904), by mpmath with 60 digits.
 const EDGES: [[f64; 5]; 11] = [
     [0.3, 0.0, 0.0, 1.0, 0.0],
     [0.3, 0.0, 0.5, 0.875, -0.08499927649571],

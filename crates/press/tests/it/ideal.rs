@@ -1,4 +1,4 @@
-//! A simple camera for tests. The image of a marker has a closed form, and the sensor can have any size.
+//! A simple camera for tests. It computes the image of a marker by a formula, and the sensor can have any size.
 
 use palpate_press::{Body, ImageFit, MarkerDisplacement, Markers, SensorState, Skin, View};
 
@@ -12,8 +12,8 @@ pub(crate) const ROUGHLY: [f64; 5] = [0.02, 0.02, 0.3, 0.3, 0.01];
 /// Depths of the magenta and the yellow discs, in multiples of `Ideal::unit`.
 const DEPTHS: [f64; 2] = [3.0, 1.0];
 
-/// A simple camera. As the centroid, it measures the position midway between the two discs. As the hue, it measures the
-/// distance between the discs, and as the size, their distance from the camera.
+/// A simple camera. The centroid of an image is the position midway between the marker's two discs. The hue is a
+/// function of the distance between the discs, and the size is a function of their distance from the camera.
 #[derive(Clone, Debug)]
 pub(crate) struct Ideal {
     /// Unit of length of the sensor. All constants of this module that are lengths are multiplied by it.
@@ -39,8 +39,8 @@ impl Ideal {
         Markers::new(self.skin(), &self.places).unwrap()
     }
 
-    /// Bodies for both discs. The discs are deeper than usual by `deeper`. With `layer`, the bodies are layers of this
-    /// thickness; otherwise they are half-spaces. Lengths are in multiples of `unit`.
+    /// Bodies for both discs, which are deeper than [`DEPTHS`] by `deeper`. If `layer` is stated, the bodies are bonded
+    /// layers of this thickness; otherwise they are half-spaces. Lengths are in multiples of `unit`.
     pub(crate) fn bodies(&self, layer: Option<f64>, deeper: [f64; 2]) -> [Body; 2] {
         [0, 1].map(|disc| {
             let depth = (DEPTHS[disc] + deeper[disc]) * self.unit;

@@ -1,4 +1,4 @@
-//! Fits of images. The camera model of these tests has a closed form.
+//! Tests fits of images with the simple camera [`Ideal`].
 
 use nalgebra::Matrix4;
 use palpate_press::{
@@ -98,7 +98,7 @@ impl Truth {
 }
 
 /// Estimate of trial `number`. The fit assumes that the sensor parameters have the standard deviations `known`. The
-/// second result is chi-squared at rest divided by its degrees of freedom.
+/// second result is chi-squared of the fit at rest, divided by its degrees of freedom.
 fn trial(number: u64, known: [f64; 5]) -> Result<(PressEstimate, f64), PressError> {
     let truth = Truth::drawn(number, ROUGHLY);
     let mut noise = Stream::new(2, number, Channel::Centroid);
@@ -139,7 +139,7 @@ fn noiseless_pictures_determine_the_press() {
     }
 }
 
-/// One marker has an additional displacement, and one is not visible.
+/// One marker has an additional displacement, and one is not visible in the press.
 #[test]
 fn noiseless_pictures_determine_the_displacements() {
     let truth = Truth::drawn(0, [0.0; 5]);
@@ -221,7 +221,7 @@ fn a_known_indentation_narrows_the_interval() {
     assert_eq!(exactly.indentation.value, 1.2);
 }
 
-/// The standard deviation of the estimates is equal to the Cramér–Rao bound for the true press.
+/// The standard deviation of the estimated curvatures is equal to the Cramér–Rao bound for the true press.
 #[test]
 fn estimates_scatter_by_the_bound() {
     let trials = 150;
@@ -349,7 +349,7 @@ impl View for Partial {
     }
 }
 
-/// The same fit with another camera model, which `view` makes from the original one.
+/// The same fit with another camera model. The function `view` makes this model from the original camera model.
 fn through<V>(fit: ImageFit<Ideal>, view: impl FnOnce(Ideal) -> V) -> ImageFit<V> {
     ImageFit {
         view: view(fit.view),

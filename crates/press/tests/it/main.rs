@@ -1,4 +1,4 @@
-//! Tests of presses, with golden values and closed forms.
+//! Tests of presses, with golden values and exact formulas.
 #![allow(clippy::unwrap_used)]
 
 mod any_number;

@@ -161,7 +161,7 @@ fn intervals_off_the_markers_contain_the_truth_or_are_refused() {
 }
 
 /// A thin layer moves only under the contact, so only one marker moves. A wrong reading of this marker would look the
-/// same as a needle under it.
+/// same as a needle that presses on it.
 #[test]
 fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     let (markers, std) = (published(), 0.03);

@@ -9,7 +9,7 @@ use super::*;
 /// radian.
 const CAMERA: [usize; 3] = [2, 3, 4];
 
-/// A camera whose sensor deviations count from `common` instead of from the nominal parameters.
+/// A camera whose sensor deviations are relative to the values `common` instead of to the nominal parameters.
 #[derive(Clone, Debug)]
 struct About {
     ideal: Ideal,

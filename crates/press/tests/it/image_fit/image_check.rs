@@ -50,8 +50,8 @@ impl Press {
     }
 }
 
-/// The Kolmogorov distance of 120 uniform numbers from the uniform distribution exceeds 0.149 with a probability of 1
-/// %.
+/// The p-values of 120 presses are compared with the uniform distribution. The Kolmogorov distance of 120 uniform
+/// numbers from this distribution exceeds 0.149 with a probability of 1 %.
 #[test]
 fn p_values_are_uniform_if_the_model_is_right() {
     for given in [None, Some(STATED)] {
@@ -93,7 +93,8 @@ fn sound_images_seldom_have_a_misfit() {
     assert!(misfit_share(&codes, None) <= 11.0 / 120.0, "{codes:?}");
 }
 
-/// Contacts of the two bodies, which compute displacements at the depths of the two discs.
+/// The same contact with both bodies. One body computes displacements at the depth of the magenta discs, the other at
+/// the depth of the yellow discs.
 fn contacts(bodies: &[Body; 2]) -> [Contact<'_>; 2] {
     let skin = Skin::new(RADIUS).unwrap();
     [0, 1].map(|disc| skin.contact(&bodies[disc], CURVATURE, 1.0).unwrap())
@@ -108,8 +109,7 @@ fn another_body_is_found() {
     }
 }
 
-/// The markers move outward or in alternating directions, which no press can cause. The reported misfit is another
-/// body.
+/// The markers move outward or in alternating directions, which no press can cause. The returned error is `other-body`.
 #[test]
 fn motions_that_no_press_causes_are_another_body() {
     let refused = |change: fn(&mut [[MarkerDisplacement; 2]])| {
@@ -173,8 +173,8 @@ fn another_indentation_than_stated_is_found() {
     }
 }
 
-/// One marker has an additional displacement that is too small for an outlier. In some of the presses, a misfit must
-/// name this marker.
+/// One marker has an additional displacement that is too small for a rejection as an outlier. In some of the presses, a
+/// misfit must name this marker.
 #[test]
 fn one_marker_is_named() {
     let change = |moved: &mut [[MarkerDisplacement; 2]]| {

@@ -1,4 +1,5 @@
-//! Image fits at their limits: sensors of any size, presses that images can hardly resolve, and the names of errors.
+//! Tests image fits at their limits: sensors of any size, presses that images can hardly resolve, and impossible inputs
+//! with the names of their errors.
 
 use palpate_press::Rest;
 
