@@ -206,7 +206,7 @@ const QUESTIONS: &str = "
 --target rms_error<=1 --vary object.radius=1s..2s | c.toml: scene.object.radius: \"1s\" has the unit \"s\"; its unit may be m, cm, mm, um
 --target rms_error<=1 --vary object.radius=1..2 --maximise radios | c.toml: radios: no field has this name
 --target rms_error<=1 --vary scene.object.radius=-1..2 | c.toml: scene.object.radius: must be > 0, is -1
---target rms_error<=1 --vary scene.object.kind=1..2 | scene.object.kind has no numeric values: list its values
+--target rms_error<=1 --vary scene.object.kind=1..2 | scene.object.kind is not a numeric field, so it has no range: list its values
 --target rms_error<=1 --vary title=a,b | cannot sweep `title`
 --target rms_error<=1 --vary scene.object.radius=1..2 --set scene.object.radius=1 | scene.object.radius is given twice
 --target rms_error<=1 --vary scene.object.radius=1..2 --max-failures 0 | 0 cannot be verified with any number of trials
