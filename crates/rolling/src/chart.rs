@@ -19,8 +19,9 @@ use crate::integrator::System;
 use crate::roller::Bodies;
 use crate::{Contact, HeldAxis, Motion};
 
-/// Number of state components. They are `u₁, v₁, u₂, v₂`, the contact angle ψ, an angle φ, and the arc length of the
-/// path. φ is the angle from the probe's Gauss frame to the frame in which the motion is steady.
+/// Number of state components: the chart parameters `u₁, v₁` on the probe and `u₂, v₂` on the object, the contact angle
+/// ψ, an angle φ, and the arc length of the path. φ is the angle from the probe's Gauss frame to the frame in which the
+/// motion is steady.
 pub(crate) const STATE: usize = 7;
 
 pub(crate) struct ChartForm<'a, S> {
@@ -33,7 +34,7 @@ pub(crate) struct ChartForm<'a, S> {
 }
 
 impl<'a, S: Surface> ChartForm<'a, S> {
-    /// The system of equations for `motion`, and its state at the start, which is the contact `from`.
+    /// The system of equations for `motion`, and its initial state, which describes the contact `from`.
     pub(crate) fn new(
         bodies: &Bodies<'a, S>,
         from: &Contact,

@@ -20,14 +20,14 @@ use crate::integrator::System;
 use crate::roller::Bodies;
 use crate::{Contact, Motion};
 
-/// Number of state components. They are: x and y of the contact on the object; x and y of `x₁`; the quaternion `w, i,
-/// j, k` from the contact frame to the body frame; z of `x₁`; z of the contact; the arc length; and an unused component
-/// (an even number is faster).
+/// Number of state components: x and y of the contact on the object; x and y of the axis `x₁` of the contact frame; the
+/// quaternion `w, i, j, k` from the contact frame to the body frame; z of `x₁`; z of the contact; the arc length; and
+/// an unused component (an even number is faster).
 const STATE: usize = 12;
-/// Number of leading state components that the derivative needs on a general surface.
+/// On a general surface, the derivative of the state depends only on this number of leading state components.
 pub(crate) const OF_SPACE: usize = 10;
-/// Number of leading state components that the derivative needs on a graph. There, the derivative does not depend on
-/// the height.
+/// On a graph, the derivative of the state depends only on this number of leading state components, because it does not
+/// depend on the height.
 pub(crate) const OF_GRAPHS: usize = 9;
 
 pub(crate) struct ChartFree<'a, S, const READ: usize> {
@@ -40,7 +40,7 @@ pub(crate) struct ChartFree<'a, S, const READ: usize> {
 }
 
 impl<'a, S: Surface, const READ: usize> ChartFree<'a, S, READ> {
-    /// The system of equations for `motion`, and its state at the start, which is the contact `from`.
+    /// The system of equations for `motion`, and its initial state, which describes the contact `from`.
     pub(crate) fn new(
         bodies: &Bodies<'a, S>,
         from: &Contact,

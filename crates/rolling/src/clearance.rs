@@ -11,8 +11,8 @@ use palpate_geometry::{Shape, Surface};
 
 use crate::{Contact, Motion, RollError, RollFault, Roller};
 
-/// Number of height samples per radius of the probe. Parts of the object that are narrower than the distance between
-/// samples may be missed.
+/// Number of height samples per length of one probe radius. Parts of the object that are narrower than the distance
+/// between height samples may be missed.
 const PER_RADIUS: f64 = 48.0;
 /// Number of height samples along a side of a tile.
 const TILE: i64 = 32;
@@ -21,14 +21,15 @@ const TOLERANCE: f64 = 5e-7;
 /// A closest point counts as the contact itself if its distance from the contact is below this value. The distance is
 /// relative to the probe's radius.
 const CONTACT: f64 = 1e-4;
-/// Longest path of the probe's centre between two samples, relative to the probe's radius. A longer path is always
-/// bisected.
+/// The clearance is computed at samples of the roll. This is the longest path of the probe's centre between two such
+/// samples, relative to the probe's radius. A longer path is always bisected.
 const LONGEST: f64 = 0.25;
-/// Shortest path of the probe's centre between two samples that may be bisected, relative to the probe's radius.
+/// A path of the probe's centre between two samples of the roll is not bisected further if its length, relative to the
+/// probe's radius, is below this value.
 const SHORTEST: f64 = 1e-3;
-/// If the slope between two neighbouring samples is larger than this, there is a wall between the two samples.
+/// If the slope between two neighbouring height samples is larger than this, there is a wall between the two samples.
 const STEEP: f64 = 2.0;
-/// Number of bisections with which a wall between two neighbouring samples is located.
+/// Number of bisections with which a wall between two neighbouring height samples is located.
 const HALVINGS: usize = 40;
 
 /// Heights of the object below a path of the probe, sampled on a square lattice. The samples are stored in square
@@ -39,7 +40,7 @@ pub struct Terrain {
     spacing: f64,
 }
 
-/// A sample of the probe's path: the time, the distance that the probe's centre has travelled (in radii), and the
+/// A sample of the roll: the time, the distance that the probe's centre has travelled (in radii of the probe), and the
 /// clearance. The clearance is the distance (length) from the probe to the nearest examined part of the object beside
 /// the contact.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +50,7 @@ struct Sample {
     clearance: f64,
 }
 
-/// A place where a search for a closest point starts.
+/// A place of the object where a search for a closest point starts.
 #[derive(Clone, Copy, Debug)]
 struct Start {
     place: Vector2<f64>,
@@ -173,7 +174,7 @@ fn crossing(
     Some(low)
 }
 
-/// Distance from the probe's centre within which parts of the object are examined.
+/// Parts of the object are examined if their distance from the probe's centre is at most this value.
 fn reach(radius: f64, margin: f64) -> f64 {
     radius * (1.0 + LONGEST) + margin
 }
@@ -303,8 +304,8 @@ impl Roller {
     }
 }
 
-/// The motions until `time_s`. A motion that is not complete at this time is shortened, and later motions have the
-/// duration 0.
+/// The motions from the start to the time `time_s`. A motion that is not complete at this time is shortened, and later
+/// motions have the duration 0.
 fn until(motions: &[Motion], time_s: f64) -> Vec<Motion> {
     let mut left = time_s;
     let cut = motions.iter().map(|motion| {
@@ -318,7 +319,8 @@ fn until(motions: &[Motion], time_s: f64) -> Vec<Motion> {
     cut.collect()
 }
 
-/// Distance that the probe's centre travels until `time_s`, in radii of the probe. A spin does not move the centre.
+/// Distance that the probe's centre travels from the start to the time `time_s`, in radii of the probe. A spin does not
+/// move the centre.
 fn way(motions: &[Motion], time_s: f64) -> f64 {
     until(motions, time_s)
         .iter()

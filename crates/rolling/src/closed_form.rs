@@ -1,4 +1,4 @@
-//! Rolling on planes, spheres, dishes and cylinders, in closed form.
+//! Rolling on planes, spheres, dishes and cylinders by exact formulas (the model "closed form").
 //!
 //! On these objects, the shape operator is constant in a parallel-transported basis. Therefore a steady motion without
 //! spin moves the contact at constant speed along a geodesic of the object and along a great circle of the probe. The
@@ -65,11 +65,11 @@ pub(crate) fn roll_on_probe(
     from.body_from_contact * UnitQuaternion::from_scaled_axis(turn)
 }
 
-/// A rotation at a constant rate during unit time. It can also compute the displacement of a point whose velocity
-/// vector rotates at the same rate.
+/// A rotation at a constant rate during one unit of time. The type also computes the displacement of a point whose
+/// velocity vector rotates at the same rate.
 struct Screw {
     axis: Vector3<f64>,
-    /// sin θ, 1 − cos θ, sin θ/θ and (1 − cos θ)/θ, where θ is the angle of rotation.
+    /// Four functions of the angle of rotation θ: sin θ, 1 − cos θ, sin θ/θ and (1 − cos θ)/θ.
     numbers: [f64; 4],
 }
 
@@ -98,7 +98,7 @@ impl Screw {
         vector + across * sine + self.axis.cross(&across) * versine
     }
 
-    /// Displacement in unit time of a point whose velocity is `displacement` at the start. The velocity rotates with
+    /// Displacement, during one unit of time, of a point whose velocity is `displacement` at the start and rotates with
     /// this rotation.
     fn translation(&self, displacement: &Vector3<f64>) -> Vector3<f64> {
         let [.., sine, versine] = self.numbers;

@@ -32,7 +32,7 @@ pub struct Contact {
     pub arc_length: f64,
 }
 
-/// A displacement of the contact on the probe, measured from its first contact point.
+/// A displacement of the contact on the probe, measured from the contact point at the start of the roll.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shift {
     /// Great-circle displacement (logarithm map) in the probe's first contact frame `(x₁, y₁)`.
@@ -42,7 +42,7 @@ pub struct Shift {
 }
 
 impl Contact {
-    /// The first contact on `surface` at `(x, y)`, as in [`Surface::contact_at`].
+    /// The contact at the start of a roll, on `surface` at `(x, y)`, as in [`Surface::contact_at`].
     ///
     /// # Errors
     /// Errors of [`Surface::contact_at`].

@@ -42,7 +42,8 @@ impl Chart {
 pub(crate) trait ContactEquations<const N: usize>: System<N> {
     fn contact(&self, state: &[f64; N]) -> Result<Contact, RollFault>;
 
-    /// The contact point on the object. This method also returns a point for states in which `contact` fails.
+    /// The contact point on the object. This method also returns a point for states in which the method `contact`
+    /// returns an error.
     fn place(&self, state: &[f64; N]) -> Option<Point3<f64>>;
 }
 

@@ -10,14 +10,14 @@ use crate::error::RollFault;
 
 /// An autonomous system of `N` ordinary differential equations.
 pub(crate) trait System<const N: usize> {
-    /// Number of leading components of the state that the derivative needs. The other components are integrals along
-    /// the path. These other components are meaningless in the states of intermediate stages.
+    /// Number of leading components of the state on which the derivative depends. The other components are integrals
+    /// along the path; they have no meaning in the states of intermediate stages.
     const READ: usize = N;
 
     /// Writes `dy/dt` at `state` to `rate`.
     ///
     /// # Errors
-    /// An error if the state is outside of the domain of the equations. `rate` is then meaningless.
+    /// An error if the state is outside of the domain of the equations. The contents of `rate` then have no meaning.
     fn derivative(&self, state: &[f64; N], rate: &mut [f64; N]) -> Result<(), RollFault>;
 
     /// Factors by which the errors of the components are multiplied, before they are compared with the tolerance.
@@ -69,7 +69,7 @@ fn stage<const N: usize, const T: usize, S: System<N>>(
     state
 }
 
-/// Component `i` of the weighted sum of slopes, `Σ aⱼ kⱼ`.
+/// Component `i` of the weighted sum `Σ aⱼ kⱼ` of the slopes kⱼ with the weights aⱼ.
 #[inline(always)]
 fn weighted<const N: usize>(i: usize, a: &[f64], k: &[&[f64; N]]) -> f64 {
     let mut sum = a[0] * k[0][i];

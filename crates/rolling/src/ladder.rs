@@ -23,7 +23,7 @@ const MIN_STEP_TOLERANCE: f64 = 1e-15;
 /// Maximum number of steps of an integration.
 const MAX_STEPS: usize = 100_000;
 
-/// Reason in [`Choice`] for a model that the user has set.
+/// Reason that [`Choice`] contains for a model that the user has set.
 const SET_IN_CONFIG: &str = "named in the config";
 
 /// A model, prepared to compute rolls.
@@ -34,7 +34,7 @@ pub(crate) enum Rung {
     Integrated(Integration),
 }
 
-/// Everything on which the choice of a model depends: the bodies and their first contact.
+/// Everything on which the choice of a model depends: the bodies and their contact at the start.
 pub(crate) struct Setting<'a> {
     pub(crate) bodies: Bodies<'a, Shape>,
     pub(crate) first: Contact,
@@ -83,7 +83,7 @@ pub(crate) const fn rk4_method(steps: usize) -> Method {
     Method::Rk4(Rk4 { steps })
 }
 
-/// DOP853 with the step tolerance that is needed for rolls with this tolerance.
+/// DOP853 with the step tolerance that is needed if the error of a whole roll must be within `tolerance`.
 pub(crate) const fn dop853_method(tolerance: f64) -> Method {
     Method::Dop853(Dop853 {
         tolerance: (STEP_SHARE * tolerance).max(MIN_STEP_TOLERANCE),

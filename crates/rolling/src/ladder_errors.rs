@@ -7,22 +7,23 @@ use crate::{Chart, Choice, Contact, InvalidRoll, Model, RollFault, Roller, Rolls
 
 /// Safety factor by which a measured error is multiplied before it is compared with a tolerance.
 const MARGIN: f64 = 1.25;
-/// Tolerance of the reference integration, relative to the required tolerance.
+/// Errors are measured by comparison with a reference integration. This is its tolerance, relative to the required
+/// tolerance.
 const REFERENCE_SHARE: f64 = 1e-3;
 /// Number of evaluations of the contact equations per step of DOP853.
 const STAGES: usize = 12;
-/// Cost of an evaluation in DOP853, including the step control, relative to the cost of an evaluation in RK4. In
-/// processor instructions, the measured value is 2.1 on a saddle, 1.5 on an ellipsoid, and less on a height field from
-/// a formula.
+/// Cost of an evaluation of the contact equations in DOP853, including the step control, relative to its cost in RK4.
+/// The measured ratio of processor instructions is 2.1 on a saddle, 1.5 on an ellipsoid, and less on a height field
+/// from a formula.
 const RELATIVE_COST: f64 = 1.5;
 /// Numbers of RK4 steps that are tried, cheapest first.
 const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
 
-/// Limit on the number of evaluations of the contact equations, when all rolls are integrated once for the choice of a
-/// model. It applies if the rolls have few motions.
+/// To choose a model, all rolls are integrated several times. This is the largest number of evaluations of the contact
+/// equations in one such integration, if the rolls have few motions.
 const MAX_EVALUATIONS: usize = 20_000;
-/// Limit on the number of evaluations per motion. If the rolls have many motions, this limit times the number of
-/// motions exceeds [`MAX_EVALUATIONS`] and applies instead.
+/// If the rolls have many motions, the largest number of evaluations in an integration is this value times the number
+/// of motions. The larger of this product and [`MAX_EVALUATIONS`] applies.
 const MAX_EVALUATIONS_PER_MOTION: usize = 60;
 /// Tolerances of the DOP853 models in the list that [`Roller::ladder`] returns.
 const LADDER_TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
@@ -32,7 +33,7 @@ const LADDER_TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 pub struct MeasuredRung {
     /// The model; never [`Model::Auto`].
     pub model: Model,
-    /// Name of the model with its setting, as it is displayed.
+    /// Displayed name of the model, including the number of steps or the tolerance of an integrator.
     pub name: String,
     /// The largest error of a contact at the end of a roll, relative to the contact's length scale. The reference is
     /// DOP853 at the smallest tolerance. `Err` contains the reason if the model cannot compute these rolls.
@@ -42,8 +43,8 @@ pub struct MeasuredRung {
 }
 
 impl Roller {
-    /// All models that can compute these rolls without noise, cheapest first. The chosen model is one of them. `chart`
-    /// is the form of the equations that the integrators use.
+    /// All models that can compute the rolls `rolls`, which have no noise. The cheapest model is first. The chosen
+    /// model is one of them. `chart` is the form of the equations that the integrators use.
     pub fn ladder(&self, chart: Chart, rolls: Rolls<'_>) -> Vec<MeasuredRung> {
         let rk4 = (0..=6).map(|power| Model::Rk4 {
             steps: 1 << power,
@@ -61,8 +62,8 @@ impl Roller {
         rungs
     }
 
-    /// Error and cost of each of these models on these rolls. `chart` is the form of the equations that the reference
-    /// integrator uses.
+    /// Error and cost of each of the models `models` on the rolls `rolls`. `chart` is the form of the equations that
+    /// the reference integrator uses.
     pub fn measure(&self, models: &[Model], chart: Chart, rolls: Rolls<'_>) -> Vec<MeasuredRung> {
         let tolerance = Model::SMALLEST_TOLERANCE;
         let reference = self.ends_on(Model::Dop853 { tolerance, chart }, rolls);
@@ -137,8 +138,9 @@ impl Method {
 }
 
 impl Setting<'_> {
-    /// The cheapest integrator with a setting that meets the tolerance on the rolls without noise. If no setting meets
-    /// the tolerance, DOP853 is returned with its most accurate setting.
+    /// The cheapest integrator (RK4 with a number of steps, or DOP853 with a tolerance) whose error on the rolls
+    /// without noise is within the tolerance. If there is none, DOP853 with the tolerance of the reference integration
+    /// is returned.
     ///
     /// For DOP853, the largest tolerance that is small enough is also the cheapest, even for rolls with noise.
     pub(crate) fn cheapest_integrator(

@@ -1,7 +1,7 @@
 //! Computes the contact of a fingertip that rolls on a surface or glides over it.
 //!
 //! Montana's contact equations (1988) describe how the contact moves over both bodies. This crate solves them with
-//! several models. A [`Roller`] uses the cheapest model that meets a tolerance, or the model that is stated:
+//! several models. A [`Roller`] uses the cheapest model that meets a tolerance, or the model that the user states:
 //!
 //! | model | valid for | error, relative to the probe's radius |
 //! |---|---|---|
@@ -15,8 +15,8 @@
 //! curvature of the object. Rounding errors of positions are relative to the object's size. Paths shorter than 1e-150
 //! count as zero.
 //!
-//! By default, the integrators use equations without charts, which have no poles; otherwise, they use Montana's
-//! equations in charts.
+//! By default, the integrators RK4 and DOP853 use equations without charts, which have no poles. They can also use
+//! Montana's equations in charts.
 //!
 //! The object is fixed. In the contact frame of the probe, `x₁` and `y₁` are tangents and `z₁` points out of the probe.
 //! At the start, `x₁` is the projection of the object's +x axis onto the tangent plane. The frame is

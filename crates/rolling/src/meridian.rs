@@ -15,11 +15,11 @@ use crate::{Contact, Motion, Shift};
 
 /// Maximum number of iterations of Newton's or Halley's method, including bisections. Usually 3 iterations are enough.
 const MAX_ITERATIONS: usize = 200;
-/// Carlson's series is used if the relative difference of its arguments is at most this value. Larger differences are
-/// reduced by duplications, each of which makes the difference four times smaller. The error of the series is
-/// proportional to the sixth power of the difference.
+/// Carlson's integrals are computed by a series if the relative difference of their arguments is at most this value. A
+/// larger difference is first reduced by duplications, each of which makes the difference four times smaller. The error
+/// of the series is proportional to the sixth power of the difference.
 const MAX_DIFFERENCE: f64 = 1.5e-3;
-/// Maximum number of duplications. Arguments with a ratio of 1e300 need about 260.
+/// Maximum number of duplications of Carlson's integrals. Arguments with a ratio of 1e300 need about 260.
 const MAX_DUPLICATIONS: usize = 300;
 
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +65,8 @@ impl MeridianRung {
         self.along[aside].as_ref()
     }
 
-    /// Parameter and arc length on a section at which the probe has turned by `theta > 0`.
+    /// The point of a section at which the probe has turned by `theta > 0`: its parameter, and its arc length from the
+    /// apex.
     fn solve(&self, section: &Meridian, theta: f64) -> Result<(f64, f64), RollFault> {
         match *section {
             Meridian::Paraboloid { c } => along_parabola(c, self.radius, theta),
@@ -75,7 +76,7 @@ impl MeridianRung {
         .ok_or(RollFault::NotFinite)
     }
 
-    /// Displacement of the contact on the probe by `motion` along a section.
+    /// Displacement of the contact on the probe by the motion `motion` from the apex along the section `section`.
     pub(crate) fn shift(&self, section: &Meridian, motion: &Motion) -> Result<Shift, RollFault> {
         let turn = motion.drive() * motion.duration_s;
         let theta = turn.norm();
@@ -320,8 +321,8 @@ mod tests {
 
     use super::*;
 
-    /// The larger of two relative errors: the error of the angle, relative to the terms of its equation, and the error
-    /// of the arc length.
+    /// The larger of two relative errors: the error of the arc length, and the error of the angle relative to the terms
+    /// in the equation of the angle.
     fn error(c: f64, theta: f64) -> f64 {
         let (r, arc) = along_parabola(c, 1.0, theta).unwrap();
         let slope = 2.0 * c * r;

@@ -1,4 +1,4 @@
-//! Models that compute rolls, and errors when a roll is set up.
+//! Models that compute rolls, and errors that occur when a [`crate::Roller`] is created.
 
 use palpate_geometry::SurfaceError;
 use palpate_statistics::Number;
@@ -21,9 +21,9 @@ pub enum Model {
         /// Form of the contact equations, which is used if the chosen model is an integrator.
         chart: Chart,
     },
-    /// The closed form. The set-up fails if the rolls have no closed form.
+    /// Exact formulas. [`crate::Roller::new`] returns an error if no exact formulas exist for the rolls.
     ClosedForm,
-    /// The meridian model. The set-up fails if the model is not valid for the rolls.
+    /// The meridian model. [`crate::Roller::new`] returns an error if the model is not valid for the rolls.
     Meridian,
     /// RK4 with this many steps per motion.
     Rk4 {
@@ -47,7 +47,7 @@ impl Model {
     /// Largest allowed tolerance. A larger error would not be useful.
     pub const LARGEST_TOLERANCE: f64 = 0.1;
 
-    /// Name of the model with its setting, as it is displayed.
+    /// Displayed name of the model, including the number of steps or the tolerance of an integrator.
     pub(crate) fn name(&self) -> String {
         match self {
             Self::Auto { tolerance, .. } => format!("auto, tolerance {tolerance:e}"),
@@ -67,7 +67,8 @@ impl Model {
 /// The chosen model, and the reason for the choice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice<M = Model> {
-    /// Name of the model, with its setting if it has one: `closed form`, `meridian`, `RK4` or `DOP853`.
+    /// Displayed name of the model, such as `closed form` or `meridian`. It includes the number of steps or the
+    /// tolerance of an integrator.
     pub rung: String,
     /// The chosen model with its setting; never `Auto`.
     pub model: M,

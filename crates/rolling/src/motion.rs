@@ -84,8 +84,8 @@ impl Motion {
 /// Sine and cosine of an angle, exact at multiples of a quarter turn. Therefore a roll along an axis does not deviate
 /// from the axis.
 fn sin_cos_exact(angle_rad: f64) -> (f64, f64) {
-    /// Largest number of quarter turns that is recognised as a whole number. Up to this number, its rounding error is
-    /// below 1e-12.
+    /// An angle is recognised as a multiple of a quarter turn only up to this number of quarter turns. Up to this
+    /// number, the rounding error of the number is below 1e-12.
     const COUNTABLE: f64 = 1000.0;
     let quarters = angle_rad / std::f64::consts::FRAC_PI_2;
     let (sin, cos) = libm::sincos(angle_rad);

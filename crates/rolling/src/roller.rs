@@ -9,8 +9,8 @@ use crate::contact_equations::contact_velocities;
 use crate::ladder::{FALLBACK, Rung, Setting};
 use crate::{Choice, Contact, InvalidRoll, Model, Motion, RollError, RollFault, Rolls, Shift};
 
-/// Limit of the relative curvature, divided by the probe's curvature. Below this limit, a singular motion is reported
-/// as a fault of conforming bodies.
+/// If the relative curvature, divided by the probe's curvature, is below this value, a singular motion is reported as a
+/// fault of conforming bodies.
 const CONFORMING_CURVATURE: f64 = 1e-3;
 
 /// A spherical fingertip.
@@ -58,7 +58,7 @@ impl<'a, S> Bodies<'a, S> {
 
 impl<S: Surface> Bodies<'_, S> {
     /// The cause of a fault. If the bodies conform, the speed of the contact has no limit, so the integrator reports a
-    /// singular motion. The reported cause must then be that the bodies conform.
+    /// singular motion. In this case, the function returns the fault of conforming bodies.
     pub(crate) fn cause(&self, fault: RollFault, last: Result<Contact, RollFault>) -> RollFault {
         if fault == RollFault::Singular
             && let Ok(contact) = last
@@ -181,10 +181,10 @@ impl Roller {
         &self.first
     }
 
-    /// The contact after all `motions` in sequence, starting at the first contact.
+    /// The contact after all `motions` in sequence. The roll begins at the roller's first contact.
     ///
     /// # Errors
-    /// [`RollError`], whose time starts with the first motion.
+    /// [`RollError`], whose time is measured from the start of the first motion.
     pub fn roll(&self, motions: &[Motion]) -> Result<Contact, RollError> {
         self.follow(motions).map(|(contact, _)| contact)
     }
@@ -206,8 +206,8 @@ impl Roller {
         Ok((contact, evaluations))
     }
 
-    /// Displacement of the contact on the probe by `motions`. With the closed form and the meridian model, this costs
-    /// less than [`Roller::roll`].
+    /// Displacement of the contact on the probe by `motions`. With the models `closed form` and `meridian`, this method
+    /// is faster than [`Roller::roll`].
     ///
     /// # Errors
     /// Errors of [`Roller::roll`].

@@ -1,5 +1,5 @@
-//! The path of the contact on the probe at many instants of one roll. Only a few short rolls are computed, and the path
-//! between their ends is interpolated.
+//! The path of the contact on the probe at many instants of one roll. Contacts are computed only at a few instants
+//! (nodes), and the path between the nodes is interpolated.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use crate::{Contact, Motion, RollError, Roller};
 
 /// Largest accepted error of the interpolated path, relative to the probe's radius.
 const RELATIVE_TOLERANCE: f64 = 1e-12;
-/// Smallest number of intervals between the nodes of a motion. The next constant is the largest number.
+/// Smallest number of intervals between the nodes of a motion, which are the instants at which contacts are computed.
 const MIN_INTERVALS: usize = 4;
 const MAX_INTERVALS: usize = 128;
 
@@ -106,7 +106,7 @@ impl Roller {
         Numbers::from([shift.x, shift.y, turned.x, turned.y, turned.z])
     }
 
-    /// Whether the contact at any instant of the motion has a closed form.
+    /// Whether the contact at any instant of the motion can be computed by exact formulas.
     fn is_quick(&self, motion: &Motion) -> bool {
         let is_plain = !motion.spins() && !motion.slides();
         is_plain
@@ -118,7 +118,7 @@ impl Roller {
     }
 
     /// The contacts at the nodes of a motion that starts at the contact `from`. The number of intervals is doubled
-    /// until the error of the interpolation is accepted or the largest number is reached.
+    /// until the error of the interpolation is within the tolerance or the largest number is reached.
     fn nodes(&self, from: &Contact, motion: &Motion) -> Result<Nodes, RollError> {
         let duration_s = motion.duration_s.max(0.0);
         let mut nodes = Nodes::default();
@@ -153,8 +153,8 @@ impl Roller {
         }
     }
 
-    /// The contact at the end of a part of `motion`. The part lasts from `start` to `end` (s), and `from` is the
-    /// contact at its start.
+    /// The contact at the end of a part of `motion`. The part lasts from the time `start` to the time `end` (s), and
+    /// `from` is the contact at the time `start`.
     fn over(
         &self,
         from: &Contact,
@@ -214,7 +214,7 @@ impl Nodes {
     }
 
     /// Interpolates the displacement and the rotation by the barycentric formula. The weights of Chebyshev nodes
-    /// alternate in sign, and the weights of both end nodes are half as large.
+    /// alternate in sign, and the weights of the first and the last node are half as large as the others.
     fn interpolated(&self, time_s: f64) -> Numbers {
         let last = self.instants.len() - 1;
         let (mut sum, mut weights) = (Numbers::zeros(), 0.0);

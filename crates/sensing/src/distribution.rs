@@ -1,4 +1,4 @@
-//! Distributions of errors, and Gaussian errors of single numbers.
+//! Distributions of measurement errors, and Gaussian errors of single numbers.
 
 use crate::{InvalidSensor, Stream};
 
@@ -21,7 +21,7 @@ impl Distribution {
         }
     }
 
-    /// Standard deviation of an error whose stated size is `size`.
+    /// Standard deviation of an error with this distribution and the stated size `size`.
     pub(crate) fn std(self, size: f64) -> f64 {
         match self {
             Self::Uniform => size / 3.0_f64.sqrt(),

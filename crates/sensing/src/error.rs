@@ -1,4 +1,4 @@
-//! Errors for invalid parameters of sensors, and for contacts outside of the pads.
+//! Error types for invalid parameters of sensors, and for contacts outside of the pads.
 
 use palpate_statistics::{BadSetting, Number};
 use thiserror::Error;
@@ -14,9 +14,9 @@ pub type InvalidSensor = BadSetting<String>;
     Number(cap_rad.to_degrees())
 )]
 pub struct BeyondPads {
-    /// Angle between the contact and the middle of the cap.
+    /// Angle between the contact and the middle of the cap with the pads.
     pub angle_rad: f64,
-    /// Angle between the middle and the edge of the cap.
+    /// Angle between the middle and the edge of the cap with the pads.
     pub cap_rad: f64,
 }
 

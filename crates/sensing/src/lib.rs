@@ -1,4 +1,4 @@
-//! Noise and resolution of sensors for rotations and points.
+//! Noise and resolution of sensors that measure rotations and points.
 //!
 //! Random numbers are keyed: a [`Stream`] is a function of seed, trial and [`Channel`]. Therefore every trial can be
 //! repeated alone, and a new channel does not change the numbers of the existing channels.
@@ -38,7 +38,7 @@ pub enum Channel {
     AngularVelocity = 1,
     /// Position of the first contact relative to the pads.
     PadOffset = 2,
-    /// Error of the contact point that a wrist sensor infers.
+    /// Error of the contact point that a force and torque sensor in the wrist infers.
     WristContact = 3,
     /// Error of a sensed position.
     Position = 4,

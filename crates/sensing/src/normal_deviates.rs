@@ -57,7 +57,7 @@ fn radius(k: u32) -> f32 {
     ((31 - power) as f32 * (2.0 * LN_2) - 4.0 * x * series(ARTANH, x * x)).sqrt()
 }
 
-/// Independent normal numbers from random words. The cosines of all pairs come first, then the sines.
+/// Independent normal numbers from random words. First come the numbers r cos θ of all pairs, then the numbers r sin θ.
 #[inline(always)]
 pub(crate) fn normals(words: [u64; PAIRS]) -> [f32; 2 * PAIRS] {
     // Store the two halves of each word in separate arrays, so that compilers can use vector instructions.
@@ -96,8 +96,9 @@ mod tests {
         [radius * cosine, radius * sine]
     }
 
-    /// Largest error of the numbers, divided by the error that single precision allows. For a pair with a small radius,
-    /// the error is larger, because single precision stores its uniform number u near 1 with only 24 bits.
+    /// Largest error of the normal numbers from `words`, divided by the error that single precision allows. For a pair
+    /// with a small radius, the error is larger, because single precision stores its uniform number u near 1 with only
+    /// 24 bits.
     fn largest_error(words: [u64; PAIRS]) -> f64 {
         let normals = normals(words);
         let errors = words.iter().enumerate().flat_map(|(pair, &word)| {

@@ -9,8 +9,7 @@ use crate::{
     BeyondPads, InvalidSensor, Stream, UniformLattice, direction_at, displacement_between,
 };
 
-/// Smallest pitch, relative to the fingertip's radius. It is limited because doubles do not resolve positions on
-/// smaller pads.
+/// Smallest allowed pitch, relative to the fingertip's radius. Doubles do not resolve positions on smaller pads.
 const FINEST: f64 = 1e-15;
 
 /// The pattern in which pads tile the fingertip.
@@ -73,11 +72,12 @@ pub struct PadPlacement(Placement);
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Placement {
-    /// Offset of the first contact from the centre of the nearest pad, in pitches.
+    /// For a square grid: offset of the first contact from the centre of the nearest pad, in pitches.
     Square(Vector2<f64>),
-    /// Position of the first contact on hexagonal pads, in pitches.
+    /// For hexagonal pads: position of the first contact in the lattice of pads, in pitches.
     Hexagonal(Vector2<f64>),
-    /// Rotation from the contact frame to the lattice's frame, and the direction of the pad at the first contact.
+    /// For a uniform lattice: rotation from the contact frame to the lattice's frame, and direction of the pad at the
+    /// first contact.
     Uniform {
         lattice_from_contact: UnitQuaternion<f64>,
         first_pad: Vector3<f64>,
@@ -135,8 +135,8 @@ impl Pads {
         self.pitch
     }
 
-    /// Rounding error of one end of a shift, relative to the rounding error with square pads of the same pitch. The
-    /// first number is for the standard deviation per axis, the second for the largest error along an axis.
+    /// Size of the position error that pads cause at one end of a shift, relative to square pads of the same pitch. The
+    /// first number compares the standard deviations per axis, the second the largest errors along an axis.
     pub fn rounding(&self) -> [f64; 2] {
         match self.tiling {
             // The variance per axis is 5/72 pitch² for a hexagonal pad and 1/12 pitch² for a square one. The corners of
@@ -151,7 +151,7 @@ impl Pads {
         self.offset
     }
 
-    /// The same pads, with the first contact at the centre of a pad.
+    /// The same pads, but the first contact is at the centre of a pad.
     pub fn centred(&self) -> Self {
         Self {
             offset: PadOffset::Centred,
@@ -206,8 +206,8 @@ impl Pads {
     }
 
     /// The reading of the pads for a true `displacement` of the contact: the displacement (length) from the centre of
-    /// the pad at the first contact to the centre of the pad at the last contact. It is in the tangent basis at the
-    /// first contact.
+    /// the pad at the first contact to the centre of the pad at the last contact. The result is in the tangent basis at
+    /// the first contact.
     ///
     /// On a square grid, the largest error is half a pitch along each axis if the first contact is centred, and
     /// otherwise one pitch. On hexagons, it is 0.58 pitches for each end that is not centred. On a uniform lattice, it

@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 use crate::{Distribution, InvalidSensor, Stream};
 
-/// Joint encoders, which round the end of a roll to the nearest step. The start of the roll is measured exactly. It
-/// lies at a random position between two encoder steps, which is different for every roll.
+/// Joint encoders, which round the end of a roll to the nearest step. The start of the roll is measured exactly. The
+/// start lies between two encoder steps, at a random position that is different for every roll.
 ///
 /// ```
 /// use nalgebra::Vector2;
@@ -80,7 +80,7 @@ impl AngularVelocityError {
         self.distribution
     }
 
-    /// Size of the error, relative to the angular speed |ω|.
+    /// Size of the error of the angular velocity, relative to the angular speed |ω|.
     pub const fn fraction(&self) -> f64 {
         self.fraction
     }

@@ -16,7 +16,7 @@ pub fn direction_at(displacement: &Vector2<f64>) -> Vector3<f64> {
 }
 
 /// The great-circle displacement (logarithm map, radians) from direction `from` to direction `to`, both unit vectors.
-/// The tangent basis at `from` is (x, y) at +z, moved there by the shortest rotation.
+/// The tangent basis at `from` is the basis (x, y) at +z, rotated by the shortest rotation from +z to `from`.
 ///
 /// If `from` is +z, the error is at most 1e-15 of the displacement, otherwise 1e-15 radians. Opposite directions are
 /// connected by many great circles of the same length. In this case, the result is along x.

@@ -36,7 +36,7 @@ impl Wrist {
     }
 
     /// The contact point that the sensor infers at one instant of a roll, as a displacement (length) from the first
-    /// contact. The standard deviation of each component is that of [`Wrist::new`].
+    /// contact. The standard deviation of each component is the argument `std` of [`Wrist::new`].
     pub fn contact(&self, stream: &mut Stream, displacement: &Vector2<f64>) -> Vector2<f64> {
         let error = Vector2::new(stream.standard_normal(), stream.standard_normal());
         let contact = direction_at(&(displacement / self.radius));

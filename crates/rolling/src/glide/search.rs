@@ -17,18 +17,18 @@ const MAX_STEPS: usize = 100;
 /// Largest number of times that a Newton step is halved.
 const MAX_HALVINGS: i32 = 40;
 /// Largest accepted horizontal distance between the tip's actual centre and the centre of a tip at the contact that was
-/// found. It is relative to the sum of three lengths: the tip's radius, and the distances of the centre and of the
-/// contact from the origin.
+/// found. The distance is divided by the sum of three lengths: the tip's radius, the distance of the actual centre from
+/// the origin, and the distance of the contact from the origin.
 pub(super) const ACCEPTED_MISS: f64 = 1e-12;
-/// The search stops if the next Newton step is shorter than this share of the tolerance. The step is an estimate of the
-/// contact's error; for small steps it is correct within a factor of 2.
+/// The search stops if the next Newton step is shorter than this share of the tolerance. The length of this step is an
+/// estimate of the contact's error; for small steps, the estimate is correct within a factor of 2.
 const STEP_SHARE: f64 = 0.5;
 /// Longest step from which the error of a contact can be estimated, in radii of the tip.
 const MAX_LAST_STEP: f64 = 1e-3;
 /// Largest distance between tip and object that counts as touching, relative to the tip's radius.
 const TOUCHING: f64 = 1e-9;
-/// If the search makes no progress and [`Foot::clearance`] is below this value, the search is at a fold of the offset
-/// surface.
+/// If the search makes no progress and [`Foot::clearance`] is below this value, the search has reached a fold of the
+/// offset surface.
 const FOLD: f64 = 1e-3;
 /// If the vertical component of the unit normal is below this value, a contact counts as lying on the object's
 /// silhouette.
@@ -65,7 +65,7 @@ const HALF: usize = 12;
 /// Number of grid lines of the height grid along each direction.
 const SIDE: usize = 2 * HALF + 1;
 
-/// The search for the contact of a tip that is held above a place.
+/// The search for the contact of a tip whose centre is above a given point of the xy plane.
 pub(super) struct Search<'a, S> {
     pub(super) object: &'a S,
     pub(super) radius: f64,
@@ -124,8 +124,9 @@ impl<S: Surface> Search<'_, S> {
         self.centre - foot.point.coords.xy() - foot.normal.xy() * self.radius
     }
 
-    /// Newton's method, starting at `foot`. Each step is halved until the miss decreases. The method ends when the miss
-    /// and the next step along the object are within the tolerance, or when rounding errors prevent further progress.
+    /// Newton's method, starting at `foot`. Each step is halved until the miss (see [`Self::miss`]) decreases. The
+    /// method ends when the miss and the next step along the object are within the tolerance, or when rounding errors
+    /// prevent further progress.
     fn converge(&self, mut foot: Foot, tolerance: f64) -> Result<Foot, GlideError> {
         let mut miss = self.miss(&foot);
         for _ in 0..MAX_STEPS {
@@ -164,8 +165,8 @@ impl<S: Surface> Search<'_, S> {
         Err(self.no_convergence(miss.norm()))
     }
 
-    /// The first of `step`, `step/2`, `step/4`, … that decreases the miss. If no step decreases the miss, an error is
-    /// returned, which states whether the edge of the object was reached.
+    /// The largest of the steps `step`, `step/2`, `step/4`, … that decreases the miss (see [`Self::miss`]). If no step
+    /// decreases the miss, an error is returned, which states whether the edge of the object was reached.
     fn descend(
         &self,
         foot: &Foot,
@@ -267,8 +268,9 @@ impl<S: Surface> Search<'_, S> {
     }
 }
 
-/// Heights of the tip's centre on a square grid of places of the object under the tip. The height at a place is that of
-/// a tip that touches there; −∞ if the object does not exist there. The first contact is at the highest place.
+/// A square grid of places of the object under the tip, with one height per place. It is the height of the centre of a
+/// tip that touches the object at this place, or −∞ if the object does not exist there. A tip that is lowered touches
+/// first at the place with the largest height.
 struct Relief {
     centre: Vector2<f64>,
     spacing: f64,
@@ -298,7 +300,7 @@ impl Relief {
         relief
     }
 
-    /// The height of the tip's centre at the highest place of the grid.
+    /// The largest height of the tip's centre in the grid.
     fn summit(&self) -> f64 {
         self.heights
             .iter()

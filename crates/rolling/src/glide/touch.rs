@@ -25,11 +25,11 @@ pub struct Touch {
     pub point: Point3<f64>,
     /// The object's unit normal at the contact, out of the object.
     pub normal: Vector3<f64>,
-    /// The centre of the tip, `point + radius · normal`; for a point, the contact itself.
+    /// The centre of the tip, `point + radius · normal`; for a point tip, the contact itself.
     pub tip_centre: Point3<f64>,
-    /// The object's curvature at the contact, in an orthonormal tangent basis. The first axis is along the level line,
-    /// the second up the slope. With the normal, the axes form a right-handed frame. Where the object is level, this
-    /// basis is x and y.
+    /// The object's curvature at the contact, in an orthonormal tangent basis. The first axis of the basis is along the
+    /// level line, the second axis up the slope. With the normal, the axes form a right-handed frame. Where the object
+    /// is level, this basis is x and y.
     pub curvature: CurvatureForm,
 }
 
@@ -41,7 +41,8 @@ pub enum GlideError {
     #[error("the finger left the object: {0}")]
     #[strum(transparent)]
     Surface(#[from] SurfaceError),
-    /// The tip passes beside the object. At this place, the offset surface does not exist, or has a horizontal normal.
+    /// The tip passes beside the object: at this place, the surface on which the tip's centre can move does not exist,
+    /// or its normal is horizontal.
     #[error(
         "a tip of radius {radius} at x = {x}, y = {y} passes beside the object",
         radius = Number(*radius), x = Number(*x), y = Number(*y)
@@ -149,9 +150,9 @@ impl Foot {
         1.0 + radius * self.curvature.principal().k_min
     }
 
-    /// Horizontal displacement of the contact that moves the tip's centre by `miss`. It is `P (I + r S)⁻¹ P⁻¹` applied
-    /// to `miss`. Here `P` is the projection onto the xy plane, r the radius of the tip and S the shape operator.
-    /// `None` if `I + r S` is singular.
+    /// Horizontal displacement of the contact with which the tip's centre moves horizontally by `miss`. It is the
+    /// product of `P (I + r S)⁻¹ P⁻¹` and `miss`. Here `P` is the projection from the tangent plane onto the xy plane,
+    /// r the radius of the tip and S the shape operator of the object. `None` if `I + r S` is singular.
     pub(super) fn step(&self, radius: f64, miss: &Vector2<f64>) -> Option<Vector2<f64>> {
         let along = Vector2::new(self.uphill.y, -self.uphill.x);
         let (aside, ahead) = (along.dot(miss), self.uphill.dot(miss));

@@ -12,14 +12,15 @@ use crate::Model;
 /// A model that finds the contact of a fingertip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TouchModel {
-    /// The closed form if one exists, otherwise Newton's method with this tolerance.
+    /// The model "closed form" if it is valid for the tip and the object, otherwise Newton's method with this
+    /// tolerance.
     Auto {
         /// Largest error of the contact's position, relative to the tip's radius, from [`Model::SMALLEST_TOLERANCE`] to
         /// [`Model::LARGEST_TOLERANCE`].
         tolerance: f64,
     },
-    /// The closed form of the contact point. It exists for point tips, and for round tips on planes, spheres, dishes
-    /// and cylinders; other contacts are rejected.
+    /// Exact formulas for the contact point. They exist for point tips, and for round tips on planes, spheres, dishes
+    /// and cylinders; other tips and objects are rejected.
     ClosedForm,
     /// Newton's method on the offset surface of a round tip.
     Newton {
@@ -47,7 +48,7 @@ pub enum InvalidTouch {
     /// The fingertip has an invalid radius.
     #[error("{0}")]
     Tip(#[from] InvalidShape),
-    /// The model that the user has set cannot compute these contacts.
+    /// The model that the user has set cannot compute the contacts of this fingertip with this object.
     #[error("the {rung} rung cannot do this: {reason}")]
     Unsupported {
         /// Name of the model.
@@ -68,7 +69,7 @@ pub enum InvalidTouch {
     },
 }
 
-/// A model that finds contacts. It is prepared for one fingertip and one object.
+/// A model that finds contacts, prepared for one fingertip and one object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum TouchRung {
     /// A point tip, which touches the object vertically below its position.
@@ -147,7 +148,8 @@ pub(super) struct Offset {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Plane,
-    /// Offset surface of a sphere or dish. Its normals point away from a centre or towards it.
+    /// Offset surface of a sphere, whose normals point away from the centre, or of a dish, whose normals point towards
+    /// the centre.
     Round,
     /// Offset surface of a cylinder, with the direction of its axis. Its normals point away from the axis.
     Cylinder(Vector2<f64>),

@@ -19,20 +19,21 @@ pub(crate) struct Dop853 {
     pub(crate) most_steps: usize,
 }
 
-/// Intended change of the state in the first step for a tolerance of 1: the root mean square of the weighted
-/// components.
+/// Intended change of the state in the first step, for a tolerance of 1. It is the root mean square of the changes of
+/// the weighted components.
 const FIRST_CHANGE: f64 = 2.0;
-/// Ratio of the next step to the step that the error estimate would allow.
+/// Ratio of the next step to the longest step that the error estimate would allow.
 const SAFETY: f64 = 0.8;
 /// Smallest ratio of the next step size to this step size.
 const SHRINK: f64 = 1.0 / 3.0;
 /// Largest ratio of the next step size to this step size.
 const GROW: f64 = 6.0;
-/// If fewer steps than this remain, they are all made equally long.
+/// If fewer steps than this remain until the end of the motion, they are all made equally long.
 const LAST_FEW: f64 = 3.0;
 /// Shortest step, relative to the elapsed time.
 const SHORTEST: f64 = 1e-12;
-/// Shortest step, relative to the duration. The longer of this limit and the limit [`SHORTEST`] applies.
+/// Shortest step, relative to the duration of the motion. A step must be longer than this limit and than the limit
+/// [`SHORTEST`].
 const SHORTEST_OF_ALL: f64 = 1e-18;
 
 impl Dop853 {
@@ -309,7 +310,8 @@ const A12: [f64; 9] = [
     12.3605671757943030647266201528,
     0.643392746015763530355970484046,
 ];
-/// Weights of slopes 1 and 6 to 12 in the mean slope of the step. With these weights, the method is of order 8.
+/// Weights of the slopes 1 and 6 to 12 (of 12) in the mean slope of the step. With these weights, the method is of
+/// order 8.
 const B: [f64; 8] = [
     0.0542937341165687622380535766363,
     4.45031289275240888144113950566,

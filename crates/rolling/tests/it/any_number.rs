@@ -1,5 +1,6 @@
 //! Rolls and glides succeed on objects that are blunter than the probe. If the numbers of probes, objects, motions and
-//! positions have any bit patterns, the result is finite or a named error. A roll forth and back ends where it began.
+//! positions have any bit patterns, the result is finite or a named error. A roll that is followed by the reversed roll
+//! ends at the first contact.
 
 use nalgebra::{Vector2, Vector3};
 use palpate_geometry::formula::Formula;
@@ -23,7 +24,7 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// All objects for which these numbers are valid parameters.
+/// All objects for which the numbers `a`, `b` and `c` are valid parameters.
 fn objects(a: f64, b: f64, c: f64) -> Vec<Shape> {
     let parameters = [("a".to_owned(), a), ("b".to_owned(), b)].into();
     [

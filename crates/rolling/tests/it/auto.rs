@@ -1,6 +1,6 @@
-//! Tests `auto` on random scenes. The error of the chosen model is at most the tolerance, and its cost is at most twice
-//! the cost of the cheapest model that meets the tolerance. The cost is the number of evaluations of the contact
-//! equations.
+//! Tests the automatic choice of a model (`auto`) on random scenes. The error of the chosen model is at most the
+//! tolerance, and its cost is at most twice the cost of the cheapest model that meets the tolerance. The cost is the
+//! number of evaluations of the contact equations.
 
 use palpate_geometry::Shape;
 use palpate_rolling::{Chart, InvalidRoll, MeasuredRung, Model, Motion, Probe, Roller, Rolls};
@@ -90,7 +90,7 @@ fn scene(kind: usize, numbers: &mut Numbers) -> Scene {
 
 const FREE: Chart = Chart::Free;
 
-/// The closed form, the meridian, and the integrators with many different settings.
+/// The models `closed form` and `meridian`, and the integrators with many numbers of steps and tolerances.
 fn models() -> Vec<Model> {
     let few = 1..=8;
     let more = [10, 12, 14, 16, 20, 24, 32, 40, 48, 56, 64];

@@ -1,4 +1,5 @@
-//! Probes that overlap the object beside their contact, compared with a search on a fine grid.
+//! Compares the overlap of probes with parts of the object beside the contact with the result of a search on a fine
+//! grid.
 
 use nalgebra::{Point3, Vector2};
 use palpate_geometry::formula::Formula;

@@ -1,4 +1,4 @@
-//! Rolls that end early, and rolls that cannot begin.
+//! Tests rolls that end early, and rolls that cannot begin.
 
 use nalgebra::Point3;
 use palpate_geometry::{Shape, SurfaceError};
@@ -66,7 +66,7 @@ fn conforming_on_the_way_is_located() {
     assert!(error.time_s > 0.0 && error.time_s < 10.0);
 }
 
-/// Errors of a roll that ends at a wall, one for each form of the equations.
+/// Errors of a roll that ends at a wall. There is one error for each form of the contact equations.
 fn errors_at_wall(object: &Shape, motion: Motion) -> [RollError; 2] {
     [Chart::Free, Chart::Montana(Default::default())].map(|chart| {
         let model = Model::Dop853 {

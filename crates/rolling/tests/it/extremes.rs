@@ -1,4 +1,4 @@
-//! Tests scales from 1e-9 to 1e9, ratios from 1e-12 to 1e12, many turns, zero rotation, and poles of charts.
+//! Tests lengths from 1e-9 to 1e9, ratios of radii from 1e-12 to 1e12, many turns, zero rotation, and poles of charts.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -271,9 +271,9 @@ fn charts_end_at_poles_and_chart_free_rolls_do_not() {
     }
 }
 
-/// Compares the model with numbers that mpmath computed with 60 digits. A probe of radius 1 rolls from the apex of the
-/// paraboloid `z = −c r²`. At the slope angle α and the arc length s, it has turned by `θ = α + s`. With the slope q =
-/// tan α, the arc length satisfies `4 c s = q √(1 + q²) + asinh q`.
+/// Compares the meridian model with numbers that mpmath computed with 60 digits. A probe of radius 1 rolls from the
+/// apex of the paraboloid `z = −c r²`. At the slope angle α and the arc length s, it has turned by `θ = α + s`. With
+/// the slope q = tan α, the arc length satisfies `4 c s = q √(1 + q²) + asinh q`.
 #[test]
 fn meridians_from_flat_to_sharp() {
     for (c, theta, arc) in [
@@ -339,8 +339,8 @@ proptest! {
         }
     }
 
-    /// Compares the path length of a roll by 0.1 rad, by closed form and DOP853, for spheres with extreme ratios of the
-    /// radii.
+    /// Compares the path lengths of a roll by 0.1 rad that are computed by the closed form and by DOP853, for spheres
+    /// with extreme ratios of the radii.
     #[test]
     fn spheres_of_any_ratio(probe in decades(9.0), ratio in decades(12.0)) {
         let radius = probe * ratio;

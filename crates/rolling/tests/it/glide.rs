@@ -1,4 +1,5 @@
-//! Gliding fingertips: closed forms, the offset surface, the first of several contacts, and errors.
+//! Tests of gliding fingertips: exact formulas, the offset surface, the first of several contacts on the way down, and
+//! errors.
 
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_geometry::{Shape, Surface};
@@ -223,7 +224,8 @@ fn the_tip_is_held_where_asked_and_touches_at_its_radius() {
     }
 }
 
-/// Height of the centre of a tip that first touches a graph, found on a fine grid. The exact height is equal or larger.
+/// Height of the centre of a tip when it touches a graph on its way down, found by a search on a fine grid. The exact
+/// height is equal or larger.
 fn first_met(height: impl Fn(f64, f64) -> f64, radius: f64, x: f64, y: f64) -> f64 {
     let steps = 300;
     let mut highest = f64::NEG_INFINITY;

@@ -1,5 +1,5 @@
-//! Final contacts of five rolls, compared with an independent program. Positions are accurate to 1e-9, and path lengths
-//! to 1e-6.
+//! Compares the final contacts of five rolls with the results of an independent program. Positions are accurate to
+//! 1e-9, and path lengths to 1e-6.
 
 use nalgebra::Point3;
 use palpate_geometry::Shape;

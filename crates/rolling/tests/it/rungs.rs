@@ -1,4 +1,4 @@
-//! Compares all models that can compute the same roll with each other and with closed forms.
+//! Compares all models that can compute the same roll with each other and with exact solutions.
 
 use approx::assert_relative_eq;
 use nalgebra::{Matrix3, Vector2, Vector3};

@@ -18,7 +18,7 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Numbers on both sides of the limits of sensors' settings.
+/// Numbers on both sides of the limits of the sensors' parameters.
 const LIMITS: [f64; 12] = [
     f64::NAN,
     f64::INFINITY,
@@ -44,8 +44,8 @@ fn is_lattice(pitch_rad: f64) -> bool {
     pitch_rad > 0.0 && (2.0..=1e15).contains(&pads)
 }
 
-/// The sensor, if its settings are valid (`is_good`). Panics if valid settings result in an error, or invalid settings
-/// in a sensor.
+/// The sensor, if its parameters are valid (`is_good`). Panics if valid parameters result in an error, or invalid
+/// parameters in a sensor.
 fn made_if<T: std::fmt::Debug>(is_good: bool, made: Result<T, InvalidSensor>) -> Option<T> {
     assert_eq!(made.is_ok(), is_good, "{made:?}");
     made.ok()

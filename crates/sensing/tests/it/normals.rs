@@ -1,4 +1,4 @@
-//! Normally distributed numbers that are drawn in groups: their distribution and their independence.
+//! Tests the distribution and the independence of normally distributed numbers that are drawn in groups.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -100,7 +100,8 @@ fn no_draw_depends_on_another() {
     }
 }
 
-/// The directions of pairs of numbers are uniform and do not depend on the length of the pairs.
+/// Two numbers of a pair are the coordinates of a vector. The directions of these vectors are uniformly distributed and
+/// do not depend on the lengths of the vectors.
 #[test]
 fn pairs_have_no_direction() {
     const SECTORS: usize = 48;
