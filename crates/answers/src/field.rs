@@ -68,7 +68,8 @@ impl Field {
             listed,
             span,
         };
-        // `Study::varied` returns an error if the path is unknown, or if the field does not accept its first value.
+        // `Study::varied` returns an error if the path is unknown, or if the field does not accept the first value of
+        // the range.
         let varied = study.varied(&[fixed, &[field.fixed_at(field.first())]].concat())?;
         field.column = varied.columns.last().cloned().unwrap_or_default();
         field.label = Label::of_field(&field.column);

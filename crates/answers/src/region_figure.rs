@@ -43,8 +43,8 @@ impl Region {
             one.at[..further.len()] == other.at[..further.len()]
         };
         let mut panels: Vec<&[RegionColumn]> = self.columns.chunk_by(is_beside).collect();
-        // Do not draw panels for combinations that were tested only to refine the best value. A panel needs a whole row
-        // of neighbouring combinations.
+        // Do not draw panels for combinations of values that were tested only to refine the best value. A panel needs a
+        // whole row of neighbouring combinations.
         if panels.iter().any(|columns| columns.len() > 1) {
             panels.retain(|columns| columns.len() > 1);
         }

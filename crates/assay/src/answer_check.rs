@@ -260,7 +260,8 @@ mod tests {
             (0.399, many, false),
             (0.519, many, true),
             (0.521, many, false),
-            // At 10,000 pairs, the standard error is 0.005. Combined with the half-width 0.02, the tolerance is 0.0223.
+            // The share of 10,000 pairs has a standard error of 0.005, so 1.96 standard errors are 0.0098. The interval
+            // reaches 0.02 above the probability. The tolerance is √(0.0098² + 0.02²) = 0.0223.
             (0.522, 10_000, true),
             (0.5225, 10_000, false),
         ] {

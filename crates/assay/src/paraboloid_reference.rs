@@ -95,7 +95,7 @@ impl ParaboloidPress {
             Pressure::Hertz { poisson, radius } => {
                 ensure!(
                     depth > 0.0 || *poisson == 0.5,
-                    "the sum does not converge at the surface of a compressible half-space"
+                    "the integral over wavenumbers does not converge at the surface of a compressible half-space"
                 );
                 (
                     self.relative_curvature,

@@ -91,8 +91,9 @@ impl Meridian {
             Self::Spheroid { a, c } => {
                 let (sin, cos) = libm::sincos(t);
                 let square = (a * cos).powi(2) + (c * sin).powi(2);
-                // The angle of the normal (c sin φ, a cos φ) differs from the parameter φ by less than a quarter turn.
-                // Therefore φ determines the number of whole turns of the normal.
+                // The normal has the direction (c sin t, a cos t), with the semi-axes a and c and the parameter t. The
+                // angle of the normal differs from t by less than a quarter turn. Therefore t determines the number of
+                // whole turns of the normal.
                 let within_turn = libm::atan2(c * sin, a * cos);
                 let turns = ((t - within_turn) / TAU).round();
                 MeridianSlope {

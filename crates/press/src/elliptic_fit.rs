@@ -139,8 +139,9 @@ impl ForwardFit {
         let mean = 0.5 * (smaller + larger);
         let across = axis + std::f64::consts::FRAC_PI_2;
         let mean_std = stds.mean([larger, smaller], [across, axis]);
-        // If both curvatures are equal, there is no axis. The larger and the smaller curvature are then not smooth
-        // functions of the fitted parameters, so no bounds are computed.
+        // If both principal curvatures are equal, there is no axis of the smaller curvature. The principal curvatures
+        // are then not smooth functions of the fitted parameters, so no bounds on their standard deviations are
+        // computed.
         let principal = (high > low).then(|| {
             let axis_std = stds.turn(axis) / (high - low);
             [

@@ -155,8 +155,8 @@ pub fn estimate_force(
             pressed.len()
         ));
     }
-    // Divide the indentation δ and the force F by their largest values. Then the Hertz law is F = q u with u = δ^(3/2).
-    // Before the first touch, u is 0.
+    // Divide the indentation δ and the force F by their largest values. Then the Hertz law is F = q u with u = δ^(3/2),
+    // where q is the scaled stiffness (`slope`). Before the first touch, u is 0.
     let scaled = curve.readings.iter().map(|[indentation, force]| {
         let depth = (indentation / deepest).max(0.0);
         [depth * depth.sqrt(), depth, force / strongest]
@@ -166,8 +166,7 @@ pub fn estimate_force(
     let information = sum(&|[load, ..]| load * load);
     let slope = sum(&|[load, _, force]| load * force) / information;
     if !(strongest > 0.0 && slope > 0.0) {
-        let message =
-            "the force does not increase with the indentation; forces that press must be positive";
+        let message = "the force does not increase with the indentation; a force that presses the bodies together must be positive";
         return fail(message.to_owned());
     }
     let left = sum(&|[load, _, force]| (force - slope * load).powi(2));

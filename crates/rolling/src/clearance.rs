@@ -232,8 +232,9 @@ impl Roller {
         while let Some(after) = ahead.last().copied() {
             let way = after.way - before.way;
             let nearer = before.clearance.min(after.clearance) / radius;
-            // The clearance changes by at most the distance that the centre moves. So if the clearance is larger, no
-            // samples are needed in between.
+            // Between two samples, the clearance changes by at most the distance by which the centre of the probe
+            // moves. So if the clearance at both samples is larger than this distance, no samples are needed in
+            // between.
             let is_cut = way > LONGEST || (way > SHORTEST && nearer < way);
             let middle = 0.5 * (before.time_s + after.time_s);
             if is_cut && before.time_s < middle && middle < after.time_s {

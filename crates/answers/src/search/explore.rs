@@ -236,9 +236,9 @@ fn closer(
     let (Some(first), Some(last)) = (open.first(), open.last()) else {
         return;
     };
-    // `factor` is the increase of the number of trials that makes the undecided range small enough for the gap. It is a
-    // square, because the width of the undecided range is inversely proportional to the square root of the number of
-    // trials.
+    // The number of trials is multiplied by `factor`, so that the undecided range becomes small enough for the
+    // requested gap. `factor` is a square, because the width of the undecided range is inversely proportional to the
+    // square root of the number of trials.
     let spacing = wide / (crossing.len() - 1) as f64;
     let open_wide = share(last) - share(first) + spacing;
     let gap = wide * rules.gap / span.gap(low.value, high.value);

@@ -174,8 +174,8 @@ fn ends(points: &Points, found: &[Candidate], among: SearchRange, rules: &Rules)
             continue;
         };
         let value = |place: usize| points.points[place].value;
-        // Keep only values that are at least half a gap apart from the previous one, because closer values would give
-        // nearly the same result.
+        // Keep only values that are at least half of the requested gap apart from the previous value, because closer
+        // values would give nearly the same result.
         let apart = |places: &mut dyn Iterator<Item = usize>| {
             let mut kept: Vec<usize> = Vec::new();
             for place in places {

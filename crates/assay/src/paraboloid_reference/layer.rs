@@ -58,7 +58,7 @@ impl Layer {
         match (here.indentation / wanted - 1.0).abs() {
             off if off < 1e-12 => Ok(here),
             off => bail!(
-                "the contact radius for D = {wanted:e} was not found: the relative error of D is {off:e}"
+                "no contact radius has the ratio {wanted:e} of indentation to relative curvature: the relative error of the ratio is {off:e}"
             ),
         }
     }
@@ -198,8 +198,9 @@ fn shares(k: f64, depth: f64) -> [f64; 2] {
     let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));
     let [cosh_h, sinh_h] = [0.5 * (1.0 + q), 0.5 * (1.0 - q)];
     let [cosh_x, sinh_x] = [0.5 * (1.0 + p), 0.5 * (1.0 - p)];
-    // With q = e^{−2H} and p = e^{−2x}, the scaled functions satisfy cosh H sinh x − sinh H cosh x = (q − p)/2 and
-    // cosh H cosh x − sinh H sinh x = (q + p)/2. The last term of `normal` and of `radial` uses these equations.
+    // With q = e^{−2H} and p = e^{−2x}, the scaled functions satisfy two equations: cosh H sinh x − sinh H cosh x = (q
+    // − p)/2, and cosh H cosh x − sinh H sinh x = (q + p)/2. The last term of `normal` and of `radial` uses these
+    // equations.
     let normal = cosh_h * (sinh_x - x * cosh_x) + h * sinh_h * sinh_x + 0.5 * h * x * (q - p);
     let radial = (h - x) * cosh_h * sinh_x + 0.5 * h * x * (q + p);
     let scale = libm::exp(-h * depth) / (cosh_h * cosh_h + h * h * q);

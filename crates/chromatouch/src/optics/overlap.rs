@@ -192,8 +192,8 @@ fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
         cosine: to_chord,
     } = half_angle;
     let square = radius * radius;
-    // `triangle` is the product r² sin β cos β, and `half_square` is r² sin² β. Here r is the radius and β is the
-    // half-angle.
+    // `triangle` is the product r² sin β cos β, and `half_square` is r² sin² β. Here r is the radius of the disc, and β
+    // is half of the angle that the segment covers.
     let (triangle, half_square) = (half * to_chord, half * half);
     let area = square * angle - triangle;
     let fourth = half_square * triangle;

@@ -189,7 +189,8 @@ mod tests {
         let mut mean = moment(2) / 2.0 - moment(1) + 2.0;
         let mut binomial = 1.0;
         for term in 0..60 {
-            // The root is expanded as √(1 + s²/4) = Σ C(½, j) (s/2)²ʲ, where s is the shear.
+            // The square root √(1 + s²/4) is expanded as Σ C(½, j) (s/2)²ʲ, with the shear s and the binomial
+            // coefficients C(½, j).
             let weight = binomial / 4.0_f64.powi(term);
             mean += weight * (moment(2 * term + 1) - 2.0 * moment(2 * term));
             binomial *= (0.5 - f64::from(term)) / f64::from(term + 1);

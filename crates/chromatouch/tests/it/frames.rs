@@ -328,8 +328,8 @@ fn a_blur_is_a_gaussian_and_keeps_the_light() {
         optics.render(&at_rest(&optics), None).unwrap()
     });
     assert!((sum(&soft) / sum(&sharp) - 1.0).abs() < 1e-3);
-    // A straight seam that is half as wide as the field. The blur turns its edge into an error function, whose values
-    // at 0.5, 1 and 2 standard deviations from the edge are tabulated.
+    // This sensor has one straight seam, which covers a large part of the field of view. The blur turns the seam's edge
+    // into an error function, whose values at 0.5, 1 and 2 standard deviations from the edge are tabulated.
     let wide = Seams {
         gores: 1,
         width: 20.0,

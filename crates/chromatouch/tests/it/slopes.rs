@@ -247,7 +247,8 @@ fn slopes_on_skins_of_any_size_have_closed_forms() {
                     -1.0,
                 ),
             ] {
-                // The closed forms are valid for small discs. Their error is of second order in the angular size.
+                // The closed-form derivatives are valid for small discs. Their error is of second order in the angular
+                // size of the disc.
                 assert!((slope - due).abs() < 3e-4, "{radius:e}: {slope}, not {due}");
             }
         }

@@ -229,8 +229,8 @@ fn tested(
             }
         }
     }
-    // Some columns would be linearly dependent without noise. Noise moves the footpoints and makes these columns
-    // slightly independent, so the tolerance of the rank grows with the noise.
+    // Without noise, some columns of the equations would be linearly dependent. Noise moves the closest points on the
+    // shape and makes these columns slightly independent, so the tolerance of the rank grows with the noise.
     let tolerance = MIN_NOISE_RATIO * solution.variances[0];
     let tolerance = tolerance.clamp(RANK_TOLERANCE, MAX_RANK_TOLERANCE);
     let solved = Sequential::new(&gram, &right, tolerance);

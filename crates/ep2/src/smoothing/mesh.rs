@@ -283,8 +283,8 @@ mod tests {
         assert_eq!(next_knot(&mesh, &all, unlimited), Some((0, 1.25)));
         assert_eq!(next_knot(&mesh, &all, [1, 9]), Some((1, 0.25)));
         assert_eq!(next_knot(&mesh, &all, [1, 0]), None);
-        // The interval with the largest sum (9.0) cannot be split, because the centroid of its residuals is at its
-        // edge. So the next largest sum is chosen.
+        // The interval with the largest sum of squared residuals (9.0) cannot be split, because the centroid of its
+        // residuals is at its edge. So the interval with the next largest sum is split.
         let all = [sums(&[(2.0, 0.5), (9.0, 1.01)]), along_v];
         assert_eq!(next_knot(&mesh, &all, unlimited), Some((1, 0.25)));
     }

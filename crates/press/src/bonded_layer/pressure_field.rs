@@ -164,7 +164,8 @@ impl Sums {
             r,
             edge,
         } = place;
-        // `lift` is z/(a (ξ² + η²)), where a is the contact's radius.
+        // `lift` is z/(a (ξ² + η²)), where z is the depth, a the contact's radius, and ξ and η are the spheroidal
+        // coordinates.
         let lift = xi * eta / edge;
         let down = eta * (1.0 + xi * xi) * self.by_xi + xi * off_axis * self.by_eta;
         let outward = xi * self.by_xi - eta * self.by_eta;
@@ -182,7 +183,8 @@ impl Sums {
         let [normal, radial] = self.displacement(place);
         let metric = 1.0 + xi * xi;
         let lift = xi * eta / edge;
-        // The derivatives of Φ are ∂Φ/∂z = `down`/(a `edge`) and ∂Φ/∂r = r `outward`/(a² `edge`), where r is a length.
+        // The derivatives of the potential Φ are ∂Φ/∂z = `down`/(a `edge`) and ∂Φ/∂r = r `outward`/(a² `edge`), where r
+        // is a length.
         let down = eta * metric * self.by_xi + xi * off_axis * self.by_eta;
         let outward = xi * self.by_xi - eta * self.by_eta;
         let down_by_xi =

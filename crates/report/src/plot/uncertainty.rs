@@ -171,7 +171,8 @@ mod tests {
         let found = |statistic| found("mean_curvature", &errors, statistic);
         is(found(S::RmsError), 0.5, 1.96 * 0.02);
         is(found(S::RelativeRmsError), 5.0, 1.96 * 0.2);
-        // The standard error of the mean absolute error is √(0.5² − 0.4²)/√100 = 0.03.
+        // For 100 trials with the rms error 0.5 and the mean absolute error 0.4, the standard error of the mean
+        // absolute error is √(0.5² − 0.4²)/√100 = 0.03.
         is(found(S::MeanAbsError), 0.4, 1.96 * 0.03);
         is(found(S::RelativeMeanAbsError), 4.0, 1.96 * 0.3);
         is(found(S::Mean), 2.0, 1.96 * 0.05);

@@ -28,7 +28,8 @@ pub enum GlideEstimatorConfig {
         noise: StatedNoise,
     },
     /// The method of the 1996 paper: two smoothing splines are fitted one after the other. The second spline also uses
-    /// the tangents of the first. In the settings of this method, lengths are in units of the inter-finger distance.
+    /// the tangents of the first spline. In the settings of this method, lengths are in units of the inter-finger
+    /// distance.
     TwoPass {
         /// Degree of the first spline in both directions.
         #[serde(default = "whole::<2>")]

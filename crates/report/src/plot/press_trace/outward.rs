@@ -144,7 +144,7 @@ fn least_squares(rows: &[([f64; 3], f64)]) -> [f64; 3] {
     for (i, row) in matrix.iter_mut().enumerate() {
         row[i] += ridge;
     }
-    // The solution is computed by Cramer's rule.
+    // The 3 × 3 system of normal equations is solved by Cramer's rule.
     let column = |j: usize| [matrix[0][j], matrix[1][j], matrix[2][j]];
     let volume = |a: [f64; 3], b: [f64; 3], c: [f64; 3]| dot(a, cross(b, c));
     let whole = volume(column(0), column(1), column(2));

@@ -121,9 +121,9 @@ Examples:
     Force(EstimateForceArgs),
 }
 
-const FORCE_HELP: &str = concat!("The readings have one row per indentation,
+const FORCE_HELP: &str = concat!("The readings have one row per indentation, with the columns
   indentation_mm,force_N
-with forces that press as positive numbers. Indentations count from the first touch.
+A force that presses the two bodies together is positive. Indentations count from the first touch.
 
 ", tables!(), "
 By Hertz the force is 4/3 E* sqrt(R) d^1.5 with the indentation d, the effective radius R = 1/(1/R_sensor + 1/R_object) and
