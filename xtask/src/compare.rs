@@ -41,7 +41,7 @@ pub(crate) struct Difference {
 }
 
 impl Difference {
-    /// Absolute difference of the old and the new number, divided by the larger of the two; `None` for texts.
+    /// Absolute difference of the old and the new number, divided by the larger of their magnitudes; `None` for texts.
     fn relative(&self) -> Option<f64> {
         let (old, new): (f64, f64) = (self.committed.parse().ok()?, self.now.parse().ok()?);
         Some((old - new).abs() / old.abs().max(new.abs()))

@@ -84,8 +84,8 @@ impl TestBench<'_> {
         self.dir.path().join(name)
     }
 
-    /// Writes a config of rolls on balls, with one radius per cell. `trials` contains the number of trials of the first
-    /// cell, and that of every other cell.
+    /// Writes a config of rolls on balls, with one radius per cell. `trials` contains two numbers of trials: of the
+    /// first cell, and of every other cell.
     fn config(&self, name: &str, cells: u64, trials: [u64; 2]) -> Result<PathBuf> {
         let rows: Vec<String> = (0..cells)
             .map(|cell| format!("[{}, {}]", 20 + cell, trials[usize::from(cell > 0)]))

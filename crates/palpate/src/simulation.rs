@@ -84,7 +84,8 @@ impl<'a> Simulation<'a> {
     ///
     /// # Errors
     /// [`ConfigError`] of the first cell that is invalid: it has an invalid field, its readings allow no estimate, or
-    /// the config requests a map that its scene does not have. Also an error if a number is not that of a cell.
+    /// the config requests a map that its scene does not have. Also an error if a number in `numbers` is not the number
+    /// of a cell.
     pub fn new(
         study: &'a Study,
         numbers: impl IntoIterator<Item = usize>,

@@ -30,13 +30,15 @@ pub struct CameraEstimate {
     pub px_per_rad: f64,
     /// Standard error of `px_per_rad`.
     pub px_per_rad_std: f64,
-    /// Coefficient k3 of the lens. If the frame does not determine it, it is the study's value.
+    /// Coefficient k3 of the lens, estimated from the frame. If the frame does not determine k3, this is the value in
+    /// the study.
     #[serde(default)]
     pub k3: f64,
     /// Standard error of `k3`; `None` if the frame does not determine k3.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub k3_std: Option<f64>,
-    /// Coefficient k5 of the lens. If the frame does not determine it, it is the study's value.
+    /// Coefficient k5 of the lens, estimated from the frame. If the frame does not determine k5, this is the value in
+    /// the study.
     #[serde(default)]
     pub k5: f64,
     /// Standard error of `k5`; `None` if the frame does not determine k5.
@@ -141,8 +143,8 @@ pub(super) fn is_camera(text: &str) -> bool {
 }
 
 /// Largest accepted relative difference between a stated standard error and the standard error that follows from the
-/// covariance. Small differences occur, because `px_per_rad` in the covariance is relative to a slightly different
-/// scale.
+/// covariance. Small differences occur, because the covariance of `px_per_rad` is relative to the scale from which the
+/// fit started, not to the estimated scale.
 const ROUNDING: f64 = 0.1;
 
 fn check(camera: &CameraEstimate) -> Result<(), String> {

@@ -16,11 +16,11 @@ use palpate_estimators::departure_stds;
 /// Largest accepted difference between the prior and the estimate from the frame at rest, for a single camera
 /// parameter, in standard deviations. A larger difference causes a warning.
 const MAX_PULL: f64 = 6.0;
-/// Largest accepted joint χ² of the differences of all camera parameters. If it is larger, the camera contradicts the
-/// frame, which is an error.
+/// Largest accepted joint χ² of the differences between the prior and the estimate from the frame at rest, for all
+/// camera parameters together. If it is larger, the camera contradicts the frame, which is an error.
 const MAX_CHI_SQUARED: f64 = 200.0;
-/// Joint χ² of 9, 10 or 11 camera parameters above which there is a warning. For a correct camera, χ² exceeds this
-/// value with a probability of 1/10,000.
+/// Largest joint χ² of 9, 10 or 11 camera parameters without a warning. For a correct camera, χ² exceeds this value
+/// with a probability of 1/10,000.
 const WARNING_CHI_SQUARED: [f64; 3] = [33.7, 35.6, 37.4];
 /// Number of camera parameters without the two odd terms of the lens, which a frame may not determine.
 const WITHOUT_TERMS: usize = 9;
@@ -46,10 +46,10 @@ pub(super) struct CameraPrior<'a> {
     pub(super) geometry: CameraGeometry,
     /// Prior standard deviation of each sensor parameter. A [`Departure`] has entries in the same order.
     pub(super) stds: [f64; Departure::NUMBERS],
-    /// Joint prior of the camera's parameters from a calibration, as differences from their nominal values with a
-    /// covariance. `None` without a calibration.
+    /// Joint prior of the camera's parameters from a calibration: their differences from the nominal values, and the
+    /// covariance of these differences. `None` without a calibration.
     pub(super) departure_prior: Option<DeparturePrior>,
-    /// Name of the calibration file; `None` if the camera is the study's.
+    /// Name of the calibration file; `None` if the study states the camera.
     file: Option<&'a str>,
     unit: &'static str,
 }

@@ -333,8 +333,8 @@ fn other_layout(error: impl std::fmt::Display) -> String {
     format!("does not show the layout: {error}; {CAUSES}")
 }
 
-/// Images of the markers at rest as the model predicts them. The sensor is the nominal one or, if `rest` is given, the
-/// one estimated there. `None` for a marker that the predicted frame does not contain.
+/// Images of the markers at rest as the model predicts them. The sensor is the estimated sensor in `rest` or, without
+/// `rest`, the nominal sensor. `None` for a marker that the predicted frame does not contain.
 fn law(fit: &ImageFit<ImageModel>, rest: Option<&Rest>) -> Result<Vec<Option<[f64; 4]>>, String> {
     let markers = fit.markers.places().len();
     let still = vec![[MarkerDisplacement::default(); 2]; markers];
@@ -385,8 +385,8 @@ fn centroids(pictures: &[Option<[f64; 4]>]) -> Vec<Option<[f64; 2]>> {
     pictures.iter().map(centroid).collect()
 }
 
-/// Number of missing markers. Returns an error if too many markers of the layout are missing, if too many other markers
-/// were found, or if the colours differ.
+/// Number of missing markers. Returns an error if too many markers of the layout are missing, if too many markers were
+/// found that do not belong to the layout, or if the colours differ.
 fn missing_markers(
     expected: &[Option<[f64; 4]>],
     images: &[Option<Seen>],

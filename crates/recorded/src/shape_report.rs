@@ -20,7 +20,7 @@ pub(super) struct LeftOut {
     /// Line in the file; `None` for arrays.
     #[serde(skip_serializing_if = "Option::is_none")]
     line: Option<usize>,
-    /// Reason why it was left out: `sentinel`, `zeros`, `far` or `misfit`.
+    /// Reason why the contact was left out: `sentinel`, `zeros`, `far` or `misfit`.
     reason: &'static str,
 }
 

@@ -185,7 +185,8 @@ impl Circle {
         if within > 0.0 { count / within } else { 0.0 }
     }
 
-    /// Least-squares fit of `x² + y² = 2 a x + 2 b y + c` (algebraic circle fit). It is exact for three points.
+    /// Fits a circle with the centre (a, b) to points (x, y), by least squares of `x² + y² - 2 a x - 2 b y - c`
+    /// (algebraic circle fit). The circle passes exactly through three points.
     fn fit(points: &[[f64; 2]]) -> Option<Self> {
         let count = points.len() as f64;
         let middle = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / count);

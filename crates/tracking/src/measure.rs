@@ -99,7 +99,7 @@ enum Contested {
 struct Offset {
     share: [f64; 3],
     variance: [f64; 3],
-    /// Variance of the error of the difference that remains after shrinkage (see [`shrink`]).
+    /// Variance of the remaining error of `share`, after the shrinkage by [`shrink`].
     left: [f64; 3],
 }
 

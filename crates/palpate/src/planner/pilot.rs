@@ -123,8 +123,8 @@ impl Pilot {
         needs.reduce(|most, one| if one.trials > most.trials { one } else { most })
     }
 
-    /// Largest relative standard error of any rms error that is expected after `trials` trials. `None` if all
-    /// estimates are exact.
+    /// Expected relative standard error of the least precise rms error, if each cell runs `trials` trials. `None` if
+    /// all estimates are exact.
     pub(super) fn expected_error(&self, trials: u64) -> Option<f64> {
         // The number of trials that are needed is proportional to 1/target². With the target 1, the expected error is
         // the square root of needed trials divided by trials.

@@ -36,8 +36,8 @@ struct CalibrationPoint {
 }
 
 impl CameraCalibration {
-    /// Calibrates a sensor by presses of its apex on a plane, whose true displacements are known. `rest` contains the
-    /// images of the markers at rest.
+    /// Calibrates a sensor by presses of its apex on a plane. The true displacements of the markers in these presses
+    /// are known. `rest` contains the images of the markers at rest.
     pub(super) fn new(
         setup: &PressSetup<'_>,
         config: &CameraConfig,
@@ -120,7 +120,8 @@ fn fit(
     Calibration::new(Some(normal), Some(lateral), None)
 }
 
-/// Geometry of the calibration presses on a plane. `indentation` is the deepest indentation if the config states none.
+/// Geometry of the calibration presses on a plane. If the config does not state the deepest indentation, it is
+/// `indentation`.
 fn planes(calibration: &CalibrationConfig, indentation: f64) -> Vec<PressGeometry> {
     let deepest = calibration.indentation.unwrap_or(indentation);
     let indentation = |press: u32| deepest * f64::from(press) / f64::from(calibration.presses);
@@ -186,7 +187,7 @@ fn along(moved: &MarkerDisplacement) -> f64 {
 /// frames at rest have larger numbers.
 const ABOVE_PRESSES: u64 = AT_REST - 1000;
 
-/// Inputs that determine the images of the markers at rest. They are a key of the cache.
+/// Inputs that determine the images of the markers at rest. The cache stores these images with the inputs as their key.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct RestFrames {
     camera: SimulatedCamera,
@@ -242,7 +243,8 @@ impl RestFrames {
 /// Image of each marker at rest; `None` if the camera does not find the marker.
 pub(crate) type RestMarkers = Arc<[Option<Marker>]>;
 
-/// Inputs that determine the changes of images in calibration presses. They are a key of the cache.
+/// Inputs that determine the changes of images in calibration presses. The cache stores these changes with the inputs
+/// as their key.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CalibrationFrames {
     rest: RestFrames,

@@ -282,11 +282,11 @@ fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
     (!errors.is_empty()).then(|| format!("noise of the camera: {}", errors.join("; ")))
 }
 
-/// Largest accepted error of an estimate from noiseless readings, relative to the relative curvature. A larger error is
-/// reported as a bias.
+/// Largest accepted error of the curvature that is estimated from noiseless readings, as a share of the relative
+/// curvature (curvature of the sensor plus curvature of the object). A larger error is reported as a bias.
 const BIAS_LIMIT: f64 = 0.5;
-/// Largest accepted error of an estimate from noiseless readings whose interval excludes the true value, relative to
-/// the relative curvature.
+/// Largest accepted error of the curvature that is estimated from noiseless readings, if its interval excludes the true
+/// value. The error is a share of the relative curvature.
 const EXCLUDED_BIAS_LIMIT: f64 = 0.05;
 
 /// Returns a warning if an estimate without noise is far from the true curvature of the object.

@@ -37,7 +37,8 @@ pub(super) struct PressReading {
     /// Tangential displacement of each tracked marker.
     tangential: Vec<[f64; 2]>,
     pub(super) indentation: f64,
-    /// Tracks and images of all markers, as the camera reads them; `None` for a direct sensor.
+    /// Tracks and images of all markers, as the camera reads them; `None` if the sensor reads the displacements
+    /// directly.
     pub(super) camera: Option<CameraReading>,
 }
 
@@ -355,8 +356,8 @@ impl CameraPressSensor {
         self.lost_markers > 0 || self.camera.is_random || self.variation.is_some()
     }
 
-    /// Tracks the markers of a press. The tracks have the noise and the sensor of trial number `trial`; they have no
-    /// noise if `trial` is `None`.
+    /// Tracks the markers of a press. If `trial` is a number, the tracks have the noise and the sensor parameters of
+    /// this trial. If `trial` is `None`, they have no noise.
     fn read(&self, truth: &TruePress, trial: Option<u64>) -> Result<CameraReading, PressFailure> {
         let (tracks, own_rest) = match (&self.variation, trial) {
             (Some(variation), Some(number)) => {

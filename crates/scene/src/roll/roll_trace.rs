@@ -106,7 +106,7 @@ fn row(contact: &Contact, t_s: f64, radius: f64) -> Vec<f64> {
     row
 }
 
-/// The motions up to the time `t_s`; the motion at this time is cut.
+/// The motions from the start to the time `t_s`. A motion that lasts longer ends at this time.
 fn cut_at(motions: &[Motion], t_s: f64) -> Vec<Motion> {
     let mut left = t_s;
     let mut until = Vec::new();

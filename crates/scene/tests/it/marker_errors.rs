@@ -1,5 +1,5 @@
-//! Compares the errors of markers that the tracker states with the observed scatter of the markers. The frames differ
-//! only in pixel noise.
+//! The tracker states the errors of markers. These tests compare them with the observed scatter of the markers in
+//! frames that differ only in pixel noise.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, Discs, Layout, Lens, MarkerArray, MarkerMotion, Optics,

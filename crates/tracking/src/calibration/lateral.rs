@@ -46,10 +46,10 @@ pub struct LateralCalibration {
     pub per_indentation: Option<f64>,
     /// Standard error of the coefficient p₁, px per length squared.
     pub per_indentation_std: Option<f64>,
-    /// Root mean square of the residuals of the fit, divided by the slope, length.
+    /// Root mean square of the residuals of the fit, px, divided by the slope. The result is a length.
     pub residual_rms: f64,
-    /// Standard deviation of the residuals of the fit, divided by the slope, length. It is corrected for the degrees of
-    /// freedom; `None` if there are no degrees of freedom.
+    /// Standard deviation of the residuals of the fit, px, divided by the slope. The result is a length. It is
+    /// corrected for the degrees of freedom; `None` if there are no degrees of freedom.
     pub residual_std: Option<f64>,
     /// The fitted line without an intercept, for a ratio that does not depend on the normal displacement.
     pub line: Line,

@@ -21,10 +21,10 @@ pub struct Line {
     /// Share of the signal's variance that the line explains. It is negative if a line through the origin fits worse
     /// than the mean of the signal.
     pub r_squared: f64,
-    /// Root mean square of the signal's residuals, divided by the slope, length.
+    /// Root mean square of the signal's residuals, divided by the slope. The result is a length.
     pub residual_rms: f64,
-    /// Standard deviation of the signal's residuals, divided by the slope, length. It is corrected for the degrees of
-    /// freedom; `None` if there are no degrees of freedom.
+    /// Standard deviation of the signal's residuals, divided by the slope. The result is a length. It is corrected for
+    /// the degrees of freedom; `None` if there are no degrees of freedom.
     pub residual_std: Option<f64>,
     /// Number of points.
     #[serde(rename = "points")]

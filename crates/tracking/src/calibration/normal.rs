@@ -189,9 +189,9 @@ pub(super) fn range(displacements: impl Iterator<Item = f64>) -> [f64; 2] {
     })
 }
 
-/// The weights of hue change and [`nearness`] with which their weighted sum fits the known displacements best. If hue
-/// change and nearness are always proportional to each other, the weights are not unique, and those with the smallest
-/// norm are returned. If neither changes, both weights are 0.
+/// The weights of hue change and [`nearness`] for which the weighted sum of these two numbers fits the known
+/// displacements best. If hue change and nearness are always proportional to each other, the weights are not unique,
+/// and those with the smallest norm are returned. If neither changes, both weights are 0.
 fn best_weights(numbers: &[[f64; 3]]) -> [f64; 2] {
     let largest = |part: usize| {
         numbers
@@ -277,7 +277,7 @@ mod tests {
     }
 
     /// Points of two markers at the distance 18 from the camera. The hue of the second marker changes twice as much per
-    /// length as that of the first.
+    /// length as the hue of the first marker.
     fn two_markers() -> Vec<NormalPoint> {
         (0..4)
             .flat_map(|step| {

@@ -34,8 +34,8 @@ pub(crate) use sensor_args::{CalibrateArgs, PatternArgs, SensorCommand, TrackArg
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
-    /// Format of errors on standard error. With json, an error is one line with its kind (usage, work or stopped), its
-    /// exit status and its message; file, line and field are added if the error has them.
+    /// Format of the error messages on stderr. With json, an error is one line with its kind (usage, work or stopped),
+    /// its exit status and its message; file, line and field are added if the error has them.
     #[arg(
         long,
         global = true,

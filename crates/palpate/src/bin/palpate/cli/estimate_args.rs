@@ -227,7 +227,7 @@ pub(crate) struct EstimateGlideArgs {
     #[command(flatten)]
     pub(crate) estimator: Settings<GlideEstimatorConfig>,
     /// Write the map of the curvature over the patch to this CSV file; - is standard output, and the JSON then goes to
-    /// standard error.
+    /// stderr.
     #[arg(long, value_name = "FILE")]
     pub(crate) map: Option<PathBuf>,
     /// Write the map with one row per reading, in the order of the readings, instead of a grid; the map then has no

@@ -49,7 +49,7 @@ pub(crate) fn shown(estimate: &impl Serialize, json: bool) -> Result<String, Fai
     Ok(summary(&estimate))
 }
 
-/// Prints the warnings of an estimate to standard error.
+/// Prints the warnings of an estimate to the stream stderr.
 pub(crate) fn warn(estimate: &impl Serialize) -> Result<(), Failure> {
     let json = serde_json::to_value(estimate).map_err(Failure::work)?;
     let warnings = json["warnings"].as_array().into_iter().flatten();

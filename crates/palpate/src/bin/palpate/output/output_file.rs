@@ -40,8 +40,7 @@ impl OutputFile {
         Ok(Self { path, guard })
     }
 
-    /// Prints a message to standard output. If the output file is standard output, prints the message to standard
-    /// error.
+    /// Prints a message to stdout. If the output file is stdout, prints the message to stderr.
     pub(crate) fn print(&self, text: &str) -> Result<(), Failure> {
         if self.path.is_some() {
             return super::print(text);

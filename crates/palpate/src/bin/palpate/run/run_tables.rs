@@ -63,7 +63,7 @@ impl TrialsOut {
         self.file.refuse_other(is_ours)
     }
 
-    /// Prints a message to standard output, or to standard error if the table of trials goes to standard output.
+    /// Prints a message to stdout, or to stderr if the table of trials goes to stdout.
     pub(crate) fn print(trials_out: Option<&Self>, text: &str) -> Result<(), Failure> {
         match trials_out {
             Some(trials) => trials.file.print(text),
