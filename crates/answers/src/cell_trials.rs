@@ -48,7 +48,7 @@ type Place = (u64, usize);
 enum Setup {
     /// A scene, and the target that its trials should meet.
     Scene(Box<SceneTrial>, SceneTarget),
-    /// No estimate is possible, because the readings do not determine it. The text is the kind of failure.
+    /// No estimate is possible, because the readings do not determine it. The text names the kind of failure.
     NotEstimable(&'static str),
 }
 

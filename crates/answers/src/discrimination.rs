@@ -23,7 +23,7 @@ pub struct Discrimination {
     pub unit: &'static str,
     /// Required probability that the means of several trials distinguish two objects.
     pub confidence: f64,
-    /// Name for the trials: `presses`, `glides`, or for example `trials of 8 rolls`.
+    /// Word for the trials: `presses`, `glides`, or for example `trials of 8 rolls`.
     pub trials: String,
     /// Columns of the swept fields that define the objects, such as the object's radius.
     pub object_columns: Vec<String>,
@@ -39,8 +39,8 @@ pub struct Discrimination {
 pub struct Group {
     /// Values of the fields in [`Discrimination::columns`] for this group, formatted as in the tables.
     pub settings: Vec<String>,
-    /// The objects, in ascending order of their true values. For the quantity `class`, they are in the order of the
-    /// config.
+    /// The objects, in ascending order of their true values. If the compared quantity is `class`, they are in the order
+    /// of the config.
     pub objects: Vec<Object>,
     /// All pairs of the group's objects.
     pub pairs: Vec<Pair>,
@@ -53,13 +53,13 @@ pub struct Object {
     pub cell: usize,
     /// Swept values that define the object, formatted as in the tables.
     pub label: Vec<String>,
-    /// True value of the quantity. If it differs between trials, it is their mean; `None` if every trial failed.
+    /// True value of the compared quantity, or its mean if it differs between trials; `None` if every trial failed.
     pub truth: Option<f64>,
     /// True class at most places of the observed patch; `None` unless the quantity is `class`.
     pub class: Option<&'static str>,
     /// Number of trials, and number of failed trials.
     pub counts: TrialCounts,
-    /// Mean of the estimates; `None` if every trial failed.
+    /// Mean of the object's estimates; `None` if every trial failed.
     pub mean: Option<f64>,
 }
 

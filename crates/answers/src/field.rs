@@ -17,7 +17,7 @@ pub struct Field {
     pub label: Label,
     /// Listed values; empty for a range of numbers.
     pub listed: Vec<toml::Value>,
-    /// Range of the values. For listed values, it is the range of their indices in the list.
+    /// Range of the field's values. If the question lists the values, it is the range of their indices in the list.
     pub span: Span,
 }
 
@@ -84,7 +84,7 @@ impl Field {
         }
     }
 
-    /// First value of the range. For listed values, the index of the first value.
+    /// First value of the field's range. If the question lists the values, it is the index of the first one.
     pub(crate) fn first(&self) -> f64 {
         match self.is_listed() {
             true => 0.0,
@@ -92,7 +92,7 @@ impl Field {
         }
     }
 
-    /// The path of the field, and a list with this single value in the form of the config.
+    /// The path of the field, and a list that contains only `value`, in the form of the config.
     pub(crate) fn fixed_at(&self, value: f64) -> (String, Vec<toml::Value>) {
         let value = match self.listed.get(value as usize) {
             Some(listed) => listed.clone(),
@@ -102,7 +102,7 @@ impl Field {
         (self.path.clone(), vec![value])
     }
 
-    /// The value as a number; `None` for a listed value that is not a number.
+    /// The value as a number; `None` if it is one of the listed values and not a number.
     pub(crate) fn number(&self, value: f64) -> Option<f64> {
         match self.listed.get(value as usize) {
             Some(toml::Value::Float(number)) => Some(*number),
@@ -127,7 +127,7 @@ impl Field {
         format!("{} {}", self.label.words, self.value(value))
     }
 
-    /// The range between two values in words, with the unit.
+    /// The range from one value to another in words, with the unit of the field.
     pub(crate) fn between(&self, from: f64, to: f64) -> String {
         match from == to {
             true => self.value(from),
@@ -138,7 +138,7 @@ impl Field {
         }
     }
 
-    /// The value, formatted as in the tables.
+    /// The value of the field, formatted as in the tables.
     pub(crate) fn text(&self, value: f64) -> String {
         match self.listed.get(value as usize) {
             Some(toml::Value::String(text)) => text.clone(),

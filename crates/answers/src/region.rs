@@ -1,5 +1,5 @@
 //! The answer of [`design`](crate::design): the values of one or several fields that together meet a target, and the
-//! results of the trials.
+//! results of the trials that were run.
 
 use std::cmp::Ordering;
 
@@ -41,15 +41,15 @@ pub struct Region {
 /// A combination of the grid's values, and the values of the searched field that meet the target at this combination.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionColumn {
-    /// Value of each field of the grid. For a field with listed values, it is the index in the list.
+    /// Value of each field of the grid. If the question lists the values of a field, it is the index in this list.
     pub at: Vec<f64>,
     /// Tested values in ascending order. Listed values are in the order of the list.
     pub points: Vec<DesignPoint>,
     /// Ranges of neighbouring values on the same side of the target, in ascending order. For listed values, the ranges
     /// contain the indices of the values.
     pub runs: Vec<Run>,
-    /// Number of range ends that fresh trials did not confirm at the first attempt. At these ends, the range was
-    /// shortened.
+    /// Number of range ends that fresh trials did not confirm at the first attempt. The ranges were shortened at these
+    /// ends.
     pub narrowed: usize,
     /// Reason why the search ended.
     pub ended: EndReason,
@@ -86,7 +86,7 @@ pub struct Sample {
 pub struct Best<'a> {
     /// The value of the optimised field. For a listed value, its index in the list.
     pub value: f64,
-    /// Combination of the grid's values at which the value meets the target.
+    /// Combination of the grid's values at which this best value meets the target.
     pub column: &'a RegionColumn,
     /// Value of the searched field at which the target is met together with `value`. For a listed value, its index in
     /// the list.
@@ -94,7 +94,7 @@ pub struct Best<'a> {
 }
 
 impl RegionColumn {
-    /// The ranges of values on one side of the target.
+    /// The ranges whose values all lie on this side of the target.
     pub fn on(&self, side: Side) -> impl Iterator<Item = &Run> {
         self.runs.iter().filter(move |run| run.side == side)
     }
@@ -160,7 +160,8 @@ impl Region {
         single_values(&self.question.set).chain(grid).collect()
     }
 
-    /// The optimised field, and its index in the grid; the index is `None` if it is the searched field.
+    /// The optimised field, and its index in the grid. The index is `None` if the optimised field is the searched
+    /// field.
     pub(crate) fn sought_field(&self, sought: &Sought) -> (&Field, Option<usize>) {
         match self.grid.iter().position(|field| field.path == sought.path) {
             Some(place) => (&self.grid[place], Some(place)),

@@ -29,9 +29,9 @@ pub struct Sensitivity {
     pub unit: &'static str,
     /// Number of trials for each value of a field.
     pub trials: u64,
-    /// Rms error of the quantity for the values in the config.
+    /// Rms error of the quantity if all fields have their values from the config.
     pub rms_error: f64,
-    /// Fields with their effects on the error, the largest effect first.
+    /// Fields with their effects on the rms error. The field with the largest effect is first.
     pub effects: Vec<FieldEffect>,
     /// Paths of the fields whose effect cannot be measured, each with the reason.
     pub skipped: Vec<(String, String)>,
@@ -317,7 +317,7 @@ impl Sensitivity {
         table
     }
 
-    /// Lines for a terminal: the error, one line per field, and the fields whose effect cannot be measured.
+    /// Lines for a terminal: the rms error, one line per field, and the fields whose effect cannot be measured.
     pub fn lines(&self) -> Vec<String> {
         let size = number::significant(self.rms_error, 3);
         let mut lines = vec![

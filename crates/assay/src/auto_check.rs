@@ -67,7 +67,7 @@ pub fn run(out: &Path, counted: bool) -> Result<String> {
     summary(&verdicts).map_err(|summary| anyhow!("{summary}: see {}", out.display()))
 }
 
-/// A choice of `auto`, compared with the other models by cost.
+/// A model that `auto` chose, and the comparison of its cost with the costs of the other models.
 struct Verdict<'a> {
     choice: &'a AutoChoice,
     /// Number of processor instructions of the chosen model.

@@ -1,10 +1,10 @@
 //! Closed-form solutions for contacts: the contact at the end of a roll of the unit sphere, and the contact of a round
 //! fingertip.
 //!
-//! `palpate-rolling` computes most of these contacts by other methods, so the closed forms are an independent check. If
-//! a tip of radius r touches from above at the point p with outward normal n, the centre of the tip is p + r n. All
-//! such centres form the offset surface. Each closed form contains one unknown, which is found by bisection or by
-//! fixed-point iteration.
+//! `palpate-rolling` computes most of these contacts by other methods, so the closed-form solutions are an independent
+//! check. If a tip of radius r touches from above at the point p with outward normal n, the centre of the tip is p + r
+//! n. All such centres form the offset surface. Each closed form contains one unknown, which is found by bisection or
+//! by fixed-point iteration.
 
 use nalgebra::{Point3, Vector3};
 

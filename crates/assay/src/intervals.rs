@@ -2,8 +2,8 @@
 //! warnings.
 //!
 //! Each row of a table of `palpate` defines a family of similar scenes. For each family, this program draws random
-//! scenes and simulates noisy readings. It counts how often the intervals of the estimates contain the true value, and how
-//! often an estimate has a warning.
+//! scenes and simulates noisy readings. It counts how often the intervals of the estimates contain the true value, and
+//! how often an estimate has a warning.
 
 mod coverage;
 mod random_scene;
@@ -14,8 +14,8 @@ use rayon::prelude::*;
 use coverage::{SceneCoverage, Score};
 use random_scene::RandomScene;
 
-/// Largest allowed share of estimates with a warning, if the readings agree with the model and the intervals are
-/// correct.
+/// Largest allowed share of estimates with a warning. This limit applies if the readings agree with the model and the
+/// intervals are correct.
 const MAX_FALSE_ALARMS: f64 = 0.05;
 /// Smallest coverage of 95 % intervals at which the intervals count as correct.
 const CORRECT_COVERAGE: f64 = 0.92;
@@ -29,12 +29,12 @@ const NO_CONTACT: &str = "no contact";
 pub struct Options<'a> {
     /// Seed of the scenes and the noise.
     pub seed: u64,
-    /// Number of scenes of each family; with `None`, the number in the table.
+    /// Number of scenes of each family of scenes. If it is `None`, the table of families states the number.
     pub scenes: Option<u64>,
-    /// Number of trials of each scene; with `None`, the number in the table.
+    /// Number of trials of each scene. If it is `None`, the table of families states the number.
     pub trials: Option<u64>,
-    /// Measure only families whose names and flaws contain each of these words. The rows of other families are not
-    /// changed.
+    /// Measure only families of scenes whose names and flaws contain each of these words. The rows of other families in
+    /// the table are not changed.
     pub only: &'a str,
 }
 

@@ -74,7 +74,7 @@ enum Harness {
         #[arg(long)]
         inputs: Option<PathBuf>,
     },
-    /// Measures the error and the cost of each model, sensor and setting in the trade-off tables.
+    /// Measures the errors and costs for the trade-off tables: of each model, each sensor and each setting.
     Tradeoff {
         /// Write the tables to this folder.
         #[arg(long)]
@@ -99,7 +99,7 @@ enum Harness {
 
 #[derive(clap::Args)]
 struct Intervals {
-    /// Tables of families to measure: roll, glide, press, image; all by default.
+    /// Tables with families of scenes that are measured: roll, glide, press, image; all by default.
     names: Vec<String>,
     /// Folder of the tables.
     #[arg(long)]
@@ -107,14 +107,14 @@ struct Intervals {
     /// Seed of the scenes and the noise.
     #[arg(long, default_value = "1919")]
     seed: u64,
-    /// Number of scenes of each family, instead of the number in the table.
+    /// Number of scenes of each family of scenes, instead of the number that the table states.
     #[arg(long, value_parser = at_least_one())]
     scenes: Option<u64>,
-    /// Number of trials of each scene, instead of the number in the table.
+    /// Number of trials of each scene, instead of the number that the table states.
     #[arg(long, value_parser = at_least_one())]
     trials: Option<u64>,
-    /// Measure only families whose names and flaws contain each of these words. The rows of other families do not
-    /// change.
+    /// Measure only families of scenes whose names and flaws contain each of these words. The rows of other families in
+    /// the tables do not change.
     #[arg(long, default_value = "")]
     only: String,
 }

@@ -1,5 +1,5 @@
 //! Displacements under a frictionless rigid paraboloid, computed by quadrature over wavenumbers. They are the reference
-//! for `palpate-press`, and do not use its closed forms, series or tables.
+//! for `palpate-press`, and do not use the closed-form solutions, series or tables of that crate.
 //!
 //! The pressure under a contact of radius a has the Hankel transform Q(k) = ∫₀^a φ(t) cos kt dt, where φ is an
 //! auxiliary function on the contact area. With the relative curvature C_r, the displacements at depth z are C_r ∫ Q N

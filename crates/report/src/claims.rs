@@ -56,7 +56,8 @@ pub struct Score {
     pub measured: String,
     /// Verdict on the claim.
     pub verdict: Verdict,
-    /// Bounds that decide the verdict, and further remarks. If the claim is not testable, the text states the reason.
+    /// Text with the bounds that decide the verdict, and with further remarks. If the claim is not testable, the text
+    /// states the reason.
     pub why: String,
 }
 

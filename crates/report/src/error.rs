@@ -21,7 +21,7 @@ pub enum ReportError {
     Csv {
         /// Path of the file.
         path: PathBuf,
-        /// Error of the CSV parser, which contains the line.
+        /// Error of the CSV parser. Its text contains the line number.
         source: csv::Error,
     },
     /// A table is empty, a column is missing or occurs twice, or a cell has a value of the wrong type.
@@ -37,7 +37,7 @@ pub enum ReportError {
     Toml {
         /// Path of the file.
         path: PathBuf,
-        /// Error of the TOML parser, which contains the line and the column.
+        /// Error of the TOML parser. Its text contains the line and the column.
         source: Box<toml::de::Error>,
     },
     /// A `[[plot]]` table of `run.toml` is invalid.

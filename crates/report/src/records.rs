@@ -127,7 +127,7 @@ impl Records {
         &self.rows[row][self.places[column]]
     }
 
-    /// Number in a cell of the table. A number that is too large to be drawn is an error.
+    /// Number in a cell of the table. Returns an error if the number is too large to be drawn.
     pub(crate) fn number(&self, row: usize, column: usize) -> Result<f64, ReportError> {
         finite(self.text(row, column))
             .filter(|number| number.abs() <= LARGEST)

@@ -5,14 +5,14 @@ use crate::{Files, ReportError};
 use palpate_study::number::finite;
 use palpate_study::{Statistic, config};
 
-/// Statistics whose columns may be missing in the file. A statistic without a column is `None` in all rows.
+/// Statistics whose columns may be missing in `cells.csv`. A statistic without a column is `None` in all rows.
 const OPTIONAL: [Statistic; 3] = [
     Statistic::RmsErrorStd,
     Statistic::Coverage50,
     Statistic::Coverage80,
 ];
 
-/// A column with the values of a swept field. In the file, these columns are between `cell` and `quantity`.
+/// A column with the values of a swept field. In `cells.csv`, these columns are between `cell` and `quantity`.
 #[derive(Debug, Clone)]
 pub(crate) struct Axis {
     /// Header of the column: the path of the field, with its unit if it has one.

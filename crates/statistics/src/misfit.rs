@@ -44,7 +44,7 @@ pub enum Misfit {
 /// A quantity that the user states and that can also be estimated from the readings.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum StatedQuantity {
-    /// Standard deviation of the readings.
+    /// Standard deviation of the noise of the readings.
     Noise,
     /// Indentation of a press.
     Indentation,

@@ -17,7 +17,7 @@ pub struct Tally {
     pub searches: u64,
     /// Number of contacts with an elastic layer for which an integral equation was solved.
     pub layers: u64,
-    /// Number of markers whose image was computed in closed form.
+    /// Number of markers whose image was computed without rendering pixels.
     pub projections: u64,
     /// Number of camera frames rendered.
     pub frames: u64,
@@ -80,7 +80,7 @@ counters! {
     searched => searches;
     /// Counts contacts with an elastic layer for which an integral equation was solved.
     solved_layer => layers;
-    /// Counts markers whose image was computed in closed form.
+    /// Counts markers whose image was computed without rendering pixels.
     projected => projections;
     /// Counts rendered camera frames.
     painted => frames;

@@ -180,7 +180,7 @@ impl Statistic {
         matches!(self, Self::RelativeRmsError | Self::RelativeMeanAbsError)
     }
 
-    /// Short name of the statistic, for a legend of a figure that states the quantity elsewhere.
+    /// Short name of the statistic, for the legend of a figure that states the quantity elsewhere.
     pub fn short(self) -> &'static str {
         match self {
             Self::Truth => "true value",

@@ -99,7 +99,7 @@ pub enum TargetError {
         /// Name of the statistic, with its quantity.
         statistic: String,
     },
-    /// The limit is a value that the statistic can never have.
+    /// The limit of the target is a value that the statistic can never have.
     #[error("{statistic} is {range}, and the limit is {}", number::exact(*limit))]
     OutOfRange {
         /// Name of the statistic.

@@ -150,7 +150,7 @@ impl Batches {
 }
 
 impl Estimate {
-    /// The estimate of a function of the statistic; `None` if one of the function's values is not finite.
+    /// The estimate of a function of this statistic; `None` if one of the function's values is not finite.
     pub fn map(&self, function: impl Fn(f64) -> f64) -> Option<Self> {
         let finite = |value: f64| Some(function(value)).filter(|value| value.is_finite());
         let without: Option<Vec<f64>> = self.without.iter().map(|one| finite(*one)).collect();
@@ -168,7 +168,7 @@ impl Estimate {
         Self { resolution, ..self }
     }
 
-    /// Standard error of the value; 0 if the experiment is not random and there is no additional error.
+    /// Standard error of the estimated statistic; 0 if the experiment is not random and there is no additional error.
     pub fn std_error(&self) -> f64 {
         let count = self.without.len() as f64;
         if count < 2.0 {

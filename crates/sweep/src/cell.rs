@@ -85,7 +85,7 @@ pub struct Task {
 /// depends only on its trials, not on the number of threads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StoppingRule {
-    /// Index of the quantity among the quantities of the trial.
+    /// Index of the quantity whose statistic is tested. It is an index among the quantities of the trial.
     pub quantity: usize,
     /// Statistic of the quantity that must be precise.
     pub statistic: StoppingStatistic,
@@ -109,7 +109,7 @@ pub enum StoppingStatistic {
 }
 
 impl StoppingRule {
-    /// Whether the rule ends the cell after the trials in `cell`.
+    /// Whether the rule ends the cell. `cell` contains the statistics of the trials so far.
     pub(crate) fn is_met(&self, cell: &Partial) -> bool {
         let trials = cell.trials;
         trials.is_multiple_of(BLOCK)

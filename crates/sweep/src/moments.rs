@@ -10,9 +10,9 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Moments {
     count: u64,
-    /// The fields below are stored in the unit 2^exponent.
+    /// Exponent of the unit 2^exponent in which `origin`, `mean` and `squares` are stored.
     exponent: i32,
-    /// The first of the summarised numbers. The other fields describe differences from this number.
+    /// The first of the summarised numbers. `mean` and `squares` describe the differences from this number.
     origin: f64,
     /// Mean of the differences from `origin`.
     mean: f64,

@@ -23,9 +23,9 @@ pub type TrialMeans = Result<(f64, f64), &'static str>;
 pub struct Order {
     /// Estimate of the probability.
     pub probability: f64,
-    /// Lower limit of the interval.
+    /// Lower end of the probability's 95 % interval.
     pub low: f64,
-    /// Upper limit of the interval.
+    /// Upper end of the probability's 95 % interval.
     pub high: f64,
 }
 
@@ -39,7 +39,7 @@ pub enum Repeats {
     About(u64),
     /// No number of trials is enough, because the means are in the wrong order, or because all estimates are equal.
     Never,
-    /// The number cannot be estimated from so few trials.
+    /// The number of trials cannot be estimated from so few trials.
     Unknown,
 }
 

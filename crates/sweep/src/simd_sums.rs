@@ -76,7 +76,7 @@ pub(crate) struct Totals {
     /// Sum over the observations of the difference (error² − first error²), and sum of the squares of these
     /// differences.
     pub(crate) of_squares: [f64; 2],
-    /// Number of reported standard deviations. The next field is their sum.
+    /// Number of reported standard deviations. Their sum is `stds`.
     pub(crate) reported: u64,
     pub(crate) stds: f64,
     /// Number of observations whose 50, 80 and 95 % intervals contain the true value.
@@ -124,8 +124,7 @@ struct Parts<S: Simd> {
     square: S::f64s,
     half_widths: [S::f64s; 3],
     sums: [[S::f64s; LANES]; SUMS],
-    /// Smallest values so far, first of the true values and then of the errors. The next field contains the largest
-    /// values.
+    /// Smallest values so far, first of the true values and then of the errors. `high` contains the largest values.
     low: [[S::f64s; LANES]; 2],
     high: [[S::f64s; LANES]; 2],
 }

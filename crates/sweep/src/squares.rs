@@ -18,8 +18,9 @@ pub(crate) struct TrialSquares {
     square: f64,
     /// Mean over the trials of the number of observations.
     count: f64,
-    /// Sum over the trials of a², where a is the deviation of a trial's sum of squared errors from the mean. The next two
-    /// fields are the sums of a b and of b², where b is the deviation of the number of observations.
+    /// Sum over the trials of a², where a is the deviation of a trial's sum of squared errors from the mean.
+    /// `square_count` is the sum of a b, and `count_count` the sum of b², where b is the deviation of the trial's
+    /// number of observations.
     square_square: f64,
     square_count: f64,
     count_count: f64,

@@ -201,7 +201,7 @@ struct Ran<S: Sweep> {
     /// Index of the task.
     number: u64,
     task: Task,
-    /// Number of the trial after the last of these trials.
+    /// Number of the trial that follows the last of these trials.
     end: u64,
     /// The experiment of the cell. `None` if the task is complete, because the experiment is then no longer needed.
     experiment: Option<Arc<Experiment<S::Trial, S::Error>>>,

@@ -20,7 +20,7 @@ pub(crate) struct Sums {
     pub(crate) squares: TrialSquares,
     /// Moments over the trials: first of each trial's mean estimate, then of each trial's mean absolute error.
     pub(crate) by_trial: [Moments; 2],
-    /// Number of reported standard deviations. The next field is their mean.
+    /// Number of reported standard deviations. Their mean is `std`.
     reported: u64,
     std: f64,
     /// Number of observations that have intervals.

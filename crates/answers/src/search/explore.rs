@@ -103,7 +103,7 @@ pub(super) fn explore<C: Curves + ?Sized>(
     }
 }
 
-/// Requests the scores of some cells at some values, and stores the scores.
+/// Requests scores with the requests `asks`, and stores the scores in `points`.
 fn request<C: Curves + ?Sized>(
     curves: &mut C,
     points: &mut Points,

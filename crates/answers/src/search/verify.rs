@@ -31,7 +31,8 @@ struct End {
     /// and the others are farther inside the range.
     places: Vec<usize>,
     attempt: u32,
-    /// Index of the value that fresh trials confirmed as the end; `None` if they have not confirmed any value yet.
+    /// Index of the value at which fresh trials confirmed this end of the range; `None` if they have not confirmed the
+    /// end yet.
     verified: Option<usize>,
 }
 

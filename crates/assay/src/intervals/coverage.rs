@@ -144,7 +144,7 @@ impl Score {
         }
     }
 
-    /// The score as columns of the table of families.
+    /// The score as columns of the table of families of scenes.
     pub(super) fn columns(&self) -> [(&'static str, String); 10] {
         let [half, most, all] = self.coverage;
         [

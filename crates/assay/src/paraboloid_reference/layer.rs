@@ -27,7 +27,7 @@ pub(super) struct Layer {
     nodes: Vec<Node>,
 }
 
-/// A node of the quadrature over the contact area, at the distance t from its middle.
+/// A node of the quadrature over the contact area, at the distance t from the middle of the contact.
 #[derive(Debug)]
 struct Node {
     place: f64,
@@ -107,8 +107,8 @@ impl Layer {
             .sum()
     }
 
-    /// The function φ at the position t. The value is interpolated by the polynomial through the values at the
-    /// Chebyshev nodes.
+    /// The auxiliary function φ of the pressure, at the distance t from the middle of the contact. Its value is
+    /// interpolated by the polynomial through the values at the Chebyshev nodes.
     fn phi(&self, t: f64) -> f64 {
         let last = self.nodes.len() - 1;
         let (mut sum, mut weights) = (0.0, 0.0);

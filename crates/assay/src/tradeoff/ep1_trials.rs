@@ -1,4 +1,5 @@
-//! Ladders for estimates from rolls (EP1): one compares pad arrays, the other the number and the length of the rolls.
+//! Ladders for estimates from rolls (EP1): one compares pad arrays; the other compares the number and the length of the
+//! rolls.
 
 use super::ladder::Ladder;
 use super::scene_trials::{Choice, Measure, relative_rms, scenes};

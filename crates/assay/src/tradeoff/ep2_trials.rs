@@ -27,7 +27,7 @@ const TRIALS: u64 = 40;
 /// Number of trials over which the cost is averaged.
 const TIMED: u32 = 2;
 
-/// Config lines that all scenes share. Each rung adds the motion, the estimator and the grid.
+/// Config lines that all scenes share. Each rung adds its motion and its estimator.
 const COMMON: &str = r#"
 kind = "glide"
 probe = { kind = "point" }

@@ -33,7 +33,7 @@ pub(super) struct Ladder {
     pub(super) name: &'static str,
     /// The question that the rungs answer, in one line.
     pub(super) title: &'static str,
-    /// Definition of the error: its quantity, and the scale to which it is relative.
+    /// Definition of the rungs' error: the quantity that has the error, and the scale to which the error is relative.
     pub(super) error: &'static str,
     /// Description of the evaluation whose cost is measured.
     pub(super) evaluation: &'static str,
@@ -80,8 +80,8 @@ pub(super) struct Rung {
     pub(super) name: String,
     /// Setting of the rung if it is a number, for example a number of steps, a tolerance or a pitch.
     pub(super) setting: Option<f64>,
-    /// Computes the error. The function is called at most once, and never in the process in which instructions are
-    /// counted.
+    /// Computes the error of the rung. The function is called at most once, and never in the process in which
+    /// instructions are counted.
     pub(super) error: Box<dyn FnOnce() -> Result<RungError>>,
     /// The computation whose cost is measured. Its first run includes the set-up of the scene.
     pub(super) evaluation: Evaluation,

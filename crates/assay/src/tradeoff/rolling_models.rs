@@ -161,9 +161,9 @@ fn models() -> Vec<(String, Option<f64>, Model)> {
     models
 }
 
-/// Reference for objects without a closed form: RK4 on Montana's equations in the charts of both surfaces, with
-/// Richardson extrapolation from two numbers of steps. The reference is independent, because the compared models use no
-/// charts and other equations. As a check, DOP853 on Montana's equations must agree with it.
+/// Reference for rolls on objects without a closed-form solution: RK4 on Montana's equations in the charts of both
+/// surfaces, with Richardson extrapolation from two numbers of steps. The reference is independent, because the
+/// compared models use no charts and other equations. As a check, DOP853 on Montana's equations must agree with it.
 fn in_charts(roll: &Roll) -> Result<RollEnd> {
     const STEPS: usize = 3000;
     let chart = Chart::Montana(HeldAxis::Transported);

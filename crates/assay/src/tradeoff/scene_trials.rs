@@ -200,7 +200,7 @@ pub(super) fn outcomes(scene: &Scene, trials: u64) -> Result<Vec<Vec<(usize, Obs
         .collect())
 }
 
-/// The error, but at least the rounding error of a double, because smaller errors are not significant.
+/// The larger of two numbers: the error, and the rounding error of a double. Smaller errors are not significant.
 pub(super) fn at_least_rounding(error: f64) -> Result<f64> {
     if error.is_finite() {
         Ok(error.max(f64::EPSILON))

@@ -58,10 +58,10 @@ pub fn roller(object: Shape, model: Model, angle_rad: f64) -> Result<Roller> {
 }
 
 /// Error of a roll that starts at the top of the sphere or the paraboloid. The last contact points on the object and on
-/// the probe are compared with closed forms. The error is the largest difference of a coordinate.
+/// the probe are compared with closed-form solutions. The error is the largest difference of a coordinate.
 ///
 /// # Errors
-/// An error if the object has no closed form, or the roll fails.
+/// An error if there is no closed-form solution for the object, or if the roll fails.
 pub fn error(roller: &Roller, angle_rad: f64) -> Result<f64> {
     let end = match roller.object() {
         Shape::Sphere(ball) => RollEnd::on_ball(ball.radius(), DIRECTION, angle_rad),
@@ -245,7 +245,7 @@ pub fn recorded(name: &str) -> Result<Evaluation> {
     Ok(Evaluation::new(name, estimate))
 }
 
-/// The workload of the statistics alone, with trials that simulate nothing.
+/// The workload of computing statistics alone. The trials simulate nothing.
 pub fn statistics_alone(name: &str, trials: u64) -> Evaluation {
     Evaluation::new(name, move || Statistics::of(black_box(trials)))
 }

@@ -30,7 +30,7 @@ pub(super) enum Portion {
 pub(super) type Keep = Box<dyn Fn(&Row<'_>) -> bool>;
 pub(super) type Values = Box<dyn for<'a> Fn(&[Row<'a>]) -> Vec<(Row<'a>, f64)>>;
 
-/// A check: values from the table, and the bound that they must meet.
+/// A check of a claim: values from the study's table, and the bound that they must meet.
 pub(super) struct Check {
     pub(super) keep: Vec<Keep>,
     /// Computes values from rows. Each value is returned with one row to which it belongs.
@@ -56,7 +56,7 @@ pub(super) struct Outcome {
     pub(super) holds: bool,
     /// Sentence with the measured values.
     pub(super) measured: String,
-    /// Sentence with the bound that the values must meet.
+    /// Sentence that states the bound for the values.
     pub(super) rule: String,
     /// Main value for the scorecard; may be empty.
     pub(super) headline: String,

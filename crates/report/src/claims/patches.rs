@@ -44,7 +44,7 @@ fn method(row: &Row<'_>) -> String {
     row.label(ESTIMATOR).to_owned()
 }
 
-/// Whether the row's estimator is the complete method of the paper, which fits two surfaces one after the other.
+/// Whether the row's estimator is the complete method of the 1996 paper, which fits two surfaces one after the other.
 fn is_two_pass(row: &Row<'_>) -> bool {
     row.label(ESTIMATOR) == "two-pass"
 }

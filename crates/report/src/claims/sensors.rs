@@ -38,7 +38,7 @@ fn read(row: &Row<'_>) -> Option<(f64, f64)> {
 /// Straight lines that were fitted to groups of rows, each with the first row of its group.
 type Lines<'a> = Vec<(Row<'a>, StraightLine)>;
 
-/// Name of the quantity, and name in sentences, of both hues of a marker. The paper uses the mean hue.
+/// Both hues of a marker: the name of the quantity, and the name of the hue in sentences. The paper uses the mean hue.
 const HUES: [(&str, &str); 2] = [
     ("hue_change", "hue of the summed light"),
     ("mean_hue_change", "mean hue"),

@@ -17,7 +17,7 @@ pub struct Bars {
     pub title: String,
     /// Line of text below the title.
     pub subtitle: String,
-    /// Label of the horizontal axis, which shows the numbers.
+    /// Label of the horizontal axis, along which the numbers are drawn as bars.
     pub axis: String,
     /// Name, number and standard error of each item.
     pub bars: Vec<(String, f64, f64)>,

@@ -34,7 +34,7 @@ pub(crate) fn swept_values(table: &Table, row: usize) -> Vec<String> {
     axes.map(|axis| full_value(axis, axis.text(row))).collect()
 }
 
-/// The object of the config as text: its kind and its numbers.
+/// Text about the object in the study's config: its kind and its numbers.
 pub(crate) fn object(study: &Study) -> Option<String> {
     let table = study.setting("scene.object")?.as_table()?;
     let kind = table.get("kind")?.as_str()?.replace('-', " ");

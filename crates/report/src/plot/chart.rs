@@ -19,9 +19,10 @@ use plotters::style::text_anchor::HPos;
 const GAP: i32 = 90;
 /// Height of a panel, in drawing units.
 const PANEL_HEIGHT: i32 = 1170;
-/// Largest width of a row of panels, in drawing units. Long names along x may widen panels up to this width.
+/// Largest width of a row of panels, in drawing units. Long names below the x axis may widen the panels up to this
+/// width.
 const LARGEST_WIDTH: i32 = 4500;
-/// Gap between neighbouring names along x, in drawing units.
+/// Gap between neighbouring names below the x axis, in drawing units.
 const BESIDE: i32 = 36;
 /// Length of the symbol beside each text of the legend, in drawing units.
 const SAMPLE: i32 = 120;
@@ -89,8 +90,8 @@ impl Chart<'_> {
         [EDGE + self.y.widest() + TICK_GAP + 6, right + EDGE]
     }
 
-    /// Smallest width of a panel at which the longest word of the names along x fits, up to `LARGEST_WIDTH`. It is 0
-    /// if x has no names.
+    /// Smallest width of a panel at which the longest word of the names below the x axis fits, up to `LARGEST_WIDTH`.
+    /// It is 0 if the x axis shows numbers instead of names.
     fn named_width(&self) -> i32 {
         let names = self.x.names();
         let words = names.iter().flat_map(|name| name.split_whitespace());
@@ -98,7 +99,8 @@ impl Chart<'_> {
         (names.len() as i32 * (widest + BESIDE)).min(LARGEST_WIDTH)
     }
 
-    /// Number of panels per row. All rows get nearly the same number of panels, and the names along x must fit.
+    /// Number of panels per row. All rows get nearly the same number of panels, and the names below the x axes must
+    /// fit.
     fn columns(&self, margins: i32) -> i32 {
         let count = self.titles.len() as i32;
         let room = (LARGEST_WIDTH - margins + GAP) / (self.named_width() + GAP);

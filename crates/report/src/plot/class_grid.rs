@@ -24,9 +24,9 @@ pub(crate) struct Maps {
 pub(crate) struct CellMap {
     pub(crate) cell: u64,
     pub(crate) side: usize,
-    /// Coordinate x of each grid line, in ascending order. It is the mean of the x of all points on the line.
+    /// Coordinate x of each grid line, in ascending order: the mean x of all points on the line.
     pub(crate) x: Vec<f64>,
-    /// Coordinate y of each grid line, in ascending order. It is the mean of the y of all points on the line.
+    /// Coordinate y of each grid line, in ascending order: the mean y of all points on the line.
     pub(crate) y: Vec<f64>,
     pub(crate) estimated: Vec<Class>,
     pub(crate) truth: Vec<Class>,

@@ -156,7 +156,7 @@ struct MapLayout {
     /// Width of the whole image.
     total: i32,
     columns: i32,
-    /// Left edge of the first column.
+    /// Position of the left edge of the first column of panels.
     left: i32,
     /// Width and height of each panel.
     panel: (i32, i32),

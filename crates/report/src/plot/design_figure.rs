@@ -33,14 +33,14 @@ pub struct DesignFigure {
 /// Axis that shows the values of a field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldAxis {
-    /// Label of the field, with its unit.
+    /// Label of the field to which the axis belongs, with the field's unit.
     pub label: Label,
     /// Whether the axis is logarithmic.
     pub is_log: bool,
-    /// Smallest and largest value of the range.
+    /// Smallest and largest value of the field's range.
     pub ends: (f64, f64),
-    /// Names of the values, if the field has a list of values; empty if it has a range. With names, a value on the
-    /// axis is an index into this list.
+    /// Names of the values, if the field has a list of values; empty if it has a range. If there are names, a value on
+    /// the axis is an index into this list.
     pub names: Vec<String>,
 }
 
@@ -76,7 +76,7 @@ pub struct CurveLine {
     pub points: Vec<CurvePoint>,
 }
 
-/// Value of the statistic at one value of the field. Both are in the units of the tables.
+/// Value of the statistic at one value of the searched field. Both values are in the units of the tables.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint {
     /// Value of the field.
@@ -85,14 +85,14 @@ pub struct CurvePoint {
     pub y: f64,
     /// Standard error of the statistic.
     pub std: f64,
-    /// Whether so many trials failed that the statistic describes only the successful trials.
+    /// Whether too many trials failed. The statistic then describes only the successful trials.
     pub is_of_survivors: bool,
 }
 
 /// Plot of the searched field over another field, as a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignMap {
-    /// The other field.
+    /// The field on the other axis of the map.
     pub other: FieldAxis,
     /// Panels of the map. There is at least one panel.
     pub panels: Vec<MapPanel>,
@@ -146,7 +146,8 @@ const BEST_SIZE: f64 = 36.0;
 /// A single value is drawn as a thin area, so that it is visible. This is half the width of the area, relative to the
 /// panel.
 const HALF_WIDTH: f64 = 0.003;
-/// Half the width of the area at a single value of the other field, relative to the panel's width.
+/// Half the width of the area that is drawn if there is only one value of the other field, relative to the panel's
+/// width.
 const ALONE: f64 = 0.03;
 /// The axis of the statistic is logarithmic if the ratio of its largest to its smallest value exceeds this number.
 const MIN_LOG_RATIO: f64 = 8.0;

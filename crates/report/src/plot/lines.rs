@@ -211,7 +211,8 @@ impl<'a> Lines<'a> {
         runs.map(drawn).filter(|run| !run.is_empty()).collect()
     }
 
-    /// 95 % intervals of those points of `rows` that can be drawn. The intervals come from the Monte Carlo error.
+    /// 95 % intervals of those points of `rows` that can be drawn. The intervals are computed from the Monte Carlo
+    /// error of the statistic.
     fn bars(&self, rows: &[usize]) -> Vec<(f64, [f64; 2])> {
         let [across, up] = self.spacing;
         let bar = |&row: &usize| {

@@ -25,7 +25,8 @@ const OTHER: f64 = 12.0;
 const STROKE: u32 = 6;
 /// Length of the symbol beside each text of the key, in drawing units (1/3 px).
 const SAMPLE: i32 = 36;
-/// Largest relative error on the axis. Models with a larger error are useless; they are drawn as arrows at the edge.
+/// Largest relative error on the error axis. Models with a larger error are useless; they are drawn as arrows at the
+/// edge.
 const MAX_ERROR: f64 = 10.0;
 
 /// Draws one Pareto figure for each comparison of models in a folder that `cargo xtask tradeoff` wrote.
@@ -208,7 +209,7 @@ fn arrow((x, y): Point) -> [Point; 3] {
     [(x - size, bottom), (x + size, bottom), (x, bottom - 16)]
 }
 
-/// Name of a model without its numbers. Models that differ only in a number belong to the same family.
+/// Name of a model without its numbers. Models with the same name without numbers belong to one family.
 fn family(name: &str) -> String {
     let is_number = |word: &&str| word.starts_with(|letter: char| letter.is_ascii_digit());
     let kept = name.split(", ").map(|part| {

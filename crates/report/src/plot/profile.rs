@@ -126,7 +126,7 @@ fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
 /// Swept fields in which the drawn cells differ.
 struct Axes<'a> {
     panel: Option<&'a Axis>,
-    /// Fields in which the cells differ, except the field with one panel per value.
+    /// Swept fields in which the cells differ, except the field whose values separate the panels.
     names: Vec<&'a Axis>,
 }
 
@@ -153,7 +153,7 @@ impl<'a> Axes<'a> {
         self.names.iter().map(|axis| axis.text(row)).collect()
     }
 
-    /// Heading of the legend: the name of the field, if the series differ in only one field; otherwise empty.
+    /// Heading of the legend: the name of the swept field, if the series differ in only one field; otherwise empty.
     fn title(&self) -> String {
         match self.names.as_slice() {
             [axis] => Label::of_field(&axis.header).text(),
@@ -208,7 +208,7 @@ fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
     })
 }
 
-/// One component of the displacement, for every cell in the order of the table.
+/// One component of the displacement in every cell, in the order of the table.
 struct Profiles {
     /// Units of the distance from the contact and of the displacement, as the headers state them; may be empty.
     units: [String; 2],

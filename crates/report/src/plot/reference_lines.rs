@@ -18,8 +18,8 @@ pub(crate) struct AxisScale {
 }
 
 impl AxisScale {
-    /// Displayed number for `value`. If it cannot be drawn on this axis, the error states the reason; `what` names the
-    /// item.
+    /// Displayed number for `value`. If this number cannot be drawn on the axis, the error states the reason. `what`
+    /// names the item in the error message.
     fn place(self, value: f64, what: &str) -> Result<f64, String> {
         let place = value * self.factor;
         let refused = |why| {

@@ -27,7 +27,7 @@ pub(crate) struct Scale {
     /// Lower end of the range. On a logarithmic axis, `min` and `max` are the decimal logarithms of the ends.
     min: f64,
     max: f64,
-    /// Names at the positions 0, 1, …; empty for a numeric axis.
+    /// Names of the values at the positions 0, 1, …; empty for an axis with numbers.
     names: Vec<String>,
     /// Approximate number of ticks that the axis should have.
     about: usize,
@@ -175,7 +175,7 @@ impl Scale {
         (self.min, self.max)
     }
 
-    /// The names along the axis; empty for a numeric axis.
+    /// Names of the values along the axis; empty for an axis with numbers.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }

@@ -49,7 +49,7 @@ pub(crate) struct Content {
 }
 
 impl Content {
-    /// Coordinates of all points: those of the lines, and the single points.
+    /// Coordinates of all points in the panel: of the points of the lines, and of the single points.
     pub(crate) fn places(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let lines = self
             .lines

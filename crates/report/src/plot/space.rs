@@ -22,7 +22,7 @@ const RAISE: f64 = 36.0;
 const BESIDE: i32 = 198;
 /// Space for the labels of the axes below the box, in drawing units.
 pub(super) const BELOW: i32 = 48;
-/// Largest height of the box, in drawing units.
+/// Largest height of the box around the three-dimensional chart, in drawing units.
 const TALLEST: i32 = 1860;
 /// Distance between ticks, in drawing units. An axis has its length divided by this distance as number of ticks, but
 /// at least 2 and at most 6.
@@ -50,7 +50,7 @@ pub(super) struct View {
 }
 
 impl View {
-    /// A view of the box with these scales. The box is as large as the figure allows.
+    /// A view of the box whose axes have these scales. The box is as large as the figure allows.
     pub(super) fn of(scales: &[Scale; 3]) -> Self {
         let (sin_turn, cos_turn) = libm::sincos((-TURN).to_radians());
         let (sin, cos) = libm::sincos(RAISE.to_radians());

@@ -1,4 +1,4 @@
-//! Tests invalid input. The error must name the file and the position.
+//! Tests that invalid input is rejected. The error must name the file, and the position in this file.
 
 use crate::fixture::{Cells, NO_FAILURES, Numbers, STATISTICS, config, drawn, says, study};
 use palpate_report::{Files, Study};

@@ -51,7 +51,7 @@ impl ConfigError {
         }
     }
 
-    /// An error in a field, without the position of the field in the text.
+    /// An error in a field. The position of the field in the text is not known.
     pub(super) fn of_field(file: &str, path: &str, message: impl Into<String>) -> Self {
         Self {
             path: path.into(),
@@ -131,7 +131,7 @@ impl Fault {
         }
     }
 
-    /// Restricts the fault's location to a part of the field, given by its path within the field.
+    /// Restricts the fault's location to a part of the field. `part` is the path of this part within the field.
     pub(super) fn at(self, part: impl std::fmt::Display) -> Self {
         let location = match self.location.as_str() {
             "" => part.to_string(),

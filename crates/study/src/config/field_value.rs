@@ -26,8 +26,8 @@ pub(super) fn measure(text: &str) -> Option<(f64, &str)> {
     found.filter(|(number, _)| number.is_finite())
 }
 
-/// Unit of a field: a power of the unit of a physical quantity. `around` is the text before and after it, such as `/`
-/// and `^2` in `/mm^2`.
+/// Unit of a field: a power of the unit of a physical quantity. `around` is the text before and after this unit, such
+/// as `/` and `^2` in `/mm^2`.
 struct FieldUnit {
     measure: Measure,
     around: [&'static str; 2],

@@ -59,7 +59,7 @@ pub enum GlideEstimatorConfig {
         /// Source of the normals from which the tangents are computed.
         #[serde(default)]
         normals: NormalsOf,
-        /// Number of splines that are fitted one after the other. With 1, only the first spline is fitted.
+        /// Number of splines that are fitted one after the other. If it is 1, only the first spline is fitted.
         #[serde(default = "whole::<2>")]
         #[schemars(extend("minimum" = 1, "maximum" = 2))]
         passes: u32,
@@ -76,7 +76,7 @@ pub enum GlideEstimatorConfig {
     Shape(StatedNoise),
 }
 
-/// Noise of the contacts that the user states. If it is not stated, the estimator computes it from the contacts.
+/// Noise of the contacts, as the user states it. If it is not stated, the estimator computes it from the contacts.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StatedNoise {
@@ -156,7 +156,7 @@ impl GlideEstimatorConfig {
         self.clone().noise()?.position_fraction_of_ifd
     }
 
-    /// Name of the kind, as configs state it.
+    /// Name of the estimator's kind, as configs state it.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Penalised { .. } => "penalised",

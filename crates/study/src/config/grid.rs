@@ -79,7 +79,7 @@ impl Grid {
         self.axes.iter().map(row).collect()
     }
 
-    /// Number of the cell that combines these rows of the axes (the index of one row per axis).
+    /// Number of the cell that combines these rows of the axes. `rows` contains the index of one row for each axis.
     pub(super) fn cell_of(&self, rows: &[usize]) -> usize {
         let axes = self.axes.iter().zip(rows);
         axes.fold(0, |cell, (axis, row)| cell * axis.len() + row)

@@ -180,7 +180,7 @@ impl Scale {
 pub struct Mark {
     /// The axis on which the value lies.
     pub axis: MarkAxis,
-    /// The value, in the unit of the axis.
+    /// Value at which the line is drawn, in the unit of the axis.
     pub value: f64,
     /// Text beside the line.
     pub label: String,
@@ -207,7 +207,7 @@ pub struct Points {
     pub x: Vec<f64>,
     /// y values of the points, in the unit of the y axis. There must be as many as x values.
     pub y: Vec<f64>,
-    /// Value of `series` whose colour the points have. In a profile, it is the name of a line.
+    /// Value of `series` whose colour the points have. In a plot of the kind `profile`, it is the name of a line.
     pub series: Option<String>,
     /// Value of `panels` in whose panel the points are drawn. By default, they are drawn in every panel.
     pub panel: Option<String>,

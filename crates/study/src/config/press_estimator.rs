@@ -228,7 +228,7 @@ impl PressEstimatorConfig {
         }
     }
 
-    /// Name of the kind, as configs state it.
+    /// Name of the estimator's kind, as configs state it.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::HalfSpace { .. } => "half-space",

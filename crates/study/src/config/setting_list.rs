@@ -133,7 +133,7 @@ impl Range {
         }
     }
 
-    /// Whether a number is in the range.
+    /// Whether a number is in this range.
     pub(crate) fn holds(&self, number: f64) -> bool {
         self.violated(number).is_none()
     }
@@ -350,7 +350,7 @@ impl SettingError {
         }
     }
 
-    /// The error which reports that a number is not `expected`.
+    /// The error which reports that the number of a setting is invalid. `expected` describes the valid numbers.
     pub fn of_number(key: &str, value: f64, expected: impl fmt::Display) -> Self {
         Self {
             value: Some(value),

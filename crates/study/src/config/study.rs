@@ -124,7 +124,7 @@ pub enum SceneConfig {
 }
 
 impl SceneConfig {
-    /// Name of the kind, as configs state it.
+    /// Name of the scene's kind, as configs state it.
     pub const fn kind(&self) -> &'static str {
         match self {
             Self::Roll(_) => "roll",

@@ -220,7 +220,7 @@ pub(super) struct Target {
 }
 
 impl Target {
-    /// A fault whose location is the place at which the axis names the field.
+    /// A fault with this message. Its location is the place at which the axis names the field.
     pub(super) fn fault(&self, message: String) -> Fault {
         Fault {
             location: self.location.clone(),

@@ -222,7 +222,7 @@ impl Study {
 }
 
 impl SweepConfig {
-    /// Removes the fields for which `is_out` returns true, from the config and its sweeps.
+    /// Removes fields from the config and its sweeps: those for whose path `is_out` returns true.
     fn forget(&mut self, is_out: impl Fn(&str) -> bool) {
         if self.path.as_deref().is_some_and(&is_out) {
             self.path = None;

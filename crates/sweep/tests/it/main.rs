@@ -83,7 +83,7 @@ struct Tasks<F> {
 }
 
 impl<F> Tasks<F> {
-    /// One task for each number in `trials`, which is the number of its trials.
+    /// One task for each entry of `trials`. The entry is the number of trials of the task.
     fn new(trials: &[u64], set_up: F) -> Self {
         let task = |(cell, &trials)| Task {
             cell,

@@ -3,7 +3,8 @@
 
 /// Number of equal steps in the search for the curvature of the skin.
 const STEPS: u32 = 60;
-/// Number of golden-section steps after the equal steps. They narrow the range around the best curvature.
+/// Number of golden-section steps, which follow the equal steps. They narrow the range around the best curvature of the
+/// skin.
 const REFINEMENTS: u32 = 60;
 /// Largest curvature of the skin that is tried, multiplied by the largest distance from the contact. At π, this
 /// distance would be half a great circle.

@@ -17,7 +17,7 @@ use plotters::style::text_anchor::HPos;
 
 /// Width of the key, in drawing units (1/3 px).
 const KEY: i32 = 720;
-/// Gap between the key and the box, in drawing units.
+/// Gap between the key and the box that contains the markers, in drawing units.
 const GAP: i32 = 90;
 /// Smallest displacement along the skin for which arrows are drawn.
 const MIN_DISPLACEMENT: f64 = 1e-290;
