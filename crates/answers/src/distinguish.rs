@@ -141,8 +141,8 @@ fn trials(scene: &SceneConfig) -> String {
     }
 }
 
-/// The quantity that is compared, and its index among the quantities of the scene. Without a wanted quantity, it is the
-/// object's curvature.
+/// The quantity that is compared, and its index among the quantities of the scene. If no quantity is wanted, the
+/// object's curvature is compared.
 pub(crate) fn place_of(
     quantities: &'static [Quantity],
     kind: &'static str,

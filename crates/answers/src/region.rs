@@ -66,7 +66,8 @@ pub struct DesignPoint {
     pub worst: usize,
     /// Results of each cell from the trials of the search, in the order of the cells.
     pub searched: Vec<Sample>,
-    /// Results of each cell from the fresh trials that verify the answer; empty if there were none at this value.
+    /// Results of each cell from the fresh trials that verify the answer; empty if no fresh trials were run at this
+    /// value.
     pub fresh: Vec<Sample>,
 }
 

@@ -58,7 +58,7 @@ pub struct FieldEffect {
 }
 
 /// Squared error of each trial for one value of a field; `None` if the trial failed. If a trial estimates the quantity
-/// at several points of a patch, it is the mean squared error over these points.
+/// at several points of a patch, the squared error is averaged over these points.
 type SquaredErrors = Vec<Option<f64>>;
 
 /// Finds the numeric field of the study's scene that changes the rms error of a quantity most.

@@ -126,7 +126,7 @@ pub fn check(scores: &[Score]) -> Result<()> {
     Ok(())
 }
 
-/// Computes a design of the scene for each seed, and compares these designs with a reference design.
+/// Answers the scene's question for `design` with each seed, and compares these answers with a reference answer.
 fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
     let ask = |seed: u64, gap: f64| -> Result<Region> {
         let mut study = parse(scene.name, scene.config)?;

@@ -49,8 +49,8 @@ enum Harness {
         only: String,
     },
     /// Compares the intervals and warnings of random scenes with the true values, and writes the measured columns of
-    /// the tables that `palpate check` reads. Fails if readings without a flaw cause too many warnings, or readings
-    /// with a flaw too few.
+    /// the tables that `palpate check` reads. Fails if readings without a flaw cause too many warnings, or if readings
+    /// with a flaw cause too few warnings.
     Intervals(Intervals),
     /// Prints the errors of palpate on fixed scenes, as CSV.
     Accuracy,

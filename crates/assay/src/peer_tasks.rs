@@ -109,8 +109,8 @@ fn table(directory: &Path, name: &str, header: &str) -> Result<BufWriter<File>> 
 }
 
 /// Measures the run times of a group of tasks, and returns one line of JSON per model. `error_at_most` contains the
-/// largest allowed error of each task; for tasks that it does not contain, it is 1e-12. A model with a tolerance uses
-/// the largest tolerance that keeps this limit.
+/// largest allowed error of each task; for all other tasks, the largest allowed error is 1e-12. A model with a
+/// tolerance uses the largest tolerance that keeps this limit.
 ///
 /// # Errors
 /// An error if no group of tasks has this name, or if a model fails on its task.

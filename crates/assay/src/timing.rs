@@ -136,9 +136,9 @@ fn evaluate_once(run: &mut dyn FnMut()) {
     black_box(());
 }
 
-/// Number of instructions of each evaluation, in the order of the program's list. `None` if valgrind is not installed.
-/// Starts this program again under valgrind, with the same arguments and the flag [`COUNTED`]. `scales` contains the
-/// [`Evaluation::scale`] of each evaluation.
+/// Number of instructions of each evaluation, in the order of the program's list of evaluations. `None` if valgrind is
+/// not installed. Starts this program again under valgrind, with the same arguments and the flag [`COUNTED`]. `scales`
+/// contains the [`Evaluation::scale`] of each evaluation.
 ///
 /// # Errors
 /// An error if the run under valgrind fails, or the number of evaluations differs from the length of `scales`.

@@ -29,7 +29,8 @@ pub enum ReportError {
     BadTable {
         /// Path of the file.
         path: PathBuf,
-        /// Description of the problem. If a cell of the table is wrong, it states the line, the column and the value.
+        /// Description of the problem. If a cell of the table is wrong, the text states the line, the column and the
+        /// value.
         problem: String,
     },
     /// `run.toml` is not valid TOML.

@@ -199,7 +199,7 @@ fn answers(files: &Files) -> Result<Vec<(Key, Answer)>, ReportError> {
 pub(crate) struct AutoModel {
     pub(crate) kind: String,
     pub(crate) scenes: usize,
-    /// Number of scenes on which both conditions are met.
+    /// Number of scenes on which the test succeeds.
     pub(crate) successes: usize,
     /// Number of scenes on which at least one model besides the chosen model meets the tolerance.
     pub(crate) with_rivals: usize,

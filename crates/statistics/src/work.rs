@@ -7,7 +7,7 @@
 /// Counts of the work on one thread, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
-    /// Number of random words that were drawn from the generators.
+    /// Number of random 64-bit words that were drawn from the random number generators.
     pub draws: u64,
     /// Number of motions of a probe for which the contact was computed, by any model.
     pub rolls: u64,

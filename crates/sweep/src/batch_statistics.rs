@@ -68,8 +68,8 @@ pub struct Growth<'a, T: ?Sized> {
     pub trials: u64,
 }
 
-/// Value of a statistic over all trials. For each batch, it also contains the value over all trials outside of this
-/// batch.
+/// Value of a statistic over all trials. For each batch, this struct also contains the value over all trials outside of
+/// the batch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// Value over all trials.

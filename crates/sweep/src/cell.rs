@@ -89,7 +89,7 @@ pub struct StoppingRule {
     pub quantity: usize,
     /// Statistic of the quantity that must be precise.
     pub statistic: StoppingStatistic,
-    /// The trials of a cell end when the relative standard error of the statistic is below this value. The standard
+    /// The trials of a cell end when the relative standard error of the statistic is at most this value. The standard
     /// error is computed from the scatter between trials, so the observations within one trial count as a single
     /// observation.
     pub relative_standard_error: f64,

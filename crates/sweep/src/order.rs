@@ -34,8 +34,8 @@ pub struct Order {
 pub enum Repeats {
     /// The number of trials, estimated from groups of trials.
     Found(u64),
-    /// An approximate number of trials. There are too few trials to form groups of this size, so it is computed as if
-    /// the means were normally distributed.
+    /// An approximate number of trials. There are too few trials to form groups of this size, so the number is computed
+    /// as if the means were normally distributed.
     About(u64),
     /// No number of trials is enough, because the means are in the wrong order, or because all estimates are equal.
     Never,
@@ -346,8 +346,8 @@ fn mean_and_variance(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> (f6
 
 /// Computes the 95 % interval of a probability from its variance and from the numbers of trials of the two experiments.
 /// Every trial of one experiment forms a pair with every trial of the other. Some trials have a pair in the wrong
-/// order, and some have a pair in the right order. `uncertain` is the number of the rarer kind. If it is small, the
-/// variance is inaccurate.
+/// order, and some have a pair in the right order. `uncertain` is the number of trials of the rarer of these two kinds.
+/// If this number is small, the variance is inaccurate.
 fn interval(probability: f64, variance: f64, uncertain: usize, [one, other]: [usize; 2]) -> Order {
     let order = |probability: f64, (low, high): (f64, f64)| Order {
         probability,

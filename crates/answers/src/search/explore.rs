@@ -128,8 +128,8 @@ fn is_open(points: &Points, span: &Span, rules: &Rules) -> bool {
 
 /// A sequence of consecutive tested values that needs more trials or more values.
 enum Stretch {
-    /// The first and the last of several consecutive undecided values. The decided values on both sides of them either
-    /// meet or miss the target alike, or the range ends there.
+    /// Indices of the first and the last of several consecutive undecided values. The decided values before and after
+    /// them are on the same side of the target, or the range ends there.
     Open(usize, usize),
     /// Two values on different sides of the target; all tested values between them are undecided.
     Crossing(usize, usize),

@@ -27,8 +27,8 @@ struct Candidate {
 struct End {
     run: usize,
     kind: Kind,
-    /// Indices of the values that are tried one after the other. The first value is next to the crossing of the limit,
-    /// and the others are farther inside the range.
+    /// Indices of the values that are tried one after the other. The first value is next to the end of the range, and
+    /// the other values are farther inside the range.
     places: Vec<usize>,
     attempt: u32,
     /// Index of the value at which fresh trials confirmed this end of the range; `None` if they have not confirmed the
@@ -112,8 +112,8 @@ fn place_of(end: &End) -> usize {
     end.places[end.attempt as usize]
 }
 
-/// Requests for the trials that verify an end of a range. If the range meets the target, all cells are requested. If it
-/// misses the target, only the cell with the smallest score is requested.
+/// Requests for the trials that verify an end of a range. If the values of the range meet the target, trials of all
+/// cells are requested. If they miss it, only trials of the cell with the smallest score are requested.
 fn asks_of(end: &End, found: &[Candidate], points: &Points, part: f64) -> Vec<ScoreRequest> {
     let place = place_of(end);
     let point = &points.points[place];

@@ -104,8 +104,8 @@ impl AutoChoice {
         matches!(self.models[place].rung.accuracy, palpate::Accuracy::Error(error) if error <= self.tolerance)
     }
 
-    /// Indices of the models whose instructions are counted: the chosen model, and all other models that are within the
-    /// tolerance and could be cheaper.
+    /// Indices of the models whose instructions are counted: the chosen model, and all other models whose error is
+    /// within the tolerance and which could be cheaper.
     pub(super) fn counted(&self) -> impl Iterator<Item = usize> {
         let taken = self.models[self.taken].evaluations;
         (0..self.models.len()).filter(move |&place| {

@@ -88,7 +88,7 @@ impl SceneCoverage {
     }
 }
 
-/// Coverage and warnings of a family, summarised over all its scenes.
+/// Coverage and warnings of a family of scenes, summarised over all its scenes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Score {
     pub(super) scenes: usize,
@@ -99,7 +99,7 @@ pub(super) struct Score {
     /// Coverage of the 50, 80 and 95 % intervals of one quantity: the quantity whose 95 % intervals have the lowest
     /// coverage.
     pub(super) coverage: [f64; 3],
-    /// Coverage of this quantity's 95 % intervals in the scene where it is lowest.
+    /// Lowest coverage of 95 % intervals in a single scene, for the same quantity as in `coverage`.
     pub(super) lowest: f64,
     /// Share of estimates with a warning.
     pub(super) warned: f64,

@@ -12,8 +12,9 @@ use serde_json::json;
 
 use crate::random_draws::Draws;
 
-/// Path of the config field for the curvature of random surfaces. If its range contains negative values, the surfaces
-/// are balls and dishes. If its range starts at 0, the surfaces have waves, and the upper end limits their curvature.
+/// Path of the config field for the curvature of random surfaces. If the range of this field contains negative values,
+/// the surfaces are balls and dishes. If the range starts at 0, the surfaces have waves, and its upper end limits their
+/// curvature.
 const CURVATURE: &str = "scene.object.curvature";
 /// Fields whose values are integers.
 const INTEGERS: [&str; 2] = ["scene.motion.contacts_per_finger", "scene.sensor.size_px"];

@@ -1,5 +1,5 @@
 //! Measures how the cost of a trial grows when stages (such as noise or a sensor) are added to a scene. The costs show
-//! that a scene without a stage does not pay for it.
+//! that a stage costs nothing in scenes without this stage.
 
 use std::path::Path;
 use std::time::Duration;

@@ -213,7 +213,7 @@ fn sensed(row: &Row<'_>) -> Option<f64> {
     }
 }
 
-/// Number of objects that each sensor can sense, with one of the sensor's rows. Sensors are sorted by radius.
+/// For each sensor: one of its rows, and the number of objects that it can sense. The sensors are sorted by radius.
 fn by_radius<'a>(rows: &[Row<'a>]) -> Vec<(Row<'a>, f64)> {
     let mut rows: Vec<(f64, Row<'a>)> = rows
         .iter()

@@ -34,7 +34,7 @@ impl<'a> Row<'a> {
         self.study.text(self.at, path)
     }
 
-    /// Label of a part of the scene; its kind if it has no label.
+    /// Label of the part of the scene at `path`, or the kind of this part if it has no label.
     pub(super) fn label(&self, path: &str) -> &'a str {
         let kind = || self.text(&format!("{path}.kind"));
         self.text(path).or_else(kind).unwrap_or_default()

@@ -51,7 +51,7 @@ pub(crate) struct Chart<'a> {
     pub(crate) draw: Draw<'a>,
 }
 
-/// Legend beside the panels: a heading, and symbols with their labels. Each of them may be missing.
+/// Legend beside the panels: a heading, and symbols with their labels. The heading and the symbols may be missing.
 #[derive(Default)]
 pub(crate) struct Legend {
     pub(crate) title: String,

@@ -94,7 +94,7 @@ pub(crate) fn read(files: &Files) -> Result<Contacts, ReportError> {
 }
 
 /// Adds the readings to their fingers, unless they equal the contacts. Returns the root-mean-square distance between
-/// both.
+/// readings and contacts.
 fn add_readings(
     files: &Files,
     fingers: &mut [Finger],

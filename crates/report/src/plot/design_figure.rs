@@ -143,8 +143,8 @@ const BEST: Style = Style {
     marker: Marker::Diamond,
 };
 const BEST_SIZE: f64 = 36.0;
-/// A single value is drawn as a thin area, so that it is visible. This is half the width of the area, relative to the
-/// panel.
+/// Half the width of the thin area that shows a single value, relative to the panel. Without a width, the value would
+/// not be visible.
 const HALF_WIDTH: f64 = 0.003;
 /// Half the width of the area that is drawn if there is only one value of the other field, relative to the panel's
 /// width.

@@ -137,7 +137,8 @@ pub fn heat_figure(heat: &Heat) -> Result<Figure, ReportError> {
     })
 }
 
-/// Draws a panel whose squares begin at the upper left `corner`. Returns the lower edge of its labels.
+/// Draws a panel whose squares begin at the upper left `corner`. Returns the position of the lower edge of the panel's
+/// labels.
 fn draw(panel: &HeatPanel, sheet: &Sheet, corner: Point, side: i32) -> Drawn<i32> {
     let mut names = panel.names.clone();
     // If the squares are smaller than the text, only some of the names fit beside them.

@@ -142,8 +142,8 @@ impl<'a> Lines<'a> {
         [named.unwrap_or(x), y]
     }
 
-    /// The lines of one panel, in the order of the legend. A line may be followed by a dashed line, which shows the
-    /// statistic to compare with it.
+    /// The lines of one panel, in the order of the legend. A line may be followed by a dashed line, which shows another
+    /// statistic for comparison.
     fn lines(&self, rows: &[usize], skipped: &mut Skipped<'a>) -> Vec<Line> {
         let series: Vec<(Style, Vec<usize>)> = match self.of.series {
             None => vec![(Style::of(0), rows.to_vec())],

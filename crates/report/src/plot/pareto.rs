@@ -45,7 +45,7 @@ pub(crate) fn figures(tradeoff: &Tradeoff) -> Result<Vec<Figure>, ReportError> {
         .collect()
 }
 
-/// Draws the Pareto figure of one comparison of models. Their costs are in `unit`.
+/// Draws the Pareto figure of one comparison of models. The costs of the models are in `unit`.
 fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let rungs = || ladder.scenes.iter().flat_map(|scene| &scene.rungs);
     let x = Scale::around(Spacing::Log, rungs().map(|rung| rung.cost)).with_ticks(8);

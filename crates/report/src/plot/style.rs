@@ -150,8 +150,9 @@ pub(crate) fn hex(Colour(red, green, blue): Colour) -> String {
     format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
-/// The eight shape classes, as they are named in files, with their colours. Their order is that of the table of
-/// classes: mean curvature H > 0, = 0, < 0 in rows, Gaussian curvature K > 0, = 0, < 0 in columns.
+/// The eight shape classes, as they are named in files, with their colours. They are in the order of the table of
+/// classes, row by row. Its rows are for the mean curvature H > 0, H = 0 and H < 0, its columns for the Gaussian
+/// curvature K > 0, K = 0 and K < 0.
 ///
 /// From convex to concave, the colours change from red to blue, which colour-blind readers can distinguish. For grey
 /// prints, all colours have different lightness. None of them is the colour of a series.

@@ -110,7 +110,8 @@ fn claims_3_and_4_name_the_cell_they_lack() {
 // ---- Claims 5 to 8 and 20: pads
 
 /// A study of rolls on a square grid of pads. A roll that starts at the centre of a pad has only the error of rounding
-/// its shift to whole pads. With random offsets, `random` returns the relative error for a pitch, a radius and a rate.
+/// its shift to whole pads. If the pads have random offsets, `random` returns the relative error for a pitch, a radius
+/// and a rate.
 fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
     let mut cells = Cells::new(
         "scene.sensor.pitch_cm,scene.object.radius_cm,scene.sensor.offset,scene.motion.rate_rad_per_s",

@@ -231,7 +231,7 @@ impl Study {
 }
 
 /// Adds a label to a table, because result tables show the label instead of the table. The label is the kind of the
-/// table. If another value has the same kind, it is the text of the table.
+/// table. If another value has the same kind, the label is the text of the table.
 fn labelled(table: &toml::Table, values: &[Toml]) -> Toml {
     let mut table = table.clone();
     if !table.contains_key("label") {

@@ -9,7 +9,8 @@ use super::number_default::{number, whole};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum GlideEstimatorConfig {
-    /// One bicubic spline, fitted to heights and slopes. A penalty on its third derivatives makes it smooth.
+    /// One bicubic spline, fitted to the heights of the contacts and, if there are normals, to the slopes. A penalty on
+    /// its third derivatives makes it smooth.
     Penalised {
         /// Number of knot intervals of the spline along each side of the patch. By default, it is chosen from the
         /// number of contacts.

@@ -382,8 +382,8 @@ impl Study {
     /// Cell with this number, counted from 0. The first axis varies slowest. Each call computes the cell again.
     ///
     /// # Errors
-    /// [`ConfigError`] if the study has no cell with this number, or if the cell is not in the [sample](Self::sample)
-    /// and is not valid.
+    /// [`ConfigError`] if the study has no cell with this number, or if the cell is invalid. A cell in the
+    /// [sample](Self::sample) is always valid.
     pub fn cell(&self, number: usize) -> Result<Cell, ConfigError> {
         let count = self.cell_count();
         if number >= count {
@@ -464,7 +464,7 @@ impl Study {
 
     /// Numbers of some cells that pass `filters`. A filter consists of the path of a swept field and the texts of its
     /// allowed values. For each axis, the returned cells combine the allowed rows of this axis with the first allowed
-    /// rows of all other axes. If no row of an axis passes the filters, they are ignored for this axis.
+    /// rows of all other axes. If no row of an axis passes the filters, the filters are ignored for this axis.
     pub fn star(&self, filters: &[(&str, Vec<String>)]) -> Vec<usize> {
         let rows = |axis: &Axis| {
             let mut targets = axis.targets.iter();

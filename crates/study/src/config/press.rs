@@ -370,10 +370,11 @@ impl PressModelConfig {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressNoiseConfig {
-    /// Error of each marker's normal displacement. If the sensor has a camera, it is added to the errors of the images.
+    /// Error of each marker's normal displacement. If the sensor has a camera, this error is added to the errors of the
+    /// images.
     pub normal_displacement: Option<ReadingNoise<Length>>,
-    /// Error of each marker's displacement along the skin, for both components. If the sensor has a camera, it is added
-    /// to the errors of the images.
+    /// Error of each marker's displacement along the skin, for both components. If the sensor has a camera, this error
+    /// is added to the errors of the images.
     pub tangential_displacement: Option<ReadingNoise<Length>>,
     /// Error of the indentation that the estimator receives.
     pub indentation: Option<ReadingNoise<Length>>,

@@ -44,8 +44,8 @@ pub(super) fn schema_of<T: JsonSchema>() -> Json {
     schema
 }
 
-/// The schemas of all kinds of a table, or of all words that a value may be. For other values, the only variant is the
-/// schema itself.
+/// The variants of a schema: the schemas of all kinds of a table, or of all words that a value may be. If the schema
+/// has no variants, it is itself the only one.
 pub(super) fn variants(schema: &Json) -> &[Json] {
     schema["oneOf"]
         .as_array()

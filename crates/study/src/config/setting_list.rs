@@ -193,7 +193,7 @@ struct Known {
 }
 
 /// Cache with the schema and the settings of each type of config table. Computing a schema takes longer than some
-/// estimates, so each is computed only once.
+/// estimates, so each schema is computed only once.
 static KNOWN: LazyLock<Mutex<HashMap<TypeId, Arc<Known>>>> = LazyLock::new(Mutex::default);
 
 fn known<T: JsonSchema + 'static>() -> Arc<Known> {

@@ -72,7 +72,7 @@ pub struct StudyConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StopConfig {
-    /// The trials of a cell end when the relative standard error of the statistic is below this value.
+    /// The trials of a cell end when the relative standard error of the statistic is at most this value.
     #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
     pub relative_standard_error: f64,
     /// Quantity whose statistic is tested, by its name in `cells.csv`. The default is the first quantity of the scene.
@@ -117,9 +117,9 @@ pub enum SceneConfig {
     Glide(GlideConfig),
     /// A soft sphere with markers is pressed onto an object.
     Press(PressConfig),
-    /// A sensor with markers, without an object. The study computes the strain of its skin when it is folded from flat
-    /// pieces (`greatest_fold_strain`, `rms_fold_strain`), and the size of a marker in the image (`marker_area`). The
-    /// scene has no random numbers.
+    /// A sensor with markers, without an object. The study computes the strain of the sensor's skin when the skin is
+    /// folded from flat pieces (`greatest_fold_strain`, `rms_fold_strain`), and the size of a marker in the image
+    /// (`marker_area`). The scene has no random numbers.
     Fingertip(BareFingertipConfig),
 }
 

@@ -142,7 +142,7 @@ fn streamed<S: Sweep<Result = CellStatistics>>(
     Ok(all)
 }
 
-/// Independent uniform numbers in (0, 1). Each is a function of its index (SplitMix64).
+/// Uniform random number in (0, 1) for an index (SplitMix64). The numbers for different indices are independent.
 fn uniform(index: u64) -> f64 {
     let mut bits = index.wrapping_mul(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -151,7 +151,7 @@ fn uniform(index: u64) -> f64 {
     ((bits >> 11) as f64 + 0.5) / (1u64 << 53) as f64
 }
 
-/// Independent standard normal numbers (Box–Muller method). Each is a function of its index.
+/// Standard normal random number for an index (Box–Muller method). The numbers for different indices are independent.
 fn normal(index: u64) -> f64 {
     let (radius, angle) = (uniform(2 * index + 1), uniform(2 * index + 2));
     (-2.0 * libm::log(radius)).sqrt() * libm::cos(std::f64::consts::TAU * angle)

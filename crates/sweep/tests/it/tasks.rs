@@ -209,7 +209,7 @@ fn ruled_by<F>(rule: StoppingRule, cells: usize, trials: u64, set_up: F) -> Task
     sweep
 }
 
-/// Cells that end when their rms error has the relative standard error `error`.
+/// Tasks whose cells end when the relative standard error of their rms error is at most `error`.
 fn ruled<F>(cells: usize, trials: u64, error: f64, set_up: F) -> Tasks<F> {
     let rule = StoppingRule {
         quantity: 0,

@@ -115,7 +115,7 @@ struct Quiver<'a> {
 }
 
 impl Quiver<'_> {
-    /// A label with the length unit of the tables.
+    /// The text `label`, followed by the length unit of the tables.
     fn in_unit(&self, label: &str) -> String {
         with_unit(label, &spoken_unit(&self.trace.unit))
     }

@@ -132,8 +132,8 @@ const PLOTS: &str = r#"
 [[plot]]\nx = "truth"\ny = "std_bound" | 14:5 plot.0.y | no column `std_bound`
 "#;
 
-/// The config of a press. The next constant is the config of a glide. Each allows kinds of plots that the other does
-/// not allow.
+/// Config of a press. `GLIDE` is the config of a glide. Each of the two configs allows kinds of plots that the other
+/// one does not allow.
 const PRESS: &str = r#"name = "a-press"
 outputs = ["cells", "map", "trace"]
 [scene]
