@@ -88,8 +88,8 @@ impl Curvature {
                         node if node % 2 == 1 => 4.0,
                         _ => 2.0,
                     };
-                    // The first and the last node of an interval of H are moved slightly inwards, so that they have the
-                    // class of this interval and not that of its neighbour.
+                    // Move the first and the last node of an interval of H slightly inwards. Otherwise, they could have
+                    // the class of a neighbouring interval.
                     let inside = (node as f64).clamp(1e-9, INTERVALS as f64 - 1e-9);
                     let mean = start + step * inside;
                     let deviate = (mean - centre) / std;

@@ -230,8 +230,8 @@ mod tests {
             let expected = 0.5 * libm::erfc(-draw * std::f64::consts::FRAC_1_SQRT_2);
             (expected - f64::from(rank) / f64::from(DRAWS)).abs()
         });
-        // This is a Kolmogorov–Smirnov test. For a correct distribution, the distance exceeds 1.95/√n with a
-        // probability of 0.001.
+        // This is a Kolmogorov–Smirnov test. If the n draws have the expected distribution, the largest distance of
+        // their distribution function from the expected one exceeds 1.95/√n with a probability of 0.001.
         assert!(distance.fold(0.0, f64::max) < 1.95e-3);
     }
 

@@ -74,7 +74,7 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
     if !ratio.is_finite() {
         return 0.0;
     }
-    // `share` is the first chi-squared divided by the sum of both. It has a beta distribution.
+    // `share` is the chi-squared `above`, divided by the sum of `above` and `below`. It has a beta distribution.
     let (share, rest) = (ratio / (1.0 + ratio), 1.0 / (1.0 + ratio));
     let [a, b] = [many_below, many_above].map(|freedom| 0.5 * freedom as f64);
     // The probability can be computed in two equivalent forms. Use the form whose continued fraction converges fast.

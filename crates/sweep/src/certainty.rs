@@ -42,8 +42,8 @@ pub fn share_at_most(count: u64, of: u64, limit: f64) -> f64 {
     let (all, expected) = (of as f64, limit * of as f64);
     let side = if count as f64 <= expected { 1.0 } else { -1.0 };
     let corrected = count as f64 + 0.5 * side;
-    // If the count is less than half a trial from the expected count, the trials do not show on which side of the limit
-    // the probability lies. Then the score is 0.
+    // If `count` differs from the expected count by less than half a trial, the trials do not show whether the
+    // probability of the event is above or below `limit`. Then the score is 0.
     if of == 0 || (corrected - expected) * side >= 0.0 {
         return 0.0;
     }

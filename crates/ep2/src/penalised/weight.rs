@@ -108,8 +108,8 @@ impl Sums<Lanes> {
             log_determinants: Lanes::ZERO,
             log_determinants_prime: Lanes::ZERO,
         };
-        // Logarithms are slow, so compute one logarithm for the product of all factors. After every four factors, the
-        // product is scaled up if it is close to 0.
+        // Logarithms are slow, so compute only one logarithm: that of the product of all factors of the determinants.
+        // After every four factors, the product is scaled up if it is close to 0.
         let (mut product, mut halvings) = (Lanes::ONE, Lanes::ZERO);
         let modes = spectrum.fidelity.iter().zip(&spectrum.roughness);
         for (mode, ((fidelity, roughness), right)) in modes.zip(&spectrum.right).enumerate() {
@@ -141,7 +141,8 @@ impl Sums<Lanes> {
         }
         sums.log_determinants = Lanes::from(product.to_array().map(libm::log)) - halvings * LN_2;
         sums.residual_prime *= Lanes::splat(2.0);
-        // If the surface fits all readings exactly, rounding errors could make the residual zero or negative.
+        // If the surface fits all readings exactly, rounding errors could make the sum of squared residuals zero or
+        // negative.
         let rest = Lanes::splat(f64::EPSILON * f64::EPSILON * spectrum.square + f64::MIN_POSITIVE);
         sums.residual = sums.residual.max(rest);
         sums.penalised = sums.penalised.max(rest);

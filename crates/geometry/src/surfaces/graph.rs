@@ -21,7 +21,8 @@ pub struct HeightJet {
 
 impl HeightJet {
     fn is_finite(&self) -> bool {
-        // Check only the sum of all terms, because it is finite only if every term is finite.
+        // Check only the sum of the height and its derivatives, because the sum is finite only if all of them are
+        // finite.
         let [fx, fy] = self.gradient;
         let [fxx, fxy, fyy] = self.hessian;
         (self.value + fx + fy + fxx + fxy + fyy).is_finite()
@@ -317,8 +318,8 @@ impl<H: Height> Surface for Graph<H> {
         let [fx, fy] = jet.gradient;
         let [fxx, fxy, fyy] = jet.hessian;
         let steepness_squared = 1.0 + fx * fx + fy * fy;
-        // `Graph::jet` makes the same checks and further ones that are not needed here. If a number is NaN, both
-        // comparisons are false, so the check fails.
+        // `Graph::jet` makes the same checks and further ones that are not needed here. If a derivative is NaN,
+        // `in_domain` is false or the sum is not finite, so the point is rejected.
         let in_domain = steepness_squared <= H::STEEPEST * H::STEEPEST;
         if !(in_domain && (fxx + fxy + fyy).is_finite()) {
             return Err(SurfaceError::OffDomain {

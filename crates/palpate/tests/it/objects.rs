@@ -65,8 +65,8 @@ motion = {{ rate_rad_per_s = 0.1, duration_s = 1.0 }}
         for quantity in ["normal_curvature_u", "normal_curvature_v", "mean_curvature"] {
             let row = table.row_of(cell, quantity);
             let [mean, truth] = ["mean", "truth"].map(|column| table.number(row, column));
-            // The tolerance is large, because the contact moves by only a few pads: the pitch is a hundredth of the
-            // probe's radius, and the roll angle is a tenth of a radian.
+            // The tolerance is large, because the contact moves by only a few pads. The pitch of the pads is a
+            // hundredth of the probe's radius, and the roll angle is a tenth of a radian.
             assert!(
                 (mean - truth).abs() < 0.25,
                 "{:?}: {mean}, {truth}",

@@ -273,7 +273,7 @@ fn failures_name_their_kind_and_first_trial() {
         assert_eq!(cells.number(5 * cell, "failures"), counted);
         for row in of_cell {
             assert!(failures.number(row, "first_trial") < 200.0);
-            // `first_trial` in the table must be the first trial that fails in this way.
+            // `first_trial` in the table must be the first trial with this kind of failure.
             let trials = failures.number(row, "first_trial") as usize;
             if trials == 0 {
                 continue;

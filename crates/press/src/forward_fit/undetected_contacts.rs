@@ -127,8 +127,8 @@ impl<'p, 'a> UndetectedContacts<'p, 'a> {
         {
             return None;
         }
-        // The interval ends where the increase of chi-squared reaches the limit. The square root of this increase is
-        // interpolated linearly.
+        // The interval of the curvature ends where the increase of chi-squared reaches `limit`. The square root of this
+        // increase is interpolated linearly.
         let end = |inside: usize, outside: Option<usize>| {
             let (inside, outside) = (&self.found[inside], self.found.get(outside?)?);
             let share = (limit.sqrt() - root(inside)) / (root(outside) - root(inside));

@@ -104,7 +104,7 @@ fn tangential_readings_reduce_the_standard_error_if_the_indentation_is_fitted() 
             bounds.unwrap().relative_curvature
         };
         assert!(bound(true) < 0.8 * bound(false));
-        // The standard error of an estimate must be equal to the bound.
+        // The standard error of an estimate must be equal to the Cramér–Rao bound, within 10 %.
         let readings = Readings::of(&markers, &contact, [0.0; 2]);
         let reading = Reading {
             tangential: Some(&readings.tangential),

@@ -206,8 +206,8 @@ fn steep_steps_and_paths_that_close_are_checked() {
             assert!(along_x(&step(far + 0.9), 0.3, 0.0).is_ok(), "{steep} {far}");
         }
     }
-    // With a spin as fast as the roll, the path is a circle of radius 1 through the origin, so the probe hits the
-    // object's steps at y = ±2.6.
+    // The probe spins as fast as it rolls, so its path is a circle of radius 1 through the origin. On this path, it
+    // hits the object's steps at y = ±2.6.
     let tau = std::f64::consts::TAU;
     let fault = along_x("1.5*(1+tanh(20*(y^2-6.76)))", tau, tau).unwrap_err();
     assert!(matches!(fault, RollFault::Overlapping { .. }), "{fault}");

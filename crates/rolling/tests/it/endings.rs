@@ -38,7 +38,8 @@ fn a_dish_as_tight_as_the_probe_conforms() {
         for (model, bound) in [(Model::ClosedForm, 1e-14), (DOP853, 1e-9)] {
             let end = roll(1.0, &dish(radius), (0.0, 0.0), model, motion);
             let off = (end.arc_length - 1.0).abs();
-            // The smaller the gap, the more digits are lost in the difference of the curvatures.
+            // The smaller the difference `gap` of the two radii, the more digits are lost in the difference of the
+            // curvatures.
             assert!(off < bound + 5e-16 / gap, "{model:?}, {gap:e}: {off:e}");
         }
     }

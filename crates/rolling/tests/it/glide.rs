@@ -318,7 +318,8 @@ fn contacts_lost_and_domains_left() {
         assert_eq!(error(&object, 0.5, 1.000_001 * rim, 0.0), "contact-lost");
         assert_eq!(error(&object, 0.5, 9.0 * rim, 0.0), "contact-lost");
     }
-    // This position is just inside of the rim of the object. But because of rounding, its contact is on the equator.
+    // At this position, the tip should just touch the sphere above its equator. But because of rounding, the contact is
+    // on the equator.
     let near_rim = 1.875_f64.next_down();
     assert_eq!(error(&sphere(0.375), 1.5, near_rim, 0.0), "contact-lost");
     assert!(touch(&ellipsoid(3.0, 2.0, 1.0), 0.5, 0.0, 2.499).is_ok());

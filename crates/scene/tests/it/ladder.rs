@@ -204,8 +204,8 @@ fn a_layer_is_solved_only_where_it_is_thin() {
     };
     let thin = press(1.0, &auto(4.0, 1e-3), 0.5, HALF_SPACE);
     assert!(taken(&thin).0.starts_with("bonded layer"));
-    // The layer is on a core. If the core is far below the contact, it reduces the displacement by a share of about
-    // a/t, where a is the contact radius and t the thickness of the layer.
+    // The layer is on a rigid core. If the layer is thick, the core reduces the displacement by a share of about a/t,
+    // with the contact radius a and the thickness t of the layer.
     let thick = press(0.01, &auto(20.0, 1e-3), 1e-9, HALF_SPACE);
     let ladder = ladder(&thick);
     let [_, half_space, layer] = &ladder.rungs[..] else {

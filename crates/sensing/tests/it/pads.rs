@@ -92,8 +92,9 @@ fn centred_pads_draw_nothing() {
 #[test]
 fn quantisation_error_is_that_of_two_ends() {
     // A shift is the difference of two contact positions. Each position is read as the centre of its pad, so its error
-    // is uniformly distributed over a pad. In a square grid, the two errors are dependent: if the shift is a whole
-    // number of pads plus the fraction f, its mean square error is f (1 − f) in squared pad pitches.
+    // is uniformly distributed over a pad. In a square grid, the two errors are dependent. Let the shift be a whole
+    // number of pads plus the fraction f of a pad. Then the mean square error of the shift is f (1 − f) in squared pad
+    // pitches.
     for (layout, expected) in [
         (PadLayout::Square, 0.5 * (0.24 + 0.16)),
         (PadLayout::Uniform, 1.0 / 6.0),

@@ -301,7 +301,7 @@ fn section<T: DeserializeOwned>(base: &mut Value, key: &str) -> Result<(Value, V
 /// Creates and validates the config of a cell.
 fn checked(source: &Source, grid: &Grid, cell: usize) -> Result<StudyConfig, ConfigError> {
     let (tree, fault) = grid.tree(cell);
-    // An error of the config itself has priority over a sweep path that does not exist, because a misspelt key in the
+    // First report an error of the config itself, and only then a sweep path that does not exist. A misspelt key in the
     // config may be the reason for both.
     let config = check(&tree).and_then(|config| fault.map_or(Ok(config), Err));
     config.map_err(|fault| {

@@ -33,8 +33,8 @@ fn sequences_in_any_unit_have_their_closed_forms() {
             close(found.std, (n * (n + 1.0) / 12.0).sqrt());
             close(found.mean_reported_std, 1.0);
         }
-        // If a share p of the n errors is 1 and all others are 0, the mean square is p, and the variance of the mean
-        // square is p (1 − p)/(n − 1).
+        // A share p of the n errors is 1, and all other errors are 0. Then the mean square error is p, and its variance
+        // is p (1 − p)/(n − 1).
         let quarter = summary(4096, |trial| {
             observation(if trial % 4 == 3 { unit } else { 0.0 }, 0.0, None)
         });

@@ -178,8 +178,8 @@ fn trials(
 
 #[test]
 fn a_cell_ends_when_its_statistic_is_accurate() {
-    // Relative standard errors for N Gaussian errors: 1/√(2N) for their rms, √(π/2 − 1)/√N for their mean magnitude,
-    // and 0.1/√N for a mean that is ten standard deviations from 0.
+    // Relative standard errors of three statistics of N Gaussian errors: 1/√(2N) for the rms error, √(π/2 − 1)/√N for
+    // the mean absolute error, and 0.1/√N for a mean that is ten standard deviations from 0.
     for scale in [1.0, 1e-200, 1e200] {
         assert_eq!(
             trials(StoppingStatistic::RmsError, 1, true, scale, 0),

@@ -63,8 +63,8 @@ fn p_values_are_uniform_if_the_model_is_right() {
             });
             let press = Press::of(number, fit(None, ROUGHLY), |_| {});
             let goodness = press.estimate(given).unwrap().goodness.unwrap();
-            // There are four numbers for each marker. The fitted parameters are the curvature, the two coordinates of
-            // the contact and, if it is not given, the indentation.
+            // Each of the 81 markers has four residuals. The fitted parameters are the curvature, the two coordinates
+            // of the contact and, if no indentation is given, the indentation.
             let unknowns = 4 - usize::from(given.is_some());
             assert_eq!(goodness.freedom, 4 * 81 - unknowns);
             goodness.p_value

@@ -108,8 +108,8 @@ impl OutputDir {
         if self.guard.force || is_harmless || is_open || fs::metadata(&path).is_err() {
             return Ok(());
         }
-        // An input may not be overwritten, except for the config: a run may read the config that an earlier run wrote
-        // in this directory, and then write it again.
+        // The command may not overwrite its input files, except for the config. A run may read the config that an
+        // earlier run wrote in this directory, and then write it again.
         if name != names::CONFIG {
             self.guard.refuse(&path)?;
         }
