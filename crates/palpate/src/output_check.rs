@@ -8,8 +8,8 @@ use palpate_sweep::{CellStatistics, Summary};
 use crate::run_files::{self, Row};
 use crate::simulation::CellTruth;
 
-/// Rejects a study that requests an impossible output. For example, a plot cannot be drawn from the study's table, a
-/// claim does not exist, or a stop rule names a quantity that the study does not have.
+/// Rejects a study that requests an impossible output. For example, a plot cannot be drawn from the study's table, or a
+/// claim does not exist. Another example is a stop rule for a quantity that the study does not have.
 ///
 /// In a long sweep, only some values are checked. Faults that depend on the results of trials are found only when the
 /// plot is drawn.

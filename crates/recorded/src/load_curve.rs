@@ -1,7 +1,8 @@
 //! Estimates the effective radius of a contact from a load curve, which is the force as a function of the indentation.
 //!
-//! By Hertz, the force is F = 4/3 E* √R δ^(3/2), with the effective modulus E* = E/(1 − ν²), the effective radius R and
-//! the indentation δ. If the modulus is not given, a load curve determines only the product E*√R.
+//! By Hertz, the force is F = 4/3 E* √R δ^(3/2), with the effective modulus E*, the effective radius R and the
+//! indentation δ. The effective modulus is E* = E/(1 − ν²), with Young's modulus E and Poisson's ratio ν of the soft
+//! body. If the modulus is not given, a load curve determines only the product E*√R.
 
 use std::collections::HashSet;
 
@@ -39,7 +40,8 @@ pub struct LoadCurve {
 /// Settings of an estimate from a load curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadOptions {
-    /// Young's modulus of the soft body, kPa. If it is not given, only E*√R is estimated.
+    /// Young's modulus of the soft body, kPa. If it is not given, only the product E*√R of effective modulus and root
+    /// of the effective radius is estimated.
     pub modulus_kpa: Option<f64>,
     /// Standard deviation of Young's modulus, kPa.
     pub modulus_std_kpa: Option<f64>,
@@ -89,7 +91,7 @@ pub struct LoadEstimate {
     format_version: u32,
     readings: usize,
     length_unit: &'static str,
-    /// The product E*√R, with the modulus E* = E/(1 − ν²) and the effective radius R.
+    /// The product E*√R of the effective modulus E* and the square root of the effective radius R.
     stiffness: Value,
     /// Effective radius R; `None` if Young's modulus is not given.
     effective_radius: Option<Value>,

@@ -1,4 +1,4 @@
-//! The nominal sensor, as a study states it. A frame at rest is compared with it.
+//! The nominal sensor: the sensor that a study states. Frames at rest are compared with it.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, Departure, Lens, MarkerMotion, OddTerms, Optics, Pose,

@@ -85,7 +85,8 @@ pub struct RollValues {
     /// direction. `null` if the noise is neither stated nor estimated.
     pub principal_direction_max_std_deg: Option<f64>,
     /// Error amplification along u: ratio of the relative error of the curvature to the relative error of the readings.
-    /// It is 1 + 1/RCR, where RCR is the relative curvature ratio; `null` if the object is flat.
+    /// It is 1 + 1/RCR, where RCR is the ratio of the object's curvature to the probe's curvature; `null` if the object
+    /// is flat.
     pub amplification_u: Option<f64>,
     /// Error amplification along v, as in `amplification_u`; `null` if the object is flat.
     pub amplification_v: Option<f64>,

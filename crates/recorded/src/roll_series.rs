@@ -52,7 +52,7 @@ pub(super) struct SeriesResult {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct LeftOutProbe {
     pub(super) probe: u64,
-    /// Number of the probe's row in a file, from 1; `None` for time series and for arrays.
+    /// Number of the probe's row in the file, counted from 1; `None` for time series and for arrays.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) row: Option<usize>,
     pub(super) reason: &'static str,

@@ -15,7 +15,7 @@ use palpate_study::config::LengthUnit;
 /// A contact that was left out of the fit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct LeftOut {
-    /// Number of the row in the readings, from 1.
+    /// Number of the contact's row in the readings, counted from 1.
     row: usize,
     /// Line in the file; `None` for arrays.
     #[serde(skip_serializing_if = "Option::is_none")]

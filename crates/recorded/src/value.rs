@@ -41,7 +41,7 @@ impl Value {
         }
     }
 
-    /// A value that the readings do not determine. Its number is missing.
+    /// A value that the readings do not determine: the field `value` is `None`.
     pub(super) fn open(power: Unit, length: LengthUnit) -> Self {
         Self {
             value: None,

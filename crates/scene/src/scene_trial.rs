@@ -17,7 +17,7 @@ pub struct SceneTrial {
 }
 
 impl SceneTrial {
-    /// Trials of a scene. Batches use the widest vector instructions of the processor.
+    /// The trials of a scene. Batches of trials run with the widest vector instructions of the processor.
     pub fn new(scene: Scene) -> Self {
         Self {
             scene,

@@ -1,5 +1,5 @@
-//! Tests the options `--budget` and `--target-error` of `palpate run`. They choose the number of trials; later runs of
-//! the written config need no such option.
+//! Tests the options `--budget` and `--target-error` of `palpate run`. These options choose the number of trials. A run
+//! writes a config with this number, and later runs of the written config need no such option.
 
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};

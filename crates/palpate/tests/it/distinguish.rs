@@ -102,7 +102,8 @@ values = [{ label = "flat", kind = "plane" }, { label = "ball", kind = "sphere",
     );
 }
 
-/// Each row: arguments | words of the expected error. If two names are wrong, the error mentions the first one.
+/// Each row: arguments | words of the expected error. If the arguments contain two wrong names, the error mentions the
+/// earlier one.
 const QUESTIONS: &str = "
 --set scene.object.radius=5 | no field of `scene.object` is swept
 --quantity weather --set scene.object.radius=5 | a roll has no quantity \"weather\"
