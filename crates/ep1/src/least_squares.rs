@@ -95,8 +95,8 @@ impl LeastSquares {
             return Err(Ep1Error::OutOfRange);
         }
         spans(rotations.len(), &gram)?;
-        // `added` is the part of the sum of squared rotations that comes from errors of the measured rotations.
-        // Subtract it, because it would bias the estimate.
+        // `added` is the part of the sum of squared rotations that comes from errors of the measured rotations. It is
+        // subtracted, because it would bias the estimate.
         let added = noise.rotation_std_rad * noise.rotation_std_rad * rotations.len() as f64;
         let share = added / gram.least();
         if share > MAX_NOISE_SHARE {
@@ -312,8 +312,8 @@ impl LeastSquares {
                 travel_per_radian,
             };
         }
-        // In this direction, even the longest rotation moved the contact by less than the resolution. This gives an
-        // upper bound on the object's radius of curvature.
+        // In the direction of least motion, even the longest rotation moved the contact by less than the resolution.
+        // This gives an upper bound on the object's radius of curvature.
         let rotation = self
             .rotations
             .iter()

@@ -96,8 +96,8 @@ impl Law {
         let trace = travel.uu + travel.vv;
         let moved = (0.0 < travel.uu) & (0.0 < travel.vv) & (trace * MIN_TRAVEL < determinant);
         let scale = self.probe_curvature / determinant;
-        // The object's curvature is −K₁ (I + K₁ D)⁻¹ K₁ D. The product is symmetric, because K₁ is a multiple of I and
-        // both other factors are functions of D.
+        // The object's curvature is −K₁ (I + K₁ D)⁻¹ K₁ D. This matrix is symmetric, because K₁ is a multiple of the
+        // identity I and both other factors are functions of the symmetric matrix D.
         let mixed = deviation.uv * deviation.uv;
         let curvature = Symmetric {
             uu: scale * (mixed - travel.vv * deviation.uu),

@@ -185,7 +185,8 @@ impl<'r> Refit<'r> {
         let chi_squared: f64 = square - gradient.dot(&refit.change);
         refit.chi_squared = match chi_squared.is_finite() {
             true => chi_squared.max(0.0),
-            // The sum overflows if residuals are extremely large in standard deviations. Chi-squared is then infinite.
+            // The sum overflows if residuals are extremely large multiples of their standard deviations. Chi-squared is
+            // then infinite.
             false => f64::INFINITY,
         };
         Some(refit)

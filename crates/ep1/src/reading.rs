@@ -109,7 +109,7 @@ impl ReadingNoise {
         };
         let correlation = |one: f64, other: f64| match self.pad_start {
             // If rolls start at the centre of a pad, opposite shifts have opposite rounding errors. Therefore the
-            // correlation must change its sign if one of the two shifts changes its sign.
+            // correlation of the errors must change its sign if one of the two shifts changes its sign.
             PadStart::Centred => alike(one - other) - alike(one + other),
             _ => 0.5 * (1.0 - alike(one) - alike(other) + alike(one - other)),
         };

@@ -54,7 +54,7 @@ impl Curvature {
     pub fn class_probabilities(&self, thresholds: &ShapeThresholds) -> Option<[f64; 8]> {
         let uncertainty = self.uncertainty?;
         // Integrate over the mean curvature H. For each value of H, the Gaussian curvature K is normally distributed,
-        // so the probability of each class has a closed form.
+        // so the probability of each class is computed by a formula.
         let given_mean = GivenMean::of(self, &uncertainty, thresholds);
         let mut result = [0.0; 8];
         let mut add = |mean: f64, weight: f64| {
@@ -235,16 +235,16 @@ mod tests {
             0.5,
             epsilon = 1e-6
         );
-        // K and H are each one standard deviation inside their thresholds, and their errors are independent. So the
-        // probability is 0.8413².
+        // K and H are each one standard deviation inside the thresholds of the class, and their errors are independent.
+        // So the probability of the class is 0.8413².
         let corner = curvature(-0.02, 0.06, [0.01, 0.01], 0.0);
         assert_relative_eq!(
             probability(&corner, ShapeClass::SaddleRidge),
             0.841_344_746_068_542_9_f64.powi(2),
             epsilon = 1e-6
         );
-        // The errors of K and H are completely correlated, so the probability is not the product but the smaller of
-        // both probabilities.
+        // The errors of K and H are completely correlated. So the probability of the class is the smaller of the
+        // probabilities that K and H are within their thresholds, and not their product.
         let tied = curvature(-0.02, 0.06, [0.01, 0.01], -1.0);
         assert_relative_eq!(
             probability(&tied, ShapeClass::SaddleRidge),

@@ -282,8 +282,8 @@ pub(crate) fn correlation_time(strokes: &[Vec<f64>], absorbed: usize) -> f64 {
     }
     let mut covariances = Vec::new();
     let mut time: f64 = 1.0;
-    // The first pass finds whether the residuals are correlated. Each later pass uses the correlation of the previous
-    // pass to correct all covariances for the variance that the fit has absorbed.
+    // The first pass finds whether the residuals are correlated. Each later pass uses the correlation from the pass
+    // before to correct all covariances for the variance that the fit has removed.
     for pass in 0..4 {
         let share = match pass {
             0 => 0.0,

@@ -42,8 +42,8 @@ impl PressFitSetup<'_> {
     pub fn fit(&self) -> Result<ForwardFit, PressFitError> {
         let priors = self.estimator.priors();
         Ok(ForwardFit {
-            // The amplitude of a Gaussian is a free gain if the indentation is given. Otherwise, the amplitude itself
-            // is the indentation.
+            // In the Gaussian model, the amplitude is a fitted gain if the indentation is given. Otherwise, the
+            // amplitude is the indentation.
             gain: priors.gain_std.map_or(
                 match self.knows_indentation {
                     true => Prior::Free,

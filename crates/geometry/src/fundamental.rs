@@ -109,8 +109,8 @@ impl ChartJet {
         let m11 = self.du.norm();
         let x = self.du / m11;
         let m12 = x.dot(&self.dv);
-        // The cross product stays accurate for nearly parallel tangents. The alternative, Gram–Schmidt
-        // orthogonalisation, would lose digits.
+        // The cross product stays accurate for nearly parallel tangents. Gram–Schmidt orthogonalisation would lose
+        // digits there.
         let across = x.cross(&self.dv);
         let m22 = across.norm();
         let normal = across / m22;

@@ -476,12 +476,13 @@ impl<'a> Problem<'a> {
             bounds[1] = [0, 1].map(|end| bounds[1][end].min(ends[end]));
         }
         let across = stds.turn(angle);
-        // Noise increases the difference between the two eigenvalues of a tensor. `repulsion` is this bias, to second
-        // order.
+        // Noise increases the difference between the two eigenvalues of a tensor. `repulsion` is this bias of the
+        // difference, to second order.
         let gap = larger - smaller;
         let repulsion = (across * across / gap).min(0.5 * gap);
-        // An angle is in the 95 % interval if the mixed component of the tensor, in axes at this angle, is within its
-        // limit. This component is gap · sin(2Δ)/2, where Δ is the difference between the angle and the axis.
+        // An angle is in the 95 % interval of the axis if the mixed component of the tensor, in axes at this angle, is
+        // within the limit that noise allows. This component is gap · sin(2Δ)/2, where Δ is the difference between the
+        // angle and the estimated axis.
         let unknown = std::f64::consts::PI / 12.0_f64.sqrt();
         let sine = 2.0 * limit * across / gap;
         let axis_std = if sine < 1.0 {

@@ -198,7 +198,7 @@ impl PressEstimate {
         let inverse = |end: Option<f64>| end.filter(|&end| end > 0.0).map(f64::recip);
         Estimated {
             value: most_likely.recip(),
-            // A radius and its inverse, the curvature, have the same relative standard error.
+            // The effective radius and its inverse, the relative curvature, have the same relative standard error.
             std: std / (value * most_likely),
             interval: Interval {
                 low: Some(interval.high.map_or(0.0, f64::recip)),

@@ -22,8 +22,8 @@ pub(crate) fn no_contact(
     let others = squares.get(1..).unwrap_or_default();
     let (chi_squared, freedom) = (others.iter().sum(), each * others.len());
     let second = others.first().copied().unwrap_or(0.0);
-    // `two` is the p-value of the marker that moved second most. The number of markers corrects it for the choice of
-    // this marker.
+    // `two` is the p-value of the marker that moved second most. It is multiplied by the number of markers, because
+    // this marker was chosen among all markers.
     let two = squares.len().max(1) as f64 * chi_squared_tail(second, each);
     match chi_squared_tail(chi_squared, freedom).min(two * two) < SIGNIFICANCE_LEVEL {
         true => PressError::OtherBody {

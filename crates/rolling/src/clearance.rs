@@ -122,7 +122,8 @@ impl Terrain {
                 |right: i64, down: i64| (index as i64 + right + down * side as i64) as usize;
             let mut around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down)));
             let is_nearer = |(right, down): (i64, i64)| {
-                // If a neighbour has no sample, it does not prevent this sample from being the nearest one.
+                // A neighbour without a sample does not prevent this sample from counting as nearer than all its
+                // neighbours.
                 squares
                     .get(beside(right, down))
                     .is_none_or(|other| other.is_nan() || *other >= square)

@@ -49,7 +49,8 @@ impl Contact {
     pub fn first<S: Surface>(surface: &S, x: f64, y: f64) -> Result<Self, SurfaceError> {
         let on_object = surface.contact_at(x, y)?;
         let normal = surface.level_set(&on_object)?.normal;
-        // The axis is +x, projected onto the tangent plane. On a wall whose normal is along x, the axis is +y instead.
+        // The first axis of the contact frame is +x, projected onto the tangent plane. On a wall whose normal is along
+        // x, +y is projected instead.
         let along = [Vector3::x(), Vector3::y()]
             .into_iter()
             .map(|axis| axis - normal * normal.dot(&axis))
@@ -87,8 +88,8 @@ impl Contact {
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        // It is enough to check the sum, because it is not finite if a term is not finite. A sum of finite terms
-        // overflows only for extreme sizes.
+        // It is enough to check the sum of the vectors, because it is not finite if a component is not finite. A sum of
+        // finite components overflows only for extreme sizes.
         let vectors = self.on_object.coords + self.normal + self.x_axis;
         let turn = self.body_from_contact.coords.sum();
         (vectors.sum() + turn + self.arc_length).is_finite()

@@ -160,7 +160,7 @@ impl Setting<'_> {
                          measured";
                     dop853(tolerance, chart, reason.to_owned(), Some(tolerance))
                 }
-                // Errors add up along the path. Therefore the tolerance is divided by the number of turns.
+                // The errors of steps add up along the path. Therefore the tolerance is divided by the number of turns.
                 Unmeasured::TooLong => {
                     let reason = "no closed form; the rolls are too long to try other models";
                     let finer = finer(tolerance / rolls.turns().max(1.0));

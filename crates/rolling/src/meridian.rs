@@ -194,7 +194,7 @@ fn first_slope(sign: f64, a: f64, theta: f64) -> f64 {
         return linear * (1.0 - cubic + 3.0 * cubic * cubic - quintic);
     }
     // For large slopes q, the arc-length function S(q) approaches q²/2, and atan q is about 1.2 rad or more. Therefore
-    // θ is about 1.2 σ + a q²/2.
+    // θ is about 1.2 σ + a q²/2, where σ is `sign`.
     let y = ((theta - 1.2 * sign) / a).max(linear.min(1.0));
     y / libm::hypot(0.5 * y, 1.0).sqrt()
 }

@@ -291,7 +291,7 @@ impl Roller {
                     let rate = speed(&contact).map_err(|fault| at(fault, duration_s))?;
                     duration_s - excess / rate
                 }
-                // If a roll needs too many steps, do not try other durations, because they would not help.
+                // If a roll needs too many steps, other durations are not tried, because they would not help.
                 Err(error) if matches!(error.fault, RollFault::TooManySteps { .. }) => {
                     return Err(error);
                 }

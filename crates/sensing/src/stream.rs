@@ -211,7 +211,8 @@ mod tests {
 
     #[test]
     fn known_numbers_do_not_change() {
-        // Published results state their seeds, so if these expected numbers change, say so in the changelog.
+        // Published results state their seeds. Therefore a change of these expected numbers must be recorded in the
+        // changelog.
         let stream = || Stream::new(1996, 0, Channel::AngularVelocity);
         let (mut uniform, mut normal) = (stream(), stream());
         let numbers = [(); 2].map(|()| uniform.symmetric_uniform());
@@ -280,8 +281,8 @@ mod tests {
                     }
                 }
             }
-            // For independent draws, the products have the variances (1/3)² and (4/45)². The standard deviations of the
-            // sums follow from these.
+            // For independent draws, the products of draws have the variance (1/3)², and the products of their squares
+            // have the variance (4/45)². The standard deviations of the sums follow from these.
             let spread = (TRIALS as f64).sqrt();
             for (i, (products, squares)) in products.iter().zip(&squares).enumerate() {
                 for (j, (product, square)) in products.iter().zip(squares).enumerate() {

@@ -131,7 +131,7 @@ fn part(
     let direction = between * scale;
     let along = step - direction * direction.dot(step);
     // `direction` divides the angle between the middles of the discs in the ratio of `share` to `rest`. `sine` is the
-    // sine of this angle.
+    // sine of the angle between the middles.
     let sine = chord * (1.0 - 0.25 * square).max(0.0).sqrt();
     let circle = |disc: &Sight, side: f64, away: f64| {
         let cosine = (1.0 - 0.5 * away * square) * scale;

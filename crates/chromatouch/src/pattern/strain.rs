@@ -213,8 +213,8 @@ mod tests {
         for pair in strains.windows(2) {
             assert!(pair[1].greatest < pair[0].greatest && pair[1].rms < pair[0].rms);
         }
-        // For a small shear s, the strain is s/2. With n gores, it is at most π/2n. Its root mean square is a third of
-        // this value.
+        // For a small shear s, the strain is s/2. With n gores, the strain is at most π/(2n), and its root mean square
+        // is a third of this value.
         for gores in [1_000_000, u32::MAX] {
             let strain = FoldStrain::of(gores).unwrap();
             let limit = FRAC_PI_2 / f64::from(gores);

@@ -150,8 +150,9 @@ fn frames_show_what_is_projected_the_better_the_larger() {
                 "{large:?}"
             );
             // Check that errors decrease with the size of the frame. The errors of hue and size are compared directly,
-            // the error of the centroid relative to the size of the frame. The pinhole lens is excepted: its error of
-            // the centroid comes mostly from the overlap of the discs, and does not depend on the size of the frame.
+            // the error of the centroid relative to the size of the frame. The centroid of the pinhole lens is not
+            // compared, because its error comes mostly from the overlap of the discs and does not depend on the size of
+            // the frame.
             assert!(
                 lens == Lens::Pinhole || large[0] / 2048.0 < 0.5 * small[0] / 256.0,
                 "{small:?} {large:?}"

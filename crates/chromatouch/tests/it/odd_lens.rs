@@ -193,6 +193,6 @@ fn lenses_that_cannot_be_are_refused_with_what_would_be_right() {
         optics(Camera::new(lens, 640, field).unwrap()).departed(&departure)
     };
     assert!(departed(Lens::Pinhole, 65.0, 0.1).is_err());
-    // With these terms, the image radius stops growing before the rim is reached.
+    // With k3 = −0.2, the image radius stops growing before the rim is reached.
     assert!(departed(Lens::Fisheye, 120.0, -0.2).is_err());
 }

@@ -106,7 +106,7 @@ fn a_disc_has_the_image_area_that_integration_gives() {
 
 #[test]
 fn series_at_the_axis_and_closed_forms_off_it_meet() {
-    // At 0.05 rad, the code switches from the series to the closed form. The area must not jump there.
+    // At 0.05 rad, the code switches from a series to an exact formula. The area must not jump there.
     let camera = Camera::new(Lens::Fisheye, 640, 80.0).unwrap();
     let area = |polar| camera.disc_area(0.05, polar).unwrap();
     let step = 1e-6;
@@ -221,7 +221,7 @@ fn a_camera_shows_only_directions_in_its_field() {
     assert_eq!((camera.rim_px(), camera.centre_px()), (50.5, [50.0, 50.0]));
     let turn = 50.5 / 70.0_f64.to_radians();
     assert_relative_eq!(camera.px_per_rad(), turn, max_relative = 1e-15);
-    // The x axis points to the right, and the y axis points up. The length of a direction does not matter.
+    // The x axis points to the right, and the y axis points up. The length of a direction vector does not matter.
     let place = camera.image(&Vector3::new(0.1, 0.2, 1.0)).unwrap();
     assert!(place[0] > 50.0 && place[1] < 50.0);
     let same = camera.image(&Vector3::new(0.7, 1.4, 7.0)).unwrap();

@@ -80,8 +80,9 @@ fn standard_errors_match_all_noise_with_any_lengths_and_directions() {
 
 #[test]
 fn the_isotropic_standard_error_matches_the_formula() {
-    // The relative standard error is σ (1 + R₂/R₁)/√4. Here σ is the relative noise of a rotation, and R₁ and R₂ are
-    // the radii of probe and object. The divisor is √4, because four of the eight probes measure each direction.
+    // The relative standard error of a normal curvature is σ (1 + R₂/R₁)/√4. Here σ is the relative noise of a
+    // rotation, and R₁ and R₂ are the radii of probe and object. The divisor is √4, because four of the eight probes
+    // measure each direction.
     let noise = ReadingNoise {
         relative_rotation_std: 0.01,
         ..Default::default()
@@ -181,8 +182,8 @@ fn rolls_that_share_errors_count_once() {
         1.0,
         max_relative = 1e-9
     );
-    // A star has pairs of rolls in opposite directions from the same start. So the error of the start cancels, and only
-    // the errors of the ends remain.
+    // A star is a set of rolls that contains pairs in opposite directions from the same start. So the error of the
+    // start cancels, and only the errors of the ends remain.
     assert_relative_eq!(
         std_over_pads(PadStart::PerTrial, &star),
         std_over_pads(PadStart::PerRoll, &star) / 2.0_f64.sqrt(),

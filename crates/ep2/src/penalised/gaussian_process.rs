@@ -26,7 +26,7 @@ pub(super) fn factors(length: f64, degree: usize) -> SparseMap {
     let mut entries = Vec::new();
     let mut count = 0;
     // Coefficients of even and odd polynomials are not correlated. Therefore the covariance is factorised separately
-    // for each combination of even and odd.
+    // for each parity (even or odd) of the polynomials in a and in b.
     for parity in [[0, 0], [1, 0], [0, 1], [1, 1]] {
         let class: Vec<[usize; 2]> = products(degree)
             .skip(UNKNOWNS)
@@ -89,7 +89,7 @@ fn covariance(length: f64, degree: usize) -> DMatrix<f64> {
         libm::exp(-0.5 * distance * distance)
     });
     let polynomials = places.iter().flat_map(|&x| values(x, degree));
-    // The quadrature rule has one row for each polynomial and one column for each node.
+    // The matrix `rule` of the quadrature has one row for each polynomial and one column for each node.
     let mut rule = DMatrix::from_iterator(degree + 1, nodes, polynomials);
     rule *= 2.0 / nodes as f64;
     rule.row_mut(0).scale_mut(0.5);

@@ -427,8 +427,8 @@ impl Process {
         let (misfit, scale) = if rest.is_known {
             (square, 1.0)
         } else {
-            // If the noise is not stated, all variances have an unknown common factor. `misfit` is the likelihood at
-            // the best factor, and `scale` is the mean of the factor.
+            // If the noise is not stated, all variances have an unknown common factor. `misfit` is −2 ln(likelihood)
+            // with the best factor, and `scale` is the mean of the factor.
             (
                 rest.degrees * libm::log(square),
                 square / (rest.degrees - 2.0).max(1.0),

@@ -251,7 +251,7 @@ fn tested(
         true => ratio_tail(explained, extra, left, freedom as usize),
         false => 1.0,
     };
-    // From here on, residuals are those that remain after the smooth deviation is subtracted.
+    // From here on, "residuals" are the values that remain after the smooth deviation is subtracted.
     let coefficients = solved.coefficients();
     let mut strokes: HashMap<usize, usize> = HashMap::new();
     let mut distances: Vec<Vec<f64>> = Vec::new();
@@ -277,8 +277,8 @@ fn tested(
         }
     }
     let of_normals: Vec<Vec<f64>> = normals.into_iter().flat_map(|[a, b, _]| [a, b]).collect();
-    // Positions and normals together determine the parameters. Half of the parameters are counted for the positions,
-    // and half for the normals.
+    // Positions and normals together determine the parameters of the deviation. Half of these parameters are counted
+    // for the positions, and half for the normals.
     let absorbed = if kinds > 1 { rank / 2 } else { rank };
     let found = [
         correlation_time(&distances, absorbed),

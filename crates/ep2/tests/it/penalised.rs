@@ -68,7 +68,8 @@ fn noiseless_surfaces_are_estimated_within_the_error_of_the_spline() {
         position_std: 0.0,
         normal_std_rad: 0.0,
     };
-    // Balls and cylinders are quadrics in implicit form, but a torus is not. So the torus has a larger tolerance.
+    // Balls and cylinders are implicit quadrics, but a torus is not. So the estimates on the torus have a larger
+    // tolerance.
     let exact_shapes = QUADRIC_LIKE.iter().map(|surface| (surface, 1e-5));
     for (surface, largest) in exact_shapes.chain([(&DETAILED[0], 2e-3)]) {
         let [gaussian, mean] = errors(&Penalised::default(), surface, &exact, 1);
@@ -199,8 +200,8 @@ fn intervals_contain_the_truth_of_random_surfaces() {
 
 #[test]
 fn intervals_contain_the_truth_for_nearly_quadric_surfaces() {
-    // The surfaces are nearly quadrics, but the model allows for much rougher surfaces. So its standard errors are too
-    // large here.
+    // The surfaces are nearly quadrics, but the estimator's model allows for much rougher surfaces. So its standard
+    // errors are too large here.
     for (noise, contacts_per_finger) in [(0.05, 100), (0.05, 10), (0.1, 10), (0.2, 10)] {
         let sweep = Sweep {
             contacts_per_finger,
@@ -226,8 +227,8 @@ fn errors_on_detailed_surfaces_are_smaller_than_with_two_passes() {
         contacts_per_finger: 20,
         ..Sweep::paper(0.1)
     };
-    // The targets for the sum of squared residuals match the noise: each point contributes (w σ)², with the weight w
-    // and the noise σ.
+    // The required sums of squared residuals match the noise: each point contributes (w σ)², with the weight w and the
+    // noise σ.
     let matched = TwoPass {
         smoothing: 140.0 * 100.0,
         second_smoothing: 420.0 * 100.0,
@@ -277,7 +278,7 @@ fn the_noise_is_estimated() {
         let normal = noise.normal_std_rad.unwrap().to_degrees();
         assert!((normal - 2.0).abs() < 0.2, "{noise:?}");
     }
-    // The stated noise is used instead of an estimate.
+    // The estimator uses the stated noise instead of an estimate of the noise.
     let known = Penalised {
         noise: Noise {
             position_std: Some(0.5),

@@ -69,8 +69,8 @@ fn tips_without_normals_determine_the_object() {
             let centre = method.fit(&patch).unwrap().centre().unwrap();
             let found = centre.curvature;
             assert!((found.mean - mean).abs() < 0.004, "{found:?}");
-            // Check that the tip's radius matters: if it is ignored, the reported centres lie on a ball of radius 6 or
-            // in a dish of radius 4.
+            // The tip's radius matters: if it is ignored, the reported centres lie on a ball of radius 6 or in a dish
+            // of radius 4.
             let taken = Patch::new(&readings, &Vector3::z()).unwrap();
             let taken = method.fit(&taken).unwrap().centre().unwrap().curvature;
             assert!((taken.mean - mean).abs() > 0.02, "{taken:?}");

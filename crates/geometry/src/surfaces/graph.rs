@@ -175,8 +175,8 @@ impl Height for HeightField {
 
     fn jet(&self, x: f64, y: f64) -> HeightJet {
         let jet = self.formula.jet(x, y);
-        // For x < 0, ln(x) is NaN, but the formulas of its derivatives are finite. Adding 0 · NaN makes the derivatives
-        // NaN too.
+        // For x < 0, ln(x) is NaN, but the formulas of its derivatives are finite. Therefore 0 · NaN is added, which
+        // makes the derivatives NaN too.
         let nothing = 0.0 * jet.value;
         HeightJet {
             value: jet.value,

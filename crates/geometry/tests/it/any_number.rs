@@ -98,7 +98,7 @@ fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], 
     }
     let is_place = is_finite(&[x, y]);
     prop_assert!(is_place || chart.is_err() && contact.is_err() && closest.is_err());
-    // For the following calls, it is enough that they return without a panic.
+    // The following calls are only required to return without a panic.
     let _ = (
         surface.parameters(&place),
         surface.meridian(&place, &Vector3::x()),

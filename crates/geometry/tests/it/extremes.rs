@@ -121,7 +121,7 @@ fn formulas_keep_their_digits_where_values_are_tiny_or_huge() {
         assert_relative_eq!(found.value, value, max_relative = 1e-15);
         assert_relative_eq!(found.gradient[0], slope, max_relative = 2e-15);
     }
-    // The second derivative exceeds the range of doubles.
+    // The second derivatives of these functions exceed the range of doubles.
     for (text, x) in [("sqrt(x)", 1e-300), ("ln(x)", f64::MIN_POSITIVE)] {
         assert!(!jet(text, x).is_finite(), "{text}");
     }
@@ -277,7 +277,8 @@ proptest! {
         assert_relative_eq!(form.k_uu * size, across, max_relative = 1e-14);
         assert_abs_diff_eq!(form.k_vv * size, across / w / w, epsilon = 1e-14 * across);
         assert_relative_eq!(normal.z, 0.5 * across, max_relative = 1e-14);
-        // `inside` is half a radius of curvature below the surface, so `foot` is its closest point.
+        // `inside` is half a radius of curvature below the surface, so `foot` is the point of the surface closest to
+        // it.
         let inside = foot - normal * (0.25 * size * w);
         if r < 1.0 {
             let found = hill.closest_point(&inside).unwrap();

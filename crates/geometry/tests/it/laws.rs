@@ -119,8 +119,8 @@ impl<'a, S: Surface> Place<'a, S> {
         assert_eq!(metric.m21, 0.0);
         assert!(metric.m11 > 0.0 && metric.m22 > 0.0);
 
-        // The stored curvature form has only one mixed term. So the comparison also checks that the exact form is
-        // symmetric.
+        // The stored curvature form has only one mixed term. So the comparison also checks that the form computed by
+        // finite differences is symmetric.
         let (form, turn) = (
             in_frame * normals * inverse,
             frame.y.transpose() * tangents * inverse,

@@ -86,8 +86,8 @@ impl Table {
             })
             .collect();
         for pressure in &pressures {
-            // The same wavenumbers, which suit the widest contact and the largest depth, are used for all depths. Then
-            // the Bessel functions are evaluated only once.
+            // The same wavenumbers are used for all depths. They are sufficient for the widest contact and the largest
+            // depth. Then the Bessel functions are evaluated only once.
             let reach = range[1] + panels[panels.len() - 1] - pressure.contact;
             let spectrum = Spectrum::new(pressure, deepest, reach, 1.0);
             for (table, depth) in tables.iter_mut().zip(depths) {

@@ -141,8 +141,8 @@ impl ForwardFit {
             let mut fit = Some((problem, state, sums));
             if p_value < SIGNIFICANCE_LEVEL {
                 misfits.push(Misfit::Outlier { reading, p_value });
-                // Exclude the outlier from the further tests. It may cause a pattern in the residuals, which would be
-                // wrongly attributed to the model of the soft body.
+                // The outlier is excluded from the further tests. Otherwise it could cause a pattern in the residuals,
+                // which would be wrongly attributed to the model of the soft body.
                 fit = fit.and_then(|(problem, state, _)| problem.without(reading, &state));
             }
             if let Some((problem, state, sums)) = fit

@@ -351,7 +351,8 @@ impl LeastSquares for Problem<'_> {
     fn is_better(&self, (state, sums): &Self::Fit, (_, best): &Self::Fit) -> bool {
         let is_less =
             |sums: &Sums| sums.chi_squared - best.chi_squared < -1e-6 * (1.0 + best.chi_squared);
-        // `sums` at the minimum are extrapolated, so compute chi-squared again at this state before accepting it.
+        // `sums` are extrapolated from the current state, so chi-squared is computed again at the new state before that
+        // state is accepted.
         is_less(sums) && self.sums(state).is_ok_and(|sums| is_less(&sums))
     }
 }

@@ -142,7 +142,8 @@ fn of_shape(
         Prior::Exact => 0.0,
         Prior::Within(_) | Prior::Free => median(problem.reading.normal),
     };
-    // `amplitude` is the factor by which the contact's displacements must be multiplied to fit the readings.
+    // `amplitude` is the factor by which the displacements of the tabulated contact must be multiplied to fit the
+    // readings.
     let amplitude = || {
         let (mut product, mut square) = (0.0, 0.0);
         for (read, moved) in problem.reading.normal.iter().zip(&moved) {

@@ -220,7 +220,7 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<FitState, Pre
     let near = best.ok_or(failure)?;
     let near = problem.weigh(&near.state)?;
     let mut best = minimise(problem, near.keeping_slopes(), ROUGHLY, None)?;
-    // Outliers may cause a bad fit, so weight the markers by their residuals before the fit is rejected.
+    // Outliers may cause a bad fit. Therefore the markers are weighted by their residuals before the fit is rejected.
     let mut is_weighed = false;
     for _ in 0..ROUNDS {
         let squares = problem.squares(&best.residuals)?;

@@ -105,8 +105,8 @@ fn smaller_noise_than_stated_is_found() {
 /// The stated indentation is smaller than the true indentation of the press by 5 standard deviations.
 #[test]
 fn a_smaller_stated_indentation_is_found() {
-    // Only a stated indentation that is too small is tested. One that is too large is seldom found, because a sharper
-    // object that is pressed deeper moves the markers almost in the same way.
+    // This test uses only a stated indentation that is too small. If the stated indentation is too large, the misfit is
+    // seldom found, because a sharper object that is pressed deeper moves the markers almost in the same way.
     let (markers, body) = (published(), half_space());
     let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0);
     let exact = Readings::of(&markers, &contact.unwrap(), at(6.0, 20.0));
@@ -211,8 +211,8 @@ fn one_marker_among_sound_ones_is_named_if_it_changes_the_curvature() {
         });
         misfit_share(&codes, Some("outlier"))
     };
-    // `named` is the share of trials in which the check reports the marker. In other trials, noise increases the error
-    // of the marker and the fit itself rejects it. Without a wrong marker, the share is 0.5 %.
+    // `named` computes the share of trials in which the test for misfits reports an outlier. In other trials, noise
+    // increases the error of the marker and the fit itself rejects it. Without a wrong marker, the share is 0.5 %.
     let [near, far] = [order[3], order[60]].map(named);
     assert!(near > 0.3 && far < 0.05, "{near} {far}");
 }

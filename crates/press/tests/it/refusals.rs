@@ -174,8 +174,8 @@ fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     let mut slipped = pressed.clone();
     slipped.normal.fill(0.0);
     slipped.normal[7] = 0.5;
-    // `from_marker_alone` counts, in 15 presses, the estimates that depend on this marker alone, and those of their
-    // intervals that contain the curvature.
+    // `from_marker_alone` simulates 15 presses. It counts the estimates that depend on the marker `marker` alone, and
+    // how many of their intervals contain the true curvature.
     let from_marker_alone = |readings: &Readings, marker: usize, curvature: f64| {
         let (mut estimates, mut held) = (0, 0);
         for trial in 0..15 {
@@ -194,7 +194,8 @@ fn a_press_measured_by_one_marker_alone_is_estimated_and_reported() {
     assert!(of_press >= 13 && held >= 12, "{held} of {of_press}");
     let (of_slip, _) = from_marker_alone(&slipped, 7, 0.0);
     assert!(of_slip >= 13, "{of_slip}");
-    // With a stated indentation, the other markers exclude more curvatures. But this marker is still not an outlier.
+    // With a stated indentation, the other markers exclude more curvatures. But the only marker that moved is still not
+    // an outlier.
     let indentation = exactly(0.6);
     let estimates = (0..15).filter_map(|trial| {
         let readings = pressed.noisy(std, trial);

@@ -179,8 +179,8 @@ impl Offset {
 
     /// The contact of the tip that is held above `centre`.
     pub(super) fn contact(&self, object: &Shape, centre: Vector2<f64>) -> Result<Foot, GlideError> {
-        // `offset_radius` is the radius of the dish minus that of the tip. If it is not positive, the tip does not fit
-        // into the dish.
+        // `offset_radius` is the radius of the dish minus the radius of the tip. If it is not positive, the tip does
+        // not fit into the dish.
         if self.offset_radius <= ACCEPTED_MISS * self.radius {
             return Err(GlideError::two_contacts(self.tip_radius, &centre));
         }

@@ -133,12 +133,12 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
         let taken = roller
             .measure(&[roller.choice().model], FREE, rolls)
             .remove(0);
-        // Skip a roll that leaves the object, because it has no error.
+        // If the roll leaves the object, no error was measured, so the roll is skipped.
         let Ok(err) = taken.outcome else { continue };
         judged += 1;
         let what = format!("{:?} {} {:e}", scene.object, taken.name, scene.tolerance);
         assert!(err <= scene.tolerance, "{what}: error {err:e}");
-        // The bound of the chosen model's error is increased by the rounding errors of the reference.
+        // The error bound of the chosen model is increased by the rounding errors of the reference solution.
         let bound = roller.choice().error_bound.unwrap() + 1e-13;
         assert!(err <= bound, "{what}: error {err:e} > {bound:e}");
 

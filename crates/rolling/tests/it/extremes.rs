@@ -167,7 +167,7 @@ fn a_thousand_motions_are_one() {
 
 #[test]
 fn slow_motions_that_last() {
-    // The squares of these rates and durations underflow or overflow.
+    // The squares of the following rates, and of the durations that belong to them, underflow or overflow.
     for rate in [1e-200, 1e200] {
         let motion = Motion::rolling(0.3, rate, 2.0 / rate);
         let end = roll(1.0, &saddle(0.2), (0.3, 0.1), DOP853, motion);
@@ -238,7 +238,7 @@ fn dop853_keeps_every_tolerance_for_many_turns() {
             chart: Chart::Free,
         };
         let off = off_great_circle((0.3, 0.2), 0.4, theta, model);
-        // The bound grows with the number of turns, because errors accumulate.
+        // The bound of the error grows with the number of turns, because errors add up.
         let bound = tolerance * (theta / TAU).max(1.0) + 1e-14;
         assert!(off <= bound, "{tolerance:e}, {theta:e} rad: {off:e}");
     }
@@ -282,7 +282,7 @@ fn meridians_from_flat_to_sharp() {
         (1e-3, 0.1, 0.09980039920556497),
         (1e12, 0.1, 5.0251382208526555e-14),
         (1e12, 3.0, 1.4292040914425157),
-        // In the first case, the radius of curvature of the bowl is only slightly larger than the probe's radius, which
+        // The first case is a bowl whose radius of curvature is only slightly larger than the probe's radius, which
         // amplifies errors. In the second case, the path is long, so the relative errors of length and angle are equal.
         (-0.4999995, 0.1, 0.650654102346358),
         (0.5, 1e9, 999999998.429226),

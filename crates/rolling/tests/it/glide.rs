@@ -331,8 +331,8 @@ fn contacts_lost_and_domains_left() {
     let slope = height_field("x + 0*ln(1 - x)", &[]);
     let rim = 1.0 - 0.5_f64.sqrt();
     assert!(touch(&slope, 1.0, rim - 1e-6, 0.0).is_ok());
-    // On a downward slope, the contact can still be on the slope if the centre of the tip is already beyond the end of
-    // the slope.
+    // On a downward slope, the contact can still be on the slope when the centre of the tip is already beyond the end
+    // of the slope.
     let downhill = height_field("-x + 0*ln(1 - x)", &[]);
     assert!(touch(&downhill, 1.0, 1.5, 0.0).is_ok());
     assert_eq!(error(&downhill, 1.0, 1.8, 0.0), "off-domain");

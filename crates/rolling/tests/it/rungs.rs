@@ -251,7 +251,7 @@ fn motions_beyond_a_closed_form_or_a_meridian_are_integrated() {
         (paraboloid(1.0), Model::Meridian),
         (ellipsoid(2.0, 2.0, 1.0), Model::Meridian),
     ] {
-        // The model was chosen for rolling without spin and sliding. Here it is used for other motions.
+        // The roller's model was chosen for rolling without spin and sliding. Here it is used for other motions.
         let quick = roller(1.0, &object, (0.0, 0.0), model, rolling);
         let integrated = roller(1.0, &object, (0.0, 0.0), DOP853, rolling);
         for motions in [

@@ -115,8 +115,8 @@ fn pairs_have_no_direction() {
             counts[usize::from(is_far)][(turn * SECTORS as f64) as usize % SECTORS] += 1;
         }
     }
-    // The test has one count per sector of the angle, separately for short and long pairs. Half of the pairs are longer
-    // than √(2 ln 2).
+    // The test counts the pairs in each sector of the angle, separately for short and long pairs. Half of the pairs are
+    // longer than √(2 ln 2).
     let expected = DRAWS as f64 / 2.0 / (2 * SECTORS) as f64;
     let squares = counts
         .iter()
@@ -130,7 +130,8 @@ fn pairs_have_no_direction() {
 
 #[test]
 fn known_draws_do_not_change() {
-    // Published results state seeds; therefore, these numbers may only be changed with a note in the changelog.
+    // Published results state their seeds. Therefore a change of these expected numbers must be recorded in the
+    // changelog.
     let normals = Stream::new(1996, 0, Channel::Pixel).standard_normals();
     assert_eq!(
         normals[..4],

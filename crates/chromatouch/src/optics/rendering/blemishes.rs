@@ -210,7 +210,8 @@ fn crossed(
     middle: f64,
     within: &Range<usize>,
 ) -> Range<usize> {
-    // The pixels of the seam satisfy |x sin φ − y cos φ| ≤ distance, where φ is the angle of the line. This limits x.
+    // The pixels within `distance` of the line satisfy |x sin φ − y cos φ| ≤ distance, where φ is the angle of the
+    // line. This limits the columns x of the row.
     let [cosine, sine] = *line;
     let ends = [y * cosine - distance, y * cosine + distance].map(|end| end / sine);
     let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
