@@ -121,7 +121,7 @@ impl<'r> GlideFitResult<'r> {
                 let contacts = of_tips.unwrap_or(sound);
                 let with_noise = |factors| method.clone().with_noise_factors(factors);
                 let at_row = |error| of_row(error, &rows);
-                let fitted = IndependentFit::new(&with_noise, &contacts, distinct, &outward);
+                let fitted = IndependentFit::new(with_noise, &contacts, distinct, &outward);
                 let (mut fitted, single) = match fitted {
                     Ok(fitted) => (fitted, None),
                     Err(error) => {
