@@ -76,9 +76,8 @@ pub struct Finder {
 impl Finder {
     /// A finder for frames with the image circle `circle` and the background `ground`. If an argument is `None`, it is
     /// estimated from each frame. The circle is fitted to the rim, where the colour of the frame's corners ends. If the
-    /// rim is not approximately a circle, the whole frame is used. For the background, the green and blue values are
-    /// compared with their median. It is bright if the darkest values are farther from the median than the brightest
-    /// values.
+    /// rim is not approximately a circle, the whole frame is used. The background is bright if the darkest green and
+    /// blue values are farther from the median of these values than the brightest values.
     pub fn new(circle: Option<Mask>, ground: Option<Ground>) -> Self {
         Self {
             circle,

@@ -3,8 +3,8 @@
 //! The method is based on the fact that neighbouring markers move similarly. In the first step, a marker at rest and a
 //! pressed marker are matched under two conditions. Each must be the nearest marker to the other, and their distance
 //! must be less than half the distance between neighbouring markers. The second step removes matches whose displacement
-//! differs from the displacements of the neighbours. It then searches each marker at the place that its matched
-//! neighbours predict. The second step is repeated until nothing changes.
+//! differs from the displacements of the neighbours. Then it searches each marker at the place that the matched
+//! neighbours of this marker predict. The second step is repeated until nothing changes.
 
 use crate::{Marker, Status, Track};
 
@@ -104,9 +104,9 @@ impl<'a> Matching<'a> {
         self.pair(&places, FIRST_GATE);
     }
 
-    /// Matches markers at rest with pressed markers. `places` contains the expected place of each marker at rest. It
-    /// may be matched with a pressed marker whose distance from this place is at most `gate` times the distance to the
-    /// marker's nearest neighbour.
+    /// Matches markers at rest with pressed markers. `places` contains the expected place of each marker at rest. A
+    /// marker at rest may be matched with a pressed marker near its expected place. Their distance is at most `gate`
+    /// times the distance from the marker at rest to its nearest neighbour.
     fn pair(&mut self, places: &[[f64; 2]], gate: f64) {
         let away = |at: usize, other: usize| distance(places[at], self.pressed[other].centroid_px);
         let closest = |count: usize, away: &dyn Fn(usize) -> f64| {

@@ -87,7 +87,7 @@ every trial fails ends with status 1.")]
 If a shard is missing, unfinished or damaged, or belongs to another config, seed or version of palpate, the
 message lists it, and nothing is written. The shards stay, so the merge can be repeated.")]
     Merge(MergeArgs),
-    /// Print the progress of a run or of its shards: finished, running, failed and missing shards, cells per second,
+    /// Print the progress of a run or of its shards: done, running, failed and missing shards, cells per second,
     /// and remaining time.
     #[command(after_help = "Example:
   palpate status out/my-study")]

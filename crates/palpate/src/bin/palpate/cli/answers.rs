@@ -58,7 +58,7 @@ pub(crate) struct DesignArgs {
     /// any of their values.
     #[arg(long, value_name = "PATH")]
     pub(crate) minimise: Option<String>,
-    /// Largest share of the trials that may fail; with 1, any share may fail.
+    /// Largest share of the trials that may fail; 1 allows any number of failures.
     #[arg(
         long,
         value_name = "SHARE",
