@@ -55,7 +55,8 @@ pub struct Object {
     pub label: Vec<String>,
     /// True value of the compared quantity, or its mean if it differs between trials; `None` if every trial failed.
     pub truth: Option<f64>,
-    /// True class at most places of the observed patch; `None` unless the quantity is `class`.
+    /// The true class of the majority of the places on the observed patch; `None` unless the compared quantity is
+    /// `class`.
     pub class: Option<&'static str>,
     /// Number of trials, and number of failed trials.
     pub counts: TrialCounts,

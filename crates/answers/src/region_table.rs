@@ -88,8 +88,8 @@ impl Region {
     }
 
     /// The answer as JSON: the sentence, the ranges of values that meet or miss the target at each combination of the
-    /// grid, and the best value. Without a grid, there is only one combination, and its fields appear also at the top
-    /// level.
+    /// grid, and the best value. Without a grid, there is only one combination, and its results appear also at the top
+    /// level of the JSON object.
     pub fn to_json(&self, study: &Study) -> Value {
         let columns = self.columns.iter().map(|column| {
             let at: Map<_, _> = self.grid_json(column).collect();

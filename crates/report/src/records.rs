@@ -18,8 +18,8 @@ pub(crate) struct Records {
 }
 
 impl Records {
-    /// Reads a file that must contain the columns `names`; a name in the file may have a unit. The file may have no
-    /// rows.
+    /// Reads a file that must contain the columns `names`; in the file, a name may also end with a unit. The file may
+    /// have no rows.
     pub(crate) fn read(files: &Files, file: &str, names: &[&str]) -> Result<Self, ReportError> {
         let path = files.path(file);
         let text = files.read(file)?;
@@ -63,7 +63,7 @@ impl Records {
         Ok(records)
     }
 
-    /// Index of the column with this name in the header. The name in the header may have a unit.
+    /// Index of the column with this name in the header. In the header, the name may also end with a unit.
     pub(crate) fn find(&self, name: &str) -> Option<usize> {
         let is_it = |column: &String| column == name || split_unit(column).0 == name;
         self.header.iter().position(is_it)

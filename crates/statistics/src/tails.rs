@@ -33,7 +33,8 @@ pub fn chi_squared_tail(chi_squared: f64, freedom: usize) -> f64 {
     (first + rest).min(1.0)
 }
 
-/// Largest number of degrees of freedom for which the exact series is summed. For more, an expansion is used.
+/// Largest number of degrees of freedom for which the exact series is summed. For more degrees of freedom, an expansion
+/// is used.
 const MOST_TERMS: usize = 1_000_000;
 
 /// Tail probability of chi-squared for many degrees of freedom: the regularised upper incomplete gamma function Q(a,

@@ -244,7 +244,7 @@ impl Stored {
 }
 
 impl Runner {
-    /// Runs more trials of some cells. Their numbers continue from the last trial in the batches.
+    /// Runs more trials of some cells. The numbers of the new trials continue from the last trial in the batches.
     pub fn grow<T: Trial + ?Sized>(&self, cells: Vec<Growth<'_, T>>) {
         let mut jobs: Vec<Job<'_, T>> = Vec::new();
         for growth in cells {

@@ -21,7 +21,7 @@ pub(crate) struct Moments {
 }
 
 impl Moments {
-    /// Moments of finite `values`; all fields are zero if there are none.
+    /// Moments of finite `values`. If there are no values, all numbers in the result are zero.
     pub(crate) fn of(values: &[f64]) -> Self {
         let Some(&first) = values.first() else {
             return Self::default();

@@ -34,7 +34,7 @@ impl Accumulator {
         }
     }
 
-    /// Appends later blocks, and merges the sums of all blocks.
+    /// Appends the later blocks in `next`, and merges the sums of all blocks.
     fn merge(&mut self, next: Self) {
         self.histogram.merge(next.histogram);
         self.blocks.extend(next.blocks);
@@ -102,7 +102,7 @@ impl Partial {
         self.quantities.iter_mut().for_each(Accumulator::fold);
     }
 
-    /// Appends later blocks, and merges the sums of all blocks.
+    /// Appends the later blocks in `next`, and merges the sums of all blocks.
     pub(crate) fn merge(&mut self, next: Self) {
         self.trials += next.trials;
         self.failures.merge(next.failures);

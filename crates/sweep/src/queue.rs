@@ -62,7 +62,7 @@ struct State<T, E> {
     /// Number of jobs that were handed out, and number of jobs whose results were passed on.
     jobs: [u64; 2],
     is_stopped: bool,
-    /// Time per trial in the last finished job, s. `None` before the first job is finished, and without a clock.
+    /// Time per trial in the last finished job, s. `None` before the first job is finished, and if there is no clock.
     trial_s: Option<f64>,
 }
 

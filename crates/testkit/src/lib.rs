@@ -22,7 +22,7 @@ pub struct Truth {
     pub size_px2: f64,
 }
 
-/// A generator of random numbers (SplitMix64; Steele, Lea and Flood 2014). The field is the seed.
+/// A generator of random numbers (SplitMix64; Steele, Lea and Flood 2014). The number in it is the seed.
 #[derive(Clone, Debug)]
 pub struct Random(pub u64);
 
@@ -40,7 +40,8 @@ impl Random {
         low + (high - low) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// A nearly normal number with mean 0 and standard deviation 1: the sum of twelve uniform numbers.
+    /// A nearly normally distributed random number with mean 0 and standard deviation 1: the sum of twelve uniform
+    /// numbers.
     pub fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform(-0.5, 0.5)).sum()
     }

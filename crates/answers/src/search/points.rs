@@ -1,4 +1,4 @@
-//! The values that a search has tested, with the scores of their cells.
+//! The values that a search has tested, with the scores of all cells at each of these values.
 
 use super::limits::Rules;
 use super::{ScoreRequest, Scores};
@@ -20,7 +20,7 @@ pub(super) struct Points {
     pub(super) looks: usize,
 }
 
-/// A tested value and the scores of its cells.
+/// A tested value, and the scores of all cells at this value.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
     pub(super) value: f64,

@@ -134,7 +134,8 @@ impl CameraPress {
     }
 }
 
-/// The bodies at the depths of the discs, and the bodies at slightly larger depths for derivatives by the depth.
+/// The bodies at the depths of the discs, and the bodies at slightly larger depths for the derivatives with respect to
+/// the depth.
 fn pairs(bodies: Bodies) -> Result<([Body; 2], [Body; 2])> {
     let [magenta, yellow] = DEPTHS;
     let bodies = bodies(&[magenta, yellow, magenta + DEPTH_STEP, yellow + DEPTH_STEP])?;

@@ -32,8 +32,8 @@ fn is_random(row: &Row<'_>) -> bool {
     row.text(OFFSET) == Some("random")
 }
 
-/// Whether the pads of a row have random offsets, so that its error is a mean over offsets. If the study has no random
-/// offsets, all rows are accepted.
+/// Whether the pads of a row have random offsets, so that the error in this row is a mean over offsets. If the study
+/// has no random offsets, all rows are accepted.
 fn is_statistical(row: &Row<'_>) -> bool {
     let values = row.study.cells().axis(OFFSET).map(|axis| axis.values());
     is_random(row) || !values.is_some_and(|values| values.iter().any(|value| value == "random"))

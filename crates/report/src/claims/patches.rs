@@ -49,7 +49,8 @@ fn is_two_pass(row: &Row<'_>) -> bool {
     row.label(ESTIMATOR) == "two-pass"
 }
 
-/// Whether the row's estimator uses only the first of the paper's two fits. Its label begins with "first pass".
+/// Whether the row's estimator uses only the first of the paper's two fits. The label of such an estimator begins with
+/// "first pass".
 fn is_first_pass(row: &Row<'_>) -> bool {
     row.label(ESTIMATOR).starts_with("first pass")
 }

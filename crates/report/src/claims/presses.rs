@@ -76,8 +76,8 @@ fn scatter(row: &Row<'_>) -> Option<f64> {
     Some((row.statistic("q95")? - row.statistic("q05")?) / (2.0 * row.statistic("truth")?))
 }
 
-/// Whether the row has the paper's estimator and directly read displacements. Camera sensors are excluded, because
-/// their rows use another elastic model.
+/// Whether the row is for the paper's estimator and for a sensor that reads displacements directly. Camera sensors are
+/// excluded, because their rows use another elastic model.
 fn is_paper(row: &Row<'_>) -> bool {
     is_direct(row)
         && row.text("scene.estimator.kind") == Some("gaussian")

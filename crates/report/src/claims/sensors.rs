@@ -193,8 +193,8 @@ fn is_rigid(row: &Row<'_>) -> bool {
     strains.iter().all(|path| row.number(path).is_none())
 }
 
-/// Relative deviation from the published slopes, for each line of the hue. It is the larger of two deviations: that of
-/// this line, and the smallest one among the lines of the centroid for the same sensor.
+/// For each line of the hue, the larger of two relative deviations from the published slopes: the deviation of this
+/// line, and the smallest deviation among the lines of the centroid for the same sensor.
 fn farther_off<'a>(rows: &[Row<'a>], quantity: &str) -> Vec<(Row<'a>, f64)> {
     let off = |share: f64| (share - 1.0).abs();
     let centroids = centroid(rows);

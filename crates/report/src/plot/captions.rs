@@ -13,8 +13,8 @@ pub(crate) fn short_value(axis: &Axis, value: &str) -> String {
     }
 }
 
-/// Text of a swept value, with the name and the unit of the field. If the value is a label, the label alone may be
-/// enough.
+/// Text of a swept value, with the name and the unit of the field. If the value is a label, the text may consist of the
+/// label alone.
 pub(crate) fn full_value(axis: &Axis, value: &str) -> String {
     let field = Label::of_field(&axis.header);
     match (axis.header.as_str(), number::finite(value)) {

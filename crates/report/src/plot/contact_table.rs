@@ -43,7 +43,7 @@ pub(crate) struct Contacts {
     /// Root-mean-square distance between readings and true contacts. `None` if the readings equal the contacts, or if
     /// there are not as many readings as contacts.
     pub(crate) off: Option<f64>,
-    /// Whether the centres of the fingertips are apart from the contacts.
+    /// Whether the centres of the fingertips are at other positions than the contacts.
     pub(crate) tips_apart: bool,
 }
 

@@ -209,7 +209,7 @@ fn arrow((x, y): Point) -> [Point; 3] {
     [(x - size, bottom), (x + size, bottom), (x, bottom - 16)]
 }
 
-/// Name of a model without its numbers. Models with the same name without numbers belong to one family.
+/// Name of a model without the numbers in it. Models for which this text is the same belong to one family.
 fn family(name: &str) -> String {
     let is_number = |word: &&str| word.starts_with(|letter: char| letter.is_ascii_digit());
     let kept = name.split(", ").map(|part| {

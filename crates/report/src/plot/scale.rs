@@ -35,7 +35,7 @@ pub(crate) struct Scale {
     has_minor: bool,
 }
 
-/// Largest magnitude that can be drawn. On a logarithmic axis, its inverse is the smallest.
+/// Largest magnitude that can be drawn. On a logarithmic axis, the inverse of this number is the smallest magnitude.
 const LARGEST: f64 = 1e300;
 /// Smallest gap between two numbers along the x axis, in drawing units (1/3 px).
 const BETWEEN_NUMBERS: i32 = 24;

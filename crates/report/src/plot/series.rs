@@ -92,7 +92,7 @@ pub(crate) struct Line {
 pub(crate) struct SeriesKey {
     pub(crate) title: String,
     pub(crate) entries: Vec<(String, Style)>,
-    /// Labels of the solid and of the dashed lines; `None` without dashed lines.
+    /// Labels of the solid and of the dashed lines; `None` if there are no dashed lines.
     pub(crate) compared: Option<(String, String)>,
     /// Labels and styles of the open markers.
     pub(crate) points: Vec<(String, Style)>,

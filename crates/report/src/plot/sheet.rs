@@ -77,7 +77,7 @@ pub(crate) struct Sheet {
     drawing: Rc<RefCell<Drawing>>,
     pub(crate) area: DrawingArea<Drawing, Shift>,
     pub(crate) width: i32,
-    /// Lower edge of what is already drawn, in drawing units from the top.
+    /// Lower edge of the parts that are already drawn, in drawing units from the top.
     pub(crate) top: i32,
 }
 

@@ -22,9 +22,9 @@ const RAISE: f64 = 36.0;
 const BESIDE: i32 = 198;
 /// Space for the labels of the axes below the box, in drawing units.
 pub(super) const BELOW: i32 = 48;
-/// Largest height of the box around the three-dimensional chart, in drawing units.
+/// Largest height of the box of the three-dimensional chart, in drawing units.
 const TALLEST: i32 = 1860;
-/// Distance between ticks, in drawing units. An axis has its length divided by this distance as number of ticks, but
+/// Distance between ticks, in drawing units. The number of ticks on an axis is its length divided by this distance, but
 /// at least 2 and at most 6.
 const APART: f64 = 192.0;
 

@@ -27,7 +27,7 @@ impl From<f64> for Form {
     }
 }
 
-/// The number as a JSON value, which is "inf" if the number is infinite.
+/// The number as a JSON value. An infinite number is the text "inf".
 pub fn json_number(number: f64) -> Json {
     serde_json::to_value(Form::from(number)).unwrap_or_default()
 }

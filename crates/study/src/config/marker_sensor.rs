@@ -297,7 +297,8 @@ fn yes() -> bool {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NormalFrom {
-    /// The hue of the marker's summed light. It depends on the difference between the displacements of its two discs.
+    /// The hue of the marker's summed light. It depends on the difference between the displacements of the marker's two
+    /// discs.
     Hue,
     /// The size of the marker in the image. It depends on the marker's distance from the camera.
     Size,

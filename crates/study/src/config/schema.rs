@@ -158,7 +158,7 @@ pub(super) fn alternatives(path: &str) -> Vec<String> {
     all.iter().map(|key| format!("{parent}.{key}")).collect()
 }
 
-/// Whether a field accepts only whole numbers. This is the same for all kinds that have the key.
+/// Whether a field accepts only whole numbers. This is the same for all kinds that have the field.
 pub(super) fn is_whole(schema: &Json, keys: &[&str]) -> bool {
     let field = fields_at(schema, keys).into_iter().next();
     field.is_some_and(|field| field["type"] == "integer")

@@ -335,8 +335,8 @@ pub struct SettingError {
     pub key: String,
     /// Value of the setting, if it is a number.
     pub value: Option<f64>,
-    /// Description of the problem, written so that it can follow the key. It writes the names of other settings as ``
-    /// setting `key` ``.
+    /// Description of the problem, written so that it can follow the key. The text names other settings as `` setting
+    /// `key` ``.
     pub reason: String,
 }
 

@@ -210,8 +210,8 @@ impl Axis {
     }
 }
 
-/// A field that an axis sets, and the place in the config at which the axis names this field. The name may be a value
-/// or a key there.
+/// A field that an axis sets, and the place in the config at which the axis names this field. There, a value or a key
+/// may name the field.
 #[derive(Debug, Clone)]
 pub(super) struct Target {
     pub(super) path: String,
@@ -553,7 +553,7 @@ fn range(ends: [f64; 2], count: u32, spacing: Spacing) -> Result<Range, Fault> {
 }
 
 /// The number, rounded to 12 digits: 0.3 instead of 0.30000000000000004. After rounding, the result is the same on all
-/// machines, even if their logarithms differ in the last digits.
+/// machines, even if logarithms differ between machines in the last digits.
 pub(super) fn rounded(number: f64) -> f64 {
     format!("{number:.11e}").parse().unwrap_or(number)
 }

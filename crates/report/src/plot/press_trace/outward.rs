@@ -9,8 +9,9 @@ const REFINEMENTS: u32 = 60;
 /// Largest curvature of the skin that is tried, multiplied by the largest distance from the contact. At π, this
 /// distance would be half a great circle.
 const ROUNDEST: f64 = 3.1;
-/// Regularisation of the least-squares fit: this number times the matrix's trace is added to the diagonal of the
-/// matrix. The solution is then unique, even if the positions do not determine all unknowns.
+/// Regularisation of the least-squares fit: the trace of the matrix of the normal equations, multiplied by this number,
+/// is added to the diagonal of this matrix. The solution is then unique, even if the positions do not determine all
+/// unknowns.
 const RIDGE: f64 = 1e-13;
 /// A marker counts as being at the contact if its distance from the contact is below this share of the largest
 /// distance.
@@ -60,7 +61,8 @@ pub(super) fn outward(places: &[[f64; 2]], distances: &[f64]) -> Vec<Option<[f64
 struct Contact {
     curvature: f64,
     place: [f64; 3],
-    /// Sum of the squared differences between fitted and given squared chords, from the markers to the contact.
+    /// Misfit of the chords from the markers to the contact: sum of the squared differences between fitted and given
+    /// squares of the chords.
     misfit: f64,
 }
 
