@@ -19,7 +19,7 @@ pub enum LayoutError {
     AroundTheSphere {
         /// Name of the setting that makes the row too long.
         setting: &'static str,
-        /// Polar angle of the last marker, degrees.
+        /// Polar angle of the last marker of the row, degrees.
         reach_deg: f64,
     },
     /// The rows or the rim of the layout are stated by angles, but the skin is flat.
@@ -28,7 +28,7 @@ pub enum LayoutError {
          {{ kind = \"grid\", pitch = .., width = .., height = .. }}"
     )]
     NoAngles,
-    /// The layout has more markers than the limit.
+    /// The layout has more markers than allowed.
     #[error(
         "there would be {markers:.0} markers; at most {limit} are possible",
         markers = Number(*markers)

@@ -8,7 +8,7 @@ use crate::{PadCell, RollSample, SeriesNoise};
 /// A straight line is fitted to the measured rotations near a change of the active pad. This is half the length of the
 /// line, in standard deviations of a measured rotation.
 const REACH: f64 = 7.0;
-/// Largest half-length of this line, in samples.
+/// Largest half-length of the straight line that is fitted to the measured rotations, in samples.
 const MOST_REACH: f64 = 1e4;
 /// A crossing of a pad's edge is only known to lie between two samples. This is the smallest uncertainty of the
 /// rotation across the edge, relative to the rotation between the two samples.
@@ -26,7 +26,7 @@ const PROBED: usize = 4;
 pub(crate) struct Run {
     pub(crate) first: usize,
     pub(crate) last: usize,
-    /// Centre of the pad.
+    /// Centre of the active pad.
     pub(crate) centre: Vector2<f64>,
 }
 

@@ -15,7 +15,7 @@ pub enum Ep1Error {
         /// Number of probes.
         probes: usize,
     },
-    /// The rotations do not span the tangent plane.
+    /// The rotations of all probes are nearly parallel, so they do not span the tangent plane.
     #[strum(serialize = "unresolvable-set")]
     #[error(
         "the rotations of the {probes} probes do not span the tangent plane: across their main \

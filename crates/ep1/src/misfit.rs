@@ -119,7 +119,7 @@ fn small_residuals(noise: &ReadingNoise, residual: f64, goodness: GoodnessOfFit)
     })
 }
 
-/// A weighted least-squares fit, linearised at an estimate.
+/// A weighted least-squares fit to the readings, linearised at an estimate.
 struct Refit<'r> {
     noise: ReadingNoise,
     estimate: &'r Estimate,

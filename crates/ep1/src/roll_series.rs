@@ -67,7 +67,7 @@ impl PadCell {
         self.normals().all(|normal| normal.dot(place) <= half)
     }
 
-    /// Number of edges.
+    /// Number of edges of the polygon.
     pub(crate) const fn edges(&self) -> usize {
         2 * self.pairs
     }
@@ -87,7 +87,7 @@ impl PadCell {
     }
 }
 
-/// What the places of the samples are.
+/// Meaning of the places in the samples: centres of pads or contact points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Places {
     /// Centres of active pads.
@@ -119,7 +119,7 @@ impl SeriesNoise {
     }
 }
 
-/// Methods that estimate curvature from series.
+/// Methods that estimate the curvature from time series of rolls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SeriesMethod {
     /// The curvature is constant along the rolls. Pads bound the contact at each sample.

@@ -94,7 +94,7 @@ impl LocalShape {
     }
 }
 
-/// The numbers `x^k / k!`.
+/// The numbers `x^k / k!` for k = 0, 1, …
 fn powers(x: f64) -> [f64; MAX_TERMS + 1] {
     let mut powers = [1.0; MAX_TERMS + 1];
     for power in 1..=MAX_TERMS {
@@ -119,7 +119,7 @@ pub(crate) struct PathPoint {
     frame: Matrix3<f64>,
     /// Position of the contact on the object, in the carried frame.
     pub(crate) x: Vector2<f64>,
-    /// The drive, summed over the path.
+    /// The drive, summed over the path from the start.
     drive: Vector2<f64>,
     /// Inverse of the sum of the curvature forms of both bodies at the contact.
     pub(crate) mobility: Matrix2<f64>,
@@ -136,7 +136,7 @@ impl RollRotations {
         }
     }
 
-    /// The rotation vectors since the start.
+    /// The rotation vectors of the samples since the start of the roll.
     pub(crate) fn rotations(&self) -> &[Vector3<f64>] {
         &self.rotations
     }
@@ -302,7 +302,7 @@ pub(crate) struct StartFrame {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     pub(crate) place: Vector2<f64>,
-    /// Derivatives with respect to the start.
+    /// Derivatives with respect to the contact point at the start.
     pub(crate) by_start: Matrix2<f64>,
     /// Derivatives with respect to the contact's position on the object.
     pub(crate) by_path: Matrix2<f64>,

@@ -14,7 +14,7 @@ pub enum SeriesError {
     /// A number of a sample is not finite.
     #[error("roll {roll}, sample {sample} (counting from 0): a number is not finite")]
     NotFinite {
-        /// Number of the roll.
+        /// Number of the roll, counted from 0.
         roll: usize,
         /// Number of the sample.
         sample: usize,
@@ -26,7 +26,7 @@ pub enum SeriesError {
         Number(*last_s)
     )]
     TimeOrder {
-        /// Number of the roll.
+        /// Number of the roll, counted from 0.
         roll: usize,
         /// Number of the sample.
         sample: usize,
@@ -38,7 +38,7 @@ pub enum SeriesError {
     /// A place is more than half a turn from the pads' origin.
     #[error("roll {roll}, sample {sample} (counting from 0): the place is not on the probe")]
     OffProbe {
-        /// Number of the roll.
+        /// Number of the roll, counted from 0.
         roll: usize,
         /// Number of the sample.
         sample: usize,

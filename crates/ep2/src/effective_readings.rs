@@ -52,7 +52,7 @@ pub struct DistinctContacts {
 /// Number of independent readings in a log, with the numbers from which it is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffectiveReadings {
-    /// Number of contacts in the log, without outliers.
+    /// Number of contacts in the log, not counting outliers.
     pub contacts: usize,
     /// Number of readings after exact copies and the contacts of resting fingers were merged.
     pub distinct: usize,

@@ -56,7 +56,7 @@ impl Knots {
         self.knots.len() - self.degree - 1
     }
 
-    /// The first and the last knot.
+    /// The first and the last knot, which are the ends of the interval.
     pub(crate) fn domain(&self) -> (f64, f64) {
         (self.knots[0], self.knots[self.knots.len() - 1])
     }

@@ -26,7 +26,7 @@ pub struct Region {
     pub points: usize,
     /// Area of the surface that the points of the region represent, length².
     pub area: f64,
-    /// Mean Gaussian curvature over the area, 1/length².
+    /// Average of the Gaussian curvature over the area of the region, 1/length².
     pub gaussian_curvature: f64,
     /// Average of the mean curvature over the area of the region, 1/length.
     pub mean_curvature: f64,

@@ -33,7 +33,7 @@ use triangle::Triangle;
 /// A diagonal entry of the triangularised equations counts as zero if the ratio of its square to the largest square is
 /// at most this value.
 const RANK_TOLERANCE: f64 = 1e-16;
-/// Relative residuals below this value are rounding errors.
+/// Residuals count as rounding errors if they are below this value, relative to the heights.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Settings of a smoothing spline.
@@ -70,7 +70,7 @@ pub enum Status {
     Polynomial,
     /// The spline passes through all points: all residuals are rounding errors.
     Interpolating,
-    /// The required sum is reached within the tolerance.
+    /// The sum of squared residuals equals the required sum within the tolerance.
     Smoothing,
     /// The sum of squared residuals is larger than the required sum, and no further knot can be added: there are more
     /// coefficients than points, the largest number of knots is reached, or no interval may be split. The result is the
@@ -81,7 +81,7 @@ pub enum Status {
 }
 
 impl Status {
-    /// Whether the required sum was reached.
+    /// Whether the fit reached the required sum of squared residuals.
     pub(crate) const fn is_met(self) -> bool {
         !matches!(self, Self::KnotsExhausted | Self::Unsettled)
     }

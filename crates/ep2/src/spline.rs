@@ -62,7 +62,7 @@ impl Local {
 }
 
 impl Jet<Lanes> {
-    /// Joins one jet per place.
+    /// Joins several jets, one for each place, into one jet with lanes.
     pub(crate) fn side_by_side(jets: &[Jet; LANES]) -> Self {
         let all =
             |part: fn(&Jet) -> f64| Lanes::from(std::array::from_fn(|lane| part(&jets[lane])));
@@ -76,7 +76,7 @@ impl Jet<Lanes> {
         }
     }
 
-    /// Splits the jet into one jet per place.
+    /// Splits a jet with lanes into several jets, one for each place.
     #[inline(always)]
     pub(crate) fn lanes(&self) -> [Jet; LANES] {
         let [w, u, v, uu, uv, vv] =

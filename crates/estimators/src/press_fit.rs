@@ -96,7 +96,7 @@ impl PressFitSetup<'_> {
     }
 }
 
-/// Reason for which a fit cannot be built.
+/// Reason why a fit cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PressFitError {
     /// A setting is out of its range, or missing.

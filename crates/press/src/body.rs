@@ -89,7 +89,7 @@ pub(crate) struct Field {
     pub(crate) normal_per_r: f64,
     /// Derivative of the inward displacement with respect to the contact's radius.
     pub(crate) normal_per_a: f64,
-    /// Displacement along the skin, away from the contact.
+    /// Displacement along the skin, positive away from the contact, divided by the relative curvature.
     pub(crate) radial: f64,
     /// Derivative of the displacement along the skin with respect to the distance r.
     pub(crate) radial_per_r: f64,

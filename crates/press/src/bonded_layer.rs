@@ -44,10 +44,10 @@ pub(crate) struct BondedLayer {
     number: usize,
 }
 
-/// One layer at several depths, with common tables.
+/// Data of one layer that its models for several depths have in common.
 #[derive(Debug)]
 struct Family {
-    /// Depths, relative to the thickness.
+    /// Depths of the models, relative to the thickness of the layer.
     depths: Vec<f64>,
     /// For each range of radii, a table for each depth. The tables of a range are computed when they are first needed.
     tables: [OnceLock<Result<Vec<Table>, PressError>>; ENDS.len() - 1],

@@ -34,7 +34,7 @@ pub(crate) fn inverse<const N: usize>(
     (least > singular).then(|| factor.inverse().component_mul(&outer))
 }
 
-/// Factors that scale the diagonal to 1.
+/// Factors of rows and columns that scale the diagonal of a matrix to 1.
 fn scale<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Option<SVector<f64, N>> {
     let scale = SVector::<f64, N>::from_fn(|index, _| matrix[(index, index)].sqrt().recip());
     scale.iter().all(|entry| entry.is_finite()).then_some(scale)

@@ -272,7 +272,7 @@ struct Problem<'a> {
     /// Poisson's ratio of the half-space, and the depth of the markers.
     half_space: (f64, f64),
     reading: &'a Reading<'a>,
-    /// Standard deviations of normal and tangential displacements.
+    /// Standard deviations of the noise of normal and tangential displacements.
     stds: [f64; 2],
     /// Whether the standard deviations of normal and of tangential displacements are estimated from the residuals,
     /// because they are not stated.

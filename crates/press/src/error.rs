@@ -69,7 +69,7 @@ pub enum PressError {
     TooDeep {
         /// The indentation that is too deep, length.
         indentation: f64,
-        /// The indentation must be less than this length.
+        /// Limit of the indentation: it must be less than this length.
         limit: f64,
         /// Name of the quantity whose value is `limit`, such as "the layer's thickness".
         what: &'static str,

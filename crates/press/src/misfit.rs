@@ -73,7 +73,7 @@ pub(crate) fn patterns(contact: &Contact<'_>, sight: &Sight) -> Patterns {
 /// The noise with which residuals are compared.
 #[derive(Clone, Copy)]
 pub(crate) enum Noise {
-    /// Residuals are compared with the stated noise.
+    /// The stated noise.
     Stated,
     /// Noise that is estimated from the residuals: chi-squared of the residuals, and its degrees of freedom.
     Found { chi_squared: f64, freedom: usize },

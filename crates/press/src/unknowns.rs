@@ -74,7 +74,7 @@ impl Fitted {
 /// Chi-squared with its derivatives with respect to the fit parameters.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
-    /// Chi-squared, including the deviations from the priors.
+    /// Chi-squared, including the squared deviations from the priors.
     pub(crate) chi_squared: f64,
     /// Half the gradient of chi-squared.
     pub(crate) gradient: Unknowns,

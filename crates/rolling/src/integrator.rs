@@ -40,7 +40,7 @@ pub(crate) struct Integrated<const N: usize> {
 pub(crate) struct Stopped<const N: usize> {
     /// Reason why the integration stopped.
     pub(crate) fault: RollFault,
-    /// Time since the start.
+    /// Time from the start to the last valid state, s.
     pub(crate) time_s: f64,
     /// The last state that was valid.
     pub(crate) state: [f64; N],

@@ -25,14 +25,14 @@ pub enum Model {
     ClosedForm,
     /// The meridian model. [`crate::Roller::new`] returns an error if the model is not valid for the rolls.
     Meridian,
-    /// RK4 with this many steps per motion.
+    /// The integrator RK4 with a fixed number of steps per motion.
     Rk4 {
         /// Number of steps per motion, at least 1.
         steps: usize,
         /// Form of the contact equations.
         chart: Chart,
     },
-    /// DOP853 with this tolerance.
+    /// The integrator DOP853, which adapts its steps to a tolerance.
     Dop853 {
         /// Tolerance, from [`Model::SMALLEST_TOLERANCE`] to [`Model::LARGEST_TOLERANCE`].
         tolerance: f64,
@@ -70,7 +70,7 @@ pub struct Choice<M = Model> {
     /// Displayed name of the model, such as `closed form` or `meridian`. It includes the number of steps or the
     /// tolerance of an integrator.
     pub rung: String,
-    /// The chosen model with its setting; never `Auto`.
+    /// The chosen model; never `Auto`.
     pub model: M,
     /// Reason for the choice, as text.
     pub reason: String,

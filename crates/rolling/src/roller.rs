@@ -176,7 +176,7 @@ impl Roller {
         &self.object
     }
 
-    /// The first contact.
+    /// The contact at the start of each roll.
     pub const fn first_contact(&self) -> &Contact {
         &self.first
     }

@@ -12,7 +12,7 @@ pub enum Distribution {
 }
 
 impl Distribution {
-    /// Draws a random error of size 1.
+    /// Draws a random error with this distribution and the stated size 1.
     #[inline(always)]
     pub fn draw(self, stream: &mut Stream) -> f64 {
         match self {
@@ -74,7 +74,7 @@ impl GaussianError {
         self.bias
     }
 
-    /// The standard deviation.
+    /// Standard deviation of the error.
     pub const fn std(&self) -> f64 {
         self.std
     }

@@ -7,9 +7,9 @@ use crate::{Distribution, InvalidSensor, Stream};
 /// The axes along which a position has an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PositionAxes {
-    /// Along x, y and z: independent errors of the same size.
+    /// The position has errors along x, y and z. They are independent and have the same size.
     Xyz,
-    /// Along z only.
+    /// The position has an error along z only.
     Z,
 }
 

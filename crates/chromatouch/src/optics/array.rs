@@ -98,9 +98,9 @@ pub(super) struct Stand {
 pub(super) struct Sight {
     /// Unit vector to the middle of the disc.
     pub(super) direction: Vector3<f64>,
-    /// Sine of the angular radius, which is less than 90°.
+    /// Sine of the disc's angular radius, which is less than 90°.
     pub(super) sine: f64,
-    /// Cosine of the angular radius.
+    /// Cosine of the disc's angular radius.
     pub(super) cosine: f64,
 }
 

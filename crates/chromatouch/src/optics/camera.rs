@@ -47,7 +47,7 @@ pub(super) struct Ray {
     /// Angle that the pixel covers in the azimuthal direction, rad. It is an arc on the unit sphere, not a difference
     /// of azimuths.
     pub(super) lateral_rad: f64,
-    /// Cosine of the polar angle.
+    /// Cosine of the polar angle of the light's direction.
     pub(super) cosine: f64,
 }
 

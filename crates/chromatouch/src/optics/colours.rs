@@ -9,11 +9,11 @@ use super::OpticsError;
 pub struct Colours {
     /// Light of the illuminated white layer, relative to full scale.
     pub white: [f64; 3],
-    /// Transmittance of a magenta disc.
+    /// Transmittances of a magenta disc.
     pub magenta: [f64; 3],
-    /// Transmittance of a yellow disc.
+    /// Transmittances of a yellow disc.
     pub yellow: [f64; 3],
-    /// Transmittance of a seam.
+    /// Transmittances of a seam.
     pub seam: [f64; 3],
     /// Light outside the image circle, relative to full scale.
     pub outside: [f64; 3],

@@ -58,7 +58,7 @@ pub enum OpticsError {
         /// Half the circumference of the skin, length.
         limit: f64,
     },
-    /// There are more markers than the limit.
+    /// There are more markers than allowed.
     #[error("there would be {markers} markers; at most {limit} are possible")]
     TooManyMarkers {
         /// Number of markers.

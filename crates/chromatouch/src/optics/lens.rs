@@ -25,7 +25,7 @@ pub(super) struct Local {
     pub(super) radius: f64,
     /// Derivative r′ of the distance with respect to θ.
     pub(super) radial: f64,
-    /// Second derivative r″ of the distance.
+    /// Second derivative r″ of the distance with respect to θ.
     pub(super) radial_slope: f64,
     /// Scale g in the azimuthal direction: px per radian of arc on the unit sphere.
     pub(super) lateral: f64,
@@ -80,7 +80,7 @@ struct Stretch {
     value: f64,
     /// Derivative q′ with respect to θ.
     slope: f64,
-    /// Second derivative q″.
+    /// Second derivative q″ with respect to θ.
     curve: f64,
     /// The product q′ cot θ.
     slope_bend: f64,

@@ -47,7 +47,7 @@ pub(super) struct Aim {
     polar: f64,
     sine: f64,
     cosine: f64,
-    /// Cosine and sine of the azimuth.
+    /// Cosine and sine of the direction's azimuth.
     azimuth: [f64; 2],
     local: Local,
 }

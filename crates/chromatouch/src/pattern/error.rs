@@ -23,7 +23,7 @@ pub enum PatternError {
         /// Largest strain of a skin that is folded from this number of gores; `None` for 0 gores.
         strain: Option<f64>,
     },
-    /// There are more gores than the limit.
+    /// There are more gores than allowed.
     #[error("gores is {gores}; a pattern has at most {MOST_GORES}")]
     TooManyGores {
         /// Requested number of gores.

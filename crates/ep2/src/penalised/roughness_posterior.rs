@@ -111,9 +111,9 @@ struct Process {
 /// A process with one correlation length and one amplitude, as one term of the average.
 struct Candidate {
     square_amplitude: f64,
-    /// Triangular factors of 1 + amplitude² × information.
+    /// Triangular factors of the matrix 1 + amplitude² × information of the process.
     factors: Factors,
-    /// Mean of each mode's factor, given the contacts.
+    /// Posterior mean of the factor of each mode.
     mean: Vec<f64>,
     /// Factor by which the assumed variances must be multiplied to explain the residuals; 1 if the variances are
     /// stated.

@@ -27,7 +27,7 @@ pub(super) struct Spectrum {
     pub(super) roughness: Vec<f64>,
     /// Right side of the normal equations, as one value per mode.
     pub(super) right: Vec<f64>,
-    /// Weighted sum of squares of all observations.
+    /// Weighted sum of the squared deviations of all observations from the quadric.
     pub(super) square: f64,
     /// Number of observations in the equations.
     pub(super) equations: f64,

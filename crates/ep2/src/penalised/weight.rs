@@ -206,7 +206,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The smoothing weight with the best score.
+    /// The smoothing weight with the smallest score (see [`Self::score`]).
     pub(super) fn best(&self) -> Choice {
         let scores: Vec<f64> = self.sums.iter().map(|sums| self.score(sums)).collect();
         let best = (0..NODES)

@@ -57,7 +57,7 @@ pub(super) struct Pose {
     pub(super) point: Vector3<f64>,
     /// The axes a and b along the surface and the normal n, as rows.
     pub(super) axes: Matrix3<f64>,
-    /// Curvature, > 0 if convex.
+    /// Curvature of the shape, > 0 if it is convex, 0 for a plane.
     pub(super) curvature: f64,
 }
 

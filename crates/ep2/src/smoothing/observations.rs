@@ -49,7 +49,7 @@ impl LocalBasis {
 /// Sums over all points whose coordinate along an axis is in the same interval between knots.
 #[derive(Clone, Copy, Default)]
 pub(super) struct IntervalSums {
-    /// Sum of the squared residuals.
+    /// Sum of the squared residuals of these points.
     pub(super) squares: f64,
     /// Sum of the squared residuals, each multiplied by the point's coordinate.
     pub(super) moments: f64,

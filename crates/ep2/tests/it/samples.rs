@@ -154,7 +154,7 @@ pub(crate) const DETAILED: [Surface; 2] = [
     },
 ];
 
-/// Settings of simulated contacts, with their noise.
+/// Numbers, positions and noise of simulated contacts.
 #[derive(Clone, Copy)]
 pub(crate) struct Sweep {
     pub(crate) fingers: usize,

@@ -265,7 +265,7 @@ fn angle(node: usize) -> f64 {
     PI * (node as f64 + 0.5) / NODES as f64
 }
 
-/// Chebyshev nodes between two values.
+/// Chebyshev nodes in the interval between two values.
 fn nodes([from, to]: [f64; 2]) -> [f64; NODES] {
     std::array::from_fn(|node| 0.5 * (from + to) + 0.5 * (to - from) * libm::cos(angle(node)))
 }

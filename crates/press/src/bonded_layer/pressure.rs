@@ -127,7 +127,7 @@ impl Pressure {
         }
     }
 
-    /// The transform Q(k) and its derivative ∂Q/∂α.
+    /// The Hankel transform Q(k) of the pressure at the wavenumber k, and its derivative ∂Q/∂α.
     pub(super) fn transform(&self, k: f64) -> [f64; 2] {
         self.nodes
             .iter()

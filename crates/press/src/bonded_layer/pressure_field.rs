@@ -21,7 +21,7 @@ const POINT: f64 = 1e-10;
 /// The radial functions are computed by an upward recurrence if it amplifies rounding errors by at most the factor e^9;
 /// otherwise by a downward recurrence. This is the exponent.
 const UPWARD: f64 = 9.0;
-/// Terms of the series below e^−32 are omitted.
+/// Terms of the series that are smaller than e^−32 are omitted. This is the exponent without its sign.
 const NEGLIGIBLE: f64 = 32.0;
 /// The downward recurrence starts at a high order, where its start value has an error of e^−30. The exponent is twice
 /// this constant.

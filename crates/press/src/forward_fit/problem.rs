@@ -26,9 +26,9 @@ pub(super) struct Problem<'a> {
     pub(super) fit: &'a ForwardFit,
     pub(super) reading: &'a Reading<'a>,
     pub(super) fitted: Fitted,
-    /// Standard deviation of a normal displacement.
+    /// Standard deviation of the noise of a normal displacement.
     pub(super) normal_std: f64,
-    /// Standard deviation of each component of a tangential displacement.
+    /// Standard deviation of the noise of each component of a tangential displacement.
     pub(super) tangential_std: f64,
     /// For each marker, whether the fit uses it.
     pub(super) kept: Vec<bool>,
@@ -147,7 +147,7 @@ impl<'a> Problem<'a> {
         self.residuals(marker, (baseline, Vector2::zeros()))
     }
 
-    /// Displacements of all markers in the model.
+    /// Displacements of all markers that the model predicts.
     pub(super) fn displacements(
         &self,
         contact: &Contact<'_>,

@@ -10,7 +10,7 @@ use crate::{GoodnessOfFit, PressError};
 const MAX_STEPS: usize = 200;
 /// Damping of the first step, relative to the information in the priors.
 const DAMPING: f64 = 1.0;
-/// Damping above which the search ends.
+/// A search ends if its damping exceeds this value.
 const MAX_DAMPING: f64 = 1e9;
 /// An exact search ends after a step that decreases chi-squared by less than this value.
 const ENOUGH: f64 = 1e-6;

@@ -30,7 +30,7 @@ const SHRINK: f64 = 1.0 / 3.0;
 const GROW: f64 = 6.0;
 /// If fewer steps than this remain until the end of the motion, they are all made equally long.
 const LAST_FEW: f64 = 3.0;
-/// Shortest step, relative to the elapsed time.
+/// Shortest step, relative to the time since the start of the motion.
 const SHORTEST: f64 = 1e-12;
 /// Shortest step, relative to the duration of the motion. A step must be longer than this limit and than the limit
 /// [`SHORTEST`].

@@ -15,7 +15,7 @@ pub struct Blemishes {
     pub light_at_rim: f64,
     /// Standard deviation of a Gaussian blur of the whole frame, px; 0 means no blur.
     pub blur_px: f64,
-    /// Seams between gores.
+    /// Seams between the gores of the skin; `None` if there are no seams.
     pub seams: Option<Seams>,
     /// Standard deviation of the Gaussian noise of each channel of each pixel in the image circle, in levels (0 to
     /// 255).
@@ -128,7 +128,7 @@ impl Blur {
 
 /// The seams in the image: straight lines from the centre of the image outward.
 pub(super) struct SeamLines {
-    /// Unit vectors along the seams, with y up.
+    /// Unit vectors along the seams in the image. The y axis points up.
     lines: Vec<[f64; 2]>,
     /// Sine of half the angle that the width of a seam covers at the sensor's centre.
     half_width: f64,
