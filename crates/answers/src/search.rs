@@ -5,8 +5,8 @@
 //! any decision of a search is wrong is at most [`Search::wrong`]. One fifth of this probability is divided evenly
 //! among at most 400 tests of values. The rest is divided evenly among the ends of the ranges in the answer. Each
 //! attempt to verify an end may be wrong with half the probability of the previous attempt. These bounds are valid for
-//! any curve of the scores. However, the search does not detect a curve that crosses the limit and returns between two
-//! tested values.
+//! any curve of the scores. However, the search does not detect a curve that crosses the limit of the target twice
+//! between two tested values.
 
 mod explore;
 mod limits;

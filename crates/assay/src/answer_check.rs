@@ -90,8 +90,8 @@ pub fn scores(options: Options<'_>, report: impl Fn(&Score)) -> Result<Vec<Score
     Ok(scores)
 }
 
-/// Fails if too few answers are correct. At least 183 of 200 designs, at least 16 of 20 designs of each scene, and at
-/// least 19 of 20 probabilities must be correct.
+/// Fails if too few answers are correct. At least 183 of 200 answers of `design`, at least 16 of 20 answers of `design`
+/// for each scene, and at least 19 of 20 probabilities of `distinguish` must be correct.
 ///
 /// An answer should be correct with a probability of 95 %. Then at least 183 of 200 answers are correct with a
 /// probability of 98.8 %, and at least 16 of 20 answers with a probability of 99.7 %.

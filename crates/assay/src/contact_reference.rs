@@ -3,8 +3,8 @@
 //!
 //! `palpate-rolling` computes most of these contacts by other methods, so the closed-form solutions are an independent
 //! check. If a tip of radius r touches from above at the point p with outward normal n, the centre of the tip is p + r
-//! n. All such centres form the offset surface. Each closed form contains one unknown, which is found by bisection or
-//! by fixed-point iteration.
+//! n. All such centres form the offset surface. Each closed-form solution contains one unknown, which is found by
+//! bisection or by fixed-point iteration.
 
 use nalgebra::{Point3, Vector3};
 

@@ -2,13 +2,14 @@
 //! for `palpate-press`, and do not use the closed-form solutions, series or tables of that crate.
 //!
 //! The pressure under a contact of radius a has the Hankel transform Q(k) = ∫₀^a φ(t) cos kt dt, where φ is an
-//! auxiliary function on the contact area. With the relative curvature C_r, the displacements at depth z are C_r ∫ Q N
-//! J₀(kr) dk inward and C_r ∫ Q R J₁(kr) dk outward:
+//! auxiliary function on the contact area. The relative curvature is C_r. At the depth z and the distance r from the
+//! middle of the contact, the inward displacement is C_r ∫ Q N J₀(kr) dk, and the outward displacement is C_r ∫ Q R
+//! J₁(kr) dk. Here k is the wavenumber. The kernels N and R depend on the body and its Poisson's ratio ν:
 //!
 //! | body | N | R |
 //! |---|---|---|
 //! | half-space | (1 + kz/(2 − 2ν)) e^{−kz} | (kz − 1 + 2ν)/(2 − 2ν) e^{−kz} |
-//! | layer on a core, ν = ½ | [(cosh H + H sinh H)(sinh x − x cosh x) + H cosh H x sinh x]/(cosh² H + H²) | ∂N/∂x likewise |
+//! | layer on a core, ν = ½ | [(cosh H + H sinh H)(sinh x − x cosh x) + H cosh H x sinh x]/(cosh² H + H²) | ∂N/∂x |
 //!
 //! For the layer, lengths are in units of its thickness, H is the wavenumber in these units, and x = H(1 − z). Only the
 //! difference between layer and half-space is integrated over wavenumbers. The part of the half-space is integrated

@@ -54,8 +54,8 @@ fn many_squares_tail(half: f64, a: f64) -> f64 {
 
 /// Tail probability of the F distribution. It is the probability that the ratio of two chi-squared variables, each
 /// divided by its degrees of freedom, is larger than the ratio `above / below`. The result is 1 if a number of degrees
-/// of freedom is 0. The error is at most 1e-10 for up to 10,000 degrees of freedom. For more, it is at most 1e-14 times
-/// their number. More than 1e9 degrees of freedom are treated as 1e9.
+/// of freedom is 0. The error is at most 1e-10 for up to 10,000 degrees of freedom. For more degrees of freedom, the
+/// error is at most 1e-14 times their number. More than 1e9 degrees of freedom are treated as 1e9.
 ///
 /// ```
 /// // 5 % of ratios with 2 and 12 degrees of freedom are above 3.8853.

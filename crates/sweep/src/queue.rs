@@ -92,7 +92,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
     }
 
     /// The next job; `None` if no trials are left, or if the queue was stopped. The function waits if too many results
-    /// are missing. With `has_clock`, the size of a job follows from the measured time per trial.
+    /// are missing. If `has_clock` is true, the size of a job follows from the measured time per trial.
     pub(crate) fn job(&self, has_clock: bool) -> Option<Job<T, E>> {
         let mut state = self.state();
         while !state.is_stopped && state.jobs[0] >= state.jobs[1] + state.max_ahead() {

@@ -125,8 +125,8 @@ impl Runner {
     /// ```
     ///
     /// # Errors
-    /// [`SweepError::SetUp`] of the first cell that cannot be set up; `take` receives the results before it first.
-    /// [`SweepError::Cancelled`] if the run was cancelled or `take` returned `Break`.
+    /// [`SweepError::SetUp`] of the first cell that cannot be set up; before, `take` receives the results of all
+    /// earlier tasks. [`SweepError::Cancelled`] if the run was cancelled or `take` returned `Break`.
     ///
     /// # Panics
     /// Panics if a trial, `progress` or `take` panics.

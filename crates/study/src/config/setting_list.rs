@@ -397,7 +397,7 @@ pub fn rename_settings(message: &str, name: impl Fn(&str) -> String) -> String {
 ///
 /// # Errors
 /// [`SettingError`] that names a setting which the kind does not have, whose value is out of range, or whose word is
-/// not one of the choices. Also if two settings state the same quantity.
+/// not one of the choices. Also an error if two given settings state the same quantity.
 pub fn with_settings<T>(base: &T, given: &Map<String, Json>) -> Result<T, SettingError>
 where
     T: Clone + Serialize + DeserializeOwned + JsonSchema + 'static,
