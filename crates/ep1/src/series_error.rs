@@ -16,7 +16,7 @@ pub enum SeriesError {
     NotFinite {
         /// Number of the roll, counted from 0.
         roll: usize,
-        /// Number of the sample.
+        /// Number of the sample in the roll, counted from 0.
         sample: usize,
     },
     /// A time is not later than the time of the sample before.
@@ -28,7 +28,7 @@ pub enum SeriesError {
     TimeOrder {
         /// Number of the roll, counted from 0.
         roll: usize,
-        /// Number of the sample.
+        /// Number of the sample in the roll, counted from 0.
         sample: usize,
         /// Time of the sample, s.
         time_s: f64,
@@ -40,7 +40,7 @@ pub enum SeriesError {
     OffProbe {
         /// Number of the roll, counted from 0.
         roll: usize,
-        /// Number of the sample.
+        /// Number of the sample in the roll, counted from 0.
         sample: usize,
     },
     /// Too few rolls are usable.
@@ -65,7 +65,7 @@ pub enum SeriesError {
          the others most: state the noise of the rotations, or let the curvature change along the rolls (trajectory)"
     )]
     Contradiction {
-        /// Number of the roll that contradicts the others most.
+        /// Number of the roll that contradicts the other rolls most, counted from 0.
         roll: usize,
     },
     /// The contact moved against the direction of the rolls.

@@ -33,8 +33,8 @@ pub(crate) struct Posterior {
 pub(crate) type Series = Vec<Lanes>;
 
 impl Posterior {
-    /// The posterior of a surface that is a series of [`products`] over the square. `mean` and `covariance` are those
-    /// of the coefficients.
+    /// The posterior of a surface that is a series of [`products`] over the square. `mean` and `covariance` are the
+    /// mean and the covariance of the coefficients of the series.
     pub(crate) fn new(
         square: Square,
         degree: usize,

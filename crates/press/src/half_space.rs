@@ -8,8 +8,8 @@
 //! Q_jᵐ = ∫ (sin ka − ka cos ka) k^{−j} e^{−kz} J_m(kr) dk
 //! ```
 //!
-//! The integrals have closed forms (Huber 1904; Hanson and Johnson 1993) in terms of the complex distance √(r² + (z +
-//! ia)²) = X + iY: with l₂² = X² + a² and θ = asin(a/l₂),
+//! The integrals are functions of the complex distance √(r² + (z + ia)²) = X + iY (Huber 1904; Hanson and Johnson
+//! 1993). With l₂² = X² + a² and θ = asin(a/l₂), they are
 //!
 //! ```text
 //! Q₃⁰ = ¼ [(2a² − r² + 2z²) θ + (a² − 3Y²) X/a]     Q₂⁰ = Y − zθ     Q₁⁰ = θ − aX/(X² + Y²)
@@ -25,7 +25,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use crate::body::Field;
 
 /// The series for points far from the contact is used if the ratio of the contact's radius to the distance of the point
-/// from the contact is below this value. The series is then exact to rounding errors.
+/// from the middle of the contact is below this value. The series is then exact to rounding errors.
 const SERIES_RATIO: f64 = 1.0 / 12.0;
 
 /// Number of terms of the series for points far from the contact.

@@ -35,7 +35,7 @@ pub(crate) struct Integrated<const N: usize> {
     pub(crate) evaluations: usize,
 }
 
-/// An integration that stopped early.
+/// The error for an integration that stopped early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stopped<const N: usize> {
     /// Reason why the integration stopped.

@@ -85,7 +85,7 @@ impl Motion {
 /// from the axis.
 fn sin_cos_exact(angle_rad: f64) -> (f64, f64) {
     /// An angle is recognised as a multiple of a quarter turn only up to this number of quarter turns. Up to this
-    /// number, the rounding error of the number is below 1e-12.
+    /// limit, the rounding error of an angle is below 1e-12 quarter turns.
     const COUNTABLE: f64 = 1000.0;
     let quarters = angle_rad / std::f64::consts::FRAC_PI_2;
     let (sin, cos) = libm::sincos(angle_rad);

@@ -243,8 +243,8 @@ impl Roller {
     }
 
     /// The matrix that maps the rotation `[−Δθ_y, Δθ_x]` (rad) of a steady roll without spin or sliding to the
-    /// contact's path on the probe (length). `None` for all models except the closed form, because in no other model
-    /// the path is a linear function of the rotation.
+    /// contact's path on the probe (length). `None` for all models except the closed form, because only in the closed
+    /// form the path is a linear function of the rotation.
     pub const fn linear(&self) -> Option<&Matrix2<f64>> {
         match &self.rung {
             Rung::ClosedForm(closed_form) => Some(&closed_form.mobility),

@@ -206,7 +206,7 @@ impl MarkerArray {
     }
 
     /// Returns the markers with other misalignments, rad (see [`MarkerArray::misalignments`]). If there are fewer
-    /// misalignments than markers, the remaining markers keep theirs.
+    /// misalignments than markers, the remaining markers keep their misalignments.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless each component is from -1 to 1.

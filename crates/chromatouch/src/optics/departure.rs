@@ -122,7 +122,7 @@ impl Optics {
 
     /// Returns the optics of this sensor with other misalignments of its markers, rad (see
     /// [`MarkerArray::misalignments`](super::MarkerArray::misalignments)). If there are fewer misalignments than
-    /// markers, the other markers keep theirs.
+    /// markers, the remaining markers keep their misalignments.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless each component is from -1 to 1.

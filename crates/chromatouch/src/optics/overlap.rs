@@ -1,8 +1,9 @@
 //! Overlap of two discs as viewed from the camera.
 //!
-//! A disc is a cap on the sphere of directions. A stereographic projection maps a cap to a circle in a plane. To second
-//! order in the distance p from the point of projection, an area on the sphere is the area in the plane times 1 − p²/2.
-//! The overlap of two circles consists of one segment of each circle. The moments of a segment have closed forms.
+//! A disc is a cap on the sphere of directions. A stereographic projection maps a cap to a circle in a plane. Let p be
+//! the distance from the point about which the projection is made. To second order in p, an area on the sphere is the
+//! area in the plane times 1 − p²/2. The overlap of two circles consists of one segment of each circle. The moments of
+//! a segment are computed by exact formulas.
 
 use nalgebra::Vector3;
 

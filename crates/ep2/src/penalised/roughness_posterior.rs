@@ -38,8 +38,8 @@ const AMPLITUDE_STEPS: i32 = 6;
 /// Difference between the logarithms of consecutive amplitudes in the average.
 const LOG_AMPLITUDE_STEP: f64 = 0.5;
 /// Exponent that is applied to the likelihood of an amplitude and a length, to reduce its weight. The roughness of a
-/// real surface depends on place and direction, unlike that of a sample of the process. Therefore the contacts
-/// determine the roughness of a real surface less accurately.
+/// real surface depends on place and direction, unlike the roughness of a surface that is drawn from the process.
+/// Therefore the contacts determine the roughness of a real surface less accurately.
 const LIKELIHOOD_POWER: f64 = 0.5;
 /// Improbable combinations of length and amplitude are omitted from the average. A combination is used if the logarithm
 /// of the ratio between its probability and the largest probability is at least this value.
@@ -71,7 +71,7 @@ pub(super) struct SquareTerm {
     /// Derivative of the surface with respect to m, as coefficients of all products of Chebyshev polynomials except
     /// those that form quadrics.
     pub(super) derivative: DVector<f64>,
-    /// Standard deviation of m before the contacts are used.
+    /// Prior standard deviation of m, that is, before the contacts are used.
     pub(super) prior: f64,
 }
 

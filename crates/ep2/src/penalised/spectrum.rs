@@ -114,8 +114,8 @@ impl Spectrum {
         &self.modes * DVector::from_iterator(self.right.len(), in_modes)
     }
 
-    /// Inverse of A + λP, where A is the matrix of the normal equations and P the penalty matrix. `filters` are those
-    /// of [`Spectrum::filters`].
+    /// Inverse of A + λP, where A is the matrix of the normal equations and P the penalty matrix. `filters` is the
+    /// result of [`Spectrum::filters`].
     pub(super) fn inverse(&self, filters: &[f64]) -> DMatrix<f64> {
         let size = self.modes.nrows();
         let mut scaled = self.modes.clone();

@@ -27,8 +27,8 @@ const MAX_RANK_TOLERANCE: f64 = 2e-3;
 const MAX_CONTACTS: usize = 20_000;
 /// Largest number of contacts from which the range of the coordinates is computed.
 const BASIS_CONTACTS: usize = 2000;
-/// Number of consecutive contacts in a block. For a large number of contacts, the correlation is estimated from some of
-/// the blocks.
+/// Number of consecutive contacts in a block. For a large number of contacts, the correlation of residuals is estimated
+/// from some of the blocks.
 const BLOCK: usize = 2000;
 /// Smallest ratio of equations to fitted parameters. The degree of the smooth deviation is reduced until this ratio is
 /// reached.

@@ -9,7 +9,7 @@ use crate::Shape;
 
 /// Number of directions that are compared as the axis of a cylinder. They are evenly distributed over the hemisphere.
 const DIRECTIONS: usize = 60;
-/// Number of directions from which fits of a cylinder start: those of the compared directions that fit best.
+/// Number of directions from which fits of a cylinder start. They are the best-fitting ones of the compared directions.
 const BEST_DIRECTIONS: usize = 4;
 
 /// Mean position of the contacts.

@@ -16,7 +16,7 @@ pub(super) struct Block {
     /// Number of entries of a row, not counting the right-hand side.
     width: usize,
     rows: usize,
-    /// Height of a column, in groups of [`LANES`] rows.
+    /// Largest number of rows of the block, in groups of [`LANES`] rows.
     packs: usize,
     /// Whether the rows have already been merged into a triangle. Then the values in the block have no meaning any
     /// more, and they are cleared before the next row is added.

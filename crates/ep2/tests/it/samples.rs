@@ -1,4 +1,4 @@
-//! Contacts on surfaces with closed forms.
+//! Contacts on surfaces whose points, normals and curvatures are given by formulas.
 
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::Contact;

@@ -115,8 +115,8 @@ struct Sums {
 fn sums(terms: &[Term], place: Spheroidal, q: &[f64]) -> [Sums; 2] {
     let Spheroidal { xi, eta, .. } = place;
     let [mut curved, mut flat] = [Sums::default(), Sums::default()];
-    // `here` and `slope` are the Legendre polynomial of the current order and its derivative; `before` and
-    // `slope_before` are those of the previous order.
+    // `here` and `slope` are the Legendre polynomial of the current order and its derivative. `before` and
+    // `slope_before` are the polynomial of the previous order and its derivative.
     let ([mut before, mut slope_before], [mut here, mut slope]) = ([0.0, 0.0], [1.0, 0.0]);
     let mut q_before = 0.0;
     let mut n = 0.0;

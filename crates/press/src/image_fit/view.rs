@@ -50,8 +50,8 @@ impl Seen {
         PressError::unless_good("covariance", least, good, expected).map(|_| ())
     }
 
-    /// Covariance of the errors of the four numbers of the image. The variances are at least those of rounding errors,
-    /// because chi-squared would otherwise have no clear minimum.
+    /// Covariance of the errors of the four numbers of the image. The variances are at least as large as the squared
+    /// rounding errors, because chi-squared would otherwise have no clear minimum.
     pub(super) fn errors(&self) -> Matrix4<f64> {
         let mut errors = self.covariance;
         for (at, number) in self.picture.iter().enumerate() {

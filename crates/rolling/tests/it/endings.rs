@@ -31,7 +31,7 @@ fn a_dish_as_tight_as_the_probe_conforms() {
         );
     }
     // In a dish that is slightly wider than the probe, the path length is θ/(1/R₁ − 1/R₂). Here θ is the roll angle, R₁
-    // = 1 is the radius of the probe, and R₂ that of the dish. The angle is chosen such that the length is 1.
+    // = 1 is the radius of the probe, and R₂ is the radius of the dish. The angle is chosen such that the length is 1.
     for gap in [1.0, 1e-6, 1e-12] {
         let radius = 1.0 + gap;
         let motion = Motion::rolling(0.0, 1.0, (radius - 1.0) / radius);

@@ -168,7 +168,7 @@ impl<'a> Rows<'a> {
         self.columns(self.half_chord(self.camera.rim_px(), number))
     }
 
-    /// Paints a row.
+    /// Paints the row `number` of the frame into `row`.
     pub(super) fn paint(&mut self, number: usize, row: &mut Row) {
         let rim = self.camera.rim_px();
         let touched = self.columns(self.half_chord(rim + 0.5, number));
