@@ -69,7 +69,7 @@ fn without_noise_they_are_exact_and_undefined_ones_are_missing() {
                 let off = [one.truth, one.estimate]
                     .map(|found| (found - value).abs() / value.abs().max(1.0));
                 // Away from the top, the angle in the tangent plane is a little smaller than the one in the x, y plane.
-                assert!(off[0] < 2e-4 && off[1] < 5e-3, "{name}: {one:?}");
+                assert!(off[0] < 3e-3 && off[1] < 5e-3, "{name}: {one:?}");
             }
         }
     }
