@@ -55,8 +55,8 @@ pub struct Object {
     pub label: Vec<String>,
     /// True value of the compared quantity, or its mean if it differs between trials; `None` if every trial failed.
     pub truth: Option<f64>,
-    /// The true class of the majority of the places on the observed patch; `None` unless the compared quantity is
-    /// `class`.
+    /// The true class of more than half of the places on the observed patch; `None` if there is no such class, or if
+    /// the compared quantity is not `class`.
     pub class: Option<&'static str>,
     /// Number of trials, and number of failed trials.
     pub counts: TrialCounts,

@@ -27,8 +27,8 @@ struct Candidate {
 struct End {
     run: usize,
     kind: Kind,
-    /// Indices of the values that are tried one after the other. The first value is next to the end of the range, and
-    /// the other values are farther inside the range.
+    /// Indices of the values that are tried one after the other. The first value is the outermost value of the range,
+    /// and the other values are farther inside the range.
     places: Vec<usize>,
     attempt: u32,
     /// Index of the value at which fresh trials confirmed this end of the range; `None` if they have not confirmed the
@@ -40,8 +40,8 @@ struct End {
 enum Kind {
     Low,
     High,
-    /// The range covers the whole explored range, so it has no ends to verify. Instead, the value with the smallest
-    /// score is verified.
+    /// The range has no ends to verify, because it covers the whole explored range or is a single listed value.
+    /// Instead, the value with the smallest score is verified.
     Weakest,
 }
 

@@ -248,16 +248,17 @@ pub struct CameraConfig {
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(extend("minimum" = -100, "maximum" = 100, "x-unit" = "1"))]
     pub k5: f64,
-    /// Brightness at the rim of the image circle, as a share of the brightness in the middle. Only for a rendered
-    /// sensor.
+    /// Brightness at the rim of the image circle, as a share of the brightness in the middle. Only for a sensor of the
+    /// kind `rendered`.
     #[serde(default = "number::<1>")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub light_at_rim: f64,
-    /// Standard deviation of the Gaussian blur of the image, pixels. Only for a rendered sensor.
+    /// Standard deviation of the Gaussian blur of the image, pixels. Only for a sensor of the kind `rendered`.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub blur_px: f64,
-    /// Width of the seams between the gores of the skin. Only for a rendered sensor whose layout has gores.
+    /// Width of the seams between the gores of the skin. Only for a sensor of the kind `rendered` whose layout has
+    /// gores.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub seam_width: f64,

@@ -187,7 +187,8 @@ pub enum PressObjectConfig {
     },
     /// A plane.
     Plane {},
-    /// The outside of a circular cylinder, which the sensor touches at its side. Only if the model is a half-space.
+    /// The outside of a circular cylinder, which the sensor touches at its side. For a cylinder, the model must be a
+    /// half-space.
     Cylinder {
         /// Radius of the cylinder.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
@@ -229,7 +230,8 @@ pub struct PressMotionConfig {
     /// azimuth from the x axis.
     #[serde(default)]
     pub contact_deg: [f64; 2],
-    /// Distance by which the object moves along x after the press, without slip. Only if the model is a half-space.
+    /// Distance by which the object moves along x after the press, without slip. Unless it is 0, the model must be a
+    /// half-space.
     #[serde(default)]
     #[schemars(extend("x-unit" = "length"))]
     pub shift: f64,
@@ -393,11 +395,11 @@ pub struct PressNoiseConfig {
     /// 255.
     pub pixel: Option<ReadingNoise<Level>>,
     /// Error of each marker's hue, turns. The hue of the summed light and the mean hue have the same error. Only for a
-    /// projected sensor.
+    /// sensor of the kind `projected`.
     pub hue: Option<ReadingNoise<Pure>>,
-    /// Error of each coordinate of each marker's centroid, pixels. Only for a projected sensor.
+    /// Error of each coordinate of each marker's centroid, pixels. Only for a sensor of the kind `projected`.
     pub centroid: Option<ReadingNoise<Pure>>,
-    /// Relative error of each marker's size. Only for a projected sensor.
+    /// Relative error of each marker's size. Only for a sensor of the kind `projected`.
     pub size: Option<ReadingNoise<Pure>>,
     /// Markers that are missing in the pressed frame. Each trial chooses them anew at random.
     pub lost_markers: Option<LostMarkers>,
