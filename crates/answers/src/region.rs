@@ -15,8 +15,9 @@ use crate::trial_counts::TrialCounts;
 
 /// The values of one or several fields that together meet a target.
 ///
-/// The ranges of values that meet or miss the target are in [`RegionColumn::runs`]. For values between two ranges, this
-/// is undecided. The ends of the ranges are tested values; no trials were run between the tested values.
+/// The ranges of values that meet or miss the target are in [`RegionColumn::runs`]. It is undecided whether values
+/// between two ranges meet the target. The ends of the ranges are tested values; no trials were run between the tested
+/// values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     /// The answered question. If the question did not name the quantity of its target, this copy names the first

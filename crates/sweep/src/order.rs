@@ -45,8 +45,8 @@ pub enum Repeats {
 
 /// Smallest number of groups of trials from which a probability is estimated.
 const GROUPS: usize = 256;
-/// Number of uncertain trials (see [`interval`]) at which two numbers have equal weight: the smallest possible number
-/// of independent trials, and the number that follows from the estimated variance.
+/// If this many trials are uncertain (see [`interval`]), the interval is computed for a number of independent trials
+/// midway between two numbers: the smallest possible number, and the number that follows from the estimated variance.
 const HALF_WEIGHT: f64 = 20.0;
 /// Largest number of trials that is returned. A larger number is reported as unknown.
 const MOST_REPEATS: f64 = 1e9;

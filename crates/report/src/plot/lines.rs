@@ -371,7 +371,7 @@ fn label(of: &Selection<'_>, name: &str) -> Result<Label, ReportError> {
     }
 }
 
-/// The rows among `rows` whose field `axis` has this value.
+/// The rows among `rows` in which the field `axis` has this value.
 fn with(rows: &[usize], axis: &Axis, value: &str) -> Vec<usize> {
     let rows = rows.iter().copied();
     rows.filter(|row| axis.text(*row) == value).collect()
