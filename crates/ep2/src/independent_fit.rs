@@ -125,7 +125,8 @@ impl IndependentFit {
     /// change.
     ///
     /// A quadric (`is_quadric`) is biased on most other shapes. Its estimate is compared with a penalised spline, and the
-    /// difference counts as far as it exceeds the standard error of the spline.
+    /// difference counts as far as it exceeds the standard error of the spline. A penalised spline that deviates from
+    /// quadrics and implicit quadrics is compared with the fit around an implicit quadric.
     ///
     /// # Errors
     /// The errors of [`Fit::centre`].
@@ -157,7 +158,7 @@ impl IndependentFit {
                 ..shape.point_at(&centre.position).curvature
             }),
             None if is_quadric => of_spline(),
-            None => None,
+            None => self.fit.basis.as_ref().and_then(|basis| basis.rejected),
         };
         let Some((other, stds)) = other.zip(centre.curvature.uncertainty) else {
             return Ok(());

@@ -20,12 +20,12 @@ use crate::noise::{Noise, Variances};
 use crate::posterior::Posterior;
 use crate::spline::TensorSpline;
 use crate::square_quadric::{Square, SquareQuadric, UNKNOWNS};
-use crate::{Ep2Error, Fit, Method, MisfitTest, NoiseEstimate, Patch, Sample};
+use crate::{Curvature, Ep2Error, Fit, Method, MisfitTest, NoiseEstimate, Patch, Sample};
 use equations::{DEGREE, Equations, roughness_penalty};
 use roughness_posterior::{SeriesProblem, SquareTerm, likeliest_process};
 use series::SeriesEquations;
 use spectrum::Spectrum;
-use weight::Search;
+use weight::{Choice, Search};
 
 /// Largest number of knot intervals per side. With more intervals, the dense matrices of the coefficients would take
 /// seconds.
@@ -87,6 +87,9 @@ pub(crate) struct Basis {
     is_known: bool,
     /// Noise of the contacts of the patch; `None` if it is neither stated nor estimated.
     noise: Option<NoiseEstimate>,
+    /// Curvature in the middle of a fit around an implicit quadric, if the contacts make this quadric more probable than a
+    /// quadric, but deviate from both.
+    pub(crate) rejected: Option<Curvature>,
 }
 
 impl Method for Penalised {
@@ -214,7 +217,7 @@ impl Penalised {
                 spectrum.clone().with_right_side(&equations, &variances),
             )
         });
-        let (mut square_term, mut choice) = (None, None);
+        let (mut square_term, mut choice, mut rejected) = (None, None, None);
         if let Some((about, spectrum)) = &about {
             let implicit = Search::new(spectrum, self.criterion, is_known, expected);
             let penalty = libm::log(patch.equations() as f64);
@@ -224,42 +227,51 @@ impl Penalised {
                     search = implicit;
                     quadric = about.clone();
                     (square_term, choice) = (Some(prior), Some(best));
+                } else {
+                    rejected = Some((about, spectrum, best));
                 }
             }
         }
         let mut choice = choice.unwrap_or_else(|| search.best());
         let spectrum = search.spectrum;
         choice.scale = choice.scale.max(variances.min_scale());
-        let deviation = spectrum.coefficients(&spectrum.filters(choice.log_weight));
-        let coefficients: Vec<f64> = match square_term {
-            None => quadric
-                .spline_coefficients(&knots[0], &knots[1])
-                .iter()
-                .zip(&deviation)
-                .map(|(quadric, deviation)| quadric + deviation)
-                .collect(),
-            Some(_) => deviation.as_slice().to_vec(),
+        let surface = |spectrum: &Spectrum, choice: &Choice, quadric, is_implicit| {
+            let deviation = spectrum.coefficients(&spectrum.filters(choice.log_weight));
+            let coefficients: Vec<f64> = match is_implicit {
+                false => SquareQuadric::spline_coefficients(quadric, &knots[0], &knots[1])
+                    .iter()
+                    .zip(&deviation)
+                    .map(|(quadric, deviation)| quadric + deviation)
+                    .collect(),
+                true => deviation.as_slice().to_vec(),
+            };
+            if !coefficients.iter().all(|one| one.is_finite()) {
+                return Err(Ep2Error::OutOfRange);
+            }
+            Ok(Fit {
+                frame: patch.frame,
+                domain: patch.domain,
+                spline: TensorSpline {
+                    u: square.knots(0, &knots[0]),
+                    v: square.knots(1, &knots[1]),
+                    coefficients,
+                },
+                mean: is_implicit.then(|| (quadric.clone(), square)),
+                posterior: None,
+                basis: None,
+                noise: None,
+                effective_unknowns: choice.effective_unknowns,
+                status: None,
+            })
         };
-        if !coefficients.iter().all(|one| one.is_finite()) {
-            return Err(Ep2Error::OutOfRange);
-        }
+        let mut fit = surface(spectrum, &choice, &quadric, square_term.is_some())?;
+        let rejected = rejected.and_then(|(about, spectrum, best)| {
+            let fit = surface(spectrum, &best, about, true).ok()?;
+            Some(fit.centre().ok()?.curvature)
+        });
         variances.heights *= choice.scale;
         variances.slopes *= choice.scale;
-        let fit = Fit {
-            frame: patch.frame,
-            domain: patch.domain,
-            spline: TensorSpline {
-                u: square.knots(0, &knots[0]),
-                v: square.knots(1, &knots[1]),
-                coefficients,
-            },
-            mean: square_term.map(|_| (quadric.clone(), square)),
-            posterior: None,
-            basis: None,
-            noise: has_noise.then(|| variances.estimate(patch)),
-            effective_unknowns: choice.effective_unknowns,
-            status: None,
-        };
+        fit.noise = has_noise.then(|| variances.estimate(patch));
         let basis = Basis {
             square,
             quadric,
@@ -268,6 +280,7 @@ impl Penalised {
             variances,
             is_known,
             noise: fit.noise,
+            rejected,
         };
         Ok((fit, basis))
     }
