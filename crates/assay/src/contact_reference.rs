@@ -65,8 +65,9 @@ pub fn tip_on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
 pub fn tip_on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let at = |s: f64| [x / (1.0 - 2.0 * k * tip / s), y / (1.0 - 2.0 * l * tip / s)];
     let square = |[x, y]: [f64; 2]| 1.0 + 4.0 * ((k * x).powi(2) + (l * y).powi(2));
-    // `most` is an upper bound of s. If the object is concave, the contact is farthest from the axis for s = 1. If the
-    // object is convex, the contact is never farther from the axis than the centre of the tip.
+    // `most` is an upper bound of s = √(1 + 4 (k²x² + l²y²)). If the object is concave, the contact is farthest from
+    // the axis for s = 1. If the object is convex, the contact is never farther from the axis than the centre of the
+    // tip.
     let most = square(at(1.0)).max(square([x, y])).sqrt();
     let [x, y] = at(bisected(1.0, 1.0 + most, |s| s * s < square(at(s))));
     [x, y, k * x * x + l * y * y]

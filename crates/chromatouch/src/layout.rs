@@ -315,7 +315,7 @@ mod tests {
         let layout = |cap_deg| Layout::Lattice { pitch, cap_deg };
         let places = layout(60.0).places(radius).unwrap();
         // The expected number of markers within an angle θ of the apex is the area of this cap divided by pitch²:
-        // 2πR²(1 − cos θ) / pitch².
+        // 2πR²(1 − cos θ) / pitch², with the sphere's radius R.
         for cap_deg in [15.0_f64, 30.0, 45.0, 60.0] {
             let angle = cap_deg.to_radians();
             let within = places

@@ -60,7 +60,8 @@ const FACTORS: [[f64; SERIES]; TERMS] = {
     while n < TERMS {
         let even = 2.0 * n as f64;
         let (first, second, third) = (even + 1.0, even + 2.0, even + 3.0);
-        // The series for order 1 contain (m−1)! instead of m!. Divide by m = 2n, but for m = 0 by 1.
+        // The series of integrals with the Bessel function J₁ contain (m−1)! instead of m!, where m is the power of k.
+        // Divide by m = 2n, but for m = 0 by 1.
         let lower = if n == 0 { 1.0 } else { even };
         factors[n] = [
             1.0 / (first * third),

@@ -359,7 +359,8 @@ mod tests {
 
     #[test]
     fn a_bowl_that_hardly_fits() {
-        // As 1/R₁ + 2c tends to 0, θ tends to q³/2, where q is the slope. A small rotation then moves the contact far.
+        // The paraboloid is z = −c r², and R₁ is the probe's radius. As 1/R₁ + 2c tends to 0, the roll angle θ tends to
+        // q³/2, where q is the slope. Then a small rotation moves the contact far.
         let (r, _) = along_parabola(-0.5, 1.0, 1e-9).unwrap();
         assert!((r / libm::cbrt(2e-9_f64) - 1.0).abs() < 1e-5, "{r}");
     }

@@ -139,7 +139,7 @@ mod tests {
                 assert!(largest_error([word; PAIRS]) < 1.0, "{word:x}");
             }
         }
-        // For k = 0, u is 2⁻³², so the radius is √(64 ln 2) = 6.660_43.
+        // For k = 0, the uniform number u is 2⁻³², so the radius √(−2 ln u) is √(64 ln 2) = 6.660_43.
         assert!((radius(0) - 6.660_43).abs() < 1e-5);
         assert_eq!(radius(u32::MAX >> 1), 0.0);
     }

@@ -92,7 +92,7 @@ impl Stretch {
     #[inline]
     fn new(polar: f64, sine: f64, cosine: f64) -> Self {
         if polar < 0.05 {
-            // Near the axis, use power series in θ², whose truncation error is below 1e-13.
+            // Near the axis, use power series in θ², where θ is the polar angle. Their truncation error is below 1e-13.
             let square = polar * polar;
             let per_angle = 1.0 / 3.0 + square * (7.0 / 90.0 + square * (31.0 / 2520.0));
             let value =
@@ -173,7 +173,7 @@ impl Local {
             2.0 * polar * n_per_square,
             2.0 * n_per_square + 4.0 * square * n_curve,
         );
-        // `cotangent` is the product θ cot θ.
+        // `cotangent` is the product θ cot θ, with the polar angle θ.
         let cotangent = stretch.value * cosine;
         let area = focal * focal;
         Self {

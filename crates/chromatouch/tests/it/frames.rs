@@ -271,7 +271,7 @@ fn light_falls_with_the_square_of_the_polar_angle() {
         let found = level(&frame, column, 100);
         assert!((found - expected).abs() <= 0.5, "{found} {expected}");
     }
-    // Through a pinhole, the distance from the image centre is proportional to tan θ.
+    // Through a pinhole, the distance from the image centre is proportional to tan θ, where θ is the polar angle.
     let camera = Camera::new(Lens::Pinhole, 201, 60.0).unwrap();
     let optics = Optics::new(array(&[], 0.0), camera, WHOLE_LEVELS, blemishes).unwrap();
     let frame = optics.render(&[], None).unwrap();

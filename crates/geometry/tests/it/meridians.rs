@@ -51,7 +51,7 @@ fn paraboloids_and_spheroids_follow_their_charts() {
         }
     }
     for [a, c] in SPHEROIDS {
-        // The poles of the chart, at t = π/2 and 3π/2, are left out.
+        // The poles of the chart, at the parameters t = π/2 and t = 3π/2, are left out.
         for t in [0.0, 1e-6, 0.1, 1.0, 1.5, 2.0, 3.0, PI, 4.0, 6.0] {
             follows_the_chart(&Ellipsoid::new([a, a, c]).unwrap(), t);
         }

@@ -159,7 +159,8 @@ fn claim_8_takes_half_a_radian_however_a_roll_is_given() {
             "angle_deg = 1",
             (|_| 0.5_f64.to_degrees()) as fn(f64) -> f64,
         ),
-        // Arc length of a roll by half a radian of a probe with radius 2: θ/(1/R₁ + 1/R₂).
+        // Arc length of a roll by θ = 0.5 rad: θ/(1/R₁ + 1/R₂), with the radii R₁ = 2 of the probe and R₂ of the
+        // object.
         ("scene.motion.arc_length_cm", "arc_length = 1", |radius| {
             0.5 / (0.5 + 1.0 / radius)
         }),

@@ -24,7 +24,8 @@ fn coverage(probability: f64, found: impl Fn(u64) -> Order) -> f64 {
 
 #[test]
 fn intervals_hold_the_probability_in_95_of_100() {
-    // For normal numbers with variance 1 whose means differ by d, the probability is P = Φ(d/√2).
+    // For normal numbers with variance 1 whose means differ by d, the probability of the right order is Φ(d/√2), with
+    // the normal distribution function Φ.
     for (distance, trials) in [
         (0.0, 100),
         (0.5, 100),
@@ -90,8 +91,8 @@ fn repeats_of(seed: u64, count: u64, means: [f64; 2], limit: Option<f64>) -> Rep
 
 #[test]
 fn repeats_are_those_of_normal_means() {
-    // If the means of both experiments differ by d, the condition for n trials is Φ(√(n/2) d) ≥ 0.95, that is, n ≥ 2
-    // (1.645/d)².
+    // If the means of both experiments differ by d, the condition for n trials is Φ(√(n/2) d) ≥ 0.95, with the normal
+    // distribution function Φ. This means n ≥ 2 (1.645/d)².
     for (distance, expected) in [(4.0, 1), (1.0, 6), (0.5, 22)] {
         let Repeats::Found(found) = repeats_of(1, 40_000, [0.0, distance], None) else {
             panic!("{distance}")
@@ -105,8 +106,9 @@ fn repeats_are_those_of_normal_means() {
     assert!(found.abs_diff(541) < 200, "{found}");
     assert_eq!(repeats_of(5, 1000, [1.0, 0.0], None), Repeats::Never);
     assert_eq!(repeats_of(7, 100, [0.0; 2], None), Repeats::Unknown);
-    // The mean of n trials of an experiment is above the limit with the probability Φ(√n d), where d is the distance of
-    // the true mean from the limit. For both experiments, the required condition is Φ(√n d)² ≥ 0.95.
+    // The mean of n trials of an experiment is above the limit with the probability Φ(√n d). Here d is the distance of
+    // the true mean from the limit, and Φ is the normal distribution function. For both experiments, the required
+    // condition is Φ(√n d)² ≥ 0.95.
     let found = repeats_of(9, 40_000, [0.5; 2], Some(0.0));
     assert!(matches!(found, Repeats::Found(14..=17)), "{found:?}");
 }
