@@ -153,7 +153,7 @@ impl Stand {
     fn towards(&self, x: f64, y: f64) -> (Vector3<f64>, [Vector3<f64>; 2]) {
         let square = x * x + y * y;
         let (sinc, cosine) = sinc_and_cosine(square);
-        // `bend` is the derivative of sin θ / θ, divided by θ.
+        // `bend` is the derivative of sin θ / θ, divided by θ. Here θ² = x² + y².
         let bend = if square < 1e-4 {
             -1.0 / 3.0 + square / 30.0
         } else {

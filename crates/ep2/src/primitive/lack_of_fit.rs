@@ -61,7 +61,8 @@ impl Basis {
                 .clone()
                 .all(|normal| normal.dot(&mean) > MIN_GRAPH_COSINE)
         });
-        // Express the places along the axes of `pose`, whose normal is the mean normal, and relative to their middle.
+        // Express the places of the contacts along the axes of `pose`, whose normal is the mean normal, and relative to
+        // the middle of the contacts.
         let centre = pose.axes * (super::start::middle(cloud) - pose.point);
         let places = cloud
             .places

@@ -37,7 +37,7 @@ fn pressed(rest: &[Marker], most: f64) -> Vec<Marker> {
     rest.iter()
         .map(|marker| {
             let [x, y] = [marker.centroid_px[0] - 190.0, marker.centroid_px[1] - 130.0];
-            // The displacement is largest at the distance `width` from the point.
+            // The displacement is largest at the distance `width` from the point (190, 130).
             let scale = most / width * libm::exp(0.5 - 0.5 * (x * x + y * y) / (width * width));
             Marker {
                 centroid_px: [
