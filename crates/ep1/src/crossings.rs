@@ -97,8 +97,8 @@ pub(crate) fn crossings(
             .fold(0.0, f64::max);
         for normal in cell.normals() {
             let distance = normal.dot(&between);
-            // On square pads, the contact surely crosses each edge between the columns and between the rows of both
-            // pads. On hexagonal pads, it surely crosses only the edge across which the two pads are farthest apart.
+            // On square pads, the contact must cross each edge that separates the columns or the rows of the two pads.
+            // On hexagonal pads, it must cross only the edge across which the two pads are farthest apart.
             let is_crossed = match pairs {
                 2 => distance > 0.5 * pitch,
                 _ => distance > furthest - 1e-6 * pitch && distance > 0.5 * pitch,

@@ -104,7 +104,7 @@ fn invalid_tips_are_refused_and_a_tip_of_radius_0_changes_nothing() {
         tip(1.0).contacts(&[], &Vector3::z(), &method).err(),
         Patch::new(&[], &Vector3::z()).err()
     );
-    // `Patch::new` must reject the normal of length 0.
+    // `Patch::new` must reject a contact whose normal has the length 0.
     let mut broken = all.clone();
     broken[4].normal = Some(Vector3::zeros());
     let contacts = tip(1.0).contacts(&broken, &Vector3::z(), &method).unwrap();

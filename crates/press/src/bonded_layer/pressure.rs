@@ -60,8 +60,9 @@ impl Pressure {
         let count = (resolution * (16.0 + 5.0 * contact)).ceil() as usize;
         let shares = positive_gauss(count);
         let waves = wavenumbers(reflection::SURFACE_REACH, 2.0 * contact, resolution);
-        // Multiply rows and columns by the square roots of the quadrature weights, which makes the matrix symmetric. It
-        // is positive definite because the reflection g is less than 1.
+        // Multiply the rows and columns of the matrix by the square roots of the quadrature weights, which makes the
+        // matrix symmetric. The matrix is positive definite, because the reflection factor g of the layer is less than
+        // 1.
         let ripples = DMatrix::from_fn(count, waves.len(), |row, column| {
             let ([share, weight], [k, dk]) = (shares[row], waves[column]);
             let strength = FRAC_2_PI * contact * weight * dk * reflection::at_surface(k);

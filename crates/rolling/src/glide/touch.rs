@@ -159,7 +159,7 @@ impl Foot {
         let CurvatureForm { k_uu, k_uv, k_vv } = self.curvature;
         let (level, twist, steep) = (1.0 + radius * k_uu, radius * k_uv, 1.0 + radius * k_vv);
         // In the projection onto the xy plane, lengths up the slope are shorter by the factor n_z, the vertical
-        // component of the normal. Dividing by it gives the lengths on the slope.
+        // component of the normal. Divide by n_z to get the lengths on the slope.
         let lengthened = if twist == 0.0 {
             0.0
         } else {

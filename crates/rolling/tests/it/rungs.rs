@@ -141,8 +141,8 @@ fn lines_of_symmetry_are_meridians_unless_noise_leaves_them() {
 
 #[test]
 fn paraboloid_rolls_as_the_formula_says() {
-    // The roll angle is θ = α + s/R₁. Here α is the slope angle of the paraboloid, with tan α = 2 c r, s the arc
-    // length, and R₁ the radius of the probe.
+    // The roll angle is θ = α + s/R₁. Here α is the slope angle of the paraboloid z = −c r², s is the arc length, and
+    // R₁ is the radius of the probe. The slope is tan α = 2 c r.
     let (c, radius) = (0.8, 1.3);
     let end = roll(
         radius,

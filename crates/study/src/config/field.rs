@@ -119,7 +119,7 @@ fn in_schema(header: &str) -> Option<(&str, &str)> {
     let known = known(&keys);
     let in_key = |unit: &&str| header.ends_with(&format!("_{unit}"));
     let end = match known {
-        // The header is not a key by itself. It may be a key followed by a unit of length.
+        // The column's header is not a key of a config by itself. It may be a key followed by a unit of length.
         None => {
             let mut ends = header.match_indices('_').map(|(at, _)| at);
             ends.find(|at| is_column(&header[..*at]))?
