@@ -68,7 +68,7 @@ fn walk<P: LeastSquares>(
         let way = from.1 * (sign * (step - from.2));
         let last = P::state_of(&from.0);
         let mut state = problem.stepped(last, &way);
-        // The indentation must stay positive, so extrapolate it as a power of the curvature.
+        // The indentation must stay positive. Therefore extrapolate its logarithm linearly, not the indentation itself.
         state.indentation = last.indentation * libm::exp(way[INDENTATION] / last.indentation);
         let near = problem.fit_near(&from.0, state, way[CURVATURE]).ok()?;
         let fit = minimise(problem, near, P::ENOUGH_OF_PROFILE, Some(CURVATURE)).ok()?;
