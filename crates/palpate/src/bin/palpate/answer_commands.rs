@@ -33,7 +33,7 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     let set = question.set.iter().map(|(path, _)| path.as_str());
     note_ignored_fields(&study, vary.chain(set));
     let mut folder = open_dir(&args.answer)?;
-    let bar = progress::bar_of("trials");
+    let bar = progress::counter_of("trials");
     let show_progress = |values: usize, trials: u64| {
         if start.elapsed() >= QUIET_TIME {
             bar.set_message(format!("; {values} values"));

@@ -97,9 +97,17 @@ impl Progress {
 /// Progress bar with rate and remaining time; it is invisible if standard error is not a terminal. `things` names the
 /// counted unit, for example "trials". The caller sets the total number later.
 pub(crate) fn bar_of(things: &str) -> ProgressBar {
-    let style = ProgressStyle::with_template(&format!(
-        "{{wide_bar}} {{human_pos}}/{{human_len}} {things}, {{per_sec}}, {{eta}} left{{msg}}"
-    ));
+    let counts = format!("{{human_pos}}/{{human_len}} {things}, {{per_sec}}, {{eta}} left");
+    bar_with(&format!("{{wide_bar}} {counts}{{msg}}"))
+}
+
+/// Progress line for work whose total number is unknown; see [`bar_of`].
+pub(crate) fn counter_of(things: &str) -> ProgressBar {
+    bar_with(&format!("{{human_pos}} {things}, {{per_sec}}{{msg}}"))
+}
+
+fn bar_with(template: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template(template);
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
     match style {
         Ok(style) => bar.with_style(style),
