@@ -80,16 +80,22 @@ fn text(name: &str, check: &Check) -> String {
         let _ = writeln!(text, "  {cells} others in {} more groups", more.len());
     }
     let _ = writeln!(text, "intervals of 95 %");
-    for (cells, coverage) in check.intervals.iter().take(MAX_GROUPS) {
+    for (cells, others, worst) in grouped(&check.intervals) {
         let _ = writeln!(text, "  {cells} of {of}");
-        for line in intervals(coverage).into_iter().flatten() {
+        for line in intervals(worst).into_iter().flatten() {
             let _ = writeln!(text, "    {line}");
         }
-    }
-    if check.intervals.len() > MAX_GROUPS {
-        let more = &check.intervals[MAX_GROUPS..];
-        let cells: usize = more.iter().map(|(cells, _)| cells).sum();
-        let _ = writeln!(text, "  {cells} others in {} more groups", more.len());
+        let which = match worst {
+            Coverage::NotMeasured(_) => "one",
+            _ => "the worst",
+        };
+        if others > 0 {
+            let _ = writeln!(
+                text,
+                "    this is {which} of {} similar results",
+                others + 1
+            );
+        }
     }
     let _ = write!(
         text,
@@ -98,6 +104,32 @@ fn text(name: &str, check: &Check) -> String {
         check.threads
     );
     text
+}
+
+/// Groups the results of cells into those of tested cells, of cells outside the tested ranges, and of other cells. Each
+/// group has its number of cells, and the result with the lowest coverage and the number of its other results.
+fn grouped(all: &[(usize, Coverage)]) -> Vec<(usize, usize, &Coverage)> {
+    let lowest = |one: &Coverage| match one {
+        Coverage::Measured(family) | Coverage::Outside(family, _) => family.lowest,
+        Coverage::NotMeasured(_) => 0.0,
+    };
+    let mut groups: Vec<(usize, usize, &Coverage)> = Vec::new();
+    for (cells, one) in all {
+        let is_like =
+            |other: &Coverage| std::mem::discriminant(other) == std::mem::discriminant(one);
+        match groups.iter_mut().find(|group| is_like(group.2)) {
+            None => groups.push((*cells, 0, one)),
+            Some((sum, others, worst)) => {
+                (*sum, *others) = (*sum + cells, *others + 1);
+                *worst = if lowest(one) < lowest(worst) {
+                    one
+                } else {
+                    *worst
+                };
+            }
+        }
+    }
+    groups
 }
 
 /// Text about the measured coverage of the intervals, and text about the random scenes in which the coverage was
