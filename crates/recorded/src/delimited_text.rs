@@ -1,10 +1,9 @@
 //! Tables of fields that are separated by commas, semicolons, tabs or spaces.
 
 use csv::{ReaderBuilder, StringRecord, Terminator};
-use palpate_study::readings::Measure;
 
 use super::error::RecordedError;
-use super::header::bracketed;
+use super::header::{bracketed, has_unit};
 use super::table_format::Delimiter;
 use super::text_table::{Record, RowResult, Text};
 
@@ -199,14 +198,6 @@ fn has_spaces(names: usize, row: &str) -> bool {
 
 /// Units from the row after the header, without brackets; `None` if that row contains anything but units.
 fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
-    const MEASURES: [Measure; 6] = [
-        Measure::Length,
-        Measure::Angle,
-        Measure::Time,
-        Measure::Turn,
-        Measure::Pixel,
-        Measure::Force,
-    ];
     let bare = |field: &str| {
         let field = tidy(field);
         let within = [('[', ']'), ('(', ')')]
@@ -215,9 +206,8 @@ fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
         within.unwrap_or(field).trim().to_owned()
     };
     let mut units: Vec<String> = row.iter().map(bare).collect();
-    let is_unit = |text: &String| MEASURES.iter().any(|one| one.unit(text).is_some());
-    // In a row of units, a column that palpate does not use may have any unit, such as N. So any short word is accepted
-    // as a unit.
+    let is_unit = |text: &String| has_unit(text);
+    // Columns that palpate does not use may have units of other quantities, such as N.
     let is_word = |text: &String| text.len() <= 6 && text.parse::<f64>().is_err();
     let is_row = units.len() == columns && units.iter().any(is_unit) && units.iter().all(is_word);
     for unit in units.iter_mut().filter(|unit| *unit == "-") {

@@ -422,11 +422,12 @@ fn setting(pairs: &[String]) -> String {
 }
 
 /// Whether a word is the unit of a quantity other than a plain number.
-fn has_unit(word: &str) -> bool {
+pub(super) fn has_unit(word: &str) -> bool {
     [
         Measure::Length,
         Measure::Angle,
         Measure::Time,
+        Measure::Turn,
         Measure::Pixel,
         Measure::Force,
     ]
@@ -567,7 +568,7 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
         "" => {
             // A position may have the prefix p. Any other single letter denotes another quantity.
             let is_place = |word: &&str| word.len() > 1 || *word == "p";
-            return !OTHERS.into_iter().any(says)
+            return !OTHERS.split(' ').any(says)
                 && rest.iter().all(is_place)
                 && matches!(letter, "" | "p");
         }
@@ -583,16 +584,5 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
 }
 
 /// Words for quantities that have axes but are not positions.
-const OTHERS: [&str; 11] = [
-    "normal",
-    "rotation",
-    "shift",
-    "tangential",
-    "force",
-    "torque",
-    "velocity",
-    "acceleration",
-    "linear",
-    "angular",
-    "twist",
-];
+const OTHERS: &str =
+    "normal rotation shift tangential force torque velocity acceleration linear angular twist";

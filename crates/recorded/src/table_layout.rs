@@ -64,33 +64,24 @@ pub(super) fn of_rostopic(header: &[String], columns: &[Column]) -> Option<(Vec<
         return None;
     }
     let headings: Vec<Heading<'_>> = header.iter().map(|name| Heading::of(name)).collect();
-    let mut found: Vec<(usize, &Column)> = Vec::new();
-    for column in columns
-        .iter()
-        .filter(|column| column.measure != Measure::Time)
-    {
-        let is_free = |index: &usize| found.iter().all(|(taken, _)| taken != index);
-        let is_like = |index: &usize| is_similar(column, &headings[*index]);
-        found.extend(
-            (1..header.len())
-                .filter(is_free)
-                .find(is_like)
-                .map(|index| (index, column)),
-        );
+    let mut free: Vec<usize> = (1..header.len()).collect();
+    let (mut pairs, mut named) = (Vec::new(), header.to_vec());
+    for column in columns {
+        let is_like = |&index: &usize| is_similar(column, &headings[index]);
+        let found = free.iter().position(is_like);
+        if let Some(at) = found.filter(|_| column.measure != Measure::Time) {
+            let unit = if column.measure == Measure::Length {
+                "_m"
+            } else {
+                ""
+            };
+            let name = format!("{}{unit}", column.name);
+            let index = free.remove(at);
+            pairs.push(pair(&name, &header[index]));
+            named[index] = name;
+        }
     }
-    let mut header = header.to_vec();
-    let mut pairs = Vec::new();
-    for (index, column) in found {
-        let unit = if column.measure == Measure::Length {
-            "_m"
-        } else {
-            ""
-        };
-        let name = format!("{}{unit}", column.name);
-        pairs.push(pair(&name, &header[index]));
-        header[index] = name;
-    }
-    (!pairs.is_empty()).then(|| (header, pairs.join(",")))
+    (!pairs.is_empty()).then(|| (named, pairs.join(",")))
 }
 
 /// Indices of the columns of a quaternion whose components are only numbered, such as `q0` to `q3`, in the order of
@@ -110,25 +101,8 @@ pub(super) fn numbered_quaternion(header: &[String]) -> Option<[usize; 4]> {
 /// Header in which the elements of a rotation matrix have palpate's names. In the file, they are named for example
 /// `R_0_0` to `R_2_2`, or `rot.0` to `rot.8`.
 pub(super) fn of_matrix(header: &[String]) -> Option<Vec<String>> {
-    const NAMES: [&str; 12] = [
-        "r",
-        "m",
-        "t",
-        "rot",
-        "mat",
-        "rotm",
-        "rotmat",
-        "dcm",
-        "rotation",
-        "rotations",
-        "matrix",
-        "orientation",
-    ];
-    let is_matrix = |start: &[String]| {
-        start
-            .last()
-            .is_some_and(|last| NAMES.contains(&last.as_str()))
-    };
+    const NAMES: &str = "r m t rot mat rotm rotmat dcm rotation rotations matrix orientation";
+    let is_matrix = |start: &[String]| start.last().is_some_and(|last| is_one_of(NAMES, last));
     let numbers: [fn(usize) -> String; 4] = [
         |place| format!("{}{}", place / 3, place % 3),
         |place| format!("{}{}", place / 3 + 1, place % 3 + 1),
@@ -177,27 +151,10 @@ fn numbered(name: &str) -> (Vec<String>, Vec<String>) {
 }
 
 /// Words that may accompany the number of a finger or probe in a column name.
-const FINGER_WORDS: [&str; 14] = [
-    "finger",
-    "link",
-    "fingertip",
-    "f",
-    "tip",
-    "digit",
-    "probe",
-    "roll",
-    "trial",
-    "contact",
-    "position",
-    "pos",
-    "point",
-    "sensor",
-];
+const FINGER_WORDS: &str =
+    "finger link fingertip f tip digit probe roll trial contact position pos point sensor";
 /// Words that name a finger in a column name.
-const FINGERS: [&str; 13] = [
-    "thumb", "index", "middle", "ring", "little", "pinky", "th", "ff", "mf", "rf", "lf", "left",
-    "right",
-];
+const FINGERS: &str = "thumb index middle ring little pinky th ff mf rf lf left right";
 
 /// A wide table, if the header has the same columns for several fingers. The first of `columns` is their label; readings
 /// without a label have no wide tables.
@@ -304,7 +261,7 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
     let names = words.iter().filter(|word| is_name(word)).count();
     let others = words
         .iter()
-        .filter(|word| FINGER_WORDS.contains(&word.as_str()))
+        .filter(|word| is_one_of(FINGER_WORDS, word))
         .count();
     let is_finger = numbers + names == 1 && others + 1 == words.len();
     words.retain(|word| !matches!(word.as_str(), "position" | "pos" | "point" | "contact"));
@@ -313,7 +270,11 @@ fn of_finger(name: &str, columns: &[&Column]) -> Option<(usize, String, String)>
 
 /// Whether a word names a finger.
 fn is_name(word: &str) -> bool {
-    FINGERS.contains(&word)
+    is_one_of(FINGERS, word)
+}
+
+fn is_one_of(words: &str, word: &str) -> bool {
+    words.split(' ').any(|one| one == word)
 }
 
 /// Words of a name; digits are words of their own, and `nx` is a normal.
