@@ -1,6 +1,8 @@
 //! Searches the best fit of a press, from the start values to the intervals: robust fit, rejection of outliers,
 //! estimation of noise.
 
+use std::f64::consts::GOLDEN_RATIO;
+
 use nalgebra::Vector3;
 use palpate_statistics::{HALF_WIDTHS, NORMAL_95, student_half_width};
 
@@ -32,6 +34,13 @@ const SUSPECT: f64 = 0.05;
 const ROBUST: f64 = 3.0;
 /// The robust fit stops if the next step is predicted to decrease chi-squared by less than this value.
 const ROUGHLY: f64 = 1e-2;
+/// Relative change of an estimated noise that is not noticeable. With many markers, a smaller change is, because it
+/// changes chi-squared by as much as the interval: at most by twice `MAX_RISE`.
+const MAX_NOISE_CHANGE: f64 = 1e-3;
+const MAX_RISE: f64 = 0.25;
+/// If there are more than twice this number of markers, the search starts with this number of those that moved most and
+/// about as many others.
+const MAX_START_MARKERS: usize = 10_000;
 
 /// A search for the press that fits a reading best.
 #[derive(Clone)]
@@ -363,9 +372,46 @@ impl<'a> Search<'a> {
             && self.problem.contact(one).is_ok_and(near)
     }
 
-    /// The best of the fits from all start values. If the noise is estimated, the best fit is the fit with the smallest
-    /// noise.
+    /// The fit to all markers that starts from the best fit to some of them. `None` if there are not many markers, or if
+    /// one of the fits fails.
+    fn begin_with_few(&mut self) -> Option<(State, Sums)> {
+        let reading = self.problem.reading;
+        let mut chosen: Vec<usize> = (0..reading.normal.len()).collect();
+        if chosen.len() <= 2 * MAX_START_MARKERS {
+            return None;
+        }
+        let share = MAX_START_MARKERS as f64 / chosen.len() as f64;
+        let by_displacement =
+            |one: &usize, other: &usize| reading.normal[*other].total_cmp(&reading.normal[*one]);
+        chosen.select_nth_unstable_by(MAX_START_MARKERS, by_displacement);
+        let mut others = chosen.split_off(MAX_START_MARKERS);
+        // Multiples of the golden ratio are spread evenly, also over the rows of a grid.
+        others.retain(|&marker| (marker as f64 * GOLDEN_RATIO).fract() < share);
+        chosen.append(&mut others);
+        let markers = reading.markers.subset(&chosen);
+        let normal: Vec<f64> = chosen.iter().map(|&one| reading.normal[one]).collect();
+        let of_chosen = |all: &[[f64; 2]]| chosen.iter().map(|&one| all[one]).collect();
+        let tangential: Option<Vec<[f64; 2]>> = reading.tangential.map(of_chosen);
+        let few = Reading {
+            markers: &markers,
+            normal: &normal,
+            tangential: tangential.as_deref(),
+            indentation: reading.indentation,
+        };
+        let mut search = Search::new(self.problem.fit, &few).ok()?;
+        let (mut state, _) = search.begin().ok()?;
+        let mut all = self.clone();
+        let sums = all.settle(&mut state).ok()?;
+        all.rivals = search.rivals;
+        *self = all;
+        Some(self.without_nearest(&state).unwrap_or((state, sums)))
+    }
+
+    /// The best of the fits from all start values. If the noise is estimated, it is the fit with the smallest noise.
     fn begin(&mut self) -> Result<(State, Sums), PressError> {
+        if let Some(fit) = self.begin_with_few() {
+            return Ok(fit);
+        }
         let mut fits = self.robust_fits()?;
         if self.problem.fit.window.is_some() {
             // With a window, each fit uses other markers, so their residuals cannot be compared. Keep only the first
@@ -481,8 +527,9 @@ impl<'a> Search<'a> {
         let (mut last, mut sums) = (None, None);
         for round in 0..ROUNDS {
             let kept = self.problem.kept.clone();
-            self.find_noise(state, round < 2)?;
-            self.choose(state)?;
+            let residuals = self.residuals(state)?;
+            self.find_noise(&residuals, round < 2);
+            self.choose(state, &residuals)?;
             let is_same = kept == self.problem.kept && !self.is_noise_new(&mut last);
             if let Some(sums) = sums.filter(|_| is_same) {
                 return Ok(sums);
@@ -498,10 +545,11 @@ impl<'a> Search<'a> {
     /// Whether the estimated noise has changed noticeably since the last call.
     fn is_noise_new(&self, last: &mut Option<[f64; 2]>) -> bool {
         let now = [self.problem.normal_std, self.problem.tangential_std];
+        let tolerance = MAX_NOISE_CHANGE.min(MAX_RISE / self.problem.equations() as f64);
         let same = |last: [f64; 2]| {
             last.iter()
                 .zip(now)
-                .all(|(last, now)| (now - last).abs() <= 1e-3 * now)
+                .all(|(last, now)| (now - last).abs() <= tolerance * now)
         };
         let found = self.find_normal || self.find_tangential;
         let is_new = found && !last.is_some_and(same);
@@ -509,19 +557,40 @@ impl<'a> Search<'a> {
         is_new
     }
 
-    /// Estimates standard deviations of the noise from the residuals of the used markers. If `robustly`, they are
-    /// computed from the median of the residuals, otherwise from the squares.
-    fn find_noise(&mut self, state: &State, robustly: bool) -> Result<(), PressError> {
-        if !(self.find_normal || self.find_tangential) {
-            return Ok(());
-        }
+    /// Magnitudes of the residuals of all markers, as lengths.
+    fn residuals(&self, state: &State) -> Result<Vec<[f64; 3]>, PressError> {
         let problem = &self.problem;
         let contact = problem.contact(state)?;
-        let (mut normal, mut tangential) = (Vec::new(), Vec::new());
-        for marker in problem.counting() {
-            let [inward, x, y] = problem.residuals_at(&contact, state, marker);
-            normal.push((inward * problem.normal_std).abs());
-            tangential.extend([x, y].map(|along| (along * problem.tangential_std).abs()));
+        let stds = [
+            problem.normal_std,
+            problem.tangential_std,
+            problem.tangential_std,
+        ];
+        let of_marker = |marker| {
+            let residuals = problem.residuals_at(&contact, state, marker);
+            std::array::from_fn(|part| (residuals[part] * stds[part]).abs())
+        };
+        Ok((0..problem.kept.len()).map(of_marker).collect())
+    }
+
+    /// Estimates standard deviations from the residuals of the used markers: from their median if `robustly`, otherwise
+    /// from their squares.
+    fn find_noise(&mut self, residuals: &[[f64; 3]], robustly: bool) {
+        if !(self.find_normal || self.find_tangential) {
+            return;
+        }
+        let problem = &self.problem;
+        let normal: Vec<f64> = problem
+            .counting()
+            .map(|marker| residuals[marker][0])
+            .collect();
+        let mut tangential = Vec::new();
+        if problem.uses_tangential() {
+            tangential.extend(
+                problem
+                    .counting()
+                    .flat_map(|marker| [residuals[marker][1], residuals[marker][2]]),
+            );
         }
         let correction = (problem.equations() as f64 / problem.freedom().max(1) as f64).sqrt();
         let floor = EXACT * self.largest;
@@ -541,19 +610,17 @@ impl<'a> Search<'a> {
         if self.find_tangential && self.problem.uses_tangential() {
             self.problem.tangential_std = found_tangential;
         }
-        Ok(())
     }
 
-    /// Selects the markers that the fit uses: the markers within the window, without outliers.
-    fn choose(&mut self, state: &State) -> Result<(), PressError> {
+    /// Selects the used markers, which are the markers within the window that are not outliers.
+    fn choose(&mut self, state: &State, residuals: &[[f64; 3]]) -> Result<(), PressError> {
         let problem = &mut self.problem;
         problem.kept.fill(true);
         problem.keep_window(state);
-        let contact = problem.contact(state)?;
         let inside = problem.counting().count();
         let is_wrong = |marker: &usize| {
-            let residuals = problem.residuals_at(&contact, state, *marker);
-            residuals.iter().any(|residual| residual.abs() > WRONG)
+            let [normal, x, y] = residuals[*marker];
+            normal > WRONG * problem.normal_std || x.max(y) > WRONG * problem.tangential_std
         };
         let wrong: Vec<usize> = problem.counting().filter(is_wrong).collect();
         let most = (MAX_OUTLIER_SHARE * inside as f64).max(1.0) as usize;

@@ -6,6 +6,7 @@ use palpate_recorded::{
     RollOptions, RollRecording, estimate_glide, estimate_press, estimate_roll, parse_glide,
     parse_press, parse_roll,
 };
+use palpate_sensing::{Channel, Stream};
 use palpate_study::config::LengthUnit;
 use serde::Serialize;
 
@@ -166,5 +167,42 @@ fn sensors_of_large_radius_are_pressed() {
             );
             assert!(high - low < 0.1, "{radius}: {low} {high}");
         }
+    }
+}
+
+/// Many markers at random places on a flat pad: the displacements are Hertz's, with noise.
+#[test]
+fn intervals_from_many_markers_are_as_wide_as_their_noise() {
+    let mut noise = Stream::new(46, 0, Channel::Position);
+    let (radius, depth) = (10.0, 0.1_f64);
+    let contact = (radius * depth).sqrt();
+    for count in [
+        2_000, 30_000, 30_001, 30_002, 30_003, 30_004, 30_005, 30_006,
+    ] {
+        let mut places = Vec::new();
+        let mut normal = Vec::new();
+        for _ in 0..count {
+            let [x, y] = [0, 1].map(|_| 3.0 * noise.standard_normal());
+            let r = libm::hypot(x, y).max(contact);
+            let outside = (2.0 * contact * contact - r * r) * libm::asin(contact / r)
+                + contact * (r * r - contact * contact).sqrt();
+            let moved = match r > contact {
+                true => outside / (std::f64::consts::PI * radius),
+                false => depth - (x * x + y * y) / (2.0 * radius),
+            };
+            places.push([x, y]);
+            normal.push(moved + 0.002 * noise.standard_normal());
+        }
+        let readings = PressRecording::new(&places, &normal, None, MM).unwrap();
+        let options = PressOptions {
+            marker_depth: Some(0.0),
+            ..PressOptions::new(f64::INFINITY)
+        };
+        let report = serde_json::to_value(estimate_press(&readings, &options).unwrap()).unwrap();
+        let curvature = &report["object_curvature"];
+        let [low, high] = [0, 1].map(|end| curvature["interval95"][end].as_f64().unwrap());
+        assert!((low..=high).contains(&0.1), "{count}: {curvature}");
+        let widths = (high - low) / (2.0 * 1.96 * curvature["std"].as_f64().unwrap());
+        assert!((widths - 1.0).abs() < 0.1, "{count}: {curvature}");
     }
 }
