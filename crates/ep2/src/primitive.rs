@@ -153,6 +153,9 @@ pub struct ShapeFit {
     pub readings: EffectiveReadings,
     /// Contacts that the fit did not use.
     pub outliers: Vec<Outlier>,
+    /// Whether the shape is assumed to be convex, because neither normals nor the outward direction determine which side
+    /// is outside.
+    pub is_side_assumed: bool,
 }
 
 impl ShapeFit {

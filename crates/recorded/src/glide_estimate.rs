@@ -19,7 +19,9 @@ use super::glide_report::{
     GlideEstimate, GlideMap, GlideRadius, PatchNoise, PatchRegion, Thresholds, tidy,
 };
 use super::glide_warnings::{directions, distant, misfit_warnings, normals, spacing, stated_noise};
-use super::log_warnings::{across, correlated, left_out, listed, shape_warnings, two_groups};
+use super::log_warnings::{
+    across, assumed_side, correlated, left_out, listed, shape_warnings, two_groups,
+};
 use super::press_report::Radius;
 use super::reading_table::ExtraColumns;
 use super::shape_report::{LeftOut, ShapeReport, StrokeReport};
@@ -346,11 +348,17 @@ impl<'r> GlideFitResult<'r> {
                 unit,
             )
         });
-        let is_contact = self.given.tip_radius.is_none();
-        let unused = is_contact.then(|| recorded.unused_orientation()).flatten();
+        let is_signed = !recorded.has_normals() && self.stroke.is_none();
+        let shape = match &self.surface {
+            Surface::Graph(_) => None,
+            Surface::Shape(fit) => Some(&**fit),
+        };
+        let side = is_signed
+            .then(|| assumed_side(shape, &self.centre.curvature, self.options.outward))
+            .flatten();
         Warning::of(StatedQuantity::Scale.code(), spacing)
             .into_iter()
-            .chain(Warning::of("assumed-columns", unused))
+            .chain(side)
             .chain(left_out(&used.outliers, recorded))
             .chain(correlated(&used.readings))
             .chain(two_groups(contacts, unit))

@@ -21,6 +21,9 @@ pub enum TipReports {
     Centre,
 }
 
+/// Direction that points out of the object, if none is stated.
+pub(super) const DEFAULT_OUTWARD: [f64; 3] = [0.0, 0.0, 1.0];
+
 /// Settings of an estimate that the readings do not state. Lengths are in the unit of the readings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -70,7 +73,7 @@ impl Default for GlideOptions {
             map_at_contacts: false,
             tip_radius: None,
             reports: None,
-            outward: [0.0, 0.0, 1.0],
+            outward: DEFAULT_OUTWARD,
             gaussian_threshold: None,
             mean_threshold: None,
             inter_finger_distance: None,

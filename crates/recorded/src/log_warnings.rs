@@ -3,12 +3,13 @@
 
 use nalgebra::Vector3;
 use palpate_ep2::{
-    Contact, EffectiveReadings, Outlier, OutlierReason, Shape, ShapeFit, StrokeCurvature,
+    Contact, Curvature, EffectiveReadings, Outlier, OutlierReason, Shape, ShapeFit, StrokeCurvature,
 };
-use palpate_statistics::Number;
+use palpate_statistics::{NORMAL_95, Number};
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
+use super::glide_options::DEFAULT_OUTWARD;
 use super::glide_recording::GlideRecording;
 
 /// Largest number of rows that a message lists.
@@ -57,6 +58,25 @@ pub(super) fn left_out(outliers: &[Outlier], recorded: &GlideRecording) -> Optio
         let numbers = [("left_out", count as f64), ("contacts", contacts as f64)];
         Warning::new("left-out", text, numbers)
     })
+}
+
+/// Warning about the sign of a curvature from contacts without normals, if it follows from an assumption: that a shape is
+/// convex, or that the default outward direction is right although the object is then concave.
+pub(super) fn assumed_side(
+    surface: Option<&ShapeFit>,
+    curvature: &Curvature,
+    outward: [f64; 3],
+) -> Option<Warning> {
+    let std = curvature.uncertainty.map_or(0.0, |one| one.mean_std);
+    let text = if surface.is_some_and(|fit| fit.is_side_assumed) {
+        "the contacts have no normals and do not show which side of the object is outside, so it is assumed to be convex: record normals, or state setting `outward` if all contacts are on one side"
+    } else if outward == DEFAULT_OUTWARD && curvature.mean + NORMAL_95 * std < 0.0 {
+        "the object is concave if its outer side faces +z, which is assumed because the contacts have no normals: if it was touched from below, state setting `outward` as 0,0,-1"
+    } else {
+        return None;
+    };
+    let numbers = [("mean_curvature", curvature.mean)];
+    Some(Warning::new("assumed-side", text, numbers))
 }
 
 /// Warning about noise that is correlated along the strokes.

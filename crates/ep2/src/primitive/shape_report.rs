@@ -28,7 +28,11 @@ impl ShapeSettings {
         let Candidate { solution, lack } = candidate;
         let scale = scaled.scale;
         let interval = curvature_interval(solution, used, lack);
-        let is_reversed = used.normals.is_empty() && is_inside_out(&solution.pose, used, &outward);
+        let outside = match used.normals.is_empty() {
+            true => outside(&solution.pose, used, &outward),
+            false => Some(true),
+        };
+        let is_reversed = outside.map_or(solution.pose.curvature < 0.0, |is_out| !is_out);
         let pose = if is_reversed {
             solution.pose.reversed()
         } else {
@@ -124,6 +128,7 @@ impl ShapeSettings {
                     normal_correlation: 1.0,
                 },
                 outliers: Vec::new(),
+                is_side_assumed: outside.is_none() && !is_plane,
             })
     }
 }
@@ -157,15 +162,16 @@ fn radius(curvature: &SizeEstimate, is_resolved: bool, ends: [Option<f64>; 2]) -
     }
 }
 
-/// Whether the inside and the outside of a shape that was fitted without normals must be exchanged.
-fn is_inside_out(pose: &Pose, cloud: &Cloud, outward: &Vector3<f64>) -> bool {
+/// Whether the normals of a shape that was fitted without normals point outward; `None` if the outward direction does
+/// not determine this, because it is tangential or because the contacts are all around the object.
+fn outside(pose: &Pose, cloud: &Cloud, outward: &Vector3<f64>) -> Option<bool> {
     let normals = cloud.places.iter().map(|place| pose.normal_at(place));
     let mean = normals.sum::<Vector3<f64>>() / cloud.places.len() as f64;
     let cosine = mean.dot(outward);
     if mean.norm() < MIN_MEAN_NORMAL || cosine.abs() < MIN_OUTWARD_COSINE * mean.norm() {
-        return pose.curvature < 0.0;
+        return None;
     }
-    cosine < 0.0
+    Some(cosine > 0.0)
 }
 
 /// Centre of a sphere, point on the axis of a cylinder, or point of a plane; `None` if the size is not determined.
