@@ -134,6 +134,7 @@ impl ReadingTable {
         source
             .notes
             .extend(notes.map(|note| Warning::new("assumed-columns", note, [])));
+        source.notes.extend(table.left_out());
         if source.lines.is_empty() {
             return Err(source.fail("has a header, but no readings"));
         }

@@ -1,14 +1,16 @@
 //! Reads tables as rows of text fields, whatever their file format is.
 
-use std::cell::Cell;
+use std::cell::RefCell;
 
 use csv::StringRecord;
+use palpate_study::Warning;
 use palpate_study::readings::{Column, MATRIX, QUATERNION};
 
 use super::delimited_text::DelimitedText;
 use super::error::RecordedError;
 use super::file::RecordedFile;
 use super::json_table::JsonTable;
+use super::log_warnings::listed;
 use super::numpy::NumpyTable;
 use super::table_format::Delimiter;
 use super::table_layout::{
@@ -51,9 +53,9 @@ pub(super) struct TextTable<'a> {
     /// For a wide table: the names of the columns in the file, and the division of these columns among the fingers. In
     /// a wide table, a row contains several fingers.
     wide: Option<(Vec<String>, Wide)>,
-    /// Number of missing contacts in a wide table: a contact is missing if the fields of its finger are empty.
-    lost: Cell<usize>,
-    /// Note on how the columns were recognised; `None` if they were found by their names.
+    /// Contacts that are missing in a wide table, because the fields of a finger are empty.
+    lost: RefCell<Vec<String>>,
+    /// How the columns were found, if not by their names.
     note: Option<String>,
     /// Column names of a quaternion whose components are only numbered in the file; `None` if there is no such
     /// quaternion.
@@ -78,7 +80,7 @@ impl<'a> TextTable<'a> {
             header,
             header_line,
             wide: None,
-            lost: Cell::new(0),
+            lost: RefCell::default(),
             note: None,
             numbered_quaternion: None,
         };
@@ -161,17 +163,24 @@ impl<'a> TextTable<'a> {
             .iter()
             .map(|group| group.name.as_str())
             .collect();
-        let lost = match self.lost.get() {
-            0 => String::new(),
-            lost => format!("; {lost} contacts without numbers are left out"),
-        };
         let (label, names) = (&self.header[0], names.join(", "));
         Some(format!(
-            "each row holds the columns of several values of `{label}`: {names}{lost}"
+            "each row holds the columns of several values of `{label}`: {names}"
         ))
     }
 
-    /// Recognises the format of a text file. Returns the table, its header and the line of the header.
+    /// Warning about contacts of a wide table that have no numbers. To be called when all rows are read.
+    pub(super) fn left_out(&self) -> Option<Warning> {
+        let lost = self.lost.borrow();
+        let count = lost.len();
+        (count > 0).then(|| {
+            let rows = listed(lost.iter().cloned());
+            let text = format!("{count} contacts without numbers are left out: {rows}");
+            Warning::new("left-out", text, [("without_numbers", count as f64)])
+        })
+    }
+
+    /// A table of text, its header and the line of the header.
     fn of_text(file: &'a RecordedFile) -> Result<(Format<'a>, Vec<String>, usize), RecordedError> {
         let text = Text::of(file.text("a header and one row per reading are needed")?);
         let lines = text.lines().count();
@@ -219,8 +228,8 @@ impl<'a> TextTable<'a> {
         let Some((header, wide)) = &self.wide else {
             return self.rows(take);
         };
-        let mut lost = 0;
-        self.rows(|record| {
+        let mut lost = Vec::new();
+        self.rows(header, |record| {
             let (found, expected) = (record.fields.len(), header.len());
             if found < expected {
                 let message = format!("{found} fields; the header has {expected}");
@@ -232,7 +241,7 @@ impl<'a> TextTable<'a> {
                 let is_none =
                     |text: &str| text.trim().is_empty() || text.trim().eq_ignore_ascii_case("nan");
                 if numbers().all(is_none) {
-                    lost += 1;
+                    lost.push(format!("`{}` in line {}", group.name, record.line));
                     continue;
                 }
                 let shared = wide.shared.iter().map(field);
@@ -249,7 +258,7 @@ impl<'a> TextTable<'a> {
             }
             Ok(())
         })?;
-        self.lost.set(lost);
+        self.lost.replace(lost);
         Ok(())
     }
 

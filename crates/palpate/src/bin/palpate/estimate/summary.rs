@@ -105,13 +105,16 @@ fn readings(estimate: &Value) -> Option<String> {
     let left: Vec<&Value> = left.into_iter().flatten().flatten().collect();
     let effective = estimate["effective_contacts"].as_f64().map(Number::rounded);
     let independent = effective.map_or(String::new(), |all| format!("{all} independent"));
+    let warnings = estimate["warnings"].as_array().into_iter().flatten();
+    let lost = warnings.filter_map(|one| one["numbers"]["without_numbers"].as_f64());
+    let lost: f64 = lost.sum();
+    let without = match lost > 0.0 {
+        true => format!("{lost} without numbers left out"),
+        false => "none left out".to_owned(),
+    };
     if left.is_empty() {
         let independent = Some(independent).filter(|all| !all.is_empty());
-        let all = [
-            Some(format!("{count} {what}")),
-            independent,
-            Some("none left out".into()),
-        ];
+        let all = [Some(format!("{count} {what}")), independent, Some(without)];
         return Some(all.into_iter().flatten().collect::<Vec<_>>().join(", "));
     }
     let rows = left
@@ -135,10 +138,10 @@ fn readings(estimate: &Value) -> Option<String> {
         "{} of {count} {what} left out: {word} {rows}{more}",
         left.len()
     );
-    Some(match independent.is_empty() {
-        true => text,
-        false => format!("{text}; {independent}"),
-    })
+    let lost = Some(without).filter(|_| lost > 0.0);
+    let independent = Some(independent).filter(|all| !all.is_empty());
+    let all = [Some(text), lost, independent].into_iter().flatten();
+    Some(all.collect::<Vec<_>>().join("; "))
 }
 
 #[cfg(test)]
