@@ -54,8 +54,9 @@ subjects! {
     }
     "Surfaces and contact" {
         "probe": "The body that touches the object: a fingertip, a point, or a soft sphere with markers.";
-        "u": "Tangent direction at the contact, at a right angle to v. For a roll, u is the x axis of the contact frame at the start of the roll, so `normal_curvature_u` is the object's curvature in that direction.";
-        "v": "Tangent direction at the contact, at a right angle to u.";
+        "x": "First coordinate of a position: along the fingers' paths in a glide, along the skin in a press. `y` is the second and `z`, the height, the third. Other columns with such endings: `normal` is the unit normal out of the object, `object` and `probe` are the contact points on both bodies, `tip` is the centre of a fingertip, `rotation` is the rotation of a probe, `shift` (u, v) is the movement of the contact on the probe, and `tangential` is a displacement along the skin.";
+        "u": "First tangent direction at the contact. For a roll it is the x axis of the first contact frame, so `normal_curvature_u` is the object's curvature in that direction.";
+        "v": "Second tangent direction at the contact, at a right angle to u.";
         "curvature": "Inverse of a radius of curvature, 1/length. It is positive where the surface is convex.";
         "relative curvature": "Curvature of the sensor plus curvature of the object, 1/R_s + 1/R_o. It determines how two bodies roll or press on each other. For rolls, it has a value in each direction.";
         "principal curvatures": "The smallest and the largest normal curvature at a point, k_min and k_max. Their directions are at right angles to each other.";
@@ -81,7 +82,7 @@ subjects! {
         "half-space": "Model of a soft body that is deep compared with the contact radius. Its displacements under load have a closed form.";
         "bonded-layer": "Model of a soft layer that is bonded to a rigid core. Its contact is computed from an integral equation.";
         "hertz": "Hertz's model of elastic contact with a half-space. It uses the displacements at the surface for all markers, even for markers below the surface.";
-        "elliptic": "Estimator of presses of a half-space on an object that is not round, for example a cylinder. It estimates both principal curvatures of the object and their directions.";
+        "elliptic": "Estimator of presses of a half-space on an object that is not round, for example a cylinder. It estimates both principal curvatures of the object and their directions (`principal`, with `curvature_max` and `curvature_min`).";
         "gaussian": "Estimator of the 2020 paper. It fits a Gaussian to the normal displacements, and computes the effective radius from the width of the Gaussian.";
     }
     "Sensors and noise" {
@@ -90,9 +91,9 @@ subjects! {
         "encoder": "Sensor of the rotation in a roll. It rounds the rotation to whole steps (`scene.noise.encoder`).";
         "pitch": "Distance between neighbouring pads or markers, length.";
         "IFD": "Inter-finger distance: the distance between neighbouring fingers. The 1996 paper states the noise of positions as a fraction of it (`fraction_of_ifd`, `axis_fractions`).";
-        "marker": "Coloured disc, or a pair of discs at two depths, under the skin of a camera sensor. A press displaces the marker.";
+        "marker": "Coloured disc, or a pair of discs at two depths, under the skin of a camera sensor. A press displaces the marker. In tables of markers, `dx`, `dy`, `dhue` and `dmean_hue` are changes since the frame at rest, and `radial_position` is the distance from the apex.";
         "layout": "Arrangement of the markers of a sensor.";
-        "hue": "Colour of a marker that is a pair of discs. The hue changes with the overlap of the discs, and so with the difference between their inward displacements.";
+        "hue": "Colour of a marker that is a pair of discs; `mean_hue` is the mean over its pixels. The hue changes with the overlap of the discs, and so with the difference between their inward displacements.";
         "growth": "Change of the logarithm of a marker's diameter in the image. It is positive if the marker comes closer to the camera.";
         "tracked": "Status of a marker that was found in both frames.";
         "lost": "Status of a marker that was found in the frame at rest, but not in the pressed frame.";
@@ -114,11 +115,11 @@ subjects! {
         "plane": "Estimator of glides: it fits a plane to the contacts and rejects outliers.";
         "sphere": "Estimator of glides: it fits a sphere to the contacts and rejects outliers. The contacts may lie anywhere on the sphere.";
         "cylinder": "Estimator of glides: it fits a circular cylinder to the contacts and rejects outliers. The contacts may lie anywhere on the cylinder.";
-        "shape": "Estimator of glides. It chooses the most probable of plane, sphere and cylinder, or finds that none of them fits.";
-        "penalised": "Estimator of glides: it fits a spline to contacts and normals, with a penalty on roughness. The weight of the penalty depends on the noise of the readings.";
+        "shape": "Estimator of glides. It chooses the most probable of plane, sphere and cylinder (`shape_probabilities`), or finds that `none` of them fits. It states the `centre`, the `axis`, the rms distance of the contacts from the shape (`rms_misfit`) and the p-value of the fit (`shape_p_value`).";
+        "penalised": "Estimator of glides: it fits a spline to contacts and normals, with a penalty on roughness, so that its parameters count as fewer (`effective_unknowns`). The weight of the penalty depends on the noise of the readings.";
         "two-pass": "Estimator of glides from the 1996 paper: a smoothing spline, and a second one that also uses \
             tangents. Its lengths are in units of the inter-finger distance (IFD).";
-        "std": "Standard deviation that the estimator states for its estimate, from the stated noise or from the residuals.";
+        "std": "Standard deviation that the estimator states for its estimate, from the stated noise or from the residuals. `normal_std` and `tangential_std` are those of the displacements of a press.";
         "interval95": "Interval that contains the true value in 95 of 100 cases, if the model is right. If an end is null, the interval is unbounded on this side.";
         "verdict": "Shape of a pressed object, from the 95 % interval of its curvature: convex, concave, flat-within-noise or not-resolved.";
         "flat-within-noise": "Verdict of a press: the interval of the object's curvature contains 0 and is narrower than the sensor's own curvature.";
@@ -129,8 +130,8 @@ subjects! {
         "contact_seen": "Whether the readings alone show a contact. If they do not, but an indentation is stated, the interval contains the curvatures of all contacts whose displacements are within the noise.";
         "radius below": "Status of rolls during which the contact stayed on one pad in some direction. The readings then give only an upper bound on the object's radius in this direction.";
         "wrong markers": "Markers whose readings contradict the other markers so much that the fit does not use them.";
-        "chi-squared": "Sum of squared residuals divided by their variances. The reduced chi-squared is about 1 if the residuals are as large as the noise.";
-        "polynomial": "Status of the estimator two-pass: even for a spline without knots, which is a single polynomial, the sum of squared residuals (the smoothing sum) is at most its target.";
+        "chi-squared": "Sum of squared residuals divided by their variances. The reduced chi-squared (`reduced_chi_squared`) is about 1 if the residuals are as large as the noise.";
+        "polynomial": "Status of two-pass: the sum of squared residuals (the smoothing sum) is at or below its target even for a polynomial, which is a spline without knots.";
         "interpolating": "Status of two-pass: the spline passes through all contacts, up to rounding errors.";
         "smoothing": "Status of two-pass: the sum of squared residuals (the smoothing sum) equals its target, within a tolerance.";
         "knots-exhausted": "Status of two-pass: even with the largest possible number of knots, the sum of squared residuals (the smoothing sum) stays above its target. The curvatures are unusable. Use a larger --smoothing.";
@@ -142,6 +143,14 @@ subjects! {
         "principal_curvature_min": "Smallest normal curvature, estimated from rolls. `principal_curvature_max` is the largest, in the direction `principal_direction_max_deg` from u towards v. The direction's standard deviation is 52° if the two curvatures do not differ significantly.";
         "radius": "Inverse of the mean curvature from rolls and glides. It has two 95 % intervals: for a convex and for a concave object.";
         "residual_rms": "Root mean square of the residuals of the shifts in the fit of rolls.";
+        "contacts": "Number of readings of a glide, by `fingers` fingers (`finger` is the number of a finger); `with_normals` states whether they have normals. `distinct_contacts` counts copies and rests once, `correlated_contacts` consecutive contacts count as one, and `effective_contacts` is the resulting number of independent contacts.";
+        "convex95": "95 % interval of the radius if the object is convex; null if it cannot be convex. `concave95` is the interval if it is concave.";
+        "stroke": "Curvature along the only stroke of a glide (`curvature_along`); across it (`curvature_across`), the curvature is not determined. For rolls in one direction, it is in `single_direction`.";
+        "stiffness": "The product E*√R of a load curve, with the modulus E* = E/(1 − ν²) and the effective radius R. `exponent` is the power of the indentation that fits the forces best; 3/2 by Hertz.";
+        "told_apart": "Probability that one trial of each of two objects puts them in the right order, with its 95 % interval from `low95` to `high95`. `repeats` is the number of trials whose means do so with the required `confidence`, and `repeats_are` states whether this number was found, extrapolated or not found. `first` and `second` are the objects, and `failing` is the share of failed trials.";
+        "effect": "Change of the rms error with a field, both relative: 1 if the error is proportional to the field. `rms_errors` are the errors at both changed values, and `skipped` lists fields without a result.";
+        "meets": "Ranges of values that meet the `target` of `design`; `misses` are those that do not. `best_that_meets` is the best value of the field `sought`, `std_error` the standard error of the statistic, and `max_failures` the largest share of trials that may fail.";
+        "main_failure": "Most frequent kind of failure of the trials. `first_trial` in failures.csv is the number of the first trial that failed in this way.";
         "std_from": "Source of the standard deviations of rolls: stated noise, the pitch of the pads, or the residuals.";
         "terms": "Number of terms of the curvature along a roll, from time series: 1 if the curvature is constant.";
         "bounds": "Smallest and largest curvatures that agree with all samples of rolls as time series, if the rotations are exact. An end is null if there is no bound.";
@@ -149,18 +158,18 @@ subjects! {
             object's radius if possible.";
         "k_min": "Smallest normal curvature at a point; `direction_of_min` is its direction.";
         "k_max": "Largest normal curvature at a point; `direction_of_max` is its direction.";
-        "class_probabilities": "Probability of each of the eight shape classes, from the uncertainty of K and H.";
+        "class_probabilities": "Probability of each of the eight shape classes, from the uncertainty of K and H. In maps, each class has a column, such as `probability_peak`; `true_class` is the simulated class.";
         "sign_class": "Class by the signs of the principal curvatures alone: convex, concave or saddle.";
-        "regions": "Connected parts of a patch that have the same shape class. Each part has its area, the averages of K and H over \
+        "regions": "Connected parts of a patch that have the same shape class; `region` is the number of a part in a map. Each part has its `area`, the averages of K and H over \
             the part, the average direction of largest curvature, and the coherence of the directions.";
-        "status": "Result of fitting a smoothing spline with the estimator two-pass. The curvature is usable unless the status is knots-exhausted or unsettled.";
-        "contact": "Position of the contact on the skin: x and y along the skin from the apex.";
+        "status": "In the columns of markers, whether a marker was found. Otherwise the result of a smoothing spline of two-pass. The curvature is usable unless the status is knots-exhausted or unsettled.";
+        "contact": "Position of the contact on the skin: x and y along the skin from the apex. `peak_pressure` is the pressure there, if the modulus is stated.";
         "regime": "Kind of contact of a press: convex, flat, concave, conforming or edge.";
         "unit": "Unit in which a value is stated. The unit of a curvature is one over the unit of length.";
         "format_version": "Version of the JSON. It increases when a key is removed or changes its meaning.";
     }
     "Warnings about estimates" {
-        "warnings": "Messages that the estimate may be wrong, each with a code, a text and numbers. The number `p_value` is the probability that chance alone causes a contradiction at least as large.";
+        "warnings": "Messages that the estimate may be wrong, each with a `code`, a `text` and `numbers`. The number `p_value` is the probability that chance alone causes a contradiction at least as large.";
         "p-value": "Probability that noise of the stated size causes residuals at least as large as these, if the model holds. A small p-value means that the readings contradict the model or the stated noise.";
         "poor-fit": "Warning: the residuals are larger than the noise explains (p-value below 0.005; for rolls, below 0.02). The stated noise is too small, or the model does not hold.";
         "outlier": "Warning: one reading contradicts the others. `numbers` contains the number of this reading, counted from 0. Markers of a press that contradict the others strongly are not used in the fit at all.";
@@ -191,8 +200,16 @@ subjects! {
         "unnamed-probes": "No column names the roll of each row. The rolls are found by rows, blank lines or times.";
         "assumed-columns": "The file does not name its columns as palpate does. palpate found the columns by their order, or as columns of several fingers, or did not read some columns.";
         "unnamed-fingers": "No column names the finger of each row. The fingers are found by blank lines or long steps.";
+        "half-turn": "The contact of a simulated roll passes half way round the probe, so the shift no longer determines the length of the roll.";
+        "hidden-markers": "The simulated camera does not image all markers.";
+        "large-shift": "The sideways movement of a simulated press is larger than the contact radius, so the strains are not small.";
+        "markers-at-surface": "The contact model moves the markers as if they were at the surface, but the estimator assumes that they are at their depth.";
+        "no-estimate": "The estimate of a simulated press fails even without noise (`no-estimate`), the estimator cannot be built (`no-estimator`), or the press is impossible (`no-press`).";
+        "biased-estimate": "Even without noise, the estimated curvature of a simulated press differs from the true one, because the estimator's model differs from the simulated one.";
+        "unchecked-indentation": "The readings alone do not determine an indentation, so the stated indentation cannot be checked.";
+        "grid-beyond-contacts": "The grid of a glide extends beyond the contacts, so the fit is extrapolated there.";
         "flat-object": "The object is so flat that the rounding of double precision changes its curvature noticeably.";
-        "left-out": "Readings are left out of the fit: lost readings and other outliers, or rolls that cannot be used.";
+        "left-out": "Readings are left out of the fit: lost readings and other outliers, or rolls that cannot be used. The key `left_out` lists them: `row` in the readings, `line` in the file, and `reason` (`sentinel`, `zeros`, `far` or `misfit`).";
         "not-resolved-across": "The contacts lie along one stroke, or all rolls have the same direction. The readings determine the curvature along this direction, but not across it.";
         "two-groups": "The contacts form two groups. The gap between the groups is larger than each group, so the contacts may be of two objects.";
         "uncertain-shape": "Two shapes fit the contacts about equally well. Record more contacts over a larger part of the object.";
@@ -307,6 +324,29 @@ subjects! {
 pub fn meaning(word: &str) -> Option<Term> {
     let word = spelt(word);
     all().find(|term| spelt(term.name) == word)
+}
+
+/// Term for a column or a key that is no term itself: the term of its name without unit, component or `std`, or a term
+/// whose meaning contains the key between backticks.
+///
+/// ```
+/// use palpate_study::glossary::related;
+///
+/// assert_eq!(related("k_max_per_mm").map(|term| term.name), Some("k_max"));
+/// assert_eq!(related("concave95").map(|term| term.name), Some("convex95"));
+/// ```
+pub fn related(word: &str) -> Option<Term> {
+    const ENDS: &str = " mm cm m um mm2 px deg rad turns s n per std x y z u v high low ";
+    let word = spelt(word);
+    let mut name = word.as_str();
+    loop {
+        let quoted = format!("`{name}`");
+        let mentioning = || all().find(|term| term.meaning.replace('-', "_").contains(&quoted));
+        match (meaning(name).or_else(mentioning), name.rsplit_once('_')) {
+            (None, Some((before, end))) if ENDS.contains(&format!(" {end} ")) => name = before,
+            (found, _) => return found,
+        }
+    }
 }
 
 /// Up to five names that are similar to a word, the most similar first.

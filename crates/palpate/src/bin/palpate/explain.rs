@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use anyhow::anyhow;
 use palpate_study::config::schema;
-use palpate_study::glossary::{SUBJECTS, meaning, similar};
+use palpate_study::glossary::{SUBJECTS, meaning, related, similar};
 use palpate_study::readings::spelt;
 use palpate_study::{Quantity, Statistic, Unit};
 use serde_json::Value;
@@ -49,9 +49,11 @@ pub(crate) fn explain(word: &str) -> Result<(), Failure> {
     let keys = config_keys()
         .into_iter()
         .filter(|(path, _)| spelt(path.rsplit('.').next().unwrap_or_default()) == spelt(word));
-    let entries: Vec<String> = term
-        .into_iter()
-        .chain(keys)
+    let keys: Vec<(String, String)> = keys.collect();
+    let of_part = || related(word).filter(|_| keys.is_empty());
+    let of_part = || of_part().map(|term| (term.name.to_owned(), term.meaning.to_owned()));
+    let entries: Vec<String> = (term.or_else(of_part).into_iter())
+        .chain(keys.iter().cloned())
         .map(|(name, meaning)| format!("{name}\n{}", wrapped(&meaning, "  ")))
         .collect();
     if entries.is_empty() {
