@@ -356,9 +356,12 @@ impl<'r> GlideFitResult<'r> {
         let side = is_signed
             .then(|| assumed_side(shape, &self.centre.curvature, self.options.outward))
             .flatten();
+        let is_contact = self.given.tip_radius.is_none();
+        let unused = is_contact.then(|| recorded.unused_orientation()).flatten();
         Warning::of(StatedQuantity::Scale.code(), spacing)
             .into_iter()
             .chain(side)
+            .chain(Warning::of("assumed-columns", unused))
             .chain(left_out(&used.outliers, recorded))
             .chain(correlated(&used.readings))
             .chain(two_groups(contacts, unit))

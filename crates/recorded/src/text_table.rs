@@ -55,7 +55,7 @@ pub(super) struct TextTable<'a> {
     wide: Option<(Vec<String>, Wide)>,
     /// Contacts that are missing in a wide table, because the fields of a finger are empty.
     lost: RefCell<Vec<String>>,
-    /// How the columns were found, if not by their names.
+    /// Note on how the columns were recognised; `None` if they were found by their names.
     note: Option<String>,
     /// Column names of a quaternion whose components are only numbered in the file; `None` if there is no such
     /// quaternion.
@@ -180,7 +180,7 @@ impl<'a> TextTable<'a> {
         })
     }
 
-    /// A table of text, its header and the line of the header.
+    /// Recognises the format of a text file. Returns the table, its header and the line of the header.
     fn of_text(file: &'a RecordedFile) -> Result<(Format<'a>, Vec<String>, usize), RecordedError> {
         let text = Text::of(file.text("a header and one row per reading are needed")?);
         let lines = text.lines().count();
@@ -229,7 +229,7 @@ impl<'a> TextTable<'a> {
             return self.rows(take);
         };
         let mut lost = Vec::new();
-        self.rows(header, |record| {
+        self.rows(|record| {
             let (found, expected) = (record.fields.len(), header.len());
             if found < expected {
                 let message = format!("{found} fields; the header has {expected}");

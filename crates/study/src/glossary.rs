@@ -55,8 +55,8 @@ subjects! {
     "Surfaces and contact" {
         "probe": "The body that touches the object: a fingertip, a point, or a soft sphere with markers.";
         "x": "First coordinate of a position: along the fingers' paths in a glide, along the skin in a press. `y` is the second and `z`, the height, the third. Other columns with such endings: `normal` is the unit normal out of the object, `object` and `probe` are the contact points on both bodies, `tip` is the centre of a fingertip, `rotation` is the rotation of a probe, `shift` (u, v) is the movement of the contact on the probe, and `tangential` is a displacement along the skin.";
-        "u": "First tangent direction at the contact. For a roll it is the x axis of the first contact frame, so `normal_curvature_u` is the object's curvature in that direction.";
-        "v": "Second tangent direction at the contact, at a right angle to u.";
+        "u": "Tangent direction at the contact, at a right angle to v. For a roll, u is the x axis of the contact frame at the start of the roll, so `normal_curvature_u` is the object's curvature in that direction.";
+        "v": "Tangent direction at the contact, at a right angle to u.";
         "curvature": "Inverse of a radius of curvature, 1/length. It is positive where the surface is convex.";
         "relative curvature": "Curvature of the sensor plus curvature of the object, 1/R_s + 1/R_o. It determines how two bodies roll or press on each other. For rolls, it has a value in each direction.";
         "principal curvatures": "The smallest and the largest normal curvature at a point, k_min and k_max. Their directions are at right angles to each other.";
@@ -131,11 +131,11 @@ subjects! {
         "radius below": "Status of rolls during which the contact stayed on one pad in some direction. The readings then give only an upper bound on the object's radius in this direction.";
         "wrong markers": "Markers whose readings contradict the other markers so much that the fit does not use them.";
         "chi-squared": "Sum of squared residuals divided by their variances. The reduced chi-squared (`reduced_chi_squared`) is about 1 if the residuals are as large as the noise.";
-        "polynomial": "Status of two-pass: the sum of squared residuals (the smoothing sum) is at or below its target even for a polynomial, which is a spline without knots.";
-        "interpolating": "Status of two-pass: the spline passes through all contacts, up to rounding errors.";
-        "smoothing": "Status of two-pass: the sum of squared residuals (the smoothing sum) equals its target, within a tolerance.";
-        "knots-exhausted": "Status of two-pass: even with the largest possible number of knots, the sum of squared residuals (the smoothing sum) stays above its target. The curvatures are unusable. Use a larger --smoothing.";
-        "unsettled": "Status of two-pass: the search found no parameter that balances residuals against roughness. The curvatures are unusable. Use another --smoothing.";
+        "polynomial": "Status of the estimator `two-pass`: even for a spline without knots, which is a single polynomial, the sum of squared residuals (the smoothing sum) is at most its target.";
+        "interpolating": "Status of the estimator `two-pass`: the spline passes through all contacts, up to rounding errors.";
+        "smoothing": "Status of the estimator `two-pass`: the sum of squared residuals (the smoothing sum) equals its target, within a tolerance.";
+        "knots-exhausted": "Status of the estimator `two-pass`: even with the largest possible number of knots, the sum of squared residuals (the smoothing sum) stays above its target. The curvatures are unusable. Use a larger --smoothing.";
+        "unsettled": "Status of the estimator `two-pass`: the search found no parameter that balances residuals against roughness. The curvatures are unusable. Use another --smoothing.";
         "never-enough": "Status of a pair of objects in `distinguish`: no number of trials distinguishes them, because each single trial is as likely to put them in the wrong order as in the right order.";
     }
     "Fields of estimates" {
@@ -162,7 +162,7 @@ subjects! {
         "sign_class": "Class by the signs of the principal curvatures alone: convex, concave or saddle.";
         "regions": "Connected parts of a patch that have the same shape class; `region` is the number of a part in a map. Each part has its `area`, the averages of K and H over \
             the part, the average direction of largest curvature, and the coherence of the directions.";
-        "status": "In the columns of markers, whether a marker was found. Otherwise the result of a smoothing spline of two-pass. The curvature is usable unless the status is knots-exhausted or unsettled.";
+        "status": "In the columns of markers, whether a marker was found. Otherwise the result of fitting a smoothing spline with the estimator `two-pass`. The curvature is usable unless the status is knots-exhausted or unsettled.";
         "contact": "Position of the contact on the skin: x and y along the skin from the apex. `peak_pressure` is the pressure there, if the modulus is stated.";
         "regime": "Kind of contact of a press: convex, flat, concave, conforming or edge.";
         "unit": "Unit in which a value is stated. The unit of a curvature is one over the unit of length.";
