@@ -33,7 +33,7 @@ pub struct Moments {
     /// rotation vector, turned by 90° into the direction of rolling. `d = Δp − R₁ g` is the deviation of its shift `Δp`
     /// from the shift on a plane.
     pub(crate) deviations: [f64; 3],
-    /// Sum of the lengths of the shifts, length.
+    /// Sum of the magnitudes of the shifts (length).
     pub(crate) lengths: f64,
 }
 
@@ -60,7 +60,7 @@ impl ProbeRotation {
 }
 
 impl Moments {
-    /// The moments of the set of readings with the index `set`. Each array contains one sum for several sets of
+    /// The moments of one set of readings, whose index is `set`. Each inner array contains the same sum for `N` sets of
     /// readings.
     #[inline(always)]
     pub(crate) fn of_set<const N: usize>(
@@ -174,7 +174,7 @@ impl BatchEstimates {
         }
     }
 
-    /// Number of determined estimates before the first undetermined estimate, among the first `count` estimates.
+    /// Number of estimates before the first undetermined estimate. Only the first `count` estimates are examined.
     #[inline(always)]
     pub(crate) fn determined(&self, count: usize) -> usize {
         let all = &self.is_determined[..count.min(BATCH_SIZE)];

@@ -17,7 +17,7 @@ const MIN_WIDTH: f64 = 0.05;
 const MIN_STD: f64 = 1e-9;
 
 /// A run of samples on one pad is divided into this number of intervals. Only the samples at the ends of the intervals
-/// are used as bounds of the contact's position. The other samples would improve the bounds hardly, because the contact
+/// are used as bounds of the contact's position. The other samples would hardly improve the bounds, because the contact
 /// moves steadily.
 const PROBED: usize = 4;
 

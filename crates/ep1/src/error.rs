@@ -1,10 +1,10 @@
-//! Errors of readings that do not determine the curvature.
+//! The error type for readings from which the curvature cannot be estimated.
 
 use palpate_statistics::Number;
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Reasons why a set of probes does not determine a curvature.
+/// Reasons why the curvature cannot be estimated from the readings of a set of probes.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Ep1Error {
@@ -63,13 +63,13 @@ pub enum Ep1Error {
         /// Distance that the contact moved per radian of rotation, length; negative.
         travel_per_radian: f64,
     },
-    /// A number of a reading, or a result computed from it, is not finite.
+    /// A number in a reading is not finite, or a result computed from this reading is not finite.
     #[error("probe {probe} (counting from 0): the reading is not finite")]
     NotFinite {
         /// Number of the probe, counted from 0.
         probe: usize,
     },
-    /// A number of the readings, or a result computed from them, is too large or too small for double precision.
+    /// A number in the readings is too large or too small for double precision, or a computed result is.
     #[error("the readings are too large or too small for double precision")]
     OutOfRange,
 }

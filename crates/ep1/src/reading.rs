@@ -38,7 +38,8 @@ pub struct ReadingNoise {
     pub rotation_std_rad: f64,
     /// Standard deviation of each component of a shift, length.
     pub shift_std: f64,
-    /// Resolution of shifts, length: a shorter shift may be read as zero. It is 0 if the sensor has no such limit.
+    /// Resolution of shifts (length): the sensor may report a shorter shift as zero. It is 0 if the sensor has no such
+    /// limit.
     pub shift_resolution: f64,
     /// Place on the pads at which the rolls start. It has no effect without pads.
     pub pad_start: PadStart,

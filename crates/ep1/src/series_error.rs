@@ -1,17 +1,18 @@
-//! Errors of series that do not determine the curvature.
+//! The error type for time series of rolls from which the curvature cannot be estimated.
 
 use palpate_statistics::Number;
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Reasons why a set of series does not determine a curvature. Rolls and samples are counted from 0.
+/// Reasons why the curvature cannot be estimated from a set of time series of rolls. Rolls and samples are counted from
+/// 0.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum SeriesError {
-    /// The radius of the probe, the pitch or a noise is out of range.
+    /// The radius of the probe, the pitch of the pads or a standard deviation of the noise is out of range.
     #[error("the probe's radius, the pitch of the pads or a noise is out of range")]
     OutOfRange,
-    /// A number of a sample is not finite.
+    /// A number in a sample is not finite.
     #[error("roll {roll}, sample {sample} (counting from 0): a number is not finite")]
     NotFinite {
         /// Number of the roll, counted from 0.
@@ -35,7 +36,7 @@ pub enum SeriesError {
         /// Time of the sample before, s.
         last_s: f64,
     },
-    /// A place is more than half a turn from the pads' origin.
+    /// The contact point or pad of a sample is more than half a turn from the pads' origin.
     #[error("roll {roll}, sample {sample} (counting from 0): the place is not on the probe")]
     OffProbe {
         /// Number of the roll, counted from 0.

@@ -13,7 +13,8 @@ use crate::{Contact, ShapeError};
 /// Largest ratio of a contact's distance from the spatial median to the median of these distances. A contact with a
 /// larger ratio is a gross outlier. In clean logs of strokes and caps, less than 0.01 % of the contacts exceed it.
 const MAX_DISTANCE_RATIO: f64 = 6.0;
-/// The same ratio for contacts that a gap separates from the nearer contacts.
+/// Largest ratio of a contact's distance from the spatial median to the median distance, if a gap separates the contact
+/// from the nearer contacts.
 const MAX_DISTANCE_RATIO_BEFORE_GAP: f64 = 2.5;
 /// Ratio of two consecutive distances in ascending order from which they are separated by a gap.
 const MIN_GAP_RATIO: f64 = 1.5;
@@ -162,8 +163,8 @@ fn gross_outliers(contacts: &[Contact], runs: &[Contact]) -> Result<Vec<Outlier>
     within_share(outliers, contacts.len())
 }
 
-/// The distance below the widest gap among the largest distances, which are at most a fifth of all; `None` if there is
-/// no gap.
+/// Searches the widest gap between successive distances in the largest fifth of the sorted distances. Returns the
+/// distance below this gap; `None` if there is no gap.
 fn gap(mut distances: Vec<f64>) -> Option<f64> {
     if distances.len() < MIN_PLACES_WITH_GAP {
         return None;
@@ -181,7 +182,7 @@ fn gap(mut distances: Vec<f64>) -> Option<f64> {
     found.map(|pair| pair[0] * (1.0 + 1e-9))
 }
 
-/// The outliers. Returns an error if more than a fifth of the contacts are outliers.
+/// Returns `outliers`, or an error if more than a fifth of the contacts are outliers.
 pub(crate) fn within_share(
     outliers: Vec<Outlier>,
     contacts: usize,

@@ -36,7 +36,7 @@ const MAX_BLOCK_RATIO: f64 = 0.05;
 /// Largest number of contacts to which a plane, a sphere and a cylinder are fitted for comparison with the surface.
 const MAX_COMPARED: usize = 2000;
 
-/// A fit to the independent contacts of a log, with these contacts.
+/// A fit to the independent contacts of a log, and the contacts to which it was fitted.
 #[derive(Clone, Debug)]
 pub struct IndependentFit {
     /// Contacts of the fit, in which copies and the contacts of resting fingers are merged. If the noise is correlated,
@@ -46,7 +46,7 @@ pub struct IndependentFit {
     pub patch: Patch,
     /// The fitted surface. Its noise is the noise of a single contact.
     pub fit: Fit,
-    /// For each contact of the patch, the index of the first row of the log that it represents.
+    /// For each fitted contact, the index of a row of the log: the first of the rows that were merged into the contact.
     pub rows: Vec<usize>,
     /// Number of independent readings in the log.
     pub readings: EffectiveReadings,
@@ -55,7 +55,7 @@ pub struct IndependentFit {
     pub noise_ratios: [f64; 2],
 }
 
-/// Means of consecutive contacts. `rows` contains the index of the first row of the log for each mean.
+/// Means of consecutive contacts. For each mean, `rows` contains the index of the first log row in the mean.
 struct Means {
     contacts: Vec<Contact>,
     rows: Vec<usize>,
@@ -221,8 +221,8 @@ impl IndependentFit {
         ((square / f64::max(count, 1.0)).sqrt(), times)
     }
 
-    /// This fit with the given correlations in its counts of readings. Its variances are multiplied by `variance` if
-    /// this factor exceeds 1.
+    /// Stores the given correlations in the readings of this fit. Multiplies the variances of the fitted surface by
+    /// `variance`, if this factor exceeds 1.
     fn with(mut self, [position, normal]: [f64; 2], variance: f64) -> Self {
         self.readings.position_correlation = position;
         self.readings.normal_correlation = normal;

@@ -38,8 +38,8 @@ const MAX_COEFFICIENTS_PER_EQUATION: f64 = 0.3;
 /// number of intervals is doubled. In this case, the contacts are so exact that the approximation error of the spline
 /// becomes visible.
 const MAX_UNKNOWN_SHARE: f64 = 0.6;
-/// The number of coefficients of the posterior's series exceeds the number of the spline's coefficients by at least
-/// this value. Therefore the series can represent shapes that the spline cannot.
+/// The series of the posterior has more coefficients than the spline: at least this number more. Therefore the series
+/// can represent shapes that the spline cannot.
 const EXTRA_COEFFICIENTS: usize = 5;
 
 /// Prior standard deviation of the coefficient m in the implicit quadric z = Q(a, b) + m z²/2, relative to the root
@@ -119,8 +119,8 @@ impl Penalised {
         Ok(self.estimated(patch)?.0)
     }
 
-    /// Whether each contact in `others`, which are not part of the patch, contradicts the patch. A contact that is `None`
-    /// cannot belong to the surface. No contact contradicts a patch with unknown noise.
+    /// For each contact in `others`, whether it contradicts the patch. These contacts are not part of the patch. A
+    /// contact that is `None` cannot belong to the surface. No contact contradicts a patch with unknown noise.
     pub(crate) fn contradicting(
         &self,
         patch: &Patch,
@@ -133,8 +133,8 @@ impl Penalised {
         Ok(tested.unwrap_or_else(|| vec![false; others.len()]))
     }
 
-    /// The result of a test of the fit, with the most probable process; `None` if the noise is unknown. `fit` is the fit
-    /// to this patch, if it was computed.
+    /// Calls `test` with the fitted model and the most probable process of the roughness. Returns the result of `test`;
+    /// `None` if the noise is unknown. `fit` is the fit to this patch, if it was already computed.
     fn tested<T>(
         &self,
         patch: &Patch,

@@ -31,7 +31,7 @@ use crate::{Ep2Error, Fit, Method, MisfitTest, Patch};
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Quadric {
-    /// Stated standard deviations of the contacts' errors.
+    /// Stated standard deviations of the contacts' errors. Values that are not stated are estimated.
     pub noise: Noise,
 }
 

@@ -66,7 +66,7 @@ impl SmoothingSpline {
 #[derive(Clone, Copy, Debug, Eq, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum Status {
-    /// The polynomial without interior knots reaches the required sum.
+    /// The polynomial without interior knots reaches the required sum of squared residuals.
     Polynomial,
     /// The spline passes through all points: all residuals are rounding errors.
     Interpolating,
@@ -76,7 +76,7 @@ pub enum Status {
     /// coefficients than points, the largest number of knots is reached, or no interval may be split. The result is the
     /// least-squares spline for the last knots.
     KnotsExhausted,
-    /// The search for the smoothing parameter `p` did not reach the required sum.
+    /// The search for the smoothing parameter `p` did not reach the required sum of squared residuals.
     Unsettled,
 }
 
@@ -99,7 +99,7 @@ pub(crate) struct Smoothed {
     pub(crate) spline: TensorSpline,
     /// Sum of the squared weighted residuals of the spline.
     pub(crate) residual_sum: f64,
-    /// Whether the residual sum is the required sum and, if not, the reason.
+    /// Whether the sum of squared residuals equals the required sum and, if not, the reason.
     pub(crate) status: Status,
     /// Number of independent combinations of the coefficients that the points determine. The undetermined combinations
     /// are chosen such that the norm of the coefficients is smallest.
@@ -108,7 +108,7 @@ pub(crate) struct Smoothed {
     pub(crate) effective_unknowns: f64,
 }
 
-/// A solution of the equations. The coefficients are in the order of the mesh.
+/// A solution of the equations. The coefficients are in the order of [`Mesh::index`].
 struct Solution {
     coefficients: Vec<f64>,
     residual_sum: f64,
@@ -195,9 +195,9 @@ impl SmoothingSpline {
         }
     }
 
-    /// The spline with the residual sum `smoothing`, which lies between the polynomial and the least-squares spline.
-    /// `bounds` contains the residual sums of the polynomial and of the least-squares spline, minus `smoothing`. `None`
-    /// if no smoothing parameter could be tried.
+    /// The spline whose residual sum is `smoothing`. It is smoother than the least-squares spline and follows the
+    /// points more closely than the polynomial. `bounds` contains the residual sums of the polynomial and of the
+    /// least-squares spline, minus `smoothing`. `None` if no smoothing parameter could be tried.
     fn balance(
         &self,
         triangle: &Triangle,

@@ -114,7 +114,8 @@ impl RoundTip {
     }
 
     /// The radius of curvature of the surface on which the tip's centre moves, if this radius is smaller than the tip's
-    /// radius; otherwise `None`. If it is smaller, the computed contacts move in the direction opposite to the centres.
+    /// radius; otherwise `None`. If the tip's radius is larger, the computed contacts move in the direction opposite to
+    /// the centres.
     ///
     /// A displacement of the contact is the matrix I − r K times the displacement of the centre. Here I is the
     /// identity, r is the tip's radius, and K is the curvature of the surface on which the centre moves. On a real

@@ -44,9 +44,9 @@ pub enum Passes {
 /// useless, and [`Fit::status`] reports this.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoPass {
-    /// Degree of the first spline in both directions, 1 to 5.
+    /// Degree of the first spline along u and along v, 1 to 5.
     pub first_degree: usize,
-    /// Degree of the second spline in both directions.
+    /// Degree of the second spline along u and along v, 1 to 5.
     pub second_degree: usize,
     /// Weight that multiplies the residuals: an inverse standard deviation, per unit of length (see `unit_length`).
     pub weight: f64,
@@ -108,8 +108,9 @@ impl Method for TwoPass {
         Ok(fit(patch, second, Some(first.status)))
     }
 
-    /// The misfit test of [`Penalised`] with estimated noise. It is used because a contact that contradicts the others
-    /// does so in any fit. The result is empty if the contacts do not determine a penalised spline.
+    /// The misfit test of [`Penalised`] with estimated noise. Its result is also valid for this method, because a
+    /// contact that contradicts the other contacts does so in any fit. The result is empty if the contacts do not
+    /// determine a penalised spline.
     fn misfit(&self, patch: &Patch, _fit: Option<&Fit>) -> Result<MisfitTest, Ep2Error> {
         let found = Penalised::default().misfit(patch, None);
         Ok(found.unwrap_or_default())

@@ -7,7 +7,7 @@ use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Errors of a surface at a point or at parameters of its chart.
+/// Reasons why a surface cannot be evaluated at a point or at chart parameters.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
 pub enum SurfaceError {

@@ -156,9 +156,10 @@ fn columns(header: &Header<'_>) -> Vec<Column> {
 /// Stated displacements of the marker under the contact, one for each pressed frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct KnownDisplacements {
-    /// Inward displacements, length; `None` if they are not stated.
+    /// Displacement of the marker into the skin in each pressed frame (length); `None` if not stated.
     pub normal: Option<Vec<f64>>,
-    /// Displacements along the skin, length; `None` if they are not stated. Only their magnitudes are used.
+    /// Displacement of the marker along the skin in each pressed frame (length); `None` if not stated. Only the
+    /// magnitudes are used.
     pub tangential: Option<Vec<f64>>,
     /// Feature from which normal displacements are computed. If normal displacements are stated, the marker with the
     /// largest change of this feature is taken as the marker under the contact.
@@ -248,7 +249,7 @@ const fn located<P>(point: P) -> Located<P> {
     }
 }
 
-/// Size of a marker's change. The marker under the contact is the marker with the largest change.
+/// Size of the change of a marker's image. The marker with the largest change is assumed to be under the contact.
 fn strength(change: &Change, known: &KnownDisplacements) -> f64 {
     match (&known.normal, known.from) {
         (None, _) => libm::hypot(change.shift_px[0], change.shift_px[1]),
@@ -413,7 +414,7 @@ impl<'a, P: Copy + 'a> Pooled<'a, P> {
         series.iter().map(fitted).collect()
     }
 
-    /// Converts the error of a fit to an error that states the file and, if a point is wrong, the line of this point.
+    /// Converts the error of a calibration fit to an error that states the file and, if a point is wrong, its line.
     fn refused(&self, all: &[CalibrationPoints], error: &CalibrationError) -> RecordedError {
         if let CalibrationError::NotFinite { point } = error
             && let Some((file, _, Some(line))) = self.sources.get(*point)

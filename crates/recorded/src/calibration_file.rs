@@ -41,7 +41,7 @@ struct NormalPart {
     from: NormalFrom,
     hue_weight: f64,
     nearness_weight: f64,
-    /// Smallest and largest stated displacement among the fitted points.
+    /// Smallest and largest stated displacement of the points that were fitted.
     range: [f64; 2],
     per_marker: bool,
     line: Line,

@@ -171,8 +171,8 @@ const MIN_CONTACTS: usize = 8;
 /// evenly spaced selection of them is used.
 const MAX_CONTACTS: usize = 2000;
 
-/// There is a warning if the normals fit the contacts better after their components are swapped or reversed: the error
-/// of the fit decreases by more than this factor.
+/// Components of the normals are swapped or reversed, and the normals are compared with the contacts again. If the
+/// error of the fit decreases by more than this factor, a warning is shown.
 const MIN_RATIO: f64 = 2.0;
 
 /// Contacts and normals count as consistent if the error of a fitted quadric surface is below this value, see

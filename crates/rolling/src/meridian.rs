@@ -76,7 +76,8 @@ impl MeridianRung {
         .ok_or(RollFault::NotFinite)
     }
 
-    /// Displacement of the contact on the probe by the motion `motion` from the apex along the section `section`.
+    /// Displacement of the contact on the probe after the motion `motion`. The motion starts at the apex and follows
+    /// the section `section`.
     pub(crate) fn shift(&self, section: &Meridian, motion: &Motion) -> Result<Shift, RollFault> {
         let turn = motion.drive() * motion.duration_s;
         let theta = turn.norm();
@@ -87,7 +88,7 @@ impl MeridianRung {
         Ok(Shift::along_great_circle(turn * (arc / theta), self.radius))
     }
 
-    /// The contact after `motion` along a section from the apex.
+    /// The contact after the motion `motion`, which starts at the apex and follows the section `section`.
     pub(crate) fn advance(
         &self,
         section: &Meridian,

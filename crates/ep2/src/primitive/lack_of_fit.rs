@@ -37,7 +37,7 @@ const MIN_EQUATIONS_RATIO: f64 = 1.5;
 /// Result of the test for lack of fit.
 #[derive(Clone, Debug)]
 pub(super) struct LackOfFit {
-    /// The probability that contacts with the same noise on a surface of exactly this shape would fit worse.
+    /// P-value of the fit: the probability that contacts on a surface of exactly this shape would fit worse by chance.
     pub(super) p_value: f64,
     /// Number of consecutive positions, and number of consecutive normals, that count as one because their errors are
     /// correlated.
@@ -119,7 +119,7 @@ impl Basis {
     }
 }
 
-/// Computes the equations of a contact: one for its distance and three for the components of its normal.
+/// Computes the equations of a contact: one for its distance from the shape and three for the components of its normal.
 struct Rows<'a> {
     pose: &'a Pose,
     cloud: &'a Cloud,
@@ -133,7 +133,7 @@ impl Rows<'_> {
         UNKNOWNS + self.basis.exponents.len()
     }
 
-    /// Computes the rows of a contact and returns its residuals.
+    /// Computes the rows of the contact with the index `index`, and returns the residuals of this contact.
     fn fill(&mut self, index: usize, rows: &mut [Vec<f64>]) -> [f64; 4] {
         let place = &self.cloud.places[index];
         let normal = self.cloud.normals.get(index);

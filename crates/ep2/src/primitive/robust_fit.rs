@@ -34,10 +34,10 @@ const SUBSETS: u64 = 60;
 const SUBSET_SIZE: usize = 8;
 /// Number of iterations of the fit to a subset.
 const SUBSET_ITERATIONS: usize = 15;
-/// Compares a fit that starts from a subset with the fit that starts from all contacts. The former is used only if its
-/// median distance and its variance are smaller by at least this factor.
+/// Compares a fit that starts from a subset of the contacts with the fit that starts from all contacts. The fit from
+/// the subset is used only if its median distance and its variance are smaller by at least this factor.
 const MAX_MEDIAN_SHARE: f64 = 0.75;
-/// Number of times that a fit is repeated with a new selection of contacts.
+/// Largest number of times that a fit is repeated with a new selection of contacts.
 const GROWTH_ITERATIONS: usize = 10;
 /// Maximum number of iterations of each fit during these repetitions.
 const GROWTH_FIT_ITERATIONS: usize = 8;
@@ -279,7 +279,7 @@ fn inverse(gram: &Gram) -> Gram {
 }
 
 impl Solution {
-    /// A solution that contains only this pose, as the start of a fit.
+    /// A solution in which only the pose is known, as the start of a fit.
     fn of(pose: Pose) -> Self {
         Self {
             pose,
@@ -388,8 +388,8 @@ fn with_growth(start: Pose, cloud: &Cloud, thinned: &Cloud, stated: StatedNoise)
     }
 }
 
-/// Among poses through subsets of contacts, the pose with the smallest median distance from all contacts. `None` if
-/// this distance is not much smaller than the median distance from the pose `plain`.
+/// Computes poses through subsets of the contacts, and returns the pose with the smallest median distance from all
+/// contacts. `None` if this distance is not much smaller than the median distance from the pose `plain`.
 fn through_most(plain: &Pose, cloud: &Cloud) -> Option<Pose> {
     let weights = Weights {
         of_distances: 1.0,

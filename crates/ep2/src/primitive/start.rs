@@ -9,7 +9,8 @@ use crate::Shape;
 
 /// Number of directions that are compared as the axis of a cylinder. They are evenly distributed over the hemisphere.
 const DIRECTIONS: usize = 60;
-/// Number of directions from which fits of a cylinder start. They are the best-fitting ones of the compared directions.
+/// Number of directions from which fits of a cylinder start. They are the compared directions that fit the contacts
+/// best.
 const BEST_DIRECTIONS: usize = 4;
 
 /// Mean position of the contacts.
@@ -71,7 +72,7 @@ pub(super) fn starts(shape: Shape, cloud: &Cloud) -> Vec<Pose> {
     poses.into_iter().map(|pose| outward(pose, cloud)).collect()
 }
 
-/// The pose, with inside and outside exchanged if the measured normals point inwards.
+/// Returns the pose. If the measured normals point inwards, the inside and the outside of the pose are exchanged.
 fn outward(pose: Pose, cloud: &Cloud) -> Pose {
     let pairs = cloud.places.iter().zip(&cloud.normals);
     let agreement: f64 = pairs
@@ -126,8 +127,8 @@ fn sphere(cloud: &Cloud, middle: &Vector3<f64>) -> Option<Pose> {
     is_good.then_some(pose)
 }
 
-/// The cylinder with this axis that fits the contacts best by an algebraic fit, and the mean square of the contacts'
-/// distances from it.
+/// Fits a cylinder with the axis direction `axis` to the contacts, by an algebraic fit. Returns the mean square of the
+/// contacts' distances from the cylinder, and the cylinder.
 fn circle(cloud: &Cloud, middle: &Vector3<f64>, axis: &Vector3<f64>) -> Option<(f64, Pose)> {
     let frame = Pose::new(Shape::Cylinder, *middle, *axis, Vector3::x(), 0.0);
     let (one, other) = (frame.axis(0), frame.axis(1));

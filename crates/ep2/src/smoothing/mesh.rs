@@ -19,7 +19,7 @@ type Jumps = [f64; MAX_DEGREE + 2];
 /// the band of the equations is narrow.
 pub(super) struct Mesh {
     pub(super) knots: [Knots; 2],
-    /// The slow axis: 0 for u, 1 for v.
+    /// The axis whose B-splines determine the order of the coefficients first: 0 for u, 1 for v.
     slow: usize,
 }
 
@@ -35,12 +35,12 @@ impl Mesh {
         mesh
     }
 
-    /// The slow axis, by which the coefficients are ordered first: 0 for u, 1 for v.
+    /// The axis by whose B-splines the coefficients are ordered first: 0 for u, 1 for v.
     pub(super) const fn slow(&self) -> usize {
         self.slow
     }
 
-    /// The fast axis, by which the coefficients are ordered second: 0 for u, 1 for v.
+    /// The axis by whose B-splines the coefficients are ordered second: 0 for u, 1 for v.
     pub(super) const fn fast(&self) -> usize {
         1 - self.slow
     }
@@ -89,7 +89,7 @@ impl Mesh {
         self.knots[self.fast()].degree()
     }
 
-    /// The spline with the coefficients `coefficients`, which are in the order of the mesh.
+    /// The spline with the coefficients `coefficients`, which are in the order of [`Mesh::index`].
     pub(super) fn spline(self, coefficients: Vec<f64>) -> TensorSpline {
         let [u_functions, v_functions] = [0, 1].map(|axis| self.knots[axis].functions());
         let coefficients = if self.slow == 0 {
@@ -110,7 +110,7 @@ impl Mesh {
 pub(super) struct Roughness {
     slow: Vec<Jumps>,
     fast: Vec<Jumps>,
-    /// Number of B-splines whose support contains a given knot: along the slow axis, and along the fast axis.
+    /// Number of B-splines whose support contains the same knot: along the slow axis, and along the fast axis.
     cut: [usize; 2],
     fast_functions: usize,
     band: usize,
@@ -201,8 +201,8 @@ fn derivative_jumps(knots: &Knots) -> Vec<Jumps> {
 /// The axis and the position of the next knot; `None` if no knot can be added.
 ///
 /// The knot divides the interval with the largest sum of squared residuals, along either axis, at the centroid of these
-/// residuals. Intervals that would be divided too unevenly are skipped, and so are axes that already have `most_knots`
-/// interior knots.
+/// residuals. Intervals that would be divided too unevenly are skipped. Axes that already have `most_knots` interior
+/// knots are skipped too.
 pub(super) fn next_knot(
     mesh: &Mesh,
     sums: &[Vec<IntervalSums>; 2],

@@ -12,7 +12,7 @@ pub(super) fn solve(triangle: &Triangle, floor: f64) -> (Vec<f64>, usize) {
     (trapezoid.least_solution(), trapezoid.pivots.len())
 }
 
-/// A triangle that is reduced to the rows whose diagonal entry is not negligible.
+/// A triangular matrix, reduced to the rows whose diagonal entry is not negligible.
 struct Trapezoid {
     reduced: Triangle,
     /// The columns of the diagonal entries that are not negligible, in ascending order.
@@ -158,7 +158,8 @@ mod tests {
         }
     }
 
-    /// One of the unknowns is not in any equation. It becomes zero, and the unknowns after it are computed correctly.
+    /// One of the unknowns is not in any equation. Its solution is zero, and the unknowns after it are computed
+    /// correctly.
     #[test]
     fn an_unmeasured_unknown() {
         let mut triangle = Triangle::new(4, 3);

@@ -88,7 +88,8 @@ fn a_huge_sum_returns_the_polynomial() {
     }
 }
 
-/// The residual sum is equal to the requested sum. More smoothing reduces the effective degrees of freedom.
+/// The residual sum of a fit is equal to the required sum. A larger required sum reduces the effective degrees of
+/// freedom.
 #[test]
 fn the_residual_sum_equals_the_requested_sum() {
     let points = grid(|u, v| libm::sin(4.0 * u) + libm::cos(3.0 * v));

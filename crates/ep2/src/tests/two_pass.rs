@@ -141,8 +141,8 @@ fn the_noise_decides_the_number_of_knots() {
     assert!(plain(0.10) <= 6);
 }
 
-/// The points have errors of 10 % of the unit, and the requested sum is zero. The fit adds knots until no more are
-/// possible, and its status states this.
+/// The points have errors of 10 % of the unit of length, and the required sum of squared residuals is zero. The fit
+/// adds knots until no more are possible, and its status states this.
 #[test]
 fn the_status_reports_exhausted_knots() {
     let method = TwoPass {

@@ -1,5 +1,5 @@
-//! If contacts determine a surface, it is fitted. For contacts with any other numbers, the result is finite or the
-//! expected error. Neither the unit of length nor the orientation changes the result.
+//! If contacts determine a surface, the methods fit it. For contacts with arbitrary numbers, the result is finite or
+//! the expected error. Neither the unit of length nor the orientation changes the result.
 
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use palpate_ep2::{

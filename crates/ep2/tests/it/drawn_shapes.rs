@@ -140,8 +140,8 @@ impl Surface {
     }
 }
 
-/// The contacts with Gaussian noise. They have normals only if `normal_std` is stated. Successive groups of `each`
-/// contacts belong to different fingers; if `each` is 0, one finger has all contacts.
+/// Adds Gaussian noise to the contacts. The returned contacts have normals only if `normal_std` is stated. Successive
+/// groups of `each` contacts belong to different fingers; if `each` is 0, one finger has all contacts.
 pub(super) fn noisy(
     random: &mut Random,
     exact: &[(Vector3<f64>, Vector3<f64>)],
@@ -176,7 +176,7 @@ pub(super) fn placed(random: &mut Random, contacts: &[Contact], shift: f64) -> V
         .collect()
 }
 
-/// The same contacts, as if they were on the inner side of the surface: their normals are reversed.
+/// The contacts with reversed normals, as if the fingers touched the inner side of the surface.
 pub(super) fn inside(contacts: &[Contact]) -> Vec<Contact> {
     contacts
         .iter()

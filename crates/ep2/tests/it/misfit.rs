@@ -1,4 +1,4 @@
-//! Goodness of fit and misfits of contacts on surfaces with closed forms.
+//! Goodness of fit and misfits of contacts on surfaces that are given by formulas.
 
 use nalgebra::Vector3;
 use palpate_ep2::{Contact, Method, Misfit, MisfitTest, Noise, Patch, Penalised, Quadric, TwoPass};

@@ -171,7 +171,7 @@ fn ball_log(random: &mut Random, each: usize) -> Vec<Contact> {
     noisy(random, &exact, each, 0.05, Some(0.01))
 }
 
-/// Contacts of three strokes whose noise is correlated over `time` contacts.
+/// Contacts of three strokes. Their noise is correlated over `time` successive contacts.
 fn correlated(random: &mut Random, each: usize, time: f64, with_normals: bool) -> Vec<Contact> {
     let exact = Surface::Sphere(25.0).strokes(10.0, 3, each);
     let keep = libm::exp(-1.0 / time);

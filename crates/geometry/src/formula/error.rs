@@ -65,7 +65,7 @@ pub enum FormulaErrorKind {
     /// The name of a function that is not followed by parentheses.
     #[error("`{0}` is a function: write `{0}(...)`")]
     MissingArguments(String),
-    /// A call with too few or too many arguments.
+    /// A function call with too few or too many arguments.
     #[error("`{function}` takes {expected} argument{}, not {found}", if *.expected == 1 { "" } else { "s" })]
     WrongArity {
         /// Name of the function.

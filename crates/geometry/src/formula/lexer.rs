@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::error::FormulaErrorKind;
 
-/// A range of bytes of the text.
+/// A range of bytes in the text of the formula.
 pub(super) type Span = Range<usize>;
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -62,8 +62,8 @@ fn is_finite<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> bool {
     numbers.into_iter().all(|number| number.is_finite())
 }
 
-/// For each method of a surface, whether it succeeds at a position. The function also checks that the results are
-/// finite.
+/// Calls six methods of a surface at a position, and returns whether each call succeeds. Also checks that the results
+/// are finite.
 fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], TestCaseError> {
     let (at, place) = (Parameters::new(x, y), Point3::new(x, y, z));
     let is_unit = |vector: &Vector3<f64>| (vector.norm() - 1.0).abs() < 1e-9;

@@ -1,4 +1,4 @@
-//! Shapes and positions that are rejected, and the names of the errors.
+//! Tests which shapes and positions are rejected, and the names of the errors.
 
 use std::collections::BTreeMap;
 

@@ -134,7 +134,7 @@ pub(crate) fn height_field(
     graph(format!("height field {formula}"), shape, radius, height)
 }
 
-/// A specimen that is the graph of `height`, whose smallest radius of curvature is `radius`.
+/// A specimen whose surface is the graph of `height`. Its smallest radius of curvature is `radius`.
 fn graph(
     name: String,
     shape: Shape,

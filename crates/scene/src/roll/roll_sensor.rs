@@ -104,7 +104,8 @@ impl RollSensor {
         }
     }
 
-    /// The sensor without noise. Pads still round positions, and the centre of one pad is at the first contact.
+    /// The same sensor without its noise. Pads still round each position to the centre of a pad; one centre is at the
+    /// first contact.
     pub(super) fn noiseless(&self) -> Self {
         match self {
             Self::Ideal | Self::Wrist(_) => Self::Ideal,

@@ -10,7 +10,7 @@ enum Tree {
 }
 
 impl Tree {
-    /// Value of an expression without `^`, computed with the same roundings as the formula.
+    /// Value of an expression without `^`. The rounding errors are the same as in the evaluation of the formula.
     fn value(&self, x: f64, y: f64) -> f64 {
         match self {
             Self::Leaf("x") => x,
