@@ -33,7 +33,7 @@ const REFINEMENTS: usize = 3;
 /// Finds the values of one or several fields that meet a target, and the best value of one of these fields.
 ///
 /// `progress` receives the number of tested values and the number of trials so far. Without a budget, the result
-/// depends only on the study and the question. The combinations of the grid share the budget.
+/// depends only on the study and the question. The combinations of the grid share the time budget.
 ///
 /// ```
 /// use std::time::Instant;
@@ -128,7 +128,7 @@ struct Searches<'a> {
     progress: &'a dyn Fn(usize, u64),
     /// Largest number of combinations of the grid's values. Each combination needs its own search.
     max_columns: usize,
-    /// Number of values that were tested so far, and number of trials that were run so far.
+    /// Number of values of the searched field that were tested so far, and number of trials that were run so far.
     done: Cell<(usize, u64)>,
 }
 

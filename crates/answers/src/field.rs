@@ -102,7 +102,7 @@ impl Field {
         (self.path.clone(), vec![value])
     }
 
-    /// The value as a number; `None` if it is one of the listed values and not a number.
+    /// The value as a number; `None` for a listed value that is not a number.
     pub(crate) fn number(&self, value: f64) -> Option<f64> {
         match self.listed.get(value as usize) {
             Some(toml::Value::Float(number)) => Some(*number),
@@ -117,7 +117,7 @@ impl Field {
         !self.listed.is_empty()
     }
 
-    /// Text of a value with its unit.
+    /// Text of a value of the field, with the unit.
     pub(crate) fn value(&self, value: f64) -> String {
         self.label.value(&self.text(value))
     }

@@ -22,7 +22,7 @@ pub struct Question {
     pub grid: Vec<Vary>,
     /// Field whose best value the answer states: the searched field or a field of the grid.
     pub sought: Option<Sought>,
-    /// Fields that have a fixed value in all trials of the question, with this value.
+    /// Fields with a fixed value in all trials of the question, each with this value.
     pub set: Vec<(String, toml::Value)>,
     /// Largest share of trials that may fail at a value that meets the target, above 0 and at most 1. If it is 1,
     /// failed trials are ignored.
@@ -48,7 +48,7 @@ pub struct Sought {
     pub extreme: Extreme,
 }
 
-/// Which of several values is the best.
+/// Whether the largest or the smallest of the values that meet the target is the best one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extreme {
     /// The best value of the field is the largest value that meets the target.

@@ -258,9 +258,9 @@ impl Region {
         all.min_by(|one, other| self.by_rank(one.2, other.2))
     }
 
-    /// Compares two results; the worse result is the greater one. A result with too many failures or without a
-    /// statistic is worse than every other result. Two such results are compared by their shares of failures, all
-    /// others by their statistics.
+    /// Compares two results; the worse result is the greater one. Results with too many failures or without a statistic
+    /// are worse than all other results. They are compared with each other by their shares of failures. The other
+    /// results are compared by their statistics.
     fn by_rank(&self, one: &Sample, other: &Sample) -> Ordering {
         let rank = |sample: &Sample| match (sample.statistic, self.question.target.bound) {
             _ if self.is_failing(sample) => (1, sample.counts.failure_rate()),

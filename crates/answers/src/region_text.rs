@@ -197,8 +197,8 @@ impl Region {
         }
     }
 
-    /// If values next to the range that meets the target miss it because too many of their trials fail, the text states
-    /// this reason. Otherwise, the text is empty.
+    /// Text for a range that meets the target and ends where too many trials fail. The text states this reason. It is
+    /// empty if no range ends for this reason.
     fn failures_in_words(&self, column: &RegionColumn) -> String {
         match self.failing_end(column) {
             Some((point, sample)) => format!(", because {}", self.result_at(point, sample)),
@@ -224,8 +224,7 @@ impl Region {
         })
     }
 
-    /// Words for all values of the searched field, for a combination at which they all lie on the same side of the
-    /// target.
+    /// Text for a combination of the grid at which all values of the searched field lie on the same side of the target.
     fn all_values(&self, column: &RegionColumn) -> String {
         let (field, span) = (&self.searched, self.searched.span);
         match (field.is_listed(), span.from == span.to) {

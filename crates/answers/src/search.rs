@@ -69,7 +69,7 @@ pub(crate) struct Search {
     /// Largest gap that may remain between values that meet the target and values that miss it. It is measured by
     /// [`Span::gap`].
     pub(crate) gap: f64,
-    /// Largest number of trials of each cell at one value.
+    /// Largest number of trials of each cell at one value of the searched field.
     pub(crate) most_trials: u64,
     /// Time after which the search tests no more values. The first scan and the verification are always done.
     pub(crate) budget: Option<Duration>,

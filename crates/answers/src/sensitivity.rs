@@ -299,7 +299,7 @@ fn squares(scene: &Scene, trial: u64, place: usize) -> Option<(f64, f64)> {
 }
 
 impl Sensitivity {
-    /// Table with one row per field, the largest effect first.
+    /// Table with one row per field. The field with the largest effect comes first.
     pub fn table(&self) -> Table {
         let columns = "field value low high rms_error_low rms_error_high effect effect_std failures trials quantity unit";
         let mut table = Table::new(columns.split(' ').map(str::to_owned));

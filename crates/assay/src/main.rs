@@ -54,7 +54,7 @@ enum Harness {
     Intervals(Intervals),
     /// Prints the errors of palpate on fixed scenes, as CSV.
     Accuracy,
-    /// Prints the number of instructions of each workload, as CSV.
+    /// Prints the number of processor instructions of each workload, as CSV.
     Instructions {
         /// Run only the workload with this name. The program sets this option when it starts itself under valgrind.
         #[arg(long, hide = true)]

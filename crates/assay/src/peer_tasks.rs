@@ -33,7 +33,7 @@ const DEPTH: f64 = 1.4;
 const YOUNG: f64 = 1.0;
 /// Number of points along a side of the square grid that the peer program uses.
 const POINTS: usize = 256;
-/// Length of a side of the square grid that the peer program uses, mm.
+/// Length (mm) of a side of the square grid that the peer program uses.
 const SIDE: f64 = 16.0;
 
 /// Cost and error of one model on one task.

@@ -9,7 +9,7 @@ pub const SIGNIFICANCE_LEVEL: f64 = 0.005;
 /// Chi-squared of a fit, and the p-value of the test whether the stated noise explains the residuals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GoodnessOfFit {
-    /// Sum of the squared residuals of readings and priors, each divided by its standard deviation.
+    /// Sum over all readings and priors of (residual / standard deviation)².
     pub chi_squared: f64,
     /// Degrees of freedom: the number of readings and priors that the fit uses, minus the number of fitted parameters.
     pub freedom: usize,

@@ -28,7 +28,7 @@ pub(super) struct Rules {
     wrong: f64,
     /// Largest gap that may remain between values that meet the target and values that miss it.
     pub(super) gap: f64,
-    /// Largest number of trials of a cell at one value.
+    /// Largest number of trials of a cell at one value of the searched field.
     pub(super) most_trials: u64,
     /// A value meets the target if the scores of all cells are at least this large.
     pub(super) meets: f64,

@@ -42,7 +42,7 @@ impl CellScores {
 }
 
 impl Point {
-    /// Indices of the cell and of the condition that have the smallest score of all.
+    /// Index of the cell with the smallest score, and index of the condition with this score.
     pub(super) fn worst(&self) -> (usize, usize) {
         let all = self.cells.iter().enumerate().flat_map(|(cell, look)| {
             let scores = look.scores.into_iter().enumerate();
@@ -135,7 +135,7 @@ impl Points {
         }
     }
 
-    /// Side of the target for each value.
+    /// Side of the target on which each tested value lies; `None` if this is undecided.
     pub(super) fn sides(&self, rules: &Rules) -> Vec<Option<Side>> {
         self.points.iter().map(|point| point.side(rules)).collect()
     }

@@ -14,7 +14,7 @@ pub struct Span {
     pub is_whole: bool,
 }
 
-/// Ratio of the two ends of a range above which values are spaced logarithmically.
+/// If the ratio of the two ends of a range exceeds this number, its values are spaced logarithmically.
 const MIN_LOG_RATIO: f64 = 8.0;
 /// Values are rounded to multiples of a step. About this many steps fit into a gap.
 const STEPS_PER_GAP: f64 = 8.0;
@@ -109,7 +109,7 @@ impl Span {
     }
 }
 
-/// The number, rounded to the decimal place of `step`.
+/// The number `value`, rounded to the decimal place of `step`.
 fn rounded(value: f64, step: f64) -> f64 {
     let place = |number: f64| {
         let text = format!("{:e}", number.abs());

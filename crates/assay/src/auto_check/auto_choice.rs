@@ -133,8 +133,9 @@ impl AutoChoice {
 /// A computation that can be repeated. It returns the number of contacts or markers that it has computed.
 type Computation = Box<dyn FnMut() -> Result<usize>>;
 
-/// The computation of the true values (contacts or displacements) of the study's first scene with the model `rung`. The
-/// set-up of the scene is not part of the computation.
+/// Returns a computation that simulates the first scene of the study with the model `rung`, without noise. It computes
+/// the contacts of a roll or a glide, or the marker displacements of a press. The set-up of the scene is not part of
+/// the computation.
 fn truth(study: &Study, rung: &Rung) -> Result<Computation> {
     let scene = &study.config.scene;
     match (scene.with_model(&rung.model), &rung.model) {

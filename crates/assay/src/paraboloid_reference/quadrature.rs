@@ -65,7 +65,7 @@ pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [
 
 /// Exponent p above which the factor e⁻ᵖ is negligible.
 pub(super) const NEGLIGIBLE: f64 = 30.0;
-/// Largest change of the phase of the integrand over one panel, rad.
+/// Largest change (rad) of the integrand's phase over one panel.
 pub(super) const PHASE: f64 = 12.0;
 
 /// Displacement of a half-space's surface at the distance r from the middle of a contact of radius a. It is the

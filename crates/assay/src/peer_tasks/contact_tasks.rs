@@ -19,8 +19,9 @@ const INTERVALS: usize = 7;
 /// Name of a method, the method, and a function that drops the parts of a fit that the peer does not compute.
 type MethodRung = (&'static str, Box<dyn Method>, fn(Fit) -> Fit);
 
-/// Measures every method on all patches with few contacts: once without standard errors, like the peer, and once with
-/// standard errors. The first pass of the two-pass method fits the same smoothing spline as the peer.
+/// Measures surface fits on all patches with few contacts. Every method is measured without standard errors, like the
+/// peer. The quadric is also measured with standard errors. The first pass of the method `two-pass` fits the same
+/// smoothing spline as the peer.
 pub(super) fn few() -> Result<Vec<Figure>> {
     let one_pass = TwoPass {
         passes: Passes::One,

@@ -16,7 +16,7 @@ const POISSON: f64 = 0.5;
 /// Number of distances from the contact at which displacements are computed. It equals the number of markers of the
 /// published sensor.
 const PLACES: usize = 77;
-/// Largest distance from the contact at which displacements are computed, mm.
+/// Largest distance (mm) from the contact at which displacements are computed.
 const REACH: f64 = 20.0;
 
 /// Factors for the number of quadrature nodes, each with the text that it adds to the name of a rung. The factors apply

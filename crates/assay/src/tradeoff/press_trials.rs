@@ -5,7 +5,7 @@ use super::scene_trials::{Choice, Measure, Template, relative_rms, scenes};
 
 /// Index of the effective radius, whose error is measured, among the quantities of a press.
 const EFFECTIVE_RADIUS: usize = 1;
-/// Widths and heights of the rendered frames, px.
+/// Sizes of the square rendered frames: the number of pixels along each side.
 const SIZES_PX: [u32; 3] = [265, 640, 1024];
 
 const SENSOR_COMMON: &str = r#"

@@ -89,7 +89,7 @@ fn places_on_waves() -> impl Iterator<Item = (Point3<f64>, f64)> {
     (0..900).map(place)
 }
 
-/// Root-mean-square error of the mean curvature of a fit to the contacts of [`many`], 1/length.
+/// Root-mean-square error (1/length) of the mean curvature of a fit to the contacts of [`many`].
 ///
 /// # Errors
 /// An error if the fit has no curvature at one of the points.

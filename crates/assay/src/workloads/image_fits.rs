@@ -14,9 +14,9 @@ use super::camera_frames::optics;
 use super::marker_presses::{AT, INDENTATION, OBJECT, SKIN, markers};
 use crate::timing::Evaluation;
 
-/// Depths of the magenta and the yellow discs under the skin, mm.
+/// Depths (mm) of the magenta and the yellow discs under the skin.
 const DEPTHS: [f64; 2] = [3.0, 1.0];
-/// Step in the depth of a disc, mm. Derivatives with respect to the depth are computed by finite differences with this
+/// Step (mm) in the depth of a disc. Derivatives with respect to the depth are computed by finite differences with this
 /// step.
 const DEPTH_STEP: f64 = 1e-3 * SKIN;
 /// Standard deviations of the parameters of a [`Departure`], which describes how a real sensor differs from its config.
@@ -26,7 +26,7 @@ const DEPARTURE_STDS: [f64; Departure::NUMBERS] = [
     0.03, 0.03, 0.01, 0.01, 0.3, 0.3, 0.002, 0.05, 0.05, 0.05, 0.005, 0.005, 0.005, 0.01, 0.01,
     0.01, 0.01, 0.01, 0.01, 0.0, 0.0,
 ];
-/// Standard deviation of each of the two angles by which a disc is misaligned, rad. The discs have a diameter of 2 mm
+/// Standard deviation (rad) of each of the two angles by which a disc is misaligned. The discs have a diameter of 2 mm
 /// and are misaligned by up to 0.3 of their diameter.
 const MISALIGNMENT_STD: f64 = 0.5 * 0.3 * 2.0 / 19.0;
 /// Standard deviations of the tracker's readings: the two coordinates of the centroid (px), the hue (turns), and the

@@ -12,7 +12,7 @@ use crate::timing::Evaluation;
 
 /// Radius of the skin, mm.
 pub const SKIN: f64 = 20.0;
-/// Position of the contact relative to the middle marker, mm.
+/// Position (mm) of the contact relative to the middle marker.
 pub const AT: [f64; 2] = [1.5, 1.0];
 /// Curvature of the object, 1/mm.
 pub const OBJECT: f64 = 1.0 / 80.0;

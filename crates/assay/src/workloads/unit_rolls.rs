@@ -77,8 +77,8 @@ pub fn error(roller: &Roller, angle_rad: f64) -> Result<f64> {
 pub struct Ep1(SceneTrial);
 
 impl Ep1 {
-    /// Config of the noise: each component of a rotation has a uniform error of at most 1 % of the roll's angular
-    /// velocity.
+    /// Config of the noise: each component of the angular velocity has a uniform error of at most 1 % of the rolling
+    /// rate.
     pub const UNIFORM: &str =
         "noise = { angular_velocity = { kind = \"uniform\", fraction = 0.01 } }";
     /// Config of the sensor: an array of pads that measures the contact's position.

@@ -41,8 +41,7 @@ impl Label {
     }
 }
 
-/// Words of the label for a field whose numbers have the unit in the header of its column. `segments` are the keys of
-/// the field's path.
+/// Words of the label for a field. `segments` are the keys of the field's path.
 fn plain(segments: &[&str]) -> String {
     match segments {
         ["noise", "wrong markers", "count"] => "wrong markers".to_owned(),

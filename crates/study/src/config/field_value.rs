@@ -26,8 +26,8 @@ pub(super) fn measure(text: &str) -> Option<(f64, &str)> {
     found.filter(|(number, _)| number.is_finite())
 }
 
-/// Unit of a field: a power of the unit of a physical quantity. `around` is the text before and after this unit, such
-/// as `/` and `^2` in `/mm^2`.
+/// Unit of a field: a power of the unit of a physical quantity. `around` contains the texts before and after the unit
+/// of the physical quantity, for example `/` and `^2` in `/mm^2`.
 struct FieldUnit {
     measure: Measure,
     around: [&'static str; 2],
@@ -138,8 +138,8 @@ impl Study {
         Ok(Vary { path, values })
     }
 
-    /// Path of the field that a name refers to, and the given values in the unit of this field. A table without a label
-    /// gets one.
+    /// Returns the path of the field to which `name` refers, and `values` in the unit of this field. A value that is a
+    /// table without a label gets a label.
     ///
     /// # Errors
     /// The same errors as [`Study::resolve`].

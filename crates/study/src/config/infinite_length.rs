@@ -36,7 +36,7 @@ pub(super) fn is_infinite(text: Option<&str>) -> bool {
     text == Some("inf")
 }
 
-/// Writes a length, or an optional length.
+/// Writes a length that may be infinite or, if it is optional, missing.
 pub fn serialize<S: Serializer>(
     length: &(impl Copy + Into<Option<f64>>),
     serializer: S,
@@ -45,7 +45,7 @@ pub fn serialize<S: Serializer>(
     length.map(Form::from).serialize(serializer)
 }
 
-/// Reads a length, or an optional length.
+/// Reads a length that may be infinite or, if it is optional, missing.
 ///
 /// # Errors
 /// The error of the deserializer if the value is neither a number nor "inf".

@@ -48,7 +48,7 @@ pub struct DiscsConfig {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub separation: f64,
-    /// The disc of a marker that is nearer to the camera.
+    /// Colour of the marker's disc that is nearer to the camera.
     #[serde(default, skip_serializing_if = "DiscColour::is_magenta")]
     pub inner: DiscColour,
     /// Largest offset between the two discs of a marker along the skin, as a share of the diameter of the yellow disc.
@@ -253,7 +253,7 @@ pub struct CameraConfig {
     #[serde(default = "number::<1>")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub light_at_rim: f64,
-    /// Standard deviation of the Gaussian blur of the image, pixels. Only for a sensor of the kind `rendered`.
+    /// Standard deviation of the Gaussian blur of the image, in pixels. Only for a sensor of the kind `rendered`.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub blur_px: f64,
@@ -315,7 +315,7 @@ pub struct CalibrationConfig {
     /// Number of calibration presses. Their indentations increase in equal steps.
     #[schemars(extend("minimum" = 2, "maximum" = 1000))]
     pub presses: u32,
-    /// Indentation of the deepest press; by default the indentation of the scene.
+    /// Indentation of the deepest calibration press; by default the indentation of the scene.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub indentation: Option<f64>,
     /// Number of frames without a press that are averaged. The noise of these frames and of the calibration presses is

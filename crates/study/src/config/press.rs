@@ -394,10 +394,10 @@ pub struct PressNoiseConfig {
     /// Error of the red, green and blue value of each pixel in a rendered frame, in grey levels. The brightest level is
     /// 255.
     pub pixel: Option<ReadingNoise<Level>>,
-    /// Error of each marker's hue, turns. The hue of the summed light and the mean hue have the same error. Only for a
-    /// sensor of the kind `projected`.
+    /// Error of each marker's hue, in turns. The hue of the summed light and the mean hue have the same error. Only for
+    /// a sensor of the kind `projected`.
     pub hue: Option<ReadingNoise<Pure>>,
-    /// Error of each coordinate of each marker's centroid, pixels. Only for a sensor of the kind `projected`.
+    /// Error of each coordinate of a marker's centroid, in pixels. Only for a sensor of the kind `projected`.
     pub centroid: Option<ReadingNoise<Pure>>,
     /// Relative error of each marker's size. Only for a sensor of the kind `projected`.
     pub size: Option<ReadingNoise<Pure>>,
@@ -414,7 +414,7 @@ pub struct PressNoiseConfig {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorNoise {
-    /// Standard deviation of each coordinate of the image's centre, pixels. It also describes small errors of the
+    /// Standard deviation of each coordinate of the image's centre, in pixels. It also describes small errors of the
     /// camera's direction.
     #[schemars(extend("minimum" = 0))]
     pub centre_px: f64,

@@ -135,7 +135,7 @@ pub struct DisplacementPriors {
 pub struct PressPriors {
     /// Whether the estimator receives the indentation or fits it.
     pub indentation: Indentation,
-    /// Standard deviation that the estimator assumes for the error of a stated indentation, length.
+    /// Standard deviation (length) that the estimator assumes for the error of a stated indentation.
     pub indentation_std: f64,
     /// Offset of the normal displacements, that is, their value when nothing touches the sensor: zero or fitted.
     pub baseline: Baseline,

@@ -101,7 +101,7 @@ fn flattened(variants: Vec<Json>) -> Vec<Json> {
     variants.into_iter().flat_map(alone).collect()
 }
 
-/// The schema of a table of this kind. If `kind` is `None`, the schema of a table without kinds.
+/// Of the variants of a table's schema, the variant for this `kind`. If `kind` is `None`, the variant that has no kind.
 pub(super) fn variant<'a>(schema: &'a Json, kind: Option<&str>) -> Option<&'a Json> {
     variants(schema)
         .iter()

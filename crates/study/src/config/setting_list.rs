@@ -92,7 +92,7 @@ impl Accepts {
 /// Range of a number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
-    /// Lower limit, which is itself not allowed.
+    /// Lower limit of the range. The number must be greater than this limit.
     pub above: Option<f64>,
     /// Smallest allowed value.
     pub least: Option<f64>,

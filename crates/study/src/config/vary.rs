@@ -222,7 +222,7 @@ impl Study {
 }
 
 impl SweepConfig {
-    /// Removes fields from the config and its sweeps: those for whose path `is_out` returns true.
+    /// Removes fields from the config and from its sweeps: all fields for whose path `is_out` returns true.
     fn forget(&mut self, is_out: impl Fn(&str) -> bool) {
         if self.path.as_deref().is_some_and(&is_out) {
             self.path = None;
