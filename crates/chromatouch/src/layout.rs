@@ -8,7 +8,7 @@ use palpate_statistics::BadSetting;
 
 use crate::LayoutError;
 
-/// Largest number of markers of a layout.
+/// Largest allowed number of markers of a layout.
 pub(crate) const MOST_MARKERS: usize = 100_000;
 
 /// An arrangement of markers around the apex of a spherical skin.
@@ -210,8 +210,8 @@ fn in_grid(pitch: f64, size: [f64; 2], sensor_radius: f64) -> Result<Vec<[f64; 2
     Ok((0..=rows as u32).flat_map(row).collect())
 }
 
-/// Coordinates of equally spaced markers, from 0 to `length`. `reach` is the distance of the farthest marker from the
-/// apex. It must be less than half the circumference of the sensor.
+/// Coordinates of `markers` equally spaced markers along a line. The first is at 0, the last at `length`. `reach` is
+/// the distance of the farthest marker from the apex. It must be less than half the circumference of the sensor.
 fn equal_steps(
     markers: u32,
     length: f64,
@@ -228,19 +228,19 @@ fn equal_steps(
     Ok((0..markers).map(move |marker| length * share(marker)))
 }
 
-/// Two points that are too close to each other.
+/// A pair of points that are too close to each other.
 pub(crate) struct TooClose {
-    /// Index of the point with the smaller index of the two, counted from 0.
+    /// The smaller index of the two points, counted from 0.
     pub(crate) first: usize,
     pub(crate) second: usize,
     /// Distance between the points.
     pub(crate) distance: f64,
 }
 
-/// Returns a pair of points whose distance is below `reach` (of several pairs, the pair with the smallest index
-/// `second`); `None` if all distances are at least `reach`. For a fast search, the points are sorted into square cells.
-/// The width of a cell is the larger of `reach` and `narrowest`. The lower limit `narrowest` ensures that the index of
-/// a cell fits into an integer.
+/// Returns a pair of points whose distance is below `reach`; `None` if there is no such pair. If there are several
+/// pairs, it returns the pair with the smallest index `second`. For a fast search, the points are sorted into square
+/// cells. The width of a cell is the larger of `reach` and `narrowest`. The lower limit `narrowest` ensures that the
+/// index of a cell fits into an integer.
 pub(crate) fn too_close<const D: usize>(
     points: &[[f64; D]],
     reach: f64,

@@ -56,14 +56,15 @@ pub struct Optics {
     colours: Colours,
     blemishes: Blemishes,
     contrasts: Contrasts,
-    /// Pose of the camera; `None` if the camera is exactly in the centre and its axis passes through the apex.
+    /// Pose of the camera. It is `None` if the camera is exactly in the sensor's centre and its axis passes through the
+    /// apex.
     pose: Option<Pose>,
 }
 
 /// The features of a marker in an ideal image, without blur, uneven light, seams or noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenMarker {
-    /// Centroid of the marker's image, px. The points of the image have the same weights as in `size_px2`.
+    /// Centroid of the marker's image, px. It is weighted in the same way as the size `size_px2`.
     pub centroid_px: [f64; 2],
     /// HSV hue of the marker's total light, in turns, from 0 (red) to below 1. The total light is the sum over all
     /// points of the marker's image. The hue is 0 if the total light has no colour (red, green and blue are equal).
@@ -84,8 +85,8 @@ impl Optics {
     /// `blemishes` of the image.
     ///
     /// # Errors
-    /// [`OpticsError::BadSetting`] for a colour outside the range from 0 to 1, `light_at_rim`, `blur_px`, `gores`,
-    /// `seam_width` or `pixel_std`.
+    /// [`OpticsError::BadSetting`] if a colour, `light_at_rim`, `blur_px`, `gores`, `seam_width` or `pixel_std` is out
+    /// of its range. The range of colours is from 0 to 1.
     pub fn new(
         array: MarkerArray,
         camera: Camera,
@@ -107,8 +108,9 @@ impl Optics {
     /// and the uneven light of the image are computed as if the camera were at the centre.
     ///
     /// # Errors
-    /// [`OpticsError::BadSetting`] for `place` if the camera is farther from the centre of the sensor than 0.9 times
-    /// the distance of the nearest disc, and for `turn_rad` if a component is not from -1 to 1.
+    /// [`OpticsError::BadSetting`] for `place` if the camera is too far from the centre of the sensor. The limit is 0.9
+    /// times the distance of the nearest disc from the centre. The same error for `turn_rad` unless each component is
+    /// from -1 to 1.
     pub fn seen_from(mut self, pose: Pose) -> Result<Self, OpticsError> {
         self.pose = pose.checked(0.9 * self.array.nearest())?;
         Ok(self)

@@ -24,7 +24,7 @@ pub(crate) const FEWEST_GORES: u32 = 3;
 /// Largest number of gores of a pattern.
 pub(crate) const MOST_GORES: u32 = 360;
 
-/// Largest number of chords for one side of a gore's outline, from the apex to the equator.
+/// Largest allowed number of chords for one side of a gore's outline, from the apex to the equator.
 const MOST_SAMPLES: u32 = 1000;
 
 /// Flat gores that can be folded to a hemisphere.
@@ -103,8 +103,8 @@ impl Pattern {
         right.chain(left.map(|[across, from_apex]| [-across, from_apex]))
     }
 
-    /// Half the width of a gore and the distance from the apex, both lengths. `step` is the number of steps from the
-    /// apex.
+    /// Half the width of a gore and the distance from the apex, both lengths, for the point of the outline that is
+    /// `step` steps from the apex.
     fn edge(&self, step: u32) -> [f64; 2] {
         let polar = FRAC_PI_2 * f64::from(step) / f64::from(self.samples);
         let half_width = PI / f64::from(self.gores) * libm::sin(polar);

@@ -6,8 +6,8 @@ use palpate_study::config::LengthUnit;
 use palpate_study::{Column, MapTable, Unit};
 
 /// Columns of a map: positions, curvatures with their standard errors, principal curvatures and directions, class,
-/// region, and the probability of each class. If `of_study`, the first column is the number of the grid point (`cell`),
-/// and there is also a column for the true class.
+/// region, and the probability of each class. If `of_study` is true, the first column is `cell`, the number of the grid
+/// point, and there is also a column for the true class.
 fn columns(unit: LengthUnit, of_study: bool) -> Vec<Column> {
     let cell = of_study.then(|| Column::count("cell"));
     let true_class = of_study.then(|| Column::text("true_class"));
@@ -29,8 +29,8 @@ fn columns(unit: LengthUnit, of_study: bool) -> Vec<Column> {
         .collect()
 }
 
-/// An empty table for the points of maps. If `of_study`, it is for the maps at all grid points of a study, and it has
-/// the columns `cell` and `true_class`. Otherwise, it is for a map from recorded readings.
+/// An empty table for the points of maps. If `of_study` is true, the table is for the maps of all grid points of a
+/// study, and it has the columns `cell` and `true_class`. Otherwise, the table is for a map from recorded readings.
 pub fn map_table(unit: LengthUnit, of_study: bool) -> MapTable {
     MapTable::new(columns(unit, of_study))
 }

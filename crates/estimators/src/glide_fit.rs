@@ -19,8 +19,8 @@ pub enum GlideMethod {
 
 impl GlideMethod {
     /// Builds the method that a config describes. If the config states the noise as a fraction of the distance between
-    /// fingers, the fraction is multiplied by `inter_finger_distance`. This distance is also the length unit of the
-    /// method two-pass; if it is `None`, two-pass computes it from the contacts.
+    /// fingers, the fraction is multiplied by `inter_finger_distance`. The estimator `two-pass` also uses this distance
+    /// as its length unit. If the distance is `None`, `two-pass` computes it from the contacts.
     pub fn of(config: &GlideEstimatorConfig, inter_finger_distance: Option<f64>) -> Self {
         let config = match inter_finger_distance {
             Some(distance) => config.clone().with_length_noise(distance),
@@ -116,7 +116,8 @@ impl GlideFit {
             || config.position_fraction_of_ifd().is_some()
     }
 
-    /// The same method, with its stated standard deviations of positions and normals multiplied by these two factors.
+    /// The same method, but its stated standard deviations of positions and of normals are multiplied by the factors
+    /// `position` and `normal`.
     #[must_use]
     pub fn with_noise_factors(mut self, [position, normal]: [f64; 2]) -> Self {
         if let Self::Penalised(Penalised { noise, .. }) | Self::Quadric(Quadric { noise }) =

@@ -28,9 +28,10 @@ pub struct ImageFitSetup<'a> {
     pub markers: &'a Markers,
     /// The nominal camera and markers. The fit ignores the misalignments of these markers.
     pub optics: &'a Optics,
-    /// Standard deviations of the sensor's deviations from `optics`.
+    /// Standard deviations of the differences between the sensor's parameters and their values in `optics`.
     pub stds: [f64; Departure::NUMBERS],
-    /// Joint prior of the sensor's deviations from `optics`; `None` if no joint covariance is given.
+    /// Joint prior of the differences between the sensor's parameters and their values in `optics`; `None` if no joint
+    /// covariance is given.
     pub departure_prior: Option<DeparturePrior>,
     /// Function that builds bonded layers of a given thickness, one layer for each of the given depths.
     pub layers: &'a Layers<'a>,
@@ -99,7 +100,7 @@ impl ImageFitSetup<'_> {
     }
 }
 
-/// Standard deviation of each entry of a [`Departure`].
+/// Standard deviation of each value of a [`Departure`].
 pub fn departure_stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
     let SensorNoise {
         centre_px,

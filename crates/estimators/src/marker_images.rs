@@ -12,7 +12,7 @@ use crate::image_model::{ImageModel, marker_image};
 /// Input of the fit: the images of the markers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerImages {
-    /// Images of the markers at rest in this trial; `None` if all trials share the images at rest.
+    /// Images of the markers at rest in this trial; `None` if all trials use the same images at rest.
     pub own_rest: Option<Arc<[Option<Seen>]>>,
     /// Images of the markers in the press; `None` for markers without an image.
     pub pressed: Vec<Option<Seen>>,
@@ -27,7 +27,8 @@ pub struct ImageEstimator {
 }
 
 impl ImageEstimator {
-    /// An estimator with this fit. `rest` contains the images of the markers at rest that all trials share.
+    /// An estimator that uses the fit `fit`. `rest` contains the images of the markers at rest, which are the same for
+    /// all trials.
     pub fn new(fit: ImageFit<ImageModel>, rest: Vec<Option<Seen>>) -> Self {
         Self {
             fit,
@@ -65,7 +66,7 @@ impl ImageEstimator {
         })
     }
 
-    /// Contradictions between the images and the model of the estimate, such as outliers.
+    /// Contradictions between the images and the estimate's model, such as outliers.
     pub fn misfits(
         &self,
         pictures: &MarkerImages,
@@ -78,8 +79,8 @@ impl ImageEstimator {
         })
     }
 
-    /// Residual displacement of each marker: the displacement that is estimated from the marker's own image, minus the
-    /// displacement that the estimated press predicts.
+    /// Residual displacement of each marker. The displacement predicted from the estimated press is subtracted from the
+    /// displacement estimated from the marker's own image.
     pub fn beyond(
         &self,
         pictures: &MarkerImages,

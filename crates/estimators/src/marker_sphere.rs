@@ -104,15 +104,15 @@ impl<'a> MarkerSphere<'a> {
         Ok(0.5 * most / (self.radius - depths.yellow))
     }
 
-    /// Markers at these positions, without misalignments.
+    /// Markers at the positions `places`, without misalignments.
     pub fn array(&self, places: &[[f64; 2]]) -> Result<MarkerArray, FieldError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
         MarkerArray::new(self.radius, places, diameters, depths)
             .map_err(|error| optics_error(&error))
     }
 
-    /// Markers at these positions, with random misalignments like those from manufacture. `seed` is the seed of the
-    /// random numbers.
+    /// Markers at the positions `places`, with random misalignments as they result from manufacture. `seed` is the seed
+    /// of the random numbers.
     pub fn made(&self, places: &[[f64; 2]], seed: u64) -> Result<MarkerArray, FieldError> {
         let array = self.array(places)?;
         match self.discs()?.misalignment {

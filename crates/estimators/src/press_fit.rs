@@ -15,8 +15,7 @@ pub struct PressFitSetup<'a> {
     pub model: &'a PressModelConfig,
     /// The soft body of the sensor, with displacements at the depth of the markers.
     pub body: &'a Body,
-    /// If `body` is a bonded layer whose tables can also be used for the fit, the thickness of this layer; otherwise
-    /// `None`.
+    /// Thickness of the bonded layer `body` if the fit can also use the tables of this layer; otherwise `None`.
     pub shared: Option<f64>,
     /// Function that builds a layer with its tables, from its thickness and the depth of the markers.
     pub layer: &'a dyn Fn(f64, f64) -> Result<Body, PressError>,
@@ -24,8 +23,8 @@ pub struct PressFitSetup<'a> {
     pub markers: &'a Markers,
     /// Depth of the markers under the skin, length.
     pub marker_depth: f64,
-    /// Indentation, length, of the press on a plane by which the width c of the Gaussian model is calibrated; `None` if
-    /// it is not stated.
+    /// Indentation (length) of the press that calibrates the width c of the Gaussian model. It is a press on a plane.
+    /// `None` if the indentation is not stated.
     pub calibrated_at: Option<f64>,
     /// Whether the estimator receives the indentation as an input instead of fitting it.
     pub knows_indentation: bool,
@@ -101,7 +100,7 @@ impl PressFitSetup<'_> {
 pub enum PressFitError {
     /// A setting is out of its range, or missing.
     Setting(PressError),
-    /// The width c of a Gaussian cannot be calibrated with the sensor's soft body.
+    /// The width c of a Gaussian model cannot be calibrated with the sensor's soft body.
     Calibration(PressError),
 }
 
@@ -135,7 +134,7 @@ pub const fn baseline(config: Baseline) -> Prior {
     }
 }
 
-/// Prior of a factor whose expected value is 1, with the standard deviation `std`.
+/// Prior of a factor that is expected to be 1. Its standard deviation is `std`.
 pub fn within(std: f64) -> Prior {
     if std > 0.0 {
         Prior::Within(std)

@@ -109,7 +109,7 @@ pub fn formula(bytes: &[u8]) -> Outcome {
 /// Reads recorded readings of rolls, of glides and of presses, and computes estimates from them.
 ///
 /// # Errors
-/// Message of the last reader if all reject the input.
+/// Message of the last reader if all readers reject the input.
 ///
 /// # Panics
 /// If an estimate is not finite, or an error has no message.
@@ -170,7 +170,7 @@ pub fn frame(bytes: &[u8]) -> Outcome {
 /// Reads the input as a calibration, as the points of a calibration, and as a camera.
 ///
 /// # Errors
-/// Message of the last reader if all reject the input.
+/// Message of the last reader if all readers reject the input.
 ///
 /// # Panics
 /// If a calibration or a camera is not finite or changes when it is written and read again, or if an error has no

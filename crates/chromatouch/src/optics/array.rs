@@ -11,7 +11,7 @@ use super::sines::sinc_and_cosine;
 use crate::Discs;
 use crate::layout::{MOST_MARKERS, too_close};
 
-/// Allowed lengths: the product of a few such lengths neither overflows nor underflows.
+/// Allowed lengths. The limits ensure that the product of a few lengths neither overflows nor underflows.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
 /// Smallest allowed ratio of a disc's radius to its distance from the sensor's centre.
@@ -35,7 +35,8 @@ pub struct DiscMotion {
     /// moves. Its components are along the marker's axes, which are the axes of the apex after parallel transport along
     /// the meridian to the marker.
     pub tangential: [f64; 2],
-    /// Relative increase of the disc's diameter due to the strain of the skin. The disc is assumed to stay a circle.
+    /// Relative increase of the disc's diameter. It is due to the strain of the skin. The model assumes that the disc
+    /// stays a circle.
     pub stretch: f64,
     /// Relative stretch of the skin around the disc. The misalignment between the two discs of the marker grows by the
     /// same factor.
@@ -43,8 +44,8 @@ pub struct DiscMotion {
 }
 
 impl DiscMotion {
-    /// Angles between a disc and the position of its marker at rest. They are the sum of the disc's motion and its
-    /// misalignment. The misalignment grows with the stretch of the skin.
+    /// Angles between a disc after its motion and the position of its marker at rest. They are the sum of the motion
+    /// `moved` and of the disc's `misalignment`, which grows with the stretch of the skin.
     #[inline]
     pub(super) fn moved_offset(&self, moved: [f64; 2], misalignment: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| moved[axis] + misalignment[axis] * (1.0 + self.skin_stretch))
@@ -176,9 +177,9 @@ impl MarkerArray {
     }
 
     /// Returns the markers with random misalignments, as from manufacture. They are drawn for trial number `trial`. The
-    /// yellow disc of each marker is displaced along the skin relative to the magenta disc. The displacement is uniform
-    /// over a circle, whose radius is `most` times the diameter of the yellow discs. Earlier misalignments are
-    /// replaced.
+    /// yellow disc of each marker is displaced along the skin relative to the magenta disc. The displacement is
+    /// uniformly distributed in a circle, whose radius is `most` times the diameter of the yellow discs. The random
+    /// misalignments replace earlier misalignments.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless it is from 0 to 1.
@@ -267,7 +268,7 @@ impl MarkerArray {
         &self.stands[marker]
     }
 
-    /// The layer of the magenta discs and the layer of the yellow discs.
+    /// The two layers of discs: first the magenta discs, then the yellow discs.
     pub(super) const fn layers(&self) -> [&Layer; 2] {
         [&self.magenta, &self.yellow]
     }
@@ -307,8 +308,8 @@ impl MarkerArray {
 }
 
 impl Layer {
-    /// A disc of this layer as viewed from the centre. `offset` is its misalignment, rad. If the motion is impossible,
-    /// the function returns the length of the motion as the error.
+    /// A disc of this layer as viewed from the sensor's centre. `offset` is the misalignment of the disc, rad. If the
+    /// motion is impossible, the function returns the length of the motion as the error.
     #[inline]
     fn sight(&self, stand: &Stand, motion: &DiscMotion, offset: [f64; 2]) -> Result<Sight, f64> {
         let inward = motion.normal / self.distance;

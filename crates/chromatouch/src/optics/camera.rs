@@ -36,7 +36,8 @@ pub struct Camera {
     pub(super) rim_rad: f64,
     pub(super) rim_cosine: f64,
     pub(super) px_per_rad: f64,
-    /// Offset of the image circle's centre from the middle of the frame, px: columns to the right, and rows down.
+    /// Offset of the image circle's centre from the middle of the frame, px. The components are columns to the right
+    /// and rows down.
     offset_px: [f64; 2],
 }
 
@@ -56,10 +57,9 @@ impl Camera {
     /// `field_deg` is the polar angle at the rim of this circle, measured from the apex.
     ///
     /// # Errors
-    /// [`OpticsError::BadSetting`] for `size_px` unless it is from 1 to 8192, for `field_deg` unless it is from 1e-6 to
-    /// 180 (for a pinhole, from 1e-6 to 89.9999), and for `k3` and `k5` unless each is from -100 to 100.
-    /// [`OpticsError::FoldedLens`] if the distance from the image's centre does not grow with the angle over the whole
-    /// field.
+    /// [`OpticsError::BadSetting`] if one of these settings is out of its range: `size_px` from 1 to 8192; `field_deg`
+    /// from 1e-6 to 180 (for a pinhole, to 89.9999); `k3` and `k5` from -100 to 100. [`OpticsError::FoldedLens`] if the
+    /// distance from the image's centre does not grow with the angle over the whole field.
     pub fn new(lens: Lens, size_px: u32, field_deg: f64) -> Result<Self, OpticsError> {
         let good = (1..=LARGEST_FRAME).contains(&size_px);
         OpticsError::unless(good, "size_px", f64::from(size_px), "from 1 to 8192")?;
@@ -178,8 +178,8 @@ impl Camera {
         0.5 * f64::from(self.size_px)
     }
 
-    /// Image coordinates (column, row) of a direction from the sensor's centre, px. The direction may be a vector of
-    /// any length. `None` outside the image circle.
+    /// Image coordinates (column, row) of a direction from the sensor's centre, px. The result is `None` outside the
+    /// image circle. The length of the vector `direction` has no effect.
     pub fn image(&self, direction: &Vector3<f64>) -> Option<[f64; 2]> {
         let across = libm::hypot(direction.x, direction.y);
         let polar = libm::atan2(across, direction.z);
@@ -199,8 +199,8 @@ impl Camera {
     }
 
     /// Image area of a disc, px². `angular_radius` is the angular radius of the disc, and `polar` the polar angle of
-    /// its middle, both in rad. `None` unless the whole disc is in the image circle and its angular radius is less than
-    /// 90°.
+    /// its middle, both in rad. The result is `None` unless the whole disc is in the image circle and its angular
+    /// radius is less than 90°.
     ///
     /// For a pinhole, the area is exact. For a fisheye, the scale of the lens is expanded to second order in the disc's
     /// angular radius α. The relative error is then of the order of α⁴. For α = 0.05 and up to 70° from the axis, it is
@@ -219,7 +219,7 @@ impl Camera {
         Some(cap(self.lens, &local, sine, cosine).area)
     }
 
-    /// Distance from the image's centre, px, of the image of a direction with the polar angle `polar`.
+    /// Distance in the image between the image's centre and a direction with the polar angle `polar`, px.
     pub(super) fn radius(&self, polar: f64) -> f64 {
         match self.lens {
             Lens::Fisheye => self.px_per_rad * polar,
@@ -243,8 +243,8 @@ impl Camera {
         self.local_at(polar, libm::sincos(polar))
     }
 
-    /// Upper bound of the scale of the image (pixels per radian), in any direction along the image. It is valid at all
-    /// polar angles from 0 to `polar`, which must be in the field of view.
+    /// Upper bound of the scale of the image (pixels per radian). It applies to steps in any direction along the image,
+    /// and at all polar angles from 0 to `polar`. The angle `polar` must be in the field of view.
     pub(super) fn most_px_per_rad(&self, polar: f64) -> f64 {
         let (sine, cosine) = libm::sincos(polar);
         match self.lens {
@@ -262,8 +262,8 @@ impl Camera {
         }
     }
 
-    /// Lower bound of the scale of the image (pixels per radian), in any direction along the image. It is valid in the
-    /// whole field of view.
+    /// Lower bound of the scale of the image (pixels per radian). It applies to steps in any direction along the image,
+    /// in the whole field of view.
     pub(super) fn least_px_per_rad(&self) -> f64 {
         match self.lens {
             Lens::Fisheye | Lens::Pinhole => self.px_per_rad,

@@ -9,11 +9,11 @@ use super::OpticsError;
 pub struct Colours {
     /// Light of the illuminated white layer, relative to full scale.
     pub white: [f64; 3],
-    /// Transmittances of a magenta disc.
+    /// Transmittances of a magenta disc for red, green and blue light.
     pub magenta: [f64; 3],
-    /// Transmittances of a yellow disc.
+    /// Transmittances of a yellow disc for red, green and blue light.
     pub yellow: [f64; 3],
-    /// Transmittances of a seam.
+    /// Transmittances of a seam for red, green and blue light.
     pub seam: [f64; 3],
     /// Light outside the image circle, relative to full scale.
     pub outside: [f64; 3],
@@ -37,8 +37,8 @@ impl Default for Colours {
 /// equally.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contrast {
-    /// Sum of the absorbed share of green light and the absorbed share of blue light, relative to the light of the
-    /// white layer.
+    /// Share of green light that the pixel absorbs, plus the share of blue light that it absorbs. Both shares are
+    /// relative to the light of the white layer.
     pub(super) absorbed: f64,
     /// Two chroma components of the pixel, computed from its light: red − (green + blue)/2, and √3/2 (green − blue).
     pub(super) chroma: [f64; 2],

@@ -1,4 +1,4 @@
-//! Departures of a sensor: differences between its parameters and their nominal values.
+//! Departures of a sensor: differences between its real parameters and their nominal values.
 
 use super::{Camera, Colours, OddTerms, Optics, OpticsError};
 
@@ -26,10 +26,10 @@ pub struct Departure {
 }
 
 impl Departure {
-    /// Number of values in a departure.
+    /// Number of values in all fields of a departure together.
     pub const NUMBERS: usize = 21;
 
-    /// The departure whose fields have the values `n`, in the order of the fields.
+    /// Builds a departure from its values `n`, which are in the order of the fields.
     pub const fn of(n: [f64; Self::NUMBERS]) -> Self {
         Self {
             depths: [n[0], n[1]],

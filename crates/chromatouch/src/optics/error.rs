@@ -4,7 +4,7 @@ use palpate_statistics::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-/// Largest absolute value of the coefficients k3 and k5 of a lens.
+/// Largest allowed absolute value of the coefficients k3 and k5 of a lens.
 pub(super) const MOST_TERM: f64 = 100.0;
 
 /// Reason why an image of the markers cannot be computed.
@@ -104,7 +104,7 @@ pub enum OpticsError {
         marker: usize,
         /// Colour of the disc.
         disc: &'static str,
-        /// Length of the impossible motion: normal to the skin, along the skin, or of the disc's edge.
+        /// Length of the impossible motion: of the disc normal to the skin or along the skin, or of the disc's edge.
         motion: f64,
         /// The disc's distance from the centre at rest, length.
         distance: f64,

@@ -18,7 +18,8 @@ pub enum Lens {
 /// A lens at one polar angle θ, the angle from the lens's axis. The lens maps θ to the distance r(θ) from the image's
 /// centre. All derivatives are with respect to θ.
 ///
-/// The scale in the azimuthal direction is g = r / sin θ. A solid angle dΩ has the image area J dΩ, where J = r′ g.
+/// The scale in the azimuthal direction is g = r / sin θ. The image of a solid angle dΩ has the area J dΩ, where J = r′
+/// g.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Local {
     /// Distance r from the image's centre, px.
@@ -150,8 +151,8 @@ impl Local {
         }
     }
 
-    /// A lens with odd terms. Let m = r / (f θ) and n = m r′ / f, which are polynomials in u = θ². Then the scale is g
-    /// = f q m and the area is J = f² q n.
+    /// A lens with odd terms. Two polynomials in u = θ² are used: m = r / (f θ) and n = m r′ / f. The azimuthal scale
+    /// is g = f q m. The image area per solid angle is J = f² q n.
     fn odd(focal: f64, polar: f64, cosine: f64, stretch: &Stretch, terms: OddTerms) -> Self {
         let OddTerms { k3, k5 } = terms;
         let square = polar * polar;

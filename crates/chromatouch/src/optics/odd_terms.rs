@@ -75,8 +75,8 @@ impl OddTerms {
         angle
     }
 
-    /// Largest angle, at most half a turn, such that the slope of the map is at least [`LEAST_SLOPE`] everywhere up to
-    /// this angle.
+    /// Largest angle up to which the slope of the map is at least [`LEAST_SLOPE`] everywhere. The result is at most
+    /// half a turn.
     pub(super) fn reach(self) -> f64 {
         // The lens stops being invertible where its slope reaches the smallest allowed value. With u = θ², where θ is
         // the angle, the slope minus this value is the polynomial a u² + b u + c. Its smallest positive root is

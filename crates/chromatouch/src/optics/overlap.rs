@@ -1,9 +1,9 @@
 //! Overlap of two discs as viewed from the camera.
 //!
-//! A disc is a cap on the sphere of directions. A stereographic projection maps a cap to a circle in a plane. Let p be
-//! the distance from the point about which the projection is made. To second order in p, an area on the sphere is the
-//! area in the plane times 1 − p²/2. The overlap of two circles consists of one segment of each circle. The moments of
-//! a segment are computed by exact formulas.
+//! A disc is a cap on the sphere of directions. A stereographic projection maps a cap to a circle in a plane. To second
+//! order in p, an area on the sphere is the area in the plane times 1 − p²/2. Here p is the distance from the centre of
+//! the projection. The overlap of two circles consists of one segment of each circle. The moments of a segment are
+//! computed by exact formulas.
 
 use nalgebra::Vector3;
 
@@ -31,8 +31,8 @@ pub(super) struct Part {
     pub(super) angles: [HalfAngle; 2],
 }
 
-/// Moments of an area about a point. The first axis is an axis of symmetry of the area, and the second axis is
-/// perpendicular to it.
+/// Moments of an area about a point. The area is symmetric about the first axis. The second axis is perpendicular to
+/// the first.
 #[derive(Clone, Copy)]
 struct Moments {
     area: f64,
@@ -59,8 +59,8 @@ impl HalfAngle {
         }
     }
 
-    /// Half-angle with the sine `sine` and the cosine `cosine`. If it is close to the half-angle `self`, it is computed
-    /// from `self` by a short series, which is faster than an arctangent.
+    /// Half-angle with the sine `sine` and the cosine `cosine`. If this new half-angle is close to `self`, it is
+    /// computed from `self` by a short series, which is faster than an arctangent.
     fn beside(&self, sine: f64, cosine: f64) -> Self {
         let [across, along] = [
             sine * self.cosine - cosine * self.sine,
@@ -80,8 +80,8 @@ impl HalfAngle {
     }
 }
 
-/// Overlap of the two discs of a marker. `near` contains the half-angles of a similar overlap, from which the new
-/// half-angles are computed faster.
+/// Overlap of the two discs of a marker. `near` contains the half-angles of a similar overlap. They make the
+/// computation of the new half-angles faster.
 #[inline]
 pub(super) fn overlap(magenta: &Sight, yellow: &Sight, near: Option<&[HalfAngle; 2]>) -> Overlap {
     let step = yellow.direction - magenta.direction;
@@ -207,7 +207,7 @@ fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
 }
 
 impl Moments {
-    /// Moments of the mirror image of the area, or equivalently about an axis that points in the opposite direction.
+    /// Moments of the area's mirror image, whose coordinates on the axis have the opposite sign.
     fn mirrored(self) -> Self {
         Self {
             first: -self.first,

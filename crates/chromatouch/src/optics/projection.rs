@@ -13,14 +13,15 @@ use super::{Camera, MarkerMotion, Optics, OpticsError, SeenMarker};
 
 impl Optics {
     /// Features of each marker in the image, in the order of the markers. A frame with very small pixels and without
-    /// blur, uneven light, seams and noise has the same features. `None` for a missing marker (its motion is `None`),
-    /// for a marker that is not completely in the image circle, and for a marker that absorbs no light.
+    /// blur, uneven light, seams and noise has the same features. The features are `None` for a missing marker (its
+    /// motion is `None`), for a marker that is not completely in the image circle, and for a marker that absorbs no
+    /// light.
     ///
     /// The image of each disc has the accuracy of [`Camera::disc_area`]. The overlap of two discs is computed to second
     /// order in their angular radius α. The error of the size is of the order of α⁴ relative to the size. The error of
     /// the centroid is of the order of α⁴ relative to the focal length. For the markers of the 2020 paper up to 60°
-    /// from the apex, the errors are less than 0.004 px in a frame of 2048 px, 2e-5 turns, and 2e-4 of the size. For a
-    /// pinhole, the errors are larger.
+    /// from the apex, the errors are small: less than 0.004 px for the centroid in a frame of 2048 px, 2e-5 turns for
+    /// the hue, and 2e-4 for the relative size. For a pinhole, the errors are larger.
     ///
     /// # Errors
     /// [`OpticsError::WrongCount`] unless there is one motion per marker. [`OpticsError::ImpossibleMotion`] for a
@@ -41,7 +42,7 @@ impl Optics {
     }
 }
 
-/// A direction in the polar coordinates of the camera, and the lens at this direction.
+/// A direction in the polar coordinates of the camera, and the derivatives of the lens at this direction.
 #[derive(Clone, Copy)]
 pub(super) struct Aim {
     polar: f64,
@@ -58,8 +59,8 @@ impl Aim {
         Self::at(camera, direction, libm::atan2)
     }
 
-    /// Returns the same as [`Self::new`] for `direction`. If `direction` is near the direction of `self`, the
-    /// computation is faster, because it starts from `self`.
+    /// Computes [`Self::new`] for `direction`. The computation is faster if `direction` is near the direction of
+    /// `self`, because it starts from `self`.
     #[inline]
     fn beside(&self, camera: &Camera, direction: &Vector3<f64>) -> Self {
         Self::at(camera, direction, |sine, cosine| {
@@ -203,8 +204,8 @@ fn image(camera: &Camera, aim: &Aim, disc: &Sight) -> Image {
     Image::of(aim, &cap(camera.lens, &aim.local, disc.sine, disc.cosine))
 }
 
-/// Image of the overlap of a marker's discs. If the edges of the discs cross, the second result contains the
-/// half-angles of the overlap's two segments. `aim` is a direction near the overlap, and `near` contains the
+/// Image of the overlap of a marker's discs, and the half-angles of the overlap's two segments. The half-angles are
+/// `None` unless the edges of the discs cross. `aim` is a direction near the overlap, and `near` contains the
 /// half-angles of a similar overlap.
 #[inline(always)]
 fn shared(

@@ -148,8 +148,8 @@ impl Layer {
 }
 
 impl Stand {
-    /// Unit vector at the angles `x` and `y` (rad) from the marker's direction, along the marker's two axes. The second
-    /// result contains the derivatives of this vector with respect to both angles.
+    /// Unit vector whose direction is at the angles `x` and `y` (rad) from the marker's direction, along the marker's
+    /// two axes. The second result contains the derivatives of this vector with respect to the two angles.
     fn towards(&self, x: f64, y: f64) -> (Vector3<f64>, [Vector3<f64>; 2]) {
         let square = x * x + y * y;
         let (sinc, cosine) = sinc_and_cosine(square);

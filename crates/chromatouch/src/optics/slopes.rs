@@ -12,16 +12,16 @@ use super::projection::MarkerProjection;
 use super::sight_slopes::{COLUMNS, DEEPER, INWARD, PLACE, TURN, WIDER, X};
 use super::{Departure, MarkerMotion, Optics, OpticsError, SeenMarker};
 
-/// Finite-difference step for the direction of a disc, rad, and for the logarithm of its angular size.
+/// Finite-difference step of the two components of a disc's direction (rad) and of the logarithm of its angular size.
 const STEP: f64 = 1e-7;
 /// Finite-difference step for the transmittances of the discs.
 const SHARE: f64 = 1e-6;
 /// Finite-difference step for the odd terms of a lens.
 const ODD: f64 = 1e-6;
 
-/// Index of the first transmittance among the numbers of a [`Departure`].
+/// Index of the first transmittance among the values of a [`Departure`].
 const COLOURS: usize = 13;
-/// Index of the first odd term of the lens among the numbers of a [`Departure`].
+/// Index of the first odd term of the lens among the values of a [`Departure`].
 const ODD_TERMS: usize = 19;
 
 /// The features of a marker, and their derivatives. The rows of the derivatives are: column and row of the centroid
@@ -30,14 +30,14 @@ const ODD_TERMS: usize = 19;
 pub struct MarkerSlopes {
     /// The features of the marker.
     pub seen: SeenMarker,
-    /// Derivatives with respect to the numbers of the [`Departure`], one column per number. The columns of numbers that
+    /// Derivatives with respect to the values of the [`Departure`], one column per value. The columns of values that
     /// were not requested are 0.
     pub by_departure: SMatrix<f64, 4, { Departure::NUMBERS }>,
-    /// Derivatives with respect to the misalignment of the discs, per rad (see
+    /// Derivatives with respect to the two components of the marker's misalignment, per rad (see
     /// [`MarkerArray::misalignments`](super::MarkerArray::misalignments)).
     pub by_misalignment: Matrix4x2<f64>,
-    /// Derivatives with respect to the motions of the magenta and of the yellow disc, per length. The columns are the
-    /// motion inward and along both axes of the skin.
+    /// Derivatives with respect to the motions of the magenta and of the yellow disc, per length. The columns are for
+    /// the motion inward and for the motions along the two axes of the skin.
     pub by_motion: [Matrix4x3<f64>; 2],
 }
 
@@ -54,8 +54,8 @@ struct Shared<'a> {
 
 impl Optics {
     /// Features of the markers of a sensor with the departure `departure`, as in [`Optics::project`]. The result also
-    /// contains their derivatives with respect to the requested values of the departure. `None` for markers that are
-    /// not visible.
+    /// contains their derivatives with respect to the requested values of the departure. The result is `None` for
+    /// markers that are not visible.
     ///
     /// The error of the derivatives is about 5e-5 of the largest derivative. It is larger where the edges of two discs
     /// touch, because the features have a kink there.
@@ -164,7 +164,7 @@ impl Shared<'_> {
 
     /// Writes the requested derivatives of the marker's features into `slopes`. They are with respect to the depths and
     /// diameters of the discs, and to the camera's position, rotation, centre and scale. `by` contains one matrix per
-    /// disc: the part of the derivatives that is due to the direction and size of this disc.
+    /// disc. The matrix is the part of the derivatives that is due to the direction and the angular size of this disc.
     fn by_departure(&self, slopes: &mut MarkerSlopes, by: [&SMatrix<f64, 4, COLUMNS>; 2]) {
         let [magenta, yellow] = by;
         let centre = self.optics.camera.centre_px();

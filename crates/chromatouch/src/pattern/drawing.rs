@@ -17,12 +17,12 @@ const YELLOW: &str = "YELLOW";
 /// Drawing layers with their colour numbers in AutoCAD: white (black on paper), blue, magenta, yellow.
 const LAYERS: [(&str, u8); 4] = [(CUT, 7), (FOLD, 5), (MAGENTA, 6), (YELLOW, 2)];
 
-/// Smallest and largest radius of a sphere in a drawing, mm. The limits are set by the step of the coordinates in the
-/// files, 1e-6 mm.
+/// Smallest and largest allowed radius of the sphere of a drawing, mm. They are set by the step of the coordinates in
+/// the files, 1e-6 mm.
 const DRAWABLE_MM: [f64; 2] = [0.01, 1e6];
 
 impl CuttingSheet {
-    /// The drawing as SVG in millimetres. The y axis points up the page, and the groups are `CUT`, `FOLD`, `MAGENTA`
+    /// The drawing as SVG in millimetres. The y axis points up the page. The SVG groups are `CUT`, `FOLD`, `MAGENTA`
     /// and `YELLOW`. `unit_mm` is the pattern's unit of length in millimetres.
     ///
     /// # Errors

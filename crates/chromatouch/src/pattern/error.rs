@@ -1,4 +1,4 @@
-//! Errors of patterns.
+//! Errors of flat patterns.
 
 use palpate_statistics::Number;
 use strum::IntoStaticStr;

@@ -130,8 +130,8 @@ fn inside(&[[x, y], [u, v]]: &[[f64; 2]; 2], [across, from_apex]: [f64; 2]) -> f
     (u - x) / length * (from_apex - y) - (v - y) / length * (across - x)
 }
 
-/// Checks that discs with the diameter `diameter` do not overlap: the distance between any two centres must be at least
-/// the diameter.
+/// Checks that discs with the diameter `diameter` do not overlap. Discs overlap if the distance between their centres
+/// is less than the diameter.
 fn apart(centres: &[[f64; 2]], diameter: f64, narrowest: f64) -> Result<(), PatternError> {
     match too_close(centres, diameter, narrowest) {
         None => Ok(()),

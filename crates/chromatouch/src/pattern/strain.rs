@@ -15,8 +15,8 @@
 //! ```
 //!
 //! The strain is σ − 1. It is largest where the seams meet the apex (|λ| = π/n and φ = π/2). It vanishes on the middle
-//! meridian and on the equator. Over the area R² cos φ dλ dφ of a gore, sin φ and nλ/π are independent and uniformly
-//! distributed. Therefore the mean square is an integral over a square.
+//! meridian and on the equator. The element of a gore's area is R² cos φ dλ dφ. Over this area, sin φ and nλ/π are
+//! independent and uniformly distributed. Therefore the mean square of the strain is an integral over a square.
 //!
 //! In this construction, the parallels and the middle meridian do not change their lengths. A skin that can slide on
 //! the sphere would relax to a state with lower elastic energy.
@@ -29,8 +29,9 @@ use gauss_quad::GaussLegendre;
 use super::{FEWEST_GORES, PatternError};
 use crate::LayoutError;
 
-/// Number of quadrature nodes per direction. For three or more gores, the quadrature error is below 1e-20. The error is
-/// set by the singularity of the integrand that is nearest to the interval. It is at the imaginary shear s = 2i.
+/// Number of quadrature nodes per direction. For three or more gores, the quadrature error is below 1e-20. The error
+/// depends on the singularity of the integrand that is nearest to the interval. This singularity is at the imaginary
+/// shear s = 2i.
 const NODES: usize = 16;
 
 /// Strain of a polyconic gore that is folded onto its sphere: its largest principal stretch minus 1.
@@ -49,7 +50,7 @@ const NODES: usize = 16;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoldStrain {
     gores: u32,
-    /// Largest strain of the gore. It occurs at the edges next to the apex.
+    /// Largest strain of the gore. It occurs where the gore's edges meet the apex.
     pub greatest: f64,
     /// Root mean square of the strain over the gore's area.
     pub rms: f64,

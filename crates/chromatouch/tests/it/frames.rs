@@ -68,8 +68,8 @@ fn hue_of_a_red([red, green, blue]: [f64; 3]) -> f64 {
     ((green - blue) / (red - green.min(blue)) / 6.0).rem_euclid(1.0)
 }
 
-/// Largest differences between the projected and the rendered features: of the centroid, px; of the hue, turns; of the
-/// size, relative.
+/// Largest differences between the projected and the rendered features: in the centroid (px), in the hue (turns), and
+/// in the size (relative).
 fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64; 3] {
     let polar = [0.0_f64, 0.02, 20.0, 40.0, 60.0, 60.0];
     let azimuth = [0.0_f64, 0.0, 100.0, 200.0, 300.0, 45.0];

@@ -25,7 +25,7 @@ fn frame(size_px: u32, levels: [f64; 3], pixel_std: f64, [seed, trial]: [u64; 2]
     optics.render(&[], Some(&mut stream)).unwrap()
 }
 
-/// Columns of the pixels in a row whose centres are in the image circle.
+/// Indices of the pixels in a row whose centres are in the image circle.
 fn inside(size_px: u32, row: u32) -> impl Iterator<Item = u32> {
     let middle = 0.5 * (f64::from(size_px) - 1.0);
     let reach = 0.5 * f64::from(size_px);
@@ -127,10 +127,10 @@ fn errors(frame: &RgbImage) -> Vec<Vec<f64>> {
     square.clone().map(row).collect()
 }
 
-/// Two scores for the correlation between the errors of two frames. Each error of `one` is paired with the error of
-/// `other` that is `down` rows lower and `on` numbers further along the row. The first score uses the errors. The
-/// second score uses their squares, because errors can be dependent without being correlated. If the errors are
-/// independent, both scores have a standard normal distribution.
+/// Two scores for the correlation between the errors of two frames. Each error of the frame `one` is compared with the
+/// error of the frame `other` that is `down` rows lower and `on` numbers further along the row. The first score uses
+/// the errors. The second score uses their squares, because errors can be dependent without being correlated. If the
+/// errors are independent, both scores have a standard normal distribution.
 fn common(one: &[Vec<f64>], other: &[Vec<f64>], down: usize, on: usize) -> [f64; 2] {
     let (mut count, mut product, mut squares) = (0.0_f64, 0.0, 0.0);
     for (row, below) in one.iter().zip(&other[down..]) {

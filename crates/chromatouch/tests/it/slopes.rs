@@ -219,9 +219,9 @@ fn alike(radius: f64, normal: f64, x: f64) -> Option<MarkerMotion> {
     })
 }
 
-/// The image area of a small disc is proportional to (width / distance)². The distance is measured from the camera. If
-/// the skin displaces the disc by s, its image shifts by the angle s / (distance at rest). If the camera is displaced
-/// by s, the image shifts by the angle s / distance.
+/// The image area of a small disc is proportional to (width / d)², where d is the disc's distance from the camera. If
+/// the skin displaces the disc by s, the disc's image shifts by the angle s / d₀, where d₀ is the distance at rest. If
+/// the camera is displaced by s, the image shifts by the angle s / d.
 #[test]
 fn slopes_on_skins_of_any_size_have_closed_forms() {
     let all: Vec<usize> = (0..Departure::NUMBERS).collect();

@@ -11,7 +11,7 @@ use crate::pattern::MOST_GORES;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blemishes {
     /// Light at the rim of the image circle, relative to the light at the apex. The light decreases with the square of
-    /// the polar angle. 1 means even light.
+    /// the polar angle. The value 1 means even light.
     pub light_at_rim: f64,
     /// Standard deviation of a Gaussian blur of the whole frame, px; 0 means no blur.
     pub blur_px: f64,
@@ -67,11 +67,11 @@ impl Blemishes {
     }
 }
 
-/// A Gaussian blur. It stores the last rows that it has read, already blurred along the row, and the weights of the
-/// neighbouring pixels.
+/// A Gaussian blur. It stores the weights of the neighbouring pixels, and the last rows that it has read. These rows
+/// are already blurred along the row.
 pub(super) struct Blur {
-    /// Weights of the pixel itself and of its neighbours on one side, up to 3.5 standard deviations. The weights of the
-    /// pixel and of the neighbours on both sides sum to 1.
+    /// Weights of a pixel and of its neighbours on one side, up to a distance of 3.5 standard deviations. The
+    /// neighbours on the other side have the same weights. All these weights together sum to 1.
     weights: Vec<f32>,
     rows: Vec<Row>,
     /// Number of rows that were read so far.

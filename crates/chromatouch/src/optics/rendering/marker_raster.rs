@@ -9,7 +9,7 @@ use super::super::camera::Ray;
 /// Half the diagonal of a pixel, px. An edge that crosses a pixel is at most this far from the pixel's centre.
 const HALF_DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Number of neighbouring pixels of a row that are computed together.
+/// Number of neighbouring pixels in a row that are computed at the same time.
 const RUN: usize = 8;
 
 /// A marker and the rectangle of pixels that it may cover.
@@ -27,8 +27,8 @@ struct DiscRaster {
     per_sine: f64,
     /// Upper bound of |v·n − cos α| for the direction v of a pixel that the edge of the disc crosses.
     band: f64,
-    /// Factor on the share of light that the disc absorbs. It is below 1 for a disc that is smaller than a pixel, so
-    /// that the disc is drawn fainter.
+    /// Factor by which the share of light that the disc absorbs is multiplied. A factor below 1 draws a disc fainter.
+    /// It is used for discs that are smaller than a pixel.
     opacity: f64,
     /// Whether the disc is so small that its edge cannot be approximated by a straight line within a pixel.
     is_small: bool,
@@ -104,8 +104,8 @@ impl DiscRaster {
         }
     }
 
-    /// Position of a direction v relative to the edge of the disc: v·n − cos α. Here n is the direction of the disc's
-    /// middle, and α is its angular radius. The value is positive inside the disc.
+    /// Position v·n − cos α of a direction v relative to the edge of the disc. Here n is the direction of the disc's
+    /// middle, and α is the disc's angular radius. The value is positive inside the disc.
     #[inline]
     fn inside(&self, ray: &Ray, [x, y]: [f64; 2]) -> f64 {
         let [n_x, n_y, n_z] = self.direction;
@@ -113,9 +113,9 @@ impl DiscRaster {
     }
 
     /// Share of a pixel that the disc covers. The pixel is at (x, y) from the centre of the image. `inside` is the
-    /// distance v·n − cos α of the pixel's direction v from the disc's edge; n is the direction of the disc's middle,
-    /// and α is its angular radius. The share minus 1/2 is an odd function of `inside`. The solid angle depends
-    /// linearly on v·n, so the shares of all pixels add up to the area of the disc.
+    /// position v·n − cos α of the pixel's direction v relative to the disc's edge. Here n is the direction of the
+    /// disc's middle, and α is the disc's angular radius. The share minus 1/2 is an odd function of `inside`. The solid
+    /// angle depends linearly on v·n, so the shares of all pixels add up to the area of the disc.
     #[inline]
     fn cover(&self, camera: &Camera, ray: &Ray, inside: f64, [x, y]: [f64; 2]) -> DiscCover {
         if inside.abs() >= self.band {
@@ -290,7 +290,8 @@ fn shared(one: &DiscCover, other: &DiscCover) -> f64 {
 mod tests {
     use super::*;
 
-    /// Share of a pixel that lies on the inner side of a straight edge, estimated by counting the points of a grid.
+    /// Share of a pixel that lies on the inner side of a straight edge. For the estimate, the test counts the points of
+    /// a grid that are on this side.
     fn counted(inside: f64, turn: f64) -> f64 {
         const SIDE: u32 = 400;
         let (sine, cosine) = libm::sincos(turn);

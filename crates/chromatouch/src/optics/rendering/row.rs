@@ -32,21 +32,21 @@ impl Row {
         &mut self.levels[3 * column..3 * column + 3]
     }
 
-    /// Multiplies the light of a pixel by the transmitted shares.
+    /// Multiplies the light of a pixel by `shares`, the transmitted shares of red, green and blue light.
     fn filter(&mut self, column: usize, shares: [f32; 3]) {
         for (level, share) in self.pixel(column).iter_mut().zip(shares) {
             *level *= share;
         }
     }
 
-    /// Sets the row to another row multiplied by a weight.
+    /// Replaces this row by the row `other` multiplied by `weight`.
     pub(super) fn set(&mut self, other: &Self, weight: f32) {
         for (level, other) in self.levels.iter_mut().zip(&other.levels) {
             *level = weight * other;
         }
     }
 
-    /// Adds another row multiplied by a weight.
+    /// Adds the row `other`, multiplied by `weight`, to this row.
     pub(super) fn add(&mut self, other: &Self, weight: f32) {
         for (level, other) in self.levels.iter_mut().zip(&other.levels) {
             *level += weight * other;
@@ -102,14 +102,14 @@ impl Row {
     }
 }
 
-/// Renders the rows of a frame in order, starting with the first.
+/// Renders the rows of a frame in order, from the first row to the last.
 pub(super) struct Rows<'a> {
     camera: &'a Camera,
     /// Markers, sorted by the first row that they cover.
     markers: &'a [MarkerRaster],
-    /// Indices of the markers that cover this row.
+    /// Indices of the markers that cover the current row.
     active: Vec<usize>,
-    /// Number of markers whose first row is this row or an earlier row.
+    /// Number of markers that start at the current row or at an earlier row.
     started: usize,
     ground: [f32; 3],
     outside: [f32; 3],
@@ -152,7 +152,7 @@ impl<'a> Rows<'a> {
         square.sqrt()
     }
 
-    /// Columns at a distance of at most `half` from the middle of a row.
+    /// Columns of the pixels in a row whose distance from the middle of the row is at most `half`, px.
     fn columns(&self, half: f64) -> Range<usize> {
         if half < 0.0 {
             return 0..0;
@@ -207,7 +207,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Shares of red, green and blue light that a partly covered pixel transmits.
+    /// Shares of red, green and blue light that a pixel transmits if the discs cover the shares `cover` of the pixel.
     #[inline]
     fn through(&self, cover: &Cover) -> [f32; 3] {
         let [magenta, yellow, both] = &self.absorbed;
