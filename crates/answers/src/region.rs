@@ -52,7 +52,7 @@ pub struct RegionColumn {
     /// Number of range ends that fresh trials did not confirm at the first attempt. The ranges were shortened at these
     /// ends.
     pub narrowed: usize,
-    /// Reason why the search ended.
+    /// Reason why the search at this combination ended.
     pub ended: EndReason,
 }
 

@@ -264,8 +264,8 @@ impl ErrorRuns<'_> {
         if !effect.is_finite() {
             return Err("no trial succeeds at both values, or one value has no error".to_owned());
         }
-        // The standard error is computed from the pairs, because both means are computed from the same random numbers
-        // and their errors are correlated.
+        // Compute the standard error from pairs of trials with the same random numbers, because these make the errors
+        // of the two means correlated.
         let influences = pairs
             .iter()
             .map(|pair| 0.5 * (pair[1] / means[1] - pair[0] / means[0]));
@@ -349,7 +349,7 @@ impl Sensitivity {
         lines
     }
 
-    /// The result as JSON.
+    /// The effects of all fields as JSON.
     pub fn to_json(&self, study: &Study) -> Value {
         let effects = self.effects.iter().map(|one| {
             json!({

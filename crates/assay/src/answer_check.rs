@@ -42,11 +42,11 @@ pub struct Options<'a> {
 /// How many of the answers for a scene are correct.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Score {
-    /// The command: `design` or `distinguish`.
+    /// The checked command: `design` or `distinguish`.
     pub command: &'static str,
     /// Name of the scene.
     pub scene: &'static str,
-    /// Number of answers.
+    /// Number of checked answers.
     pub cases: u64,
     /// Number of correct answers.
     pub right: u64,

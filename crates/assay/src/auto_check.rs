@@ -103,7 +103,7 @@ impl<'a> Verdict<'a> {
     }
 }
 
-/// Writes the table of all choices.
+/// Writes the table with the choices of `auto` on all scenes.
 fn write(verdicts: &[Verdict<'_>], out: &Path) -> Result<()> {
     let row = |verdict: &Verdict<'_>| {
         let Verdict {

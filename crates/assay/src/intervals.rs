@@ -24,7 +24,7 @@ const MIN_DETECTED: f64 = 0.9;
 /// Flaw of readings that were recorded without a contact. For such readings, the estimate must fail.
 const NO_CONTACT: &str = "no contact";
 
-/// Options of a run.
+/// Options of a measurement of coverage and warnings.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
     /// Seed of the scenes and the noise.

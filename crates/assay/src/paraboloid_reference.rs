@@ -26,7 +26,7 @@ use anyhow::{Result, ensure};
 use layer::Layer;
 use quadrature::{NEGLIGIBLE, abel, sum};
 
-/// The soft body.
+/// The soft body into which the paraboloid is pressed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Body {
     /// An elastic half-space.

@@ -30,7 +30,7 @@ use crate::timing::{self, Evaluation};
 use ladder::{Ladder, SceneRungs};
 use ladder_tables::{MeasuredRung, MeasuredScene};
 
-/// Options of a run.
+/// Options of a measurement of all ladders.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
     /// Folder to which the tables are written.

@@ -1,4 +1,4 @@
-//! Goodness of fit: the chi-squared test.
+//! Goodness of fit: the chi-squared test whether noise explains the residuals of a fit.
 
 use crate::chi_squared_tail;
 

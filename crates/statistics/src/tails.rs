@@ -113,8 +113,8 @@ pub fn student_half_width(probability: f64, freedom: usize) -> f64 {
         let per_probability = 0.5 * count.sqrt() * libm::exp(log_beta(0.5, 0.5 * count));
         return probability * per_probability;
     }
-    // The square of Student's t has an F distribution with one degree of freedom in the numerator. So use the tail of
-    // F.
+    // The square of Student's t has an F distribution with one degree of freedom in the numerator. So use the tail
+    // probability of this F distribution.
     let is_inside =
         |width: f64| ratio_tail(width * width, 1, freedom as f64, freedom) > 1.0 - probability;
     let mut high = 1.0;
@@ -186,7 +186,7 @@ fn log_beta(a: f64, b: f64) -> f64 {
     if large < LARGE {
         return libm::lgamma(a) + libm::lgamma(b) - libm::lgamma(a + b);
     }
-    // `of_large − growth` is ln Γ(large) − ln Γ(large + small), with an error of 1e-15.
+    // The difference `of_large − growth` is ln Γ(large) − ln Γ(large + small), with an error of 1e-15.
     let sum = large + small;
     let growth = (large - 0.5) * libm::log1p(small / large) + small * libm::log(sum) - small;
     let of_large = rest_of_stirling(large) - rest_of_stirling(sum);

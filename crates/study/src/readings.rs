@@ -353,7 +353,7 @@ pub type ColumnNames = BTreeMap<String, String>;
 pub struct ColumnNamesError {
     /// The invalid key of the table.
     pub key: String,
-    /// Description of the problem.
+    /// Description of the problem with this key.
     pub message: String,
 }
 

@@ -19,7 +19,7 @@ pub struct Column {
     /// [`Column::UNIT_OF_ROW`]. `None` for texts, and for the parameters of a formula, whose units depend on the
     /// formula.
     pub unit: Option<String>,
-    /// Type of the values.
+    /// Type of the values in the column.
     pub values: ColumnType,
 }
 

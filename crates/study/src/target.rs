@@ -106,7 +106,7 @@ pub enum TargetError {
         statistic: &'static str,
         /// Range of the statistic's possible values.
         range: &'static str,
-        /// The limit.
+        /// The limit of the target.
         limit: f64,
     },
 }

@@ -12,7 +12,7 @@ pub enum Side {
     Misses,
 }
 
-/// Tested values, in ascending order.
+/// Tested values of the searched field, in ascending order.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Points {
     pub(super) points: Vec<Point>,
@@ -101,7 +101,7 @@ impl Points {
         added.fold(0, u64::saturating_add)
     }
 
-    /// Stores the scores of some requests.
+    /// Stores the scores that were computed for the requests `asks`.
     pub(super) fn store(&mut self, asks: &[ScoreRequest], scores: &[Scores], cells: usize) {
         let mut last = None;
         for (ask, scores) in asks.iter().zip(scores) {

@@ -60,7 +60,7 @@ impl SceneRungs {
     }
 }
 
-/// Error of a rung.
+/// Error of a rung, in the sense of [`Ladder::error`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RungError {
     pub(super) error: f64,
@@ -103,7 +103,7 @@ impl Rung {
         }
     }
 
-    /// Sets the setting of the rung.
+    /// Adds the setting of the rung, as a number.
     #[must_use]
     pub(super) fn set(mut self, setting: impl Into<Option<f64>>) -> Self {
         self.setting = setting.into();

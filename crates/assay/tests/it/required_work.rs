@@ -96,7 +96,7 @@ fn an_ideal_sensor_draws_nothing_and_a_closed_form_steps_no_integrator() {
 #[test]
 fn noise_draws_what_it_needs_and_nothing_else() {
     let [_, trial] = work(ROLL, &[SPHERE, IDEAL, NOISY_RATE]);
-    // Two numbers are drawn for each of eight probes.
+    // Two random numbers are drawn for each of the eight probes.
     let expected = Tally {
         draws: 16,
         ..Tally::default()
@@ -109,7 +109,7 @@ fn pads_at_random_draw_their_place_only() {
     let pads = r#"{ kind = "pads", pitch = 0.05, layout = "uniform", offset = "random" }"#;
     let [setup, trial] = work(ROLL, &[SPHERE, ("SENSOR", pads), QUIET]);
     assert_eq!(setup.draws, 0);
-    // For each of the eight rolls, two coordinates and an angle of the pads are drawn.
+    // For each of the eight rolls, two coordinates and one angle of the pads are drawn at random.
     assert_eq!(trial.draws, 24, "{trial:?}");
     let [_, trial] = work(
         ROLL,

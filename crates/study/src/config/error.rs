@@ -86,7 +86,7 @@ impl ConfigError {
 /// A problem in a field. Its position in the text is determined later.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fault {
-    /// Path of the field.
+    /// Path of the field that has the problem.
     pub(super) path: String,
     pub(super) message: String,
     /// Path of the value that the message shows in an excerpt of the config. It is the field itself, or the swept value

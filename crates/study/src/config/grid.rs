@@ -25,7 +25,7 @@ pub(super) struct Grid {
 pub(super) struct Replaced {
     pub(super) path: String,
     pub(super) value: Value,
-    /// Path of the swept field.
+    /// Path of the swept field that replaces this field.
     pub(super) by: String,
 }
 

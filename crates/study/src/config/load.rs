@@ -374,7 +374,7 @@ impl Study {
         self.grid.tree(0).0
     }
 
-    /// Number of cells.
+    /// Number of cells of the study.
     pub fn cell_count(&self) -> usize {
         self.grid.cells()
     }

@@ -98,9 +98,9 @@ impl DiscColour {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum LayoutConfig {
-    /// The name of a layout.
+    /// The name of a layout of markers.
     Named(NamedLayout),
-    /// A table that describes a layout.
+    /// A table that describes a layout of markers.
     Table(LayoutTable),
 }
 
@@ -110,7 +110,7 @@ impl Default for LayoutConfig {
     }
 }
 
-/// The name of a layout.
+/// The name of a layout of markers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NamedLayout {
@@ -119,7 +119,7 @@ pub enum NamedLayout {
     Published,
 }
 
-/// A table that describes a layout.
+/// A table that describes a layout of markers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum LayoutTable {
@@ -166,7 +166,7 @@ pub enum LayoutTable {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MarkerRow {
-    /// Number of markers.
+    /// Number of markers on the line.
     #[schemars(extend("minimum" = 2, "maximum" = 100_000))]
     pub markers: u32,
     /// Distance from the first marker to the last marker along the skin.
@@ -358,7 +358,7 @@ pub struct BareFingertipConfig {
     /// The camera in the centre of the sensor, which images the marker.
     #[serde(default)]
     pub sensor: LensConfig,
-    /// Position of the imaged marker.
+    /// Position of the marker whose image is computed.
     #[serde(default)]
     pub view: ViewConfig,
 }
@@ -399,11 +399,11 @@ pub enum LensName {
     Pinhole,
 }
 
-/// Position of the imaged marker.
+/// Position of the marker whose image is computed.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ViewConfig {
-    /// Polar angle from the apex.
+    /// Polar angle of the marker from the apex.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 180))]
     pub polar_deg: f64,

@@ -43,7 +43,7 @@ pub struct PlotConfig {
     #[serde(default, rename = "where", skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
     pub where_: BTreeMap<String, toml::Value>,
-    /// Which axes have a logarithmic scale.
+    /// Axes of the plot that have a logarithmic scale.
     #[serde(default)]
     pub scale: Scale,
     /// A second statistic, which is plotted for comparison.
@@ -149,7 +149,7 @@ pub enum Component {
     Radial,
 }
 
-/// Which axes have a logarithmic scale.
+/// Axes of a plot that have a logarithmic scale.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scale {

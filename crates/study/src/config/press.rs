@@ -448,7 +448,7 @@ pub struct SensorNoise {
 pub enum ReadingNoise<S> {
     /// Gaussian error with mean 0.
     Gaussian {
-        /// Standard deviation.
+        /// Standard deviation of the error.
         std: S,
     },
 }

@@ -255,7 +255,7 @@ pub enum Indentation {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Baseline {
-    /// The offset is zero.
+    /// The offset of the normal displacements is zero.
     #[default]
     Known,
     /// All normal displacements have the same offset, which is fitted.

@@ -89,7 +89,7 @@ impl Accepts {
     }
 }
 
-/// Range of a number.
+/// Range of the numbers that a setting accepts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
     /// Lower limit of the range. The number must be greater than this limit.

@@ -217,7 +217,7 @@ pub enum LengthUnit {
 }
 
 impl LengthUnit {
-    /// All units.
+    /// All units of length.
     pub(crate) const ALL: [Self; 5] = [Self::M, Self::Cm, Self::Mm, Self::Um, Self::Unit];
 
     /// Name of the unit, as configs and column names state it.

@@ -40,7 +40,7 @@ pub struct SweepConfig {
     pub ranges: Option<BTreeMap<String, RangeConfig>>,
 }
 
-/// Range of a sampled field.
+/// Range of the values of a sampled field.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RangeConfig {
@@ -77,10 +77,10 @@ impl SweepConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Spacing {
-    /// Equal differences.
+    /// Neighbouring values have equal differences.
     #[default]
     Linear,
-    /// Equal ratios.
+    /// Neighbouring values have equal ratios.
     Log,
 }
 
