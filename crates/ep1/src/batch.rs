@@ -43,7 +43,7 @@ pub struct Moments {
 pub struct ProbeRotation {
     /// Drive `g = (−Δθ_y, Δθ_x)` of the probe, rad: its rotation vector, turned by 90° into the direction of rolling.
     drive: [f64; 2],
-    /// Shift `R₁ g` of the contact if the object were a plane, length. R₁ is the radius of the probe and g its drive.
+    /// Shift `R₁ g` of the contact if the object were a plane (length). R₁ is the radius of the probe and g its drive.
     flat: [f64; 2],
 }
 

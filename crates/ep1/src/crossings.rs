@@ -39,7 +39,7 @@ pub(crate) struct Crossing {
     pub(crate) gap: f64,
     /// Rotation vector of the probe at the crossing.
     pub(crate) rotation: Vector3<f64>,
-    /// Standard deviation of the rotation in the direction that moves the contact across the edge, rad.
+    /// Standard deviation of the rotation in the direction that moves the contact across the edge (rad).
     pub(crate) std: f64,
 }
 

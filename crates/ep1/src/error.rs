@@ -43,9 +43,9 @@ pub enum Ep1Error {
     /// The contact did not move in some direction, because the object is too sharp for the resolution of the readings.
     #[error("{}", unresolved(*direction_rad, *radius_below))]
     Unresolved {
-        /// Direction in which the contact did not move, as an angle from u towards v, rad.
+        /// Direction in which the contact did not move, as an angle from u towards v (rad).
         direction_rad: f64,
-        /// Upper bound on the object's radius of curvature in the direction `direction_rad`, length. `None` if no
+        /// Upper bound on the object's radius of curvature in the direction `direction_rad` (length). `None` if no
         /// resolution is stated, or if the resolution is so coarse that the contact would not have moved even on a flat
         /// object.
         radius_below: Option<f64>,
@@ -58,7 +58,7 @@ pub enum Ep1Error {
         Number::rounded(*travel_per_radian)
     )]
     NotRolling {
-        /// Direction in which the contact moved backwards, as an angle from u towards v, rad.
+        /// Direction in which the contact moved backwards, as an angle from u towards v (rad).
         direction_rad: f64,
         /// Distance that the contact moved per radian of rotation, length; negative.
         travel_per_radian: f64,

@@ -330,7 +330,7 @@ impl LeastSquares {
 }
 
 impl Estimate {
-    /// Root mean square of the components of the residuals `Δp − B g`, length. Δp is the shift of a probe, B the
+    /// Root mean square of the components of the residuals `Δp − B g` (length). Δp is the shift of a probe, B the
     /// mobility, and g the drive. The second result is the number of degrees of freedom: two per probe, minus three.
     pub fn residual(&self, readings: &[ProbeReading]) -> (f64, usize) {
         let freedom = (2 * readings.len()).saturating_sub(3);

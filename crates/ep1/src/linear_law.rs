@@ -23,7 +23,7 @@ pub(crate) struct Law {
     /// Inverse of the matrix of the normal equations. The unknowns are the entries `uu`, `vv`, `uv` of `K₁ D`: the
     /// probe's curvature K₁ times the deviation D of the mobility from the mobility on a plane.
     pub(crate) inverse: Symmetric3,
-    /// Correction that is added to the sums of `g₁ d₁` and `g₂ d₂`, length. On average, the errors of the measured
+    /// Correction that is added to the sums of `g₁ d₁` and `g₂ d₂` (length). On average, the errors of the measured
     /// rotations decrease both sums by this value. Here `g` is the drive of a probe, and `d = Δp − R₁ g` is the
     /// deviation of its shift from the shift on a plane.
     pub(crate) added: f64,
@@ -35,8 +35,8 @@ pub(crate) struct Law {
     pub(crate) from_rotations: [Symmetric3; 3],
 }
 
-/// Standard error of a normal curvature that is due to the rounding of the readings alone, 1/length. `curvature` is the
-/// normal curvature (1/length), and `radius` is the radius of the probes.
+/// Standard error of a normal curvature that is due to the rounding of the readings alone (1/length). `curvature` is
+/// the normal curvature (1/length), and `radius` is the radius of the probes.
 ///
 /// ```
 /// // Rounding errors exceed the curvature of an object 10¹⁷ times as flat as the probe.

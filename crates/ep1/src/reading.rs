@@ -5,10 +5,10 @@ use nalgebra::{Matrix3, RowVector3, Vector2, Vector3};
 /// The reading of one probe, in the probe's first contact frame. The z axis of this frame points out of the probe.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProbeReading {
-    /// `(Δθ_x, Δθ_y)`: rotation of the probe, summed in the contact frame, rad. If the contact moves to +u, `Δθ_y` is
+    /// `(Δθ_x, Δθ_y)`: rotation of the probe, summed in the contact frame (rad). If the contact moves to +u, `Δθ_y` is
     /// negative.
     pub rotation: Vector2<f64>,
-    /// `(Δp_u, Δp_v)`: great-circle displacement of the contact on the probe, length.
+    /// `(Δp_u, Δp_v)`: great-circle displacement of the contact on the probe (length).
     pub shift: Vector2<f64>,
 }
 
@@ -34,7 +34,7 @@ pub enum PadStart {
 pub struct ReadingNoise {
     /// Standard deviation of each component of a rotation, divided by the magnitude of the rotation.
     pub relative_rotation_std: f64,
-    /// Standard deviation of each component of a rotation, independent of its magnitude, rad.
+    /// Standard deviation of each component of a rotation, independent of its magnitude (rad).
     pub rotation_std_rad: f64,
     /// Standard deviation of each component of a shift, length.
     pub shift_std: f64,

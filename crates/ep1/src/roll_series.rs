@@ -103,7 +103,7 @@ pub enum Places {
 /// Noise of the measured rotations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SeriesNoise {
-    /// Standard deviation of each component of the rotation in each sample, rad. The errors of all samples are
+    /// Standard deviation of each component of the rotation in each sample (rad). The errors of all samples are
     /// independent.
     pub rotation_std_rad: f64,
     /// Standard deviation of a relative error of the rotation. It is drawn once for each roll and component.

@@ -57,7 +57,7 @@ pub enum SeriesError {
         direction_rad.to_degrees()
     )]
     Undetermined {
-        /// Direction in which the curvature is undetermined, as an angle from u towards v, rad.
+        /// Direction in which the curvature is undetermined, as an angle from u towards v (rad).
         direction_rad: f64,
     },
     /// No constant curvature agrees with the rotations and pads of all rolls.

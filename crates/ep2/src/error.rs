@@ -62,7 +62,7 @@ pub enum Ep2Error {
     Coincident {
         /// Number of contacts.
         contacts: usize,
-        /// Largest difference between a coordinate of a contact and the same coordinate of the mean contact, length.
+        /// Largest difference between a coordinate of a contact and the same coordinate of the mean contact (length).
         extent: f64,
     },
     /// All contacts are on one line, so they do not determine the shape across this line.
@@ -87,7 +87,7 @@ pub enum Ep2Error {
     Folded {
         /// Number of the contact with the largest angle, counted from 0.
         contact: usize,
-        /// Largest angle between the normal of a contact and the mean normal, degrees.
+        /// Largest angle between the normal of a contact and the mean normal (degrees).
         angle_deg: f64,
     },
     /// The points spread almost equally in all directions, as on a closed shape, so they have no mean plane.
@@ -122,7 +122,7 @@ pub enum Ep2Error {
     TipTooLarge {
         /// Stated radius of the tip, length.
         tip_radius: f64,
-        /// Radius of curvature of the surface on which the tip's centre moves, length.
+        /// Radius of curvature of the surface on which the tip's centre moves (length).
         turns: f64,
     },
     /// The contacts do not determine all unknowns of the method.

@@ -15,8 +15,8 @@ const LEAST_MEAN_NORMAL: f64 = 0.1;
 /// Points have no mean plane if they spread across their principal plane almost as much as within it. This is the
 /// largest accepted ratio of the spread across the plane to the smaller spread within it.
 const MOST_SPREAD_ACROSS: f64 = 0.7;
-/// An outward direction determines a side of the patch's plane only if its angle to the plane is at least this value,
-/// rad. Noise of the contacts rotates the plane by a similar angle.
+/// An outward direction determines a side of the patch's plane only if its angle to the plane is at least this value
+/// (rad). Noise of the contacts rotates the plane by a similar angle.
 const LEAST_SIDE_RAD: f64 = 0.02;
 /// A patch counts as elongated if the ratio of its spreads along and across exceeds this value. Its sides are then
 /// parallel to the principal directions of the spread.

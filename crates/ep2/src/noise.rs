@@ -5,9 +5,9 @@ use crate::{Ep2Error, Patch, PatchFrame};
 /// Stated standard deviations of the contacts' errors. `None` means that the fit estimates the value from the contacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
-    /// Standard deviation of the error of a position along each axis, length.
+    /// Standard deviation of the error of a position along each axis (length).
     pub position_std: Option<f64>,
-    /// Standard deviation of a normal's tilt along each tangent axis, rad.
+    /// Standard deviation of a normal's tilt along each tangent axis (rad).
     pub normal_std_rad: Option<f64>,
 }
 
@@ -15,10 +15,10 @@ pub struct Noise {
 /// fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseEstimate {
-    /// Standard deviation of the error of a position along the surface's normal, length.
+    /// Standard deviation of the error of a position along the surface's normal (length).
     pub position_std: f64,
-    /// Standard deviation of a normal's tilt along each tangent axis, rad; `None` without normals. If it was estimated,
-    /// it includes the tilt that position errors cause on a curved surface.
+    /// Standard deviation of a normal's tilt along each tangent axis (rad); `None` without normals. If it was
+    /// estimated, it includes the tilt that position errors cause on a curved surface.
     pub normal_std_rad: Option<f64>,
 }
 

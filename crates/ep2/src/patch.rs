@@ -11,8 +11,8 @@ use crate::{Ep2Error, PatchFrame};
 /// Smallest allowed ratio of a patch's width to its length. In a narrower patch, rounding errors of the heights would
 /// look like curvature.
 const MIN_WIDTH_RATIO: f64 = 1e-6;
-/// Largest allowed angle between a contact's normal and the mean normal, degrees. At a larger angle, the patch is not a
-/// graph.
+/// Largest allowed angle between a contact's normal and the mean normal (degrees). At a larger angle, the patch is not
+/// a graph.
 const MAX_TILT_DEG: f64 = 85.0;
 
 /// One contact of a finger.

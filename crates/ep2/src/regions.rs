@@ -28,7 +28,7 @@ pub struct Region {
     pub area: f64,
     /// Average of the Gaussian curvature over the area of the region, 1/length².
     pub gaussian_curvature: f64,
-    /// Average of the mean curvature over the area of the region, 1/length.
+    /// Average of the mean curvature over the area of the region (1/length).
     pub mean_curvature: f64,
     /// Unit vector of the mean direction of largest curvature, with an arbitrary sign. `None` if the points have no
     /// common direction, as on a sphere.

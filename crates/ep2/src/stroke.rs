@@ -18,7 +18,7 @@ const PROBABILITY: f64 = 0.95;
 /// Largest ratio of the scatter of contacts across a stroke to their noise. With a larger ratio, the contacts are not a
 /// single stroke.
 const MAX_SPREAD_RATIO: f64 = 2.5;
-/// Assumed standard deviation of the stated outward direction, as a rotation about the direction of the stroke, rad.
+/// Assumed standard deviation of the stated outward direction, as a rotation about the direction of the stroke (rad).
 const OUTWARD_STD: f64 = 0.1;
 /// Largest root-mean-square distance of the contacts from the fitted curve, relative to half of the stroke's length.
 const MAX_SPREAD: f64 = 0.1;

@@ -93,8 +93,8 @@ pub struct ChartGeometry {
     pub metric: Matrix2<f64>,
     /// The curvature form `K` in the Gauss frame, 1/length. It is positive where the solid is convex.
     pub curvature: CurvatureForm,
-    /// The torsion form `T`: rotation of the Gauss frame about its normal per unit length along `x` and along `y`,
-    /// 1/length.
+    /// The torsion form `T`: rotation of the Gauss frame about its normal per unit length along `x` and along `y`
+    /// (1/length).
     pub torsion: RowVector2<f64>,
 }
 

@@ -49,7 +49,7 @@ impl LevelSet {
         }
     }
 
-    /// The shape operator S as a linear map of 3D vectors, 1/length. For a tangent displacement `dq`, the normal
+    /// The shape operator S as a linear map of 3D vectors (1/length). For a tangent displacement `dq`, the normal
     /// changes by `dn = S dq`. S maps the normal to zero.
     pub fn shape_operator(&self) -> Matrix3<f64> {
         // `tangential` projects vectors onto the tangent plane. For a unit normal n, it equals I − n nᵀ, but its
@@ -100,7 +100,7 @@ impl TangentForm {
         self.gradient / self.steepness
     }
 
-    /// The curvature form in the orthonormal basis `(x, x × normal)`, 1/length.
+    /// The curvature form in the orthonormal basis `(x, x × normal)` (1/length).
     pub fn curvature(&self) -> CurvatureForm {
         CurvatureForm {
             k_uu: self.xx / self.steepness,

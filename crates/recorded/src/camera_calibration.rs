@@ -45,7 +45,7 @@ pub fn calibrate_camera(
     at_rest.map(|at_rest| at_rest.camera).map_err(fail)
 }
 
-/// Whether the frame determines all odd terms of the lens that were fitted to it.
+/// Whether the frame determines all odd terms of the lens that the fit of `camera` contains.
 fn is_determined(camera: &CameraEstimate) -> bool {
     let stds = [camera.k3_std, camera.k5_std].into_iter().zip(TERM_STDS);
     let mut fitted = stds.filter_map(|(std, before)| Some((std?, before)));

@@ -21,7 +21,7 @@ pub struct CameraEstimate {
     pub place: [f64; 3],
     /// Standard errors of the camera's position `place`, length.
     pub place_std: [f64; 3],
-    /// Rotation of the camera about the same three axes as in `place`, degrees.
+    /// Rotation of the camera about the same three axes as in `place` (degrees).
     pub turn_deg: [f64; 3],
     /// Standard errors of the camera's rotation `turn_deg`, degrees.
     pub turn_std_deg: [f64; 3],
@@ -50,7 +50,7 @@ pub struct CameraEstimate {
     /// radian (relative), `place` (length), `turn_deg` (in rad), and the odd terms of the lens that the frame
     /// determines.
     pub covariance: Vec<Vec<f64>>,
-    /// Root mean square distance of the markers' centroids from their expected positions, px.
+    /// Root mean square distance of the markers' centroids from their expected positions (px).
     pub residual_px: f64,
     /// Residual of each marker of the layout that was found in the frame.
     pub residuals_px: Vec<Residual>,

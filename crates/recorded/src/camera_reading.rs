@@ -116,7 +116,7 @@ type ImageReading = (CameraReading, TrackedPress);
 /// 100.
 const MAX_LINEAR_SCATTER: f64 = 10.0;
 
-/// Scatter of the markers at rest: ratio of their residuals to the noise. It is infinite without an estimate.
+/// Scatter of the markers at rest: ratio of their residuals to the noise. It is infinite if `read` is an error.
 fn scatter_at_rest(read: &Result<ImageReading, RecordedError>) -> f64 {
     let Ok((_, press)) = read else {
         return f64::INFINITY;
@@ -152,8 +152,9 @@ fn linearised(
 /// sRGB changes the hue of markers of two discs by 0.03.
 const MAX_HUE_DIFFERENCE: f64 = 0.01;
 
-/// The tracks of the linearised frames with a warning, if only linearised frames have the hue of the calibration; `None`
-/// if the frames have it themselves, or if it is not known.
+/// Compares the hue of the markers at rest with the hue in the calibration. If only the linearised frames have this
+/// hue, returns the tracks of the linearised frames, and a warning. Returns `None` if the original frames already have
+/// this hue, or if the calibration does not state it.
 ///
 /// # Errors
 /// [`RecordedError::Readings`] if the hue differs and the calibration uses hues.
@@ -189,7 +190,7 @@ fn of_calibration(
     Err(RecordedError::readings(&rest.file, message))
 }
 
-/// Warning that frames were linearised, because then the markers at rest fit the `reference`.
+/// Warning that frames were linearised, because the markers at rest fit the `reference` only after this conversion.
 fn srgb_warning(rest: &Frame, reference: &str) -> Warning {
     let text = format!(
         "the markers of {} fit the {reference} only if the pixels are encoded by sRGB, so both frames were linearised \
@@ -332,7 +333,7 @@ impl CameraReading {
         })
     }
 
-    /// The table row of the tracked marker with the index `marker`, counted from 0.
+    /// Row of the table of readings for the tracked marker with the index `marker`, counted from 0.
     pub(super) fn row(&self, marker: usize) -> Row {
         Row {
             row: marker + 1,

@@ -144,7 +144,7 @@ pub(super) fn fields(text: &str) -> Result<Vec<String>, csv::Error> {
     Ok(fields)
 }
 
-/// The field without surrounding spaces and quotation marks.
+/// The text of a field without surrounding spaces and quotation marks.
 pub(super) fn tidy(field: &str) -> &str {
     let field = field.trim();
     let unquoted = field

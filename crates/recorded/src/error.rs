@@ -1,8 +1,8 @@
-//! Errors of reading recorded data and of estimating from it.
+//! The error type for files that cannot be read, and for readings that do not determine an estimate.
 
 use thiserror::Error;
 
-/// Reason for which recorded readings cannot be used.
+/// Reason why recorded readings cannot be read from a file, or why no estimate can be computed from them.
 #[derive(Debug, Error)]
 pub enum RecordedError {
     /// The file cannot be opened or is not text.
@@ -36,7 +36,7 @@ pub enum RecordedError {
         /// Description of the problem, with the value.
         message: String,
     },
-    /// The numbers are readable, but they do not determine an estimate.
+    /// The numbers in the file are valid, but no estimate can be computed from them.
     #[error("{file}: {message}")]
     Readings {
         /// Name of the file.

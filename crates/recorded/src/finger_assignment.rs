@@ -68,8 +68,8 @@ pub(super) fn assign_fingers(
     }
 }
 
-/// Assigns `rows` rows to parts that begin at the rows `starts`. Returns the index of the part of each row, and the
-/// number of parts.
+/// Divides `rows` rows into parts. `starts` contains the first row of each further part. Returns the index of the part
+/// of each row, and the number of parts.
 pub(super) fn parted(rows: usize, starts: &[usize]) -> (Vec<usize>, usize) {
     let mut part = 0;
     let mut starts = starts.iter().filter(|&&start| start > 0).peekable();

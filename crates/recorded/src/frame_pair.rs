@@ -196,7 +196,7 @@ impl TrackCounts {
         2 * self.tracked >= self.at_rest
     }
 
-    /// Warning if many markers were not found again.
+    /// Warning if many markers of the frame at rest were not found in the pressed frame.
     fn warning(&self) -> Option<Warning> {
         let missed = self.at_rest - self.tracked;
         let are_many = missed as f64 > MAX_LOST * self.at_rest as f64;
@@ -433,7 +433,7 @@ impl FramePair {
     }
 
     /// Change of the logarithm of the diameter for the marker whose size changed most. `None` unless this marker shrank
-    /// clearly more than the other markers changed. If it did, the two frames may be swapped.
+    /// clearly more than the other markers changed. If this marker shrank, the two frames may be swapped.
     fn swapped(&self) -> Option<f64> {
         let (_, growth) = self.strongest(|track| Some(track.change()?.growth))?;
         let scatter = median(self.changes().map(|change| change.growth.abs()))?;

@@ -83,7 +83,8 @@ impl GlideRecording {
         self.contacts.iter().any(|contact| contact.normal.is_some())
     }
 
-    /// Checks that the positions are contacts, if no radius of the tips is stated.
+    /// Returns an error if the file has a column with a radius. The positions may then be those of round fingertips
+    /// instead of contacts.
     pub(super) fn check_contacts(&self) -> Result<(), RecordedError> {
         let mut names = self.extras.names.iter().enumerate();
         let is_radius = |name: &str| spelt(name).split('_').any(|word| word == "radius");
@@ -96,7 +97,7 @@ impl GlideRecording {
         )))
     }
 
-    /// Note that rows with orientations may be poses of tips.
+    /// Text of a note for files with unused orientations: the positions may be those of fingertips instead of contacts.
     pub(super) fn unused_orientation(&self) -> Option<String> {
         let is_part = |name: &&String| quaternion_part(&spelt(name)).is_some();
         let name = self.extras.names.iter().find(is_part)?;

@@ -30,7 +30,7 @@ pub(super) struct Thresholds {
 pub(super) struct PatchNoise {
     /// Standard deviation of the noise of the positions, along the normal of the surface.
     pub(super) position_std: Value,
-    /// Standard deviation of the tilt of a normal about each of the two tangents, degrees; `null` if the contacts have
+    /// Standard deviation of the tilt of a normal about each of the two tangents (degrees); `null` if the contacts have
     /// no normals.
     pub(super) normal_std_deg: Option<f64>,
 }

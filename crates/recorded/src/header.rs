@@ -119,8 +119,8 @@ impl<'a> Header<'a> {
             .map(|heading| heading.name)
     }
 
-    /// Value for the setting `columns`, as pairs of names separated by commas. It assigns the file's names of the
-    /// columns `columns` to the columns `others` instead.
+    /// Value for the setting `columns`, as pairs of names separated by commas. The names that the columns `columns`
+    /// have in the file are assigned to the columns `others`.
     pub(super) fn pairs(&self, columns: &[Column], others: &[Column]) -> String {
         let pairs = columns
             .iter()
@@ -349,8 +349,8 @@ impl<'a> Header<'a> {
         })
     }
 
-    /// Assignments for optional columns, as pairs of names. A quantity is assigned only if each of its columns has a
-    /// similar unused name in the file.
+    /// Assignments for optional columns, as pairs of names. A quantity is assigned only if the file has an unused,
+    /// similar name for each column of the quantity.
     fn optional(&self, may: &[Column], free: &mut Vec<usize>) -> Vec<String> {
         let quantity = |column: &Column| match column.stem().rsplit_once('_') {
             Some((quantity, axis)) if axis.len() == 1 => quantity,
@@ -378,7 +378,8 @@ impl<'a> Header<'a> {
         missing.iter().map(&mut pair_of).collect()
     }
 
-    /// Assignment of a column of the file, with the unit of palpate's name if the file's name states none.
+    /// Pair of names that assigns a column of the file to palpate's `column`. It contains a unit only if the file's
+    /// name states none.
     fn pair_of(&self, column: &Column, index: usize) -> String {
         let heading = &self.headings[index];
         let states = heading.bracket.is_some() || suffix(heading, column).ok().flatten().is_some();
@@ -386,7 +387,8 @@ impl<'a> Header<'a> {
         pair(key, heading.name)
     }
 
-    /// Assignments in the order of the file, if the remaining names may have the units of the missing columns.
+    /// Assigns the unused columns of the file to the missing columns, in the order of the file. `None` if the unit of
+    /// an unused column does not fit.
     fn only_pairs(&self, missing: &[Column], free: &[usize]) -> Option<Vec<String>> {
         let pairs = missing.iter().zip(free).map(|(column, &index)| {
             let heading = &self.headings[index];
@@ -399,7 +401,7 @@ impl<'a> Header<'a> {
         pairs.collect()
     }
 
-    /// Whether names in the file are similar to all of these columns, or equal to them.
+    /// Whether the file has, for each of these columns, a column with the same name or with a similar name.
     pub(super) fn offers(&self, columns: &[Column]) -> bool {
         let places = columns
             .iter()

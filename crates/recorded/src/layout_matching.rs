@@ -276,7 +276,7 @@ impl Matched {
         })
     }
 
-    /// Covariance of the camera parameters. Their standard errors are multiplied by `widened` first.
+    /// Covariance of the camera parameters. Each standard error is first multiplied by `widened`.
     fn covariance(
         &self,
         nominal: &NominalSensor<'_>,
@@ -439,7 +439,7 @@ pub(super) fn nearest(expected: &[Option<[f64; 2]>], found: &Found) -> Vec<Optio
     nearest
 }
 
-/// Index of the expected position that is nearest to a marker of a frame, and its distance, px.
+/// Index of the expected position that is nearest to a marker of a frame, and its distance (px).
 pub(super) fn closest(expected: &[Option<[f64; 2]>], marker: &Marker) -> Option<(usize, f64)> {
     let [x, y] = marker.centroid_px;
     let all = expected.iter().enumerate().filter_map(|(at, centroid)| {

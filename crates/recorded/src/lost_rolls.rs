@@ -23,7 +23,7 @@ const MAX_SHARE: f64 = 0.2;
 /// Reason why a reading counts as lost.
 #[derive(Clone, Copy, PartialEq)]
 enum Loss {
-    /// The shift is longer than half way round the probe.
+    /// The shift is longer than half of the probe's circumference.
     Far,
     /// The shift is zero, but the other rolls show that the contact moved.
     Zero,

@@ -92,8 +92,8 @@ pub fn estimate_press(
     })
 }
 
-/// Returns two fits: the requested fit, and a fit that estimates the indentation from the displacements alone. If the
-/// requested fit is a Gaussian, the second fit uses the elastic body of the sensor instead.
+/// Returns two fits: the fit that the options state, and a fit that estimates the indentation from the displacements
+/// alone. If the first fit is a Gaussian, the second fit uses the elastic body of the sensor instead.
 fn fits(options: &PressOptions, markers: &Markers) -> Result<[ForwardFit; 2], PressError> {
     let model = options.model.reference();
     let body = sensor_body(&model, options.depth(), Body::bonded_layer)?;

@@ -45,7 +45,7 @@ pub(super) struct Row {
     pub(super) row: usize,
     /// Line of the row in the file; `null` for arrays.
     pub(super) line: Option<usize>,
-    /// The row's fields in columns that palpate does not use, by the name of the column.
+    /// Texts of this row in the columns that palpate does not use, by the name of the column.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub(super) columns: BTreeMap<String, String>,
 }

@@ -30,7 +30,7 @@ struct UnresolvedProbe {
     /// not given, or if the pitch is so coarse that there is no bound.
     radius_below: Option<f64>,
     unit: &'static str,
-    /// Fields of the probe's row in columns that palpate does not use, by the name of the column.
+    /// Texts of the probe's row in the columns that palpate does not use, by the name of the column.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     columns: BTreeMap<String, String>,
 }
@@ -43,8 +43,8 @@ pub struct RollEstimate {
     pub(super) options: RollOptions,
     pub(super) unit: LengthUnit,
     pub(super) estimate: Estimate,
-    /// Covariance of three curvatures: the normal curvatures along u and v, and the twist. It follows from the stated
-    /// noise or from the residuals; `None` if neither is possible.
+    /// Covariance of three curvatures: the normal curvatures along u and v, and the twist. It is computed from the
+    /// stated noise or from the residuals; `None` if neither is possible.
     covariance: Option<[[f64; 3]; 3]>,
     residual: f64,
     /// Half-width of the 95 % intervals, as a number of standard errors.

@@ -200,7 +200,7 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollRecording, RecordedError> {
     Ok(recording)
 }
 
-/// The rolls of a file, and whether their rotations and shifts may be those of rolls.
+/// The rolls of a file, and whether the shifts are consistent with a probe that rolls by the stated rotations.
 fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedError> {
     let table = TextTable::of(file, &[&ROLLS[1..], &columns_of("roll")])
         .map_err(|error| without_header(file).unwrap_or(error))?;
@@ -403,8 +403,8 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     Ok((recording, found.is_some()))
 }
 
-/// Error for a table without a header, with the settings that name its columns so that they are those of rolls. `None` for
-/// other tables.
+/// Error for a table without a header. The message proposes values of the setting `columns` with which the table
+/// contains plausible rolls. `None` for other tables.
 fn without_header(file: &RecordedFile) -> Option<RecordedError> {
     let table = TextTable::of(file, &[]).ok()?;
     let mut names = table.header.iter().enumerate();
@@ -431,7 +431,7 @@ fn without_header(file: &RecordedFile) -> Option<RecordedError> {
     Some(file.fail(table.header_line, message))
 }
 
-/// Names of the columns of rolls in the usual orders, for a table with `count` columns.
+/// Usual orders of the columns in a table of rolls. Each order is a list of `count` column names.
 fn layouts(count: usize) -> Vec<Vec<&'static str>> {
     let names =
         |columns: &[Column]| -> Vec<&str> { columns.iter().map(|column| column.name).collect() };
@@ -524,14 +524,14 @@ impl Roll<'_> {
     }
 }
 
-/// Limits for rotations and shifts that may be rolls. The first constant is the largest ratio of the rotations about
-/// the normal to the other rotations. The second is the smallest correlation between the shifts and the shifts on a
-/// plane.
+/// Limits for rotations and shifts that count as rolls. `MAX_SPIN` is the largest ratio of the rotations about the
+/// normal to the other rotations. `MIN_CORRELATION` is the smallest correlation between the shifts and the shifts that
+/// the same rotations cause on a plane.
 const MAX_SPIN: f64 = 0.3;
 const MIN_CORRELATION: f64 = 0.5;
 
-/// Whether rotations and shifts may be those of rolls. In a roll, a negative rotation about v moves the contact towards
-/// +u.
+/// Whether the shifts are consistent with a probe that rolls by the rotations. In a roll, a negative rotation about v
+/// moves the contact towards +u.
 fn is_rolling(rolls: &[Turned]) -> bool {
     let sum = |term: &dyn Fn(&Turned) -> f64| rolls.iter().map(term).sum::<f64>();
     let spin = sum(&|(turned, _)| turned.z * turned.z);

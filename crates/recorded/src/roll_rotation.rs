@@ -8,7 +8,8 @@ use palpate_study::readings::{AXIS_ANGLE, Column, MATRIX, QUATERNION, ROTATION_V
 
 use super::header::Header;
 
-/// Largest accepted difference of a length or a product of axes from that of a rotation; a file rounds the components.
+/// Largest accepted error of a quaternion's length, and of the lengths and scalar products of a matrix's axes. Such
+/// errors occur because files contain rounded numbers.
 const MAX_ERROR: f64 = 1e-3;
 
 /// Frame of reference for rotations. The axes u and v of the contact are the x and y axes of this frame.
@@ -55,8 +56,9 @@ impl RotationForm {
         Self::AxisAngle,
     ];
 
-    /// The form whose columns are all in a table. If there is none, the form to whose columns other names are similar,
-    /// or a form of which the table has some columns.
+    /// The form in which a table states rotations. It is the form whose columns are all in the table. If there is none,
+    /// it is the form whose column names resemble names in the table. If there is none either, it is a form with at
+    /// least one column in the table.
     pub(super) fn of(header: &Header<'_>) -> Self {
         let has = |column: &Column| header.has(column);
         let find = |fits: &dyn Fn(&[Column]) -> bool| {

@@ -36,12 +36,12 @@ impl ReadingSource {
         }
     }
 
-    /// Line of a reading in the file; `None` for arrays.
+    /// Line of the file that contains the reading; `None` for arrays.
     pub(super) fn line(&self, reading: usize) -> Option<usize> {
         self.lines.get(reading).copied()
     }
 
-    /// Number of the reading's row, from 1.
+    /// Number of the row that contains the reading, counted from 1.
     pub(super) fn row_number(&self, reading: usize) -> usize {
         self.rows.get(reading).copied().unwrap_or(reading) + 1
     }

@@ -11,8 +11,8 @@ use super::roll_rotation::RotationFrame;
 /// Form of a table of readings. Settings that are `None` are detected from the table if possible.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Form {
-    /// Names that the user assigned to columns, if the file does not use palpate's names. The keys are palpate's names,
-    /// with or without a unit; the values are the names in the file.
+    /// Names that the user assigned to columns, if the file does not use palpate's names. The keys are palpate's names
+    /// of the columns, with or without a unit. The values are the names in the file.
     pub columns: ColumnNames,
     /// Character that separates the fields of a row.
     pub delimiter: Option<Delimiter>,

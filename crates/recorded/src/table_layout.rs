@@ -17,13 +17,14 @@ pub(super) struct Wide {
     pub(super) groups: Vec<Group>,
     /// Indices of the columns that belong to no single finger, such as the time.
     pub(super) shared: Vec<usize>,
-    /// Header of the table after splitting: name of the label, names of the columns of a finger, and names of the
-    /// shared columns.
+    /// Header of the table after each row was split: name of the column with the finger's label, names of the columns
+    /// of one finger, and names of the shared columns.
     pub(super) header: Vec<String>,
 }
 
-/// Names for `count` columns without a header, if that many are required; else an error, which proposes names if one of
-/// the `orders` has that many columns. The required columns are the first of the `orders`.
+/// Names for the `count` columns of a table without a header. If the first of the `orders` has `count` columns, these
+/// are the names. Otherwise an error is returned. Its message proposes the names of another order with `count` columns,
+/// if there is one.
 pub(super) fn names_by_order(count: usize, orders: &[&[Column]]) -> Result<Vec<String>, String> {
     let names = |order: &[Column]| order.iter().map(|column| column.name.to_owned()).collect();
     if let Some(required) = orders.first().filter(|order| order.len() == count) {
@@ -34,7 +35,8 @@ pub(super) fn names_by_order(count: usize, orders: &[&[Column]]) -> Result<Vec<S
     Err(without_names(count, names.as_slice()))
 }
 
-/// Message that `count` columns have no names, with the possible `layouts` of the table.
+/// Message that the `count` columns of a table have no names. It proposes the `layouts`, which are possible names of
+/// the columns.
 pub(super) fn without_names(count: usize, layouts: &[Vec<&str>]) -> String {
     let setting = |names: &Vec<&str>| {
         let pairs = names
@@ -119,8 +121,8 @@ pub(super) fn of_matrix(header: &[String]) -> Option<Vec<String>> {
     Some(header)
 }
 
-/// Places of the `count` elements of a list whose names begin with the same words, and end with one of these kinds of
-/// `numbers`.
+/// Indices of the `count` columns that contain the elements of one list. The names of these columns begin with the same
+/// words and end with numbers. `numbers` contains the possible forms of these numbers.
 fn list(
     header: &[String],
     is_start: impl Fn(&[String]) -> bool,
@@ -156,8 +158,8 @@ const FINGER_WORDS: &str =
 /// Words that name a finger in a column name.
 const FINGERS: &str = "thumb index middle ring little pinky th ff mf rf lf left right";
 
-/// A wide table, if the header has the same columns for several fingers. The first of `columns` is their label; readings
-/// without a label have no wide tables.
+/// A wide table, if the header has the same columns for several fingers. The first of `columns` must be the column with
+/// the label of the finger; otherwise the result is `None`.
 pub(super) fn wide(header: &[String], columns: &[Column]) -> Option<Wide> {
     let (label, columns) = columns.split_first()?;
     if label.measure != Measure::Plain {

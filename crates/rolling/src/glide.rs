@@ -27,7 +27,7 @@ use touch_model::TouchRung;
 pub use touch::{Fingertip, GlideError, Touch};
 pub use touch_model::{InvalidTouch, TouchModel};
 
-/// Largest distance from the origin; the square of a larger distance may overflow.
+/// Largest allowed distance of a fingertip from the origin. The square of a larger distance may overflow.
 const MAX_DISTANCE: f64 = 1e150;
 
 /// An object and a fingertip that touches it.

@@ -191,7 +191,7 @@ impl Setting<'_> {
         Ok(dop853(setting, chart, reason(bound), Some(bound)))
     }
 
-    /// The contacts at the ends of all rolls, computed with one integrator.
+    /// Computes the contacts at the ends of all rolls with the integrator `method`.
     fn ends(&self, rolls: Rolls<'_>, method: Method, chart: Chart) -> Result<Ends, Unmeasured> {
         let mut ends = Ends::default();
         let motions: usize = rolls.rolls.iter().map(Vec::len).sum();

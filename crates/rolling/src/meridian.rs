@@ -322,8 +322,8 @@ mod tests {
 
     use super::*;
 
-    /// The larger of two relative errors: the error of the arc length, and the error of the angle relative to the terms
-    /// in the equation of the angle.
+    /// The larger of two relative errors: of the arc length, and of the angle of the probe. The error of the angle is
+    /// relative to the terms in the equation of the angle.
     fn error(c: f64, theta: f64) -> f64 {
         let (r, arc) = along_parabola(c, 1.0, theta).unwrap();
         let slope = 2.0 * c * r;

@@ -40,7 +40,7 @@ impl Motion {
         }
     }
 
-    /// The rotation `(Δθ_x, Δθ_y)` of the probe during the whole motion, rad.
+    /// The rotation `(Δθ_x, Δθ_y)` of the probe during the whole motion (rad).
     pub fn rotation(&self) -> Vector2<f64> {
         self.angular_velocity.xy() * self.duration_s
     }

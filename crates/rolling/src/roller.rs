@@ -46,7 +46,7 @@ pub(crate) struct Bodies<'a, S> {
 }
 
 impl<'a, S> Bodies<'a, S> {
-    /// The same probe on an object of another type.
+    /// The same probe on the object `object`, which may have another type.
     pub(crate) fn with<T>(&self, object: &'a T) -> Bodies<'a, T> {
         Bodies {
             probe: self.probe,
@@ -97,7 +97,7 @@ pub struct Roller {
     probe: Probe,
     object: Shape,
     first: Contact,
-    /// Smallest displacement of the contact per radian of rolling at the first contact, length. Errors of the contact
+    /// Smallest displacement of the contact per radian of rolling at the first contact (length). Errors of the contact
     /// are relative to it.
     length_scale: f64,
     closed_form: ClosedForm,
@@ -206,8 +206,8 @@ impl Roller {
         Ok((contact, evaluations))
     }
 
-    /// Displacement of the contact on the probe by `motions`. With the models `closed form` and `meridian`, this method
-    /// is faster than [`Roller::roll`].
+    /// Displacement of the contact on the probe after all `motions` in sequence. With the models `closed form` and
+    /// `meridian`, this method is faster than [`Roller::roll`].
     ///
     /// # Errors
     /// Errors of [`Roller::roll`].

@@ -172,7 +172,7 @@ impl Roller {
         })
     }
 
-    /// Displacement and rotation at an instant of a motion.
+    /// Displacement of the contact and rotation of the probe at the instant `time_s` of a motion.
     fn between(&self, nodes: &Nodes, motion: &Motion, time_s: f64) -> Result<Numbers, RollError> {
         if nodes.contacts.len() <= MAX_INTERVALS {
             return Ok(nodes.interpolated(time_s));
@@ -213,8 +213,9 @@ impl Nodes {
         self.points.push(point);
     }
 
-    /// Interpolates the displacement and the rotation by the barycentric formula. The weights of Chebyshev nodes
-    /// alternate in sign, and the weights of the first and the last node are half as large as the others.
+    /// Interpolates the displacement of the contact and the rotation of the probe by the barycentric formula. The
+    /// weights of Chebyshev nodes alternate in sign. The weights of the first and the last node are half as large as
+    /// the weights of the other nodes.
     fn interpolated(&self, time_s: f64) -> Numbers {
         let last = self.instants.len() - 1;
         let (mut sum, mut weights) = (Numbers::zeros(), 0.0);

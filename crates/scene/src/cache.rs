@@ -94,7 +94,7 @@ impl<K: PartialEq, V: Clone> Cache<K, V> {
 /// ```
 #[derive(Debug)]
 pub struct SharedModels {
-    /// Layers. The key consists of the bits of the thickness and of the depths.
+    /// Cached layers of the soft body. The key consists of the bits of the thickness and of the depths.
     layers: Cache<Vec<u64>, Result<Vec<Body>, PressError>>,
     at_rest: Cache<RestFrames, Result<RestMarkers, PressFailure>>,
     changes: Cache<CalibrationFrames, Result<ImageChanges, PressFailure>>,

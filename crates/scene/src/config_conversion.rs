@@ -1,4 +1,4 @@
-//! Converts the parts that the configs of rolls and glides have in common: objects, pads and their errors.
+//! Converts those parts of a config that rolls and glides have in common: objects, pads, and errors about them.
 
 use std::fmt::Display;
 

@@ -7,7 +7,7 @@ use palpate_sweep::{Record, Trial};
 use crate::roll::Arch;
 use crate::scene::Scene;
 
-/// A scene in the form in which the runner of sweeps can run the trials of the scene.
+/// A scene whose trials the runner of sweeps can run.
 #[derive(Debug)]
 pub struct SceneTrial {
     /// The scene whose trials are run.

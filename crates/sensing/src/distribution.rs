@@ -12,7 +12,7 @@ pub enum Distribution {
 }
 
 impl Distribution {
-    /// Draws a random error with this distribution and the stated size 1.
+    /// Draws a random error with this distribution. Its size (bound or standard deviation) is 1.
     #[inline(always)]
     pub fn draw(self, stream: &mut Stream) -> f64 {
         match self {
@@ -59,7 +59,7 @@ impl GaussianError {
         Ok(Self { std, bias: 0.0 })
     }
 
-    /// This error with the mean `bias` instead of 0.
+    /// The same error, but with the mean `bias` instead of 0.
     ///
     /// # Errors
     /// [`InvalidSensor`] unless the bias is from −10¹⁵⁰ to 10¹⁵⁰.

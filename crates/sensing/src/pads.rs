@@ -136,7 +136,8 @@ impl Pads {
     }
 
     /// Size of the position error that pads cause at one end of a shift, relative to square pads of the same pitch. The
-    /// first number compares the standard deviations per axis, the second the largest errors along an axis.
+    /// first number is the ratio of the standard deviations per axis. The second is the ratio of the largest errors
+    /// along an axis.
     pub fn rounding(&self) -> [f64; 2] {
         match self.tiling {
             // The variance per axis is 5/72 pitch² for a hexagonal pad and 1/12 pitch² for a square one. The corners of

@@ -48,7 +48,7 @@ impl Encoder {
         })
     }
 
-    /// Standard deviation of the error of each component of a reported rotation, rad.
+    /// Standard deviation of the error of each component of a reported rotation (rad).
     pub fn std_rad(&self) -> f64 {
         self.step_rad / 12.0_f64.sqrt()
     }

@@ -82,7 +82,7 @@ impl Stream {
         items
     }
 
-    /// A normal number with mean 0 and standard deviation 1.
+    /// A normally distributed number with mean 0 and standard deviation 1.
     #[inline]
     pub fn standard_normal(&mut self) -> f64 {
         StandardNormal.sample(self)

@@ -254,7 +254,7 @@ fn missing_markers_cause_a_warning_or_an_error() {
 }
 
 /// Uneven light shifts the images of markers near the rim by almost one pixel. If the study states the uneven light,
-/// there must be no warning about another camera.
+/// there must be no warning that the frame is from another camera.
 #[test]
 fn stated_uneven_light_does_not_count_as_another_camera() {
     let truth = Truth {

@@ -15,7 +15,7 @@ use palpate_study::config::{LengthUnit, parse};
 const REST: &[u8] = include_bytes!("../data/rest.jpg");
 const PRESSED: &[u8] = include_bytes!("../data/pressed.jpg");
 
-/// Study of the sensor that took the frames `rest.jpg` and `pressed.jpg`.
+/// Config of a study with the sensor that took the frames `rest.jpg` and `pressed.jpg`.
 const SENSOR: &str = r#"
 name = "field"
 length_unit = "mm"

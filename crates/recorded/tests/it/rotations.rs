@@ -140,7 +140,8 @@ const FORMS: [(&str, Write); 22] = [
     ("axis_x,axis_y,axis_z,angle_rad", axis_angle),
 ];
 
-/// The estimate with the setting that the message proposes, if there is no estimate without it.
+/// Computes the estimate. If this fails, uses the setting that the error message proposes, and computes the estimate
+/// again.
 fn followed(table: &str) -> Value {
     roll(table, "", None).unwrap_or_else(|message| {
         let found = roll(table, hint(&message), None);

@@ -24,7 +24,7 @@ fn mean(estimate: &Value) -> f64 {
     estimate["mean_curvature"]["value"].as_f64().unwrap()
 }
 
-/// The value of the setting that a message proposes.
+/// The value that an error message proposes for a setting.
 #[track_caller]
 pub(crate) fn hint(message: &str) -> &str {
     let rest = message.split_once("setting `columns` '");

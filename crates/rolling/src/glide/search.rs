@@ -165,8 +165,9 @@ impl<S: Surface> Search<'_, S> {
         Err(self.no_convergence(miss.norm()))
     }
 
-    /// The largest of the steps `step`, `step/2`, `step/4`, … that decreases the miss (see [`Self::miss`]). If no step
-    /// decreases the miss, an error is returned, which states whether the edge of the object was reached.
+    /// Tries the steps `step`, `step/2`, `step/4` and so on. Returns the first of them that decreases the miss (see
+    /// [`Self::miss`]). If no step decreases the miss, an error is returned, which states whether the edge of the
+    /// object was reached.
     fn descend(
         &self,
         foot: &Foot,

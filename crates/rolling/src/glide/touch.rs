@@ -150,9 +150,9 @@ impl Foot {
         1.0 + radius * self.curvature.principal().k_min
     }
 
-    /// Horizontal displacement of the contact with which the tip's centre moves horizontally by `miss`. It is the
-    /// product of `P (I + r S)⁻¹ P⁻¹` and `miss`. Here `P` is the projection from the tangent plane onto the xy plane,
-    /// r the radius of the tip and S the shape operator of the object. `None` if `I + r S` is singular.
+    /// Computes the horizontal displacement of the contact that displaces the tip's centre horizontally by `miss`. The
+    /// result is the matrix `P (I + r S)⁻¹ P⁻¹` times `miss`. Here `P` is the projection from the tangent plane onto
+    /// the xy plane, r the radius of the tip and S the shape operator of the object. `None` if `I + r S` is singular.
     pub(super) fn step(&self, radius: f64, miss: &Vector2<f64>) -> Option<Vector2<f64>> {
         let along = Vector2::new(self.uphill.y, -self.uphill.x);
         let (aside, ahead) = (along.dot(miss), self.uphill.dot(miss));

@@ -24,9 +24,9 @@ pub(crate) struct Dop853 {
 const FIRST_CHANGE: f64 = 2.0;
 /// Ratio of the next step to the longest step that the error estimate would allow.
 const SAFETY: f64 = 0.8;
-/// Smallest ratio of the next step size to this step size.
+/// Smallest ratio of the next step size to the current step size.
 const SHRINK: f64 = 1.0 / 3.0;
-/// Largest ratio of the next step size to this step size.
+/// Largest ratio of the next step size to the current step size.
 const GROW: f64 = 6.0;
 /// If fewer steps than this remain until the end of the motion, they are all made equally long.
 const LAST_FEW: f64 = 3.0;
@@ -154,8 +154,8 @@ fn accepts(excess: f64) -> bool {
     excess <= 1.0
 }
 
-/// Ratio of the next step size to this step size, at most `most`. `excess` is the squared error of the step, divided by
-/// the squared tolerance.
+/// Ratio of the next step size to the current step size, at most `most`. `excess` is the squared error of the step,
+/// divided by the squared tolerance.
 #[inline]
 fn factor(excess: f64, most: f64) -> f64 {
     (SAFETY * inverse_sixteenth_root(excess)).clamp(SHRINK, most)
@@ -203,8 +203,8 @@ fn stages<const N: usize>(
     )
 }
 
-/// The state after the step, and the squared error of the step. The error combines both error estimates by Hairer's
-/// formula. It is the mean square of the weighted components.
+/// The state after the step, and the squared error of the step. The error of each weighted component combines the error
+/// estimates of orders 5 and 3 by Hairer's formula. The result is the mean square over the components.
 #[inline]
 fn end_of_step<const N: usize>(
     y: &[f64; N],
@@ -310,8 +310,8 @@ const A12: [f64; 9] = [
     12.3605671757943030647266201528,
     0.643392746015763530355970484046,
 ];
-/// Weights of the slopes 1 and 6 to 12 (of 12) in the mean slope of the step. With these weights, the method is of
-/// order 8.
+/// Weights with which the slopes 1 and 6 to 12 (of 12) enter the mean slope of a step. With these weights, the method
+/// is of order 8.
 const B: [f64; 8] = [
     0.0542937341165687622380535766363,
     4.45031289275240888144113950566,

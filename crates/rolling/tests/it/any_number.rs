@@ -1,6 +1,6 @@
-//! Rolls and glides succeed on objects that are blunter than the probe. If the numbers of probes, objects, motions and
-//! positions have any bit patterns, the result is finite or a named error. A roll that is followed by the reversed roll
-//! ends at the first contact.
+//! Rolls and glides succeed on objects that are blunter than the probe. If the parameters of probes, objects, motions
+//! and positions have arbitrary bit patterns, the result is finite or a named error. A roll that is followed by the
+//! reversed roll ends at the first contact.
 
 use nalgebra::{Vector2, Vector3};
 use palpate_geometry::formula::Formula;

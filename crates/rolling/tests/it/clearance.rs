@@ -1,5 +1,5 @@
-//! Compares the overlap of probes with parts of the object beside the contact with the result of a search on a fine
-//! grid.
+//! Tests the computed overlap between a probe and the parts of the object beside the contact. The expected overlap is
+//! found by a search on a fine grid.
 
 use nalgebra::{Point3, Vector2};
 use palpate_geometry::formula::Formula;

@@ -224,8 +224,8 @@ fn the_tip_is_held_where_asked_and_touches_at_its_radius() {
     }
 }
 
-/// Height of the centre of a tip when it touches a graph on its way down, found by a search on a fine grid. The exact
-/// height is equal or larger.
+/// Height of a tip's centre when the tip touches a graph on its way down. The height is found by a search on a fine
+/// grid; the exact height is equal or larger.
 fn first_met(height: impl Fn(f64, f64) -> f64, radius: f64, x: f64, y: f64) -> f64 {
     let steps = 300;
     let mut highest = f64::NEG_INFINITY;

@@ -86,8 +86,8 @@ impl CameraCalibration {
     }
 }
 
-/// Fits a calibration. If `only` is given, the calibration of normal displacements uses only the marker with this
-/// index.
+/// Fits a calibration. If `only` is given, it is the index of a marker, and the calibration of normal displacements
+/// uses only this marker.
 fn fit(
     presses: &[Vec<CalibrationPoint>],
     only: Option<usize>,
@@ -276,7 +276,7 @@ impl CalibrationFrames {
     }
 }
 
-/// Mean of several images of one marker: `first` and `others`.
+/// Mean of several images of one marker: the image `first` and the images `others`.
 fn mean(first: Marker, others: &[Marker]) -> Marker {
     // Sum the differences from the first image: of both centroid coordinates, the hue, the mean hue and the size. Hues
     // are angles, so they cannot be summed directly.

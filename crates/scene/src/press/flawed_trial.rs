@@ -6,7 +6,7 @@ use super::trial::PressScene;
 use palpate_press::Reading;
 use palpate_sweep::Observation;
 
-/// Additional errors of the readings of a press, which are not part of the noise of its scene.
+/// Additional errors in the readings of a press. These errors are not part of the noise of the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PressFlaw {
     /// Additional error of one normal displacement, length. The marker with this error differs from trial to trial.

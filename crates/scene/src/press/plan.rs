@@ -159,7 +159,7 @@ pub(super) struct PressSetup<'a> {
 }
 
 impl PressSetup<'_> {
-    /// The true press and its sensor, or the reason why the press is impossible.
+    /// Builds the true press and its sensor, or returns the reason why the press is impossible.
     fn case(
         &self,
         contact: &TrueContact<'_>,

@@ -17,7 +17,7 @@ use super::plan::PressSetup;
 use super::sensor_variation::SensorVariation;
 use super::truth::{DiscMarkers, PressGeometry, TruePress};
 
-/// Largest shift of a marker's image that counts as a rounding error, px. Such a shift is replaced by 0.
+/// Largest shift of a marker's image that counts as a rounding error (px). Such a shift is replaced by 0.
 const ROUNDING_PX: f64 = 1e-9;
 
 /// Reading of one tracked marker.
@@ -62,7 +62,7 @@ impl PressReading {
         has_lost.then(|| layout.subset(&self.tracked))
     }
 
-    /// Adds an error to the normal displacement of one marker. The marker is determined by the trial number.
+    /// Adds `error` to the normal displacement of one marker. The trial number determines which marker.
     pub(super) fn add_outlier(&mut self, error: f64, trial: u64) {
         let count = self.normal.len() as u64;
         let marker = trial.checked_rem(count).unwrap_or(0) as usize;

@@ -65,7 +65,7 @@ pub(super) struct TouchedObject {
 pub(super) struct UnequalCurvatures {
     pub(super) smaller: f64,
     pub(super) larger: f64,
-    /// Angle between the direction of the smaller curvature and the x axis at the contact, radians.
+    /// Angle between the direction of the smaller curvature and the x axis at the contact (radians).
     pub(super) axis: f64,
 }
 
@@ -117,7 +117,7 @@ pub(super) struct PressGeometry {
     pub(super) indentation: f64,
     /// Chart coordinates of the contact.
     pub(super) at: [f64; 2],
-    /// Sideways displacement of the object along x, after it has touched the skin, length.
+    /// Sideways displacement of the object along x, after it has touched the skin (length).
     pub(super) shift: f64,
 }
 
@@ -420,11 +420,11 @@ const STRAIN_STEP: f64 = 0.0025;
 /// Models of the skin just above and just below the discs of one colour. The difference between the displacements of
 /// the two models determines the strain of the discs.
 struct DiscStrain {
-    /// Share of the skin's strain that the discs follow. 1 means that the discs strain as much as the skin.
+    /// Strain of the discs, divided by the strain of the skin. 1 means that the discs strain as much as the skin.
     share: f64,
     above: SoftBody,
     below: SoftBody,
-    /// Distance between the depths of `above` and `below`, length.
+    /// Difference between the depths at which `above` and `below` compute displacements (length).
     apart: f64,
 }
 

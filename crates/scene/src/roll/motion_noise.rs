@@ -44,9 +44,9 @@ impl MotionNoise {
         }
     }
 
-    /// Bound on the distance, length, between the centre of a probe and its commanded position. The distance is due to
-    /// noise. The probe has the radius `radius` and rolls by `rotation` (rad). The bound is the largest possible
-    /// distance, but at most six standard deviations.
+    /// Upper bound on the distance (length) between the actual and the commanded position of a probe's centre, which
+    /// differ because of noise. The probe has the radius `radius` and rolls by `rotation` (rad). The bound is the
+    /// largest possible distance, but at most six standard deviations of the distance.
     pub(super) fn stray(&self, radius: f64, rotation: &Vector2<f64>) -> f64 {
         if self.side == Side::Measurement {
             return 0.0;

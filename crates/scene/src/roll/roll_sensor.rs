@@ -256,7 +256,7 @@ impl RotationSensor {
         }
     }
 
-    /// Standard deviation of each component of the reported rotation at the end of a roll, rad.
+    /// Standard deviation of each component of the reported rotation at the end of a roll (rad).
     pub(super) fn std_rad(&self) -> f64 {
         libm::hypot(
             self.error.std(),
@@ -264,7 +264,7 @@ impl RotationSensor {
         )
     }
 
-    /// Noise of the sampled rotations. `rotation_rad` is the rotation at the end of a roll, rad.
+    /// Noise of the sampled rotations. `rotation_rad` is the rotation at the end of a roll (rad).
     pub(super) fn series_noise(&self, rotation_rad: f64) -> SeriesNoise {
         let step = self.encoder.map_or(0.0, |encoder| encoder.std_rad());
         SeriesNoise {

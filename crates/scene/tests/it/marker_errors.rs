@@ -1,5 +1,5 @@
-//! The tracker states the errors of markers. These tests compare them with the observed scatter of the markers in
-//! frames that differ only in pixel noise.
+//! The tracker states standard errors of the markers. These tests compare the standard errors with the scatter of the
+//! markers in frames that differ only in pixel noise.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, Discs, Layout, Lens, MarkerArray, MarkerMotion, Optics,

@@ -175,7 +175,7 @@ fn models_share_draws_and_results() {
     }
 }
 
-/// An additional source of noise does not change the random draws of the other sources.
+/// An additional source of noise does not change the random numbers of the other sources.
 #[test]
 fn channels_are_apart() {
     let object = r#"{ kind = "sphere", radius = 4 }"#;
