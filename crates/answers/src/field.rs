@@ -17,7 +17,7 @@ pub struct Field {
     pub label: Label,
     /// Listed values; empty for a range of numbers.
     pub listed: Vec<toml::Value>,
-    /// Range of the field's values. If the question lists the values, it is the range of their indices in the list.
+    /// Range of the field's values. If the question lists the values, this is the range of their indices in the list.
     pub span: Span,
 }
 
@@ -84,7 +84,7 @@ impl Field {
         }
     }
 
-    /// First value of the field's range. If the question lists the values, it is the index of the first one.
+    /// First value of the field's range. If the question lists the values, this is the index of the first listed value.
     pub(crate) fn first(&self) -> f64 {
         match self.is_listed() {
             true => 0.0,

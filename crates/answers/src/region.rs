@@ -42,7 +42,7 @@ pub struct Region {
 /// A combination of the grid's values, and the values of the searched field that meet the target at this combination.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionColumn {
-    /// Value of each field of the grid. If the question lists the values of a field, it is the index in this list.
+    /// Value of each field of the grid. For a field with listed values, this is the index in its list.
     pub at: Vec<f64>,
     /// Tested values in ascending order. Listed values are in the order of the list.
     pub points: Vec<DesignPoint>,

@@ -197,8 +197,8 @@ impl Region {
         }
     }
 
-    /// Text for a range that meets the target and ends where too many trials fail. The text states this reason. It is
-    /// empty if no range ends for this reason.
+    /// Text for a range that misses the target because too many trials fail at one of its ends. The text is empty if
+    /// there is no such range.
     fn failures_in_words(&self, column: &RegionColumn) -> String {
         match self.failing_end(column) {
             Some((point, sample)) => format!(", because {}", self.result_at(point, sample)),

@@ -41,8 +41,8 @@ pub enum ColumnUnit {
 }
 
 impl ColumnUnit {
-    /// Factor that converts this unit to the unit `length` or, if this unit is not a length, to the base unit of its
-    /// physical quantity. `None` if one unit is the unspecified length `unit` and the other is metric.
+    /// Factor from this unit to the unit `length`. If this unit is not a length, the factor to the base unit of its
+    /// physical quantity. `None` if one of the two lengths has the unspecified unit `unit` and the other is metric.
     pub fn to(self, length: LengthUnit) -> Option<f64> {
         let of_metres = |metres: f64| LengthUnit::M.to(length).map(|factor| factor * metres);
         match self {
@@ -53,7 +53,7 @@ impl ColumnUnit {
         }
     }
 
-    /// Length unit of the output by default, for readings in this unit. For readings in inches, it is the millimetre.
+    /// Default length unit of the output for readings in this unit. For readings in inches, it is the millimetre.
     pub fn nearest(self) -> Option<LengthUnit> {
         match self {
             Self::Length(unit) => Some(unit),

@@ -175,7 +175,7 @@ pub const MAGENTA: [f64; 3] = [0.95, 0.25, 0.85];
 pub const YELLOW: [f64; 3] = [0.98, 0.9, 0.1];
 
 /// A frame of markers at `places` on a white background. Each marker consists of a magenta and a yellow disc. The
-/// centres of the two discs differ in a random direction.
+/// offset between the centres of the two discs has a random direction.
 pub fn bright(how: Bright, places: &[[f64; 2]], seed: u64) -> (RgbImage, Vec<Truth>) {
     let Bright { size, disc_px, .. } = how;
     let mut random = Random(seed);

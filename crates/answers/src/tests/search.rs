@@ -159,8 +159,8 @@ fn span(from: f64, to: f64) -> SearchRange {
     SearchRange::Span(Span::new(from, to, false))
 }
 
-/// Side of the target for each range that the search found, and whether all sides are right: according to `curve`, both
-/// ends of each range must lie on the side of this range.
+/// Sides of the ranges that the search found. The flag states whether `curve` confirms these sides at both ends of
+/// every range.
 fn sides(found: &SearchResult, curve: &Noise<'_>) -> (Vec<Side>, bool) {
     let right = |run: &Run| {
         let is = run.side == Side::Meets;

@@ -152,8 +152,9 @@ fn named(model: Model) -> Result<RollModelConfig> {
     })
 }
 
-/// Models of a glide, with their errors. The reference for Newton's method is a closed form: the solution of the offset
-/// surface, or else the competing model with a closed form. The reference for this competing model is Newton's method.
+/// Models of a glide, with their errors. If the object has a model with a closed form, this model and Newton's method
+/// are the references for each other. For other objects, the reference is the closed-form solution of the offset
+/// surface.
 fn glide_models(config: &GlideConfig, ladder: &Ladder) -> Result<CompetingModels> {
     let newton = |tolerance| GlideModelConfig::Newton { tolerance };
     let mut models = vec![GlideModelConfig::ClosedForm {}];

@@ -14,9 +14,9 @@ const EQUAL_COST_RATIO: f64 = 1.02;
 /// Errors below this value are due to rounding, so all of them count as equal.
 const ROUNDING: f64 = 1e-14;
 
-/// Whether each rung is on the Pareto front. A rung is on the front if no other rung is better in cost without being
-/// worse in error, or better in error without being worse in cost. Of several rungs with equal cost and error, only the
-/// first can be on the front.
+/// Whether each rung is on the Pareto front. One rung dominates another if neither its cost nor its error is larger,
+/// and at least one of the two is smaller. A rung is on the front if no other rung dominates it. Of several rungs with
+/// equal cost and error, only the first can be on the front.
 pub(super) fn pareto(rungs: &[CostError]) -> Vec<bool> {
     let beats = |a: usize, b: usize| {
         let ([a_cost, b_cost], [a_error, b_error]) = (

@@ -166,8 +166,8 @@ impl Grid {
 }
 
 /// Adds the tables and lists that would contain a swept field but are missing in the config. An added table or list has
-/// its default value, if it has one. Otherwise it is empty; if only one kind has the swept field, it contains this
-/// kind. The error names the value in the config that prevents adding the table.
+/// its default value, if there is one. Otherwise, it is empty. If only one kind of an added table has the swept field,
+/// the table contains this kind. The error names the value in the config that prevents adding the table.
 fn add_parents(root: &mut Value, path: &str) -> Result<(), String> {
     for (end, _) in path.match_indices('.') {
         let parent = &path[..end];

@@ -101,7 +101,7 @@ fn flattened(variants: Vec<Json>) -> Vec<Json> {
     variants.into_iter().flat_map(alone).collect()
 }
 
-/// Of the variants of a table's schema, the variant for this `kind`. If `kind` is `None`, the variant that has no kind.
+/// The variant of a table's schema for this `kind`; for `None`, the variant without a kind.
 pub(super) fn variant<'a>(schema: &'a Json, kind: Option<&str>) -> Option<&'a Json> {
     variants(schema)
         .iter()

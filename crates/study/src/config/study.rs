@@ -66,9 +66,9 @@ pub struct StudyConfig {
 /// Rule that ends the trials of a cell when a statistic is accurate enough, that is, when its relative standard error
 /// is small enough.
 ///
-/// The rule is tested after 1, 2, 4, 8 … blocks of 1,024 trials, in the order of their numbers. The standard error is
-/// computed from the scatter between trials. The observations within one trial, for example at all points of a patch,
-/// count as a single observation.
+/// The trials run in blocks of 1,024, in the order of their numbers. The rule is tested after 1, 2, 4, 8 … blocks. The
+/// standard error is computed from the scatter between trials. The observations within one trial, for example at all
+/// points of a patch, count as a single observation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StopConfig {

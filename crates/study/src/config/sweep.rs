@@ -210,8 +210,8 @@ impl Axis {
     }
 }
 
-/// A field that an axis sets, and the place in the config at which the axis names this field. There, a value or a key
-/// may name the field.
+/// A field that an axis sets, and the place in the config at which the axis names this field. The field is named by a
+/// value or by a key.
 #[derive(Debug, Clone)]
 pub(super) struct Target {
     pub(super) path: String,
