@@ -39,14 +39,14 @@ pub struct Check {
     /// Number of cells that were set up completely. Presses that were set up without their camera, to save time, are
     /// not counted.
     pub set_up: usize,
-    /// Number of set-up cells that run only one trial, because they use no random numbers.
+    /// Number of the cells set up that run only one trial, because they use no random numbers.
     pub single: usize,
     /// Number of trials of all cells. If not all cells were set up, this is an upper limit.
     pub trials: u64,
     /// Groups of cells that need the same models. Only cells that were set up completely are in a group.
     pub groups: Vec<CellGroup>,
-    /// Measured coverage of the 95 % intervals, each with the number of cells to which it applies. Only cells that
-    /// were set up completely are counted.
+    /// Measured coverages of the 95 % intervals. Each different coverage is listed once, with the number of cells that
+    /// have it. Only cells that were set up completely are counted.
     pub intervals: Vec<(usize, Coverage)>,
     /// Estimated time of planning and run together, s.
     pub seconds: f64,
@@ -78,9 +78,9 @@ pub enum Rungs {
     NotMeasured,
     /// The models are the same as in an earlier group. The number is that of the earlier group's first cell.
     AsIn(usize),
-    /// The errors and computing times of the models were measured in this cell.
+    /// The errors and computing times of the models were measured in the cell `cell`.
     Measured {
-        /// Number of the cell in the study.
+        /// Number of the cell in which the models were measured.
         cell: usize,
         /// The models with their errors, cheapest first.
         ladder: Ladder,
@@ -304,7 +304,8 @@ fn groups(
     Ok(groups)
 }
 
-/// Measured coverage of the 95 % intervals of the scenes, each with the number of scenes to which it applies.
+/// Measured coverages of the 95 % intervals of the scenes. Each different coverage is listed once, with the number of
+/// scenes that have it.
 fn intervals(scenes: &[CellScene]) -> Vec<(usize, Coverage)> {
     let mut all: Vec<(usize, Coverage)> = Vec::new();
     for one in scenes {

@@ -113,7 +113,7 @@ pub fn columns(text: &str, known: &[Column]) -> Result<Vec<(Column, Values)>, cs
     Ok(columns.into_iter().zip(all).collect())
 }
 
-/// Unit that the ending of a column's name states. It is the last choice, if nothing else states a unit.
+/// Unit that the ending of a column's name states. This unit is used only if nothing else states the unit.
 pub fn unit_of(name: &str, length_unit: LengthUnit) -> Option<String> {
     let length = length_unit.as_str();
     let of_length = [

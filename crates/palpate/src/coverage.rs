@@ -41,7 +41,8 @@ pub struct Family {
     pub coverage95: f64,
     /// Lowest coverage of any single scene in the family.
     pub lowest: f64,
-    /// Fields that have the same value in every scene of the family. A field with a range has its lowest value here.
+    /// Fields of the scenes of the family with their values. For a field that varies within the family, this is the
+    /// lowest value.
     fields: Fields,
     /// Smallest and largest value of each field that varies within the family.
     ranges: BTreeMap<String, [f64; 2]>,

@@ -15,7 +15,7 @@ use pilot::{CellPilot, Pilot};
 use tolerance::{Allowance, tolerance_for};
 pub(crate) use tolerance::{Pass, PassQuantity, PassValue};
 
-/// Largest allowed shift of an estimate by the model's error, as a share of (target error × rms error).
+/// Largest shift that the model's error may cause in an estimate, divided by (target error × rms error).
 pub const MODEL_ERROR_SHARE: f64 = 0.1;
 /// Largest number of trials per cell that a target error may choose.
 const MAX_FOR_TARGET: f64 = 1e8;
@@ -143,7 +143,7 @@ pub enum PlanError<E> {
         quantity: &'static str,
         /// Required number of trials.
         needed: f64,
-        /// Relative standard error that is reached with the largest allowed number of trials.
+        /// Relative standard error of the rms error that is reached with the largest allowed number of trials.
         reached: f64,
         /// Whether a few trials with very large errors (heavy tails) determine the rms error of the quantity.
         has_heavy_tails: bool,

@@ -154,8 +154,8 @@ fn answer(answer: &Answer) -> Value {
 /// Header and rows of a table.
 type Parts = (Vec<String>, Vec<Vec<String>>);
 
-/// The table of `peers.csv` with the verdicts as its second column. If all rows have the same machine, its name is
-/// returned separately.
+/// The table of `peers.csv` with the verdicts as its second column. If all rows have the same machine, the name of this
+/// machine is returned separately.
 fn peers(folder: &Files) -> Result<Value, ReportError> {
     let mut parts = Records::read(folder, "peers.csv", &[])?.into_parts();
     let machine = take_constant(&mut parts, "machine");

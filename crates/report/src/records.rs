@@ -7,7 +7,7 @@ use palpate_study::number::finite;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Texts of a CSV file whose columns have different names. `places` are the indices of the requested columns.
+/// Texts of a CSV file in which no two columns have the same name. `places` are the indices of the requested columns.
 pub(crate) struct Records {
     path: PathBuf,
     header: Vec<String>,

@@ -46,7 +46,8 @@ pub struct Batches {
     batches: Vec<Partial>,
     first: u64,
     next: u64,
-    /// The quantities whose statistics are stored. With `None`, all quantities are stored with their histograms.
+    /// The quantities whose statistics are stored. With `None`, the statistics and histograms of all quantities are
+    /// stored.
     stored: Option<Stored>,
 }
 
@@ -63,8 +64,8 @@ pub struct Growth<'a, T: ?Sized> {
     pub trial: &'a T,
     /// Batches to which the statistics of the new trials are added.
     pub batches: &'a mut Batches,
-    /// Smallest number of trials that the batches must contain afterwards. An experiment that is not random has only
-    /// one trial.
+    /// Number of trials that the batches must contain, at least, after the new trials were added. An experiment that is
+    /// not random has only one trial.
     pub trials: u64,
 }
 
@@ -76,7 +77,7 @@ pub struct Estimate {
     pub value: f64,
     /// For each batch, the value over all trials outside of this batch; empty if the experiment is not random.
     without: Vec<f64>,
-    /// Standard deviation of an additional error, which is the same in all batches.
+    /// Standard deviation of an additional error of the statistic. This error has the same value in all batches.
     resolution: f64,
 }
 

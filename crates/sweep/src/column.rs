@@ -13,8 +13,7 @@ pub(crate) const UNREPORTED: f64 = -1.0;
 
 /// Observations of one quantity, in the order of the trials.
 ///
-/// To save memory, the observations of a trial that made several of them are replaced by their sums when the trial has
-/// succeeded.
+/// To save memory, if a trial made several observations and succeeded, its observations are replaced by their sums.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Column {
     estimates: Vec<f64>,
@@ -70,7 +69,7 @@ impl Column {
         self.keep_each();
     }
 
-    /// Marks all stored observations as those of successful trials, each of which made one observation.
+    /// Marks all stored observations as those of successful trials with one observation each.
     #[inline]
     pub(crate) fn keep_each(&mut self) {
         self.kept = self.estimates.len();

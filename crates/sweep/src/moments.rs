@@ -146,8 +146,8 @@ pub(crate) const LANES: usize = 8;
 /// Largest absolute exponent of a unit. Up to this limit, units are normal floats, and no square of a scaled number
 /// overflows or underflows.
 const MAX_EXPONENT: i32 = 1000;
-/// Numbers with absolute values from 2^−200 to 2^200 need no scaling. Their fourth powers are normal floats, and so are
-/// sums of up to 2^60 of these.
+/// Numbers with absolute values from 2^−200 to 2^200 need no scaling. The fourth powers of such numbers are normal
+/// floats, and so are sums of up to 2^60 of these powers.
 const ORDINARY: i32 = 200;
 
 /// Sum of the function `term` over all values, computed in a fixed order.

@@ -29,10 +29,11 @@ pub struct Order {
     pub high: f64,
 }
 
-/// Number of trials whose means are in the right order with the required probability.
+/// Number of trials that must be averaged, so that the means of two experiments are in the right order with the
+/// required probability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Repeats {
-    /// The number of trials, estimated from groups of trials.
+    /// The number of trials, estimated from the means of groups of trials.
     Found(u64),
     /// An approximate number of trials. There are too few trials to form groups of this size, so the number is computed
     /// as if the means were normally distributed.
@@ -131,8 +132,9 @@ fn order_of(one: &[Option<f64>], other: &[Option<f64>], limit: Option<f64>) -> O
     }
 }
 
-/// Number of trials of each experiment whose means are in the right order with the probability `confidence`. If `limit`
-/// is given, both means must be above this limit instead. Failed trials are left out of the means.
+/// Number of trials of each experiment that must be averaged, so that the means of both experiments are in the right
+/// order with the probability `confidence`. If `limit` is given, both means must be above this limit instead. Failed
+/// trials are left out of the means.
 pub fn repeats(
     one: &[TrialMeans],
     other: &[TrialMeans],
@@ -195,8 +197,8 @@ fn beyond(
     };
     let tail = match limit {
         None => 1.0 - confidence,
-        // Both means must be above the limit. Therefore the probability that a single mean is above the limit must be
-        // the square root of the required probability.
+        // The means of both experiments must be above the limit. These means are independent. Therefore each mean alone
+        // must be above the limit with the square root of the required probability.
         Some(_) => 1.0 - confidence.max(0.0).sqrt(),
     };
     let score = score_of_tail(tail);

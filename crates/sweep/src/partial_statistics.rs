@@ -26,7 +26,8 @@ impl Accumulator {
         self.blocks.push(column.sum_up(&mut self.histogram));
     }
 
-    /// Merges the sums of all blocks into the first. The first block must contain the first trial of the cell.
+    /// Merges the sums of all blocks into those of the first block. The first block must contain the first trial of the
+    /// cell.
     fn fold(&mut self) {
         if let Some((first, rest)) = self.blocks.split_first_mut() {
             rest.iter().for_each(|block| first.merge(block));
@@ -97,7 +98,8 @@ impl Partial {
         }
     }
 
-    /// Merges the sums of all blocks into the first. The first block must contain the first trial of the cell.
+    /// Merges the sums of all blocks into those of the first block. The first block must contain the first trial of the
+    /// cell.
     pub(crate) fn fold(&mut self) {
         self.quantities.iter_mut().for_each(Accumulator::fold);
     }

@@ -57,7 +57,7 @@ type OpenTask<T, E> = (Task, u64, Arc<Experiment<T, E>>);
 
 struct State<T, E> {
     open: Option<OpenTask<T, E>>,
-    /// Index of the task that is being handed out. If there is no such task, the index of the next one.
+    /// Index of the task that is being handed out. If no task is being handed out, the index of the next task.
     next: u64,
     /// Number of jobs that were handed out, and number of jobs whose results were passed on.
     jobs: [u64; 2],

@@ -124,7 +124,7 @@ struct Parts<S: Simd> {
     square: S::f64s,
     half_widths: [S::f64s; 3],
     sums: [[S::f64s; LANES]; SUMS],
-    /// Smallest values so far, first of the true values and then of the errors. `high` contains the largest values.
+    /// Smallest true values (index 0) and smallest errors (index 1) so far. `high` contains the largest ones.
     low: [[S::f64s; LANES]; 2],
     high: [[S::f64s; LANES]; 2],
 }

@@ -75,8 +75,8 @@ impl Sums {
         }
     }
 
-    /// Replaces the coverage of an observation. Before, it was computed from `std`; `holds` is the coverage that the
-    /// trial reports itself.
+    /// Replaces the coverage of an observation, which was computed from `std`, by the coverage `holds` that the trial
+    /// reports itself.
     pub(crate) fn replace_coverage(&mut self, error: f64, std: f64, holds: [bool; 3]) {
         self.intervals += u64::from(std < 0.0);
         let verdicts = holds.into_iter().zip(is_covered(error, std));
@@ -157,7 +157,7 @@ fn mean(plain: f64, of_shares: impl FnOnce() -> f64) -> f64 {
 }
 
 /// Mean of the values of two groups. `mean` is the mean of the `count` values of one group, and `other` is the mean of
-/// the `more` values of the other group. Both means must be 0 or positive.
+/// the `more` values of the other group. Neither `mean` nor `other` may be negative.
 fn toward(mean: f64, other: f64, [count, more]: [u64; 2]) -> f64 {
     mean + (other - mean) * (more as f64 / (count + more).max(1) as f64)
 }

@@ -82,7 +82,7 @@ pub struct Observations<'a> {
 }
 
 impl Observations<'_> {
-    /// Number of trials with a complete observation. If standard errors are reported, a complete observation has one.
+    /// Number of trials with an estimate and, if standard errors are reported, also a standard error.
     pub(crate) fn len(&self) -> usize {
         let stds = self.stds.map_or(usize::MAX, <[f64]>::len);
         self.estimates.len().min(stds)

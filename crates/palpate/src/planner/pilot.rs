@@ -166,7 +166,7 @@ impl CellPilot {
     }
 }
 
-/// Rms error of a quantity and its variance; `None` if the quantity was not observed.
+/// Rms error of a quantity, with the relative variance of its squared error; `None` if the quantity was not observed.
 fn figure(batches: &Batches, all: &CellStatistics, quantity: usize) -> Option<Figure> {
     let rms_error = all.quantities[quantity].rms_error?;
     let estimate = batches.estimate(|all| Some(relative_variance(all, quantity)))?;

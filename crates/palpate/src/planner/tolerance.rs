@@ -111,12 +111,12 @@ mod tests {
     fn the_largest_tolerance_with_an_allowed_shift_is_chosen() {
         let tolerances = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
         for (share, rms_error, expected) in [
-            // Rows whose rms error is missing or 0: the allowed shift is relative to the scale of the quantity, which
-            // is its true value 2.
+            // Without an rms error, or with an rms error of 0, the largest allowed shift is `share` × `scale`. Here the
+            // scale is 2.
             (0.1, None, 1e-1),
             (0.01, None, 1e-2),
             (0.01, Some(0.0), 1e-2),
-            // Rows with an rms error (second column): the allowed shift is relative to the rms error.
+            // With an rms error, the largest allowed shift is `share` × rms error.
             (0.01, Some(0.2), 1e-3),
             (1e-9, Some(0.2), 1e-5),
         ] {

@@ -30,7 +30,7 @@ fn indentation(row: &Row<'_>) -> Option<f64> {
     row.number("scene.motion.indentation")
 }
 
-/// Mean and standard deviation of the estimates over the trials.
+/// Mean and standard deviation of a row's estimates over all trials.
 fn read(row: &Row<'_>) -> Option<(f64, f64)> {
     Some((mean(row)?, row.statistic("std").unwrap_or(0.0)))
 }

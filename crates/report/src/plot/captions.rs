@@ -77,13 +77,14 @@ pub(crate) fn failed(study: &Study, rows: &[usize]) -> Option<String> {
     ))
 }
 
-/// Text about values in the key `where` of a plot that the table does not contain; `None` if there are no such values.
+/// Text about values that the key `where` of a plot names, but that the table does not contain; `None` if there are
+/// none.
 pub(crate) fn absent(absent: &[String]) -> Option<String> {
     let none = absent.is_empty();
     (!none).then(|| format!("Not in the table: {}.", absent.join(", ")))
 }
 
-/// End of an error message about values in the key `where` of a plot that the table does not contain.
+/// End of an error message about values that the key `where` of a plot names, but that the table does not contain.
 pub(crate) fn lost(absent: &[String]) -> String {
     let lost = absent
         .iter()

@@ -280,7 +280,7 @@ fn squares(panel: &mut Panel<'_>, map: &MapPanel<'_>) -> Drawn {
     outline(panel)
 }
 
-/// Edges of the squares that are centred on these grid lines. An edge is halfway between two neighbouring lines.
+/// Edges of the squares whose centres are on these grid lines. An edge is halfway between two neighbouring lines.
 fn ends(lines: &[f64]) -> Vec<f64> {
     let [first, .., last] = lines else {
         let only = lines.first().copied().unwrap_or(0.0);

@@ -24,7 +24,7 @@ pub(crate) struct Touch {
     pub(crate) tip: Vector,
 }
 
-/// True contacts of one finger, and its readings. The readings are empty if all readings equal the contacts.
+/// True contacts and readings of one finger. The readings are empty if all readings equal the contacts.
 #[derive(Debug, Clone)]
 pub(crate) struct Finger {
     /// Name of the finger in the table.

@@ -17,7 +17,7 @@ const MIN_LOG_RATIO: f64 = 8.0;
 /// field is swept, or if no statistic is defined.
 ///
 /// If the study does not estimate the object's curvature, the plot shows the mean curvature, or else the first
-/// quantity. If the true value is 0 or varies, the plot shows the rms error. If the quantity is not estimated, it
+/// quantity. If the true value is 0 or varies, the plot shows the rms error. If the quantity is not estimated, the plot
 /// shows the mean.
 pub(crate) fn plot(study: &Study) -> Result<Option<PlotConfig>, ReportError> {
     let table = study.cells();

@@ -96,7 +96,7 @@ pub struct DesignMap {
     pub other: FieldAxis,
     /// Panels of the map. There is at least one panel.
     pub panels: Vec<MapPanel>,
-    /// Label of the best value; `None` if no best value is marked.
+    /// Label of the point with the best value of the searched field; `None` if no point is marked.
     pub best: Option<String>,
 }
 
@@ -108,7 +108,8 @@ pub struct MapPanel {
     /// Each value of the other field, in ascending order, with the ranges of the searched field as in
     /// [`DesignCurve::runs`].
     pub columns: Vec<(f64, Vec<Stretch>)>,
-    /// Best value, if it is in this panel: first the value of the other field, then the value of the searched field.
+    /// Point with the best value of the searched field, if this point is in this panel: first the value of the other
+    /// field, then the best value.
     pub best: Option<(f64, f64)>,
 }
 
@@ -137,7 +138,7 @@ const CROSSING: Style = Style {
     colour: INK,
     marker: Marker::Circle,
 };
-/// Marker of the best value.
+/// Marker of the point with the best value of the searched field.
 const BEST: Style = Style {
     colour: INK,
     marker: Marker::Diamond,
@@ -404,7 +405,7 @@ impl Bands<'_> {
         }
     }
 
-    /// Positions of both ends of a range of the searched field.
+    /// Positions of the ends `from` and `to` of a range of the searched field, on the scale of this field.
     fn ends(&self, (from, to): (f64, f64)) -> [f64; 2] {
         let half = if self.field.names.is_empty() {
             0.0

@@ -101,8 +101,8 @@ enum Form {
     Polygon(Vec<BackendCoord>),
     /// A disc: its centre and its radius.
     Disc(BackendCoord, u32),
-    /// A line of text, with the position of an anchor point, the em of the font, and a share. The anchor is at half
-    /// the text's height; the share of the text's width is to the left of the anchor.
+    /// A line of text, the position of its anchor point, the em of the font, and a share. This share of the text's
+    /// width is to the left of the anchor. The anchor is at half the text's height.
     Text(String, BackendCoord, f64, f64),
 }
 

@@ -83,7 +83,7 @@ impl Bounds {
 
 /// Places labels within a frame, one after another. Labels of points on the Pareto front are placed first, where their
 /// penalty is smallest. Labels of the points in `beaten`, which are not on the front, are placed only where there is
-/// space. Labels also avoid `bars`.
+/// space. Labels also avoid the error bars `bars`.
 pub(super) fn place(
     front: &[(String, Point)],
     beaten: &[(String, Point)],
@@ -141,7 +141,7 @@ fn candidate((x, y): Point, half_width: i32, distance: i32, at: usize) -> (i32, 
     (distance, Bounds::around(centre, (half_width, HALF)))
 }
 
-/// Sum of the penalties of a label with these bounds.
+/// Sum of the penalties of a label that is placed in the rectangle `bounds`. Penalties for error bars are not included.
 fn hidden(
     bounds: &Bounds,
     own: Point,

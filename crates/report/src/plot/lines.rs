@@ -377,8 +377,8 @@ fn with(rows: &[usize], axis: &Axis, value: &str) -> Vec<usize> {
     rows.filter(|row| axis.text(*row) == value).collect()
 }
 
-/// Colour and marker for a value of a swept field. They depend only on the study, so they are the same in all its
-/// plots.
+/// Colour and marker for a value of a swept field. Both depend only on the study, so they are the same in all plots of
+/// the study.
 fn style(axis: &Axis, value: &str) -> Style {
     let place = axis.values().iter().position(|known| known == value);
     Style::of(place.unwrap_or(0))

@@ -132,7 +132,7 @@ struct Axes<'a> {
 
 /// Cells that are drawn in the same colour, one cell per panel.
 struct Series<'a> {
-    /// Values of the fields in which the series differ.
+    /// This series' values of the swept fields in which the series differ.
     name: Vec<&'a str>,
     label: String,
     style: Style,

@@ -57,8 +57,8 @@ pub(crate) struct Points {
 }
 
 impl Points {
-    /// Converts the reference points of a plot. `series` returns the style of the series with a given name, and
-    /// `panels` are the values of the panels. The error states why a set of points cannot be drawn.
+    /// Converts the reference points of a plot. `series` returns the style of the series with a given name. `panels`
+    /// lists the swept value that each panel shows. The error states why a set of points cannot be drawn.
     pub(crate) fn of(
         points: &[config::Points],
         [x, y]: [AxisScale; 2],
@@ -101,7 +101,7 @@ impl Points {
         Ok(Self { sets })
     }
 
-    /// The sets of points for the panel with this value.
+    /// The sets of points for the panel that shows the swept value `value`.
     pub(crate) fn of_panel(&self, value: Option<&str>) -> Vec<PointSet> {
         let here = |panel: &Option<String>| match (panel, value) {
             (Some(panel), Some(value)) => same(panel, value),

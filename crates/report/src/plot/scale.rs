@@ -239,7 +239,7 @@ impl Scale {
         }
     }
 
-    /// All products of one of these digits and a power of ten that are within the range of the axis.
+    /// All numbers within the range of the axis that are one of these digits times a power of ten.
     fn digits(&self, digits: &[i32]) -> Vec<f64> {
         let decades = self.min.floor() as i32..=self.max.ceil() as i32;
         let values = decades.flat_map(|e| digits.iter().map(move |k| f64::from(*k) * power(e)));

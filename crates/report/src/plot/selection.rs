@@ -235,7 +235,8 @@ fn variety(axis: &Axis, rows: &[usize]) -> Option<String> {
 pub(crate) struct CellSelection {
     /// One row of `cells.csv` for each cell. There is at least one row.
     pub(crate) rows: Vec<usize>,
-    /// Notes about cells without a map, and about values in the key `where` that the table does not contain.
+    /// Notes about cells without a map, and about values that the key `where` names, but that the table does not
+    /// contain.
     pub(crate) notes: Vec<String>,
 }
 

@@ -110,7 +110,7 @@ pub(crate) struct Style {
 }
 
 impl Style {
-    /// Style of the value with this `index` on an axis. The first 56 styles are different.
+    /// Style of the value with the index `index` among the values of a swept field. The first 56 styles are different.
     pub(crate) fn of(index: usize) -> Self {
         Self {
             colour: COLOURS[index % COLOURS.len()],

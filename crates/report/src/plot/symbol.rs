@@ -74,7 +74,7 @@ impl<C, B: DrawingBackend> Drawable<B> for Placed<C> {
     }
 }
 
-/// Fills the shape of a marker. Its radius is approximately `size`, plus `rim` on all sides.
+/// Fills the shape of a marker. The shape has approximately the radius `size`, plus `rim` on all sides.
 fn fill<B: DrawingBackend, S: BackendStyle>(
     backend: &mut B,
     marker: Marker,

@@ -133,7 +133,7 @@ pub(crate) fn study(config: &str, cells: &str, failures: &str, others: &[(&str, 
     Study::read(Files::in_memory(files.iter().chain(others).copied())).unwrap()
 }
 
-/// A value that contains the score of one claim: this score, or a study with only one score.
+/// A value that contains the score of one claim: the score itself, or a study with only one score.
 pub(crate) trait Scored {
     fn score(&self) -> Score;
 }

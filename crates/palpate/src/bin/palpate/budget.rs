@@ -15,8 +15,8 @@ use crate::cli::RunArgs;
 use crate::duration::{exact, roughly, two_digits};
 use crate::failure::Failure;
 
-/// A study whose number of trials and model are chosen. `lines` describe this choice to the user. `warnings` are the
-/// warnings of the planning.
+/// A study, after its number of trials and its model were chosen. `lines` describe this choice to the user. `warnings`
+/// are the warnings that the planning produced.
 pub(crate) struct Allowed {
     pub(crate) study: Study,
     pub(crate) lines: Vec<String>,

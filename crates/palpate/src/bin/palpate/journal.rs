@@ -18,12 +18,12 @@ use serde::{Deserialize, Serialize};
 use crate::failure::Failure;
 use crate::output::names::JOURNAL;
 
-/// First bytes of a journal; the last byte is the version of the format.
+/// The first bytes of every journal. The last of these eight bytes is the version of the journal's format.
 const MAGIC: &[u8; 8] = b"palpate\x05";
-/// Pending rows are written to the file when they exceed this size, bytes.
+/// Rows are collected in memory, and written to the file when they exceed this size (bytes).
 const MAX_PENDING: usize = 1 << 18;
-/// Longest time that pending rows wait before they are written, and shortest time between two synchronisations of the
-/// file with the disk.
+/// Longest time that collected rows wait before they are written to the file. It is also the shortest time between two
+/// synchronisations of the file with the disk.
 const INTERVAL: Duration = Duration::from_secs(1);
 /// Largest accepted length of a record, bytes. A larger length means that the journal is damaged.
 const MAX_RECORD: u32 = 1 << 30;
@@ -62,7 +62,7 @@ pub(crate) struct RunRequest {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 enum Record {
     Header(Box<Header>),
-    /// Finished cells, and the time since the previous `Cells` record, ms.
+    /// Finished cells, and the time (ms) since the previous `Cells` record.
     Cells(Vec<CellRecord>, u64),
     /// Rows that an unfinished cell adds to the table of trials.
     Trials(TrialRows),
@@ -433,7 +433,7 @@ impl Reader {
     }
 }
 
-/// Rejects a directory in which the journal's file name belongs to something that is not a journal.
+/// Rejects a directory that contains an entry with the journal's file name, if this entry is not a journal.
 pub(crate) fn refuse_other(dir: &Path) -> Result<(), Failure> {
     let path = dir.join(JOURNAL);
     let Ok(found) = fs::symlink_metadata(&path) else {

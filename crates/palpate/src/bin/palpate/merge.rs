@@ -121,7 +121,7 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
 pub(crate) struct Shards {
     /// Directory and journal of each shard, by the number of the shard.
     pub(crate) by_number: BTreeMap<u64, (PathBuf, JournalState)>,
-    /// Failures for the journals that cannot be used.
+    /// One failure for each journal that cannot be used.
     pub(crate) faults: Vec<Failure>,
 }
 

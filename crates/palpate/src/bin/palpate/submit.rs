@@ -15,7 +15,8 @@ use crate::output::names::{CONFIG, text_of};
 use crate::output::{self, Contents, Format, Guard, LockedDir, StudyId};
 use crate::run::{difference, overridden};
 
-/// Names of the scripts, of the file with the submitted job numbers, and of the folders for shards and logs.
+/// File name of the script that runs the shards. The next constants are the names of the script that merges the shards,
+/// of the file with the submitted job numbers, and of the folders for shards and logs.
 const SHARDS_SCRIPT: &str = "shards.sbatch";
 const MERGE_SCRIPT: &str = "merge.sbatch";
 const JOBS: &str = "jobs.txt";

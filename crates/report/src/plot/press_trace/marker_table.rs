@@ -31,7 +31,7 @@ const RELATIVE_TOLERANCE: f64 = 1e-6;
 pub(super) struct Displacement {
     /// Component along the normal, positive inwards.
     pub(super) normal: f64,
-    /// Components along the skin, in the axes at the marker; `None` if they were not measured.
+    /// Components of the displacement along both axes of the skin at the marker; `None` if they were not measured.
     pub(super) tangential: Option<[f64; 2]>,
 }
 

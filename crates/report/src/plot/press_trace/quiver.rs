@@ -110,7 +110,8 @@ struct Quiver<'a> {
     radius: f64,
     /// Length of the longest displacement along the skin, in the unit of the tables.
     longest: f64,
-    /// Length of an arrow in drawing units, divided by its displacement; `None` if no marker moves along the skin.
+    /// Length of an arrow in drawing units, divided by the displacement that the arrow shows; `None` if no marker moves
+    /// along the skin.
     stretch: Option<f64>,
 }
 

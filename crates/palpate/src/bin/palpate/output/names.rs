@@ -24,7 +24,7 @@ pub(crate) const JOURNAL: &str = "journal.palpate";
 pub(crate) const CELLS: &str = "cells.csv";
 pub(crate) const FAILURES: &str = "failures.csv";
 pub(crate) const MAP: &str = "map.csv";
-/// File name of the main table in Parquet format. The other two constants are for the tables `failures` and `map`.
+/// File name of the main table in Parquet format. The next two constants are for the tables `failures` and `map`.
 pub(crate) const CELLS_PARQUET: &str = "cells.parquet";
 pub(crate) const FAILURES_PARQUET: &str = "failures.parquet";
 pub(crate) const MAP_PARQUET: &str = "map.parquet";

@@ -34,7 +34,7 @@ pub(crate) struct Draft {
     head: Vec<u8>,
 }
 
-/// Number of first bytes that a draft keeps in memory. They show which kind of file it is.
+/// Number of bytes at the beginning of the file that a draft keeps in memory. These bytes show the kind of the file.
 const HEAD_BYTES: usize = 1 << 16;
 
 impl Draft {
@@ -68,7 +68,7 @@ impl Write for Draft {
 }
 
 impl Contents<'_> {
-    /// First bytes of the new contents. They show which kind of file it is.
+    /// First bytes of the new contents. These bytes show the kind of the file.
     pub(crate) fn head(&self) -> &[u8] {
         match self {
             Self::Bytes(bytes) => bytes,
@@ -261,7 +261,7 @@ fn locked_file(folder: &Path) -> io::Result<NamedTempFile> {
     }
 }
 
-/// The path to which the symbolic links at `path` lead. No file needs to exist there.
+/// The path to which the symbolic links at `path` lead. The file at the end of the links need not exist.
 fn link_target(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MAX_LINKS {

@@ -32,7 +32,7 @@ pub(super) struct JournalRun<'s, 'a> {
     is_shared: bool,
 }
 
-/// Pending rows of the table of trials are written to the journal when they exceed this size, bytes.
+/// Rows of the table of trials are collected, and written to the journal when they exceed this size (bytes).
 const MAX_PENDING_BYTES: usize = 1 << 20;
 
 impl<'s, 'a> JournalRun<'s, 'a> {
