@@ -74,8 +74,8 @@ impl<'a> CellTrials<'a> {
         }
     }
 
-    /// Results of all cells at a value of the searched field. If `is_fresh` is true, they come from the fresh trials,
-    /// otherwise from the trials of the search.
+    /// Results of all cells at a value of the searched field. If `is_fresh` is true, the results come from the fresh
+    /// trials, otherwise from the trials of the search.
     pub(crate) fn samples_at(&self, value: f64, is_fresh: bool) -> Vec<Sample> {
         let bits = value.to_bits();
         let at_value = self

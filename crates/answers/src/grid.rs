@@ -35,9 +35,9 @@ pub(crate) fn combinations(fields: &[Field], gap: f64) -> Result<Vec<Vec<f64>>, 
     Ok(places)
 }
 
-/// New combinations next to the combination `best`. In each field with a range, the new values are the midpoints
-/// between the value of `best` and the nearest values of the `known` combinations that differ from `best` only in this
-/// field.
+/// New combinations next to the combination `best`. In each field with a range, the new values are midpoints between
+/// the value of `best` and the nearest known values. Only the `known` combinations that differ from `best` in no other
+/// field are used.
 pub(crate) fn neighbours(
     fields: &[Field],
     gap: f64,

@@ -28,8 +28,8 @@ pub struct Question {
     /// failed trials are ignored.
     pub max_failures: f64,
     /// Largest gap that the answer may leave between values that meet the target and values that miss it. On a range
-    /// with logarithmic spacing, the gap is relative to the lower of the two values. Otherwise, it is relative to half
-    /// the range.
+    /// with logarithmic spacing, the gap is relative to the lower of the two values. On other ranges, the gap is
+    /// relative to half the range.
     pub gap: f64,
     /// Largest number of trials that each cell of the study runs at one value of the searched field.
     pub most_trials: u64,

@@ -155,7 +155,8 @@ impl Region {
         })
     }
 
-    /// The fields with one value each: those that the question sets, and those of the grid at the combination `place`.
+    /// Fields with one value each: the fields that the question sets, and the grid's fields with their values at the
+    /// combination `place`.
     pub(crate) fn fixed_at(&self, place: &[f64]) -> Vec<(String, Vec<toml::Value>)> {
         let grid = self.grid.iter().zip(place);
         let grid = grid.map(|(field, value)| field.fixed_at(*value));

@@ -90,8 +90,8 @@ pub fn scores(options: Options<'_>, report: impl Fn(&Score)) -> Result<Vec<Score
     Ok(scores)
 }
 
-/// Fails if too few answers are correct. At least 183 of 200 answers of `design`, at least 16 of 20 answers of `design`
-/// for each scene, and at least 19 of 20 probabilities of `distinguish` must be correct.
+/// Fails if too few answers are correct. Of all answers of `design`, at least 183 of 200 must be correct, and for each
+/// scene at least 16 of 20. Of the probabilities of `distinguish`, at least 19 of 20 must be correct.
 ///
 /// An answer should be correct with a probability of 95 %. Then at least 183 of 200 answers are correct with a
 /// probability of 98.8 %, and at least 16 of 20 answers with a probability of 99.7 %.
@@ -151,8 +151,8 @@ fn design_score(scene: &Design, runner: &Runner, seeds: u64) -> Result<Score> {
     })
 }
 
-/// Whether an answer of `design` is correct. It must contain a range that meets the target and a range that misses it.
-/// The reference must not state the opposite at any end of these ranges.
+/// Whether an answer of `design` is correct. The answer must contain a range that meets the target and a range that
+/// misses it. At the ends of these ranges, the reference answer must not contradict this answer.
 fn is_right_design(answer: &Region, reference: &Region) -> bool {
     let [answer, reference] = [answer, reference].map(|region| &region.columns[0]);
     let is_wrong = |value: f64, side: Side| {

@@ -60,8 +60,8 @@ pub fn tip_on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
 }
 
 /// Contact point of a tip of radius r on z = k x² + l y². Where the object is concave, the tip must be more curved than
-/// the object. If the contact is at (x, y), the tip's centre is at x (1 − 2kr/s), y (1 − 2lr/s) with s = √(1 + 4 (k²x²
-/// + l²y²)). The unknown s is found by bisection.
+/// the object. If the contact is at (x, y), the tip's centre is at (x (1 − 2kr/s), y (1 − 2lr/s)). Here s is the square
+/// root of 1 + 4 (k²x² + l²y²). The unknown s is found by bisection.
 pub fn tip_on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let at = |s: f64| [x / (1.0 - 2.0 * k * tip / s), y / (1.0 - 2.0 * l * tip / s)];
     let square = |[x, y]: [f64; 2]| 1.0 + 4.0 * ((k * x).powi(2) + (l * y).powi(2));
@@ -73,9 +73,9 @@ pub fn tip_on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] 
     [x, y, k * x * x + l * y * y]
 }
 
-/// Contact point of a tip of radius r on an ellipsoid. If the contact is at (x, y, z), the tip's centre is at x (1 +
-/// r/(g a²)) with g = |(x/a², y/b², z/c²)|, and correspondingly in y and z. The unknown g is found by bisection. NaN if
-/// the tip misses the ellipsoid.
+/// Contact point of a tip of radius r on an ellipsoid with the semi-axes a, b and c. If the contact is at (x, y, z),
+/// the x coordinate of the tip's centre is x (1 + r/(g a²)) with g = |(x/a², y/b², z/c²)|. For the other coordinates, b
+/// or c replaces a. The unknown g is found by bisection. NaN if the tip misses the ellipsoid.
 pub fn tip_on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let squares = semi_axes.map(|axis| axis * axis);
     let at = |g: f64| {

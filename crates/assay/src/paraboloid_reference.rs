@@ -90,7 +90,8 @@ impl ParaboloidPress {
     /// Displacements at a depth, inward and outward, for each of these distances from the middle of the contact.
     ///
     /// # Errors
-    /// At the surface of a compressible half-space, because the integral over wavenumbers does not converge there.
+    /// An error at the surface of a compressible half-space, because the integral over wavenumbers does not converge
+    /// there.
     pub fn displacements(&self, depth: f64, distances: &[f64]) -> Result<Vec<[f64; 2]>> {
         let (unit, at): (f64, Vec<[f64; 2]>) = match &self.pressure {
             Pressure::Hertz { poisson, radius } => {

@@ -361,7 +361,7 @@ pub struct ColumnNamesError {
 ///
 /// # Errors
 /// [`ColumnNamesError`] for a key that is not in `columns`, for an empty name, for two keys that refer to the same
-/// column, and for two keys with the same name.
+/// column, and for two keys that state the same name.
 pub fn check_names(names: &ColumnNames, columns: &[Column]) -> Result<(), ColumnNamesError> {
     let fault = |key: &str, message: String| {
         let key = key.to_owned();

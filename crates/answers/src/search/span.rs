@@ -31,8 +31,8 @@ impl Span {
         }
     }
 
-    /// Distance between two values, where `low` ≤ `high`. On a logarithmic range, it is relative to `low`, otherwise
-    /// relative to half the range.
+    /// Distance between two values, where `low` ≤ `high`. On a logarithmic range, the distance is relative to `low`,
+    /// otherwise relative to half the range.
     pub(crate) fn gap(&self, low: f64, high: f64) -> f64 {
         let gap = match self.is_log {
             true => high / low - 1.0,

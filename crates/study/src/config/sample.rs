@@ -13,8 +13,8 @@ const SPREAD: usize = 2000;
 
 /// Numbers of the cells that are checked, in ascending order. They depend only on the axes. A small study is checked
 /// completely. The sample of a large study has
-/// - each row of an axis, once with the first rows of the other axes and once with other rows. Of a long axis, only
-///   [`MOST_ROWS`] rows are used: rows that are spread evenly, and its extremes.
+/// - each row of an axis, once with the first rows of the other axes and once with other rows of these axes. Of a long
+///   axis, only [`MOST_ROWS`] rows are used: rows that are spread evenly, and its extremes.
 /// - for each pair of axes, the combinations of their extremes, with the first rows of the other axes.
 /// - the last cell, and cells that are spread evenly.
 pub(super) fn sample(grid: &Grid) -> Vec<usize> {

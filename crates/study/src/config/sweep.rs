@@ -322,7 +322,7 @@ pub(super) fn axes(section: &[SweepConfig]) -> Result<Vec<Axis>, Fault> {
 }
 
 impl SweepConfig {
-    /// The first of these keys that the axis states; if `is_given` is false, the first of these keys that it does not
+    /// The first of `keys` that the axis states. If `is_given` is false, the first of `keys` that the axis does not
     /// state.
     fn first(&self, keys: &[&'static str], is_given: bool) -> Option<&'static str> {
         let has = |key: &str| match key {
