@@ -190,8 +190,8 @@ impl Markers {
     /// `shift` along the x axis at the contact. All arguments except Poisson's ratio `poisson` are lengths.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5], a `depth` that is not from 0 to 1e50, a
-    /// `contact_radius` that is not from 1e-50 to 1e50, and a `shift` beyond 1e50.
+    /// [`PressError::BadSetting`] unless `poisson` is from 0 to 0.5, `depth` from 0 to 1e50, `contact_radius` from
+    /// 1e-50 to 1e50, and the magnitude of `shift` at most 1e50.
     pub fn shifted(
         &self,
         poisson: f64,
@@ -217,8 +217,8 @@ impl Markers {
         self.places.iter().map(moved).collect()
     }
 
-    /// Returns an error if the markers cannot observe a contact with the radius `contact_radius`. They can if a marker
-    /// is within twice this radius of the contact, or if markers surround the contact. Only markers in the hemisphere
+    /// Returns an error if the markers cannot observe a contact with the radius `contact_radius`. They can observe the
+    /// contact if a marker is within twice this radius of it, or if markers surround it. Only markers in the hemisphere
     /// around the contact count.
     ///
     /// # Errors
@@ -258,8 +258,8 @@ impl Markers {
     }
 }
 
-/// Returns an error if the markers cannot observe a contact with the radius `contact_radius`. They can if a marker is
-/// within twice this radius of the contact, or if markers at distances below `around` surround the contact.
+/// Returns an error if the markers cannot observe a contact with the radius `contact_radius`. They can observe the
+/// contact if a marker is within twice this radius of it, or if markers at distances below `around` surround it.
 pub(crate) fn see(sights: &[Sight], contact_radius: f64, around: f64) -> Result<(), PressError> {
     let distances = sights.iter().map(|sight| sight.distance);
     let nearest = distances.fold(f64::INFINITY, f64::min);
@@ -286,21 +286,22 @@ fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
     !bearings.windows(2).any(is_gap)
 }
 
-/// Derivatives with respect to four fit parameters: the logarithm of the relative curvature, the displacements of the
-/// contact along the two axes at its place, and the indentation.
+/// Derivatives of a displacement with respect to four fit parameters: the logarithm of the relative curvature, the
+/// displacements of the contact along the two axes at its place, and the indentation.
 pub(crate) type Slopes = [f64; 4];
 
 /// Values of a contact that are needed for the derivatives of displacements.
 pub(crate) struct PressSlopes {
     pub(crate) curvature: f64,
     pub(crate) indentation: f64,
-    /// Derivative of the contact's radius with respect to the indentation divided by the relative curvature.
+    /// Derivative of the contact's radius with respect to D, where D is the indentation divided by the relative
+    /// curvature.
     pub(crate) per_d: f64,
 }
 
 impl PressSlopes {
-    /// The values for the contact `contact`. `slope` is the derivative of D with respect to the contact's radius, where
-    /// D is the indentation divided by the relative curvature.
+    /// Computes the values for `contact`. `slope` is the derivative of D with respect to the contact's radius, where D
+    /// is the indentation divided by the relative curvature.
     pub(crate) fn new(contact: &Contact<'_>, slope: f64) -> Self {
         Self {
             curvature: contact.relative_curvature,

@@ -17,11 +17,11 @@ use crate::{Contact, Estimated, GoodnessOfFit, Measured, PressError};
 pub(crate) const PATTERNS: usize = 7;
 /// Indices of the patterns that depend only on the distance from the contact.
 const BY_DISTANCE: Range<usize> = 0..5;
-/// Indices of the patterns that also depend on the direction.
+/// Indices of the patterns that also depend on the direction from the contact.
 const BY_DIRECTION: Range<usize> = 5..7;
 
-/// A pattern is tested only if at least this share of it is not explained by the fitted parameters. If the share is
-/// smaller, the unexplained rest is mostly an effect of the model's nonlinearity.
+/// Smallest share of a pattern that the fitted parameters must leave unexplained. A pattern with a smaller share is not
+/// tested, because its unexplained rest is mostly an effect of the model's nonlinearity.
 const MIN_REMAINING_SHARE: f64 = 0.1;
 
 /// Displacements of a marker in all tested patterns, one column per pattern. The three rows are the components inward
@@ -31,11 +31,11 @@ pub(crate) type Patterns = SMatrix<f64, 3, PATTERNS>;
 /// Displacements of a marker in the tested patterns. `contact` is the fitted contact, and `sight` the position of the
 /// marker as viewed from it.
 ///
-/// Let u_z be the inward displacement, u_r the displacement along the skin, and r the distance from the contact. Five
-/// patterns show that the body differs from the model: the size of u_z, the steepness of u_z, an offset of u_z, the
-/// size of u_r and the steepness of u_r. Two patterns show that the contact is elongated. The inward displacement then
-/// changes approximately by r ∂u_z/∂r cos 2θ, where θ is the angle from the contact's longer axis. The displacements
-/// along the skin change by the gradient of the potential r u_r cos 2θ.
+/// The displacement is u_z inward and u_r along the skin, and r is the distance from the contact. Five patterns show
+/// that the body differs from the model: the size of u_z, the steepness of u_z, an offset of u_z, the size of u_r and
+/// the steepness of u_r. Two patterns show that the contact is elongated. The inward displacement then changes
+/// approximately by r ∂u_z/∂r cos 2θ, where θ is the angle from the contact's longer axis. The displacements along the
+/// skin change by the gradient of the potential r u_r cos 2θ.
 pub(crate) fn patterns(contact: &Contact<'_>, sight: &Sight) -> Patterns {
     let field = contact.field(sight.distance);
     let steep = sight.distance * field.normal_per_r;
@@ -92,7 +92,7 @@ impl Noise {
         }
     }
 
-    /// P-value of the decrease of chi-squared by patterns in the residuals.
+    /// P-value of the decrease `explained` of chi-squared, which patterns in the residuals cause.
     pub(crate) fn chance(&self, explained: Explained) -> f64 {
         match *self {
             Self::Stated => explained.p_value(),
@@ -154,7 +154,8 @@ impl PatternSums {
     }
 }
 
-/// Returns a misfit if the stated indentation differs significantly from `alone`, the estimate from the other readings.
+/// Returns a misfit if the stated indentation differs significantly from `alone`, the indentation that is estimated
+/// from the other readings.
 ///
 /// # Errors
 /// [`PressError::Undetermined`] if the other readings do not determine the indentation.
@@ -181,7 +182,7 @@ pub(crate) fn stated_indentation(
 mod tests {
     use super::*;
 
-    /// Irregular numbers for tests, some positive and some negative.
+    /// Irregular numbers for tests. Some are positive and some are negative.
     fn scattered(number: usize) -> f64 {
         libm::sin(1.7 * (number * number) as f64 + 0.3)
     }

@@ -11,8 +11,8 @@ use crate::{Estimated, GoodnessOfFit, PressError, PressEstimate, Verdict};
 /// computed again from this fit.
 const MAX_FITS: usize = 4;
 
-/// Calls `conclude` with a fit. If `conclude` returns a better fit instead of an estimate, it is called again with this
-/// fit.
+/// Calls `conclude` with a fit. If `conclude` returns a better fit instead of an estimate, `until_best` calls
+/// `conclude` again with the better fit.
 ///
 /// # Errors
 /// Errors of `conclude`, and [`PressError::Undetermined`] if `conclude` returns a better fit again and again.
@@ -31,7 +31,7 @@ pub(crate) fn until_best<F>(
     })
 }
 
-/// Those fields of [`PressEstimate`] that are computed differently from displacements and from images.
+/// Fields of [`PressEstimate`] that fits of displacements and fits of images compute in different ways.
 pub(crate) struct OfReadings {
     pub(crate) relative_curvature: Estimated,
     pub(crate) baseline: Option<Estimated>,

@@ -5,17 +5,18 @@ use crate::least_squares::{LeastSquares, minimise};
 use crate::state::State;
 use crate::unknowns::{CURVATURE, INDENTATION};
 
-/// Tolerance of the search for an end of the interval: relative error of the square root of the increase of
-/// chi-squared. Within this tolerance, the end is interpolated.
+/// Tolerance of the search for an end of the interval. It is the relative error of the square root of the increase of
+/// chi-squared at the end. A result within this tolerance is improved by interpolation.
 const TOLERANCE: f64 = 0.03;
 /// Maximum number of attempts to find an end of an interval.
 const MAX_TRIES: usize = 40;
-/// Limit of the search: largest ratio between a curvature and its estimate, or between the estimate and the curvature.
+/// Limit of the search: largest ratio between a curvature and the estimated curvature, in either direction.
 const MAX_RATIO: f64 = 1e6;
 
-/// The interval of curvatures for which chi-squared, minimised with respect to all other fit parameters, exceeds its
-/// minimum by less than `limit`. If the search finds fit parameters with a clearly smaller chi-squared than `best`, the
-/// function returns these parameters as the error. The caller can then start a new fit from them.
+/// The interval of the relative curvature. For each curvature, chi-squared is minimised with respect to all other fit
+/// parameters. The curvature is in the interval if this minimum exceeds the overall minimum by less than `limit`. If
+/// the search finds fit parameters with a clearly smaller chi-squared than `best`, the function returns these
+/// parameters as the error. The caller can then start a new fit from them.
 pub(crate) fn profile<P: LeastSquares>(
     problem: &P,
     best: &P::Fit,
@@ -38,8 +39,8 @@ struct Found {
 }
 
 impl Found {
-    /// The step for which the square root of the increase of chi-squared is `root`. It is interpolated by a cubic
-    /// polynomial between `self` and `other`, from their values and derivatives.
+    /// The step for which the square root of the increase of chi-squared is `root`. The step is interpolated by a cubic
+    /// polynomial between the steps `self` and `other`, from their values and derivatives.
     fn through(self, other: Self, root: f64) -> f64 {
         let width = other.root - self.root;
         let share = (root - self.root) / width;

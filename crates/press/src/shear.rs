@@ -22,7 +22,7 @@ use std::f64::consts::PI;
 use crate::PressError;
 use crate::half_space::Spheroidal;
 
-/// Displacement of a point of the skin while the contact, which sticks to the skin, shifts by one unit of length.
+/// Displacement of a point of the skin per unit of length that the contact shifts. The contact sticks to the skin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct StuckShift {
     /// Component of the displacement along the shift.
@@ -41,8 +41,8 @@ pub(crate) struct StuckShift {
 /// (Cerruti).
 ///
 /// # Errors
-/// [`PressError::BadSetting`] for `poisson` outside [0, 0.5], a `depth` or `distance` that is not from 0 to 1e50, a
-/// `contact_radius` that is not from 1e-50 to 1e50, or an `azimuth` that is not finite.
+/// [`PressError::BadSetting`] unless `poisson` is from 0 to 0.5, `depth` and `distance` from 0 to 1e50,
+/// `contact_radius` from 1e-50 to 1e50, and `azimuth` finite.
 pub(crate) fn stuck_shift(
     poisson: f64,
     depth: f64,

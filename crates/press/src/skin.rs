@@ -10,9 +10,9 @@ const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 /// The skin of a sensor: a sphere, with coordinates relative to its apex. The skin of a flat pad is a sphere with an
 /// infinite radius.
 ///
-/// The coordinates (x, y) of a place are its logarithm map from the apex. They point from the apex towards the place,
-/// and √(x² + y²) is the distance along the skin. The components of tangential displacements are along the axes of the
-/// apex, transported along the meridian to the place.
+/// The coordinates (x, y) of a place are its logarithm map from the apex. The vector (x, y) points from the apex
+/// towards the place, and √(x² + y²) is the distance along the skin. The components of tangential displacements are
+/// along the axes of the apex, transported along the meridian to the place.
 ///
 /// ```
 /// use palpate_press::{Body, Skin};
@@ -212,8 +212,8 @@ impl Skin {
         Ok(())
     }
 
-    /// Direction from the sensor's centre to a point of the skin near `place`. The way from `place` to this point runs
-    /// along the skin. Its components in the axes of `place` are `along` and `across`, length. They must not both be 0.
+    /// Direction from the sensor's centre to a point of the skin near `place`. The point is reached from `place` along
+    /// the skin, by the lengths `along` and `across` along the two axes of `place`. The lengths must not both be 0.
     pub(crate) fn beyond(&self, place: &Place, along: f64, across: f64) -> Vector3<f64> {
         let tangent = place.x_axis * along + place.y_axis * across;
         let angle = tangent.norm() / self.place_radius();

@@ -10,9 +10,9 @@ use crate::state::State;
 pub(crate) const UNKNOWNS: usize = 6;
 /// Index of the logarithm of the relative curvature in the fit parameters.
 pub(crate) const CURVATURE: usize = 0;
-/// Index of the contact's displacement along the first axis at the contact.
+/// Index of the contact's displacement along the first axis at the contact, in the fit parameters.
 pub(crate) const ALONG: usize = 1;
-/// Index of the contact's displacement along the second axis at the contact.
+/// Index of the contact's displacement along the second axis at the contact, in the fit parameters.
 pub(crate) const ACROSS: usize = 2;
 /// Index of the indentation in the fit parameters.
 pub(crate) const INDENTATION: usize = 3;
@@ -22,11 +22,11 @@ pub(crate) const OTHERS: usize = 4;
 pub(crate) type Unknowns = SVector<f64, UNKNOWNS>;
 pub(crate) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// If a prior's standard deviation, divided by the prior's value, is below this limit, the parameter counts as exact
-/// and is not fitted. A fit with such a small standard deviation would suffer from rounding errors.
+/// Smallest ratio of a prior's standard deviation to its value with which the parameter is fitted. If the ratio is
+/// smaller, the parameter counts as exact, because a fit with such a prior would suffer from rounding errors.
 pub(crate) const EXACT: f64 = 1e-10;
 
-/// The parameters that are fitted, and their normal priors.
+/// States which fit parameters are fitted, and contains their normal priors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fitted {
     /// For each fit parameter, whether it is fitted; `false` for exact parameters.
@@ -36,8 +36,8 @@ pub(crate) struct Fitted {
 }
 
 impl Fitted {
-    /// Fits all parameters, except an indentation that is exact. `others` contains the priors of the two fit parameters
-    /// that depend on the kind of fit.
+    /// Prepares a fit of all parameters, except an indentation that is exact. `others` contains the priors of the two
+    /// fit parameters that depend on the kind of fit.
     pub(crate) fn new(indentation: Option<Measured>, others: [Option<Measured>; 2]) -> Self {
         let (mut sought, mut priors) = ([true; UNKNOWNS], [None; UNKNOWNS]);
         sought[INDENTATION] = indentation.is_none_or(|known| known.std > EXACT * known.value);
@@ -51,7 +51,7 @@ impl Fitted {
         self.sought.iter().filter(|&&sought| sought).count()
     }
 
-    /// Index and prior of each fitted parameter that has a prior.
+    /// The priors of the fitted parameters, each with the index of its parameter.
     pub(crate) fn priors(&self) -> impl Iterator<Item = (usize, Measured)> + '_ {
         let fitted = (0..UNKNOWNS).filter(|&unknown| self.sought[unknown]);
         fitted.filter_map(|unknown| Some((unknown, self.priors[unknown]?)))
@@ -112,8 +112,8 @@ impl Sums {
         solve(&damped, &-self.gradient)
     }
 
-    /// Derivatives of all fit parameters with respect to the logarithm of the curvature, if the other fit parameters
-    /// change such that they minimise chi-squared for each curvature.
+    /// Derivatives of all fit parameters with respect to the logarithm of the curvature. When the curvature changes,
+    /// the other fit parameters change such that chi-squared stays minimal.
     pub(crate) fn ridge(&self) -> Unknowns {
         let across = -self.hessian.column(CURVATURE);
         let mut along = solve(&self.holding(CURVATURE).hessian, &across).unwrap_or_default();
@@ -121,16 +121,16 @@ impl Sums {
         along
     }
 
-    /// Adds the prior of one fit parameter. `off` is the difference between the parameter and the prior's mean, and
-    /// `std` the prior's standard deviation.
+    /// Adds the prior of the fit parameter with the index `unknown` to the sums. `off` is the difference between the
+    /// parameter and the prior's mean, and `std` the prior's standard deviation.
     fn add_prior(&mut self, unknown: usize, off: f64, std: f64) {
         self.chi_squared += (off / std) * (off / std);
         self.gradient[unknown] += off / (std * std);
         self.hessian[(unknown, unknown)] += 1.0 / (std * std);
     }
 
-    /// Adds one reading to the derivatives. `residual` is its residual in standard deviations, and `slopes` contains
-    /// the derivatives of its prediction.
+    /// Adds one reading to the gradient and the Hessian. `residual` is its residual in standard deviations, and
+    /// `slopes` contains the derivatives of the predicted reading with respect to the fit parameters.
     #[inline]
     pub(crate) fn add(&mut self, residual: f64, weight: f64, slopes: &Unknowns) {
         for row in 0..UNKNOWNS {

@@ -61,7 +61,7 @@ impl<'py> Numbers<'py> {
         }
     }
 
-    /// Rows of `D` numbers along the last axis. All other axes are joined to one axis.
+    /// The numbers as rows of `D` numbers along the last axis. All other axes are joined to one axis.
     pub(crate) fn rows<const D: usize>(&self) -> &[[f64; D]] {
         self.flat().as_chunks::<D>().0
     }

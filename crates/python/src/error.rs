@@ -96,13 +96,13 @@ const RENAMED: [(&str, &str); 3] = [
     ("normals", "tangent_normals"),
 ];
 
-/// Key of the setting that an argument states.
+/// Key of the setting that the argument `argument` states.
 pub(crate) fn key(argument: &str) -> &str {
     let renamed = RENAMED.iter().find(|(_, name)| *name == argument);
     renamed.map_or(argument, |(key, _)| key)
 }
 
-/// Name of the argument that states a setting.
+/// Name of the argument that states the setting `key`.
 pub(crate) fn name(key: &str) -> &str {
     let renamed = RENAMED.iter().find(|(renamed, _)| *renamed == key);
     renamed.map_or(key, |(_, name)| name)

@@ -18,7 +18,8 @@ pub(crate) trait Made: Send + Sync {
     /// All fields of the result that the command line prints as JSON.
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>>;
 
-    /// Computes one field without the others. Returns `None` if this is not much faster than computing all fields.
+    /// Computes one field without the others. Returns `None` if computing the field alone is not much faster than
+    /// computing all fields.
     fn alone(&self, _: &str) -> Option<Alone> {
         None
     }
@@ -130,7 +131,7 @@ impl Record {
         arrays.bind(py)
     }
 
-    /// The array, table or figure with this name.
+    /// The array, table or figure with this name; `None` if there is none.
     fn array<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         if let Some(arrays) = self.arrays.get(py)
             && let Some(value) = arrays.bind(py).get_item(name)?

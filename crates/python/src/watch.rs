@@ -42,7 +42,7 @@ impl Watch {
         }
     }
 
-    /// Passes the amount of work that was done since the previous call to `progress`.
+    /// Calls `progress` with the amount of work that was done since the previous call.
     fn call(&self, py: Python<'_>, progress: Option<&Py<PyAny>>) -> PyResult<()> {
         let done = self.done.swap(0, Ordering::Relaxed);
         match progress {

@@ -36,13 +36,13 @@ pub struct Calibration {
     normal: Option<NormalCalibration>,
     lateral: Option<LateralCalibration>,
     markers: Option<usize>,
-    /// Mean hue of the markers at rest, turns; `None` if it is not known.
+    /// Mean hue of the markers at rest, turns; `None` if the mean is not known.
     pub hue_turns: Option<f64>,
 }
 
 impl Calibration {
     /// A calibration for normal displacements, for tangential displacements, or for both. `markers` is the number of
-    /// markers that the sensor shows at rest; `None` if it is not known.
+    /// markers that the sensor shows at rest; `None` if the number is not known.
     ///
     /// # Errors
     /// [`CalibrationError::TooFewPoints`] if both parts are missing; [`CalibrationError::OutOfRange`] for a number that
@@ -77,14 +77,14 @@ impl Calibration {
         self.lateral.as_ref()
     }
 
-    /// Number of markers that the sensor shows at rest; `None` if it is not known.
+    /// Number of markers that the sensor shows at rest; `None` if the number is not known.
     pub const fn markers(&self) -> Option<usize> {
         self.markers
     }
 
-    /// Checks the number of markers that a sensor shows at rest. It may differ by 10 % from the number in the
-    /// calibration, because some markers may be hidden. If the calibration uses a separate slope for each marker, the
-    /// two numbers must be equal, because the slopes are stored by marker index.
+    /// Checks the number of markers that a sensor shows at rest. The number `found` may differ by 10 % from the number
+    /// in the calibration, because some markers may be hidden. If the calibration uses a separate slope for each
+    /// marker, both numbers must be equal, because the slopes are stored by marker index.
     ///
     /// # Errors
     /// [`CalibrationError::AnotherLayout`] if the number of markers does not fit.
@@ -100,16 +100,16 @@ impl Calibration {
         Ok(())
     }
 
-    /// The inward displacement of a marker, length, computed from the change of its image. `None` if there is no
-    /// calibration for normal displacements, or if the change is not finite.
+    /// The inward displacement of a marker, length, computed from the change of its image. The result is `None` if
+    /// there is no calibration for normal displacements, or if the change is not finite.
     pub fn normal(&self, marker: usize, change: &Change) -> Option<f64> {
         self.normal.as_ref()?.read(marker, change)
     }
 
     /// The displacement of a marker along the skin (length). `normal` is the marker's inward displacement. `shift_px`
     /// is the shift of the marker's image along the axes at its place, px. The shift in px is the focal length (px per
-    /// radian) multiplied by the angle of the shift. `None` if there is no calibration for tangential displacements, or
-    /// if a number is not finite.
+    /// radian) multiplied by the angle of the shift. The result is `None` if there is no calibration for tangential
+    /// displacements, or if a number is not finite.
     pub fn tangential(&self, shift_px: [f64; 2], normal: f64) -> Option<[f64; 2]> {
         self.lateral.as_ref()?.read(shift_px, normal)
     }

@@ -10,10 +10,10 @@ use crate::{CalibrationError, Change, Marker, Track};
 /// the angle θ from the axis has its image at the distance r = f θ from the image's centre, where f is the focal
 /// length. If the lens has odd terms, r = f (θ + k3 θ³ + k5 θ⁵).
 ///
-/// A place is a direction from the centre. Its two coordinates are the logarithm map from the apex, in radians: √(x² +
-/// y²) is the angle from the apex, and (x, y) points from the apex to the place. Image columns increase along x, and
-/// image rows increase along −y. The components of a displacement are along the axes of the apex, parallel-transported
-/// along the meridian to the place.
+/// A place is a direction from the sensor's centre. Its two coordinates (x, y) are the logarithm map from the apex, in
+/// radians: √(x² + y²) is the angle from the apex, and (x, y) points from the apex to the place. Image columns increase
+/// along x, and image rows increase along −y. The components of a displacement are along the axes of the apex,
+/// parallel-transported along the meridian to the place.
 ///
 /// ```
 /// use palpate_tracking::Equidistant;
@@ -36,7 +36,8 @@ impl Equidistant {
     /// A camera without odd terms that shows the apex at `centre_px` and has the focal length f = `px_per_rad`.
     ///
     /// # Errors
-    /// [`CalibrationError::OutOfRange`] unless the centre lies within ±1e12 px and `px_per_rad` between 1e-6 and 1e12.
+    /// [`CalibrationError::OutOfRange`] unless both coordinates of the centre are from -1e12 to 1e12 px, and
+    /// `px_per_rad` is from 1e-6 to 1e12.
     pub fn new(centre_px: [f64; 2], px_per_rad: f64) -> Result<Self, CalibrationError> {
         let mut bad = centre_px
             .iter()
@@ -87,7 +88,7 @@ impl Equidistant {
         self.px_per_rad
     }
 
-    /// Place of an image point, rad. If the point is not a valid place, the result is the apex.
+    /// Place of an image point, rad. If the point does not belong to a valid place, the result is the apex.
     pub fn place(&self, point_px: [f64; 2]) -> [f64; 2] {
         self.finite_place(point_px).unwrap_or_default()
     }
@@ -107,8 +108,8 @@ impl Equidistant {
         }
     }
 
-    /// Great-circle displacement from one image point to another, rad, along the axes at the first place; 0 if a point
-    /// is not a valid place.
+    /// Great-circle displacement from one image point to another, rad, along the axes at the first place. It is 0 if a
+    /// point does not belong to a valid place.
     ///
     /// In the radial direction of the image, this displacement equals the distance in pixels divided by the focal
     /// length. In the perpendicular direction, the image is stretched by the factor θ/sin θ.
@@ -142,7 +143,7 @@ impl Equidistant {
         Some(change).filter(Change::is_finite)
     }
 
-    /// Factor by which the image enlarges an area at the angle `angle` from the camera's axis, compared with an area on
+    /// Factor by which the image enlarges a small area at the angle `angle` from the camera's axis. The factor is 1 on
     /// the axis.
     fn stretching(&self, angle: f64) -> f64 {
         let [even, slope] = self.terms.map_or([1.0; 2], |terms| terms.stretches(angle));
@@ -248,7 +249,7 @@ impl OddTerms {
     }
 
     /// The angle from the axis for a distance from the image's centre. `scaled` is this distance divided by the focal
-    /// length. `None` if no valid place has this distance.
+    /// length. The result is `None` if no valid place has this distance.
     fn angle(self, scaled: f64) -> Option<f64> {
         let (mut low, mut high) = (0.0, self.max_angle);
         let distance = |angle: f64| angle * self.stretches(angle)[0];

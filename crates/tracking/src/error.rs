@@ -11,17 +11,17 @@ pub enum TrackingError {
     /// The frame has no pixels.
     #[error("the frame has no pixels: {width} by {height}")]
     EmptyImage {
-        /// Number of columns.
+        /// Number of columns of the frame.
         width: u32,
-        /// Number of rows.
+        /// Number of rows of the frame.
         height: u32,
     },
     /// The frame, or its part inside the image circle, is too small for a marker.
     #[error("the frame has {width} by {height} px; at least {least} by {least} are needed")]
     TooSmall {
-        /// Number of columns.
+        /// Number of columns of the frame or of its part.
         width: u32,
-        /// Number of rows.
+        /// Number of rows of the frame or of its part.
         height: u32,
         /// Smallest allowed number of columns and of rows.
         least: u32,
@@ -29,9 +29,9 @@ pub enum TrackingError {
     /// The frame is larger than the limit.
     #[error("the frame has {width} by {height} px; at most {most} by {most} are accepted")]
     TooLarge {
-        /// Number of columns.
+        /// Number of columns of the frame.
         width: u32,
-        /// Number of rows.
+        /// Number of rows of the frame.
         height: u32,
         /// Largest allowed number of columns and of rows.
         most: u32,
@@ -63,9 +63,9 @@ pub enum TrackingError {
     /// sensor.
     #[error("{shapes} shapes differ from the background; at most {most} are allowed")]
     TooMany {
-        /// Number of shapes.
+        /// Number of connected shapes in the frame.
         shapes: usize,
-        /// Largest allowed number of shapes.
+        /// Largest allowed number of connected shapes.
         most: usize,
     },
 }

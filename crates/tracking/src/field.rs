@@ -30,22 +30,22 @@ pub enum FieldError {
          its position is more than half a turn from the apex"
     )]
     OutOfRange {
-        /// Index of the marker.
+        /// Index of the wrong marker, counted from 0.
         marker: usize,
     },
     /// Two markers have the same place.
     #[error("marker {marker} (counting from 0) has the same place as an earlier marker")]
     Coincident {
-        /// Index of the later marker.
+        /// The larger index of the two markers, counted from 0.
         marker: usize,
     },
-    /// The standard deviation of the filter is out of range.
+    /// The standard deviation of the smoothing filter is out of range.
     #[error(
         "the filter's standard deviation is {value} rad; it must be at least 0 and finite",
         value = Number(*value)
     )]
     BadFilter {
-        /// Standard deviation of the filter, rad.
+        /// Standard deviation of the smoothing filter, rad.
         value: f64,
     },
 }
@@ -134,9 +134,9 @@ impl Field {
         &self.markers
     }
 
-    /// A smoothed field: the displacement of each marker is replaced by a weighted mean over all markers. The weights
-    /// are a Gaussian function of the great-circle distance, with the standard deviation `std_rad`. If `std_rad` is 0,
-    /// the field does not change.
+    /// A smoothed displacement field. The displacement of each marker is replaced by a weighted mean of the
+    /// displacements of all markers. The weights are a Gaussian function of the great-circle distance, with the
+    /// standard deviation `std_rad`. If `std_rad` is 0, the field does not change.
     ///
     /// # Errors
     /// [`FieldError::BadFilter`] unless `std_rad` is finite and at least 0.
@@ -174,7 +174,8 @@ impl Field {
         (x + y + found.normal).is_finite().then_some(found)
     }
 
-    /// Interpolation weights of the markers at a point; empty outside their convex hull.
+    /// Interpolation weights of the markers at a point. The list is empty if the point is outside the markers' convex
+    /// hull.
     fn weights(&self, point: Point2<f64>) -> Vec<(usize, f64)> {
         // A single marker is treated separately, because its triangulation has no edges.
         if let [marker] = self.markers[..] {
@@ -225,7 +226,7 @@ impl Field {
         }
     }
 
-    /// The weighted mean of the markers' displacements, as the displacement at `place`.
+    /// The weighted mean of the markers' displacements. The result has the place `place`.
     fn mean(&self, place: [f64; 2], weights: impl Iterator<Item = (usize, f64)>) -> Displaced {
         let mut sum = [0.0; 4];
         for (marker, weight) in weights {
@@ -247,9 +248,9 @@ impl Field {
     }
 
     /// Mean displacement of the skin away from the centre of the contact. The centre is the marker with the largest
-    /// normal displacement. The mean is over the other markers, and their inward displacements are the weights. A
-    /// positive result means that the skin slips on the object, or that the object pushes it aside. `None` if no other
-    /// marker was displaced inward.
+    /// normal displacement. The mean is over all other markers, and their inward displacements are the weights. A
+    /// positive result means that the skin slips on the object, or that the object pushes the skin aside. The result is
+    /// `None` if no other marker was displaced inward.
     pub fn outward(&self) -> Option<f64> {
         let normals = self.markers.iter().map(|marker| marker.normal).enumerate();
         let (centre, largest) = normals.fold((0, f64::NEG_INFINITY), |best, one| {

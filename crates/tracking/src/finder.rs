@@ -15,23 +15,22 @@ use crate::{Ground, Marker, Mask, TrackingError};
 /// The markers that were found in a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The image circle. The caller gave it, or it was found in the frame. Otherwise, it is a circle around the whole
-    /// frame.
+    /// The image circle. If neither the caller nor the frame determines it, it is a circle around the whole frame.
     pub mask: Mask,
     /// Whether the background of the markers is bright or dark.
     pub ground: Ground,
-    /// The markers that are completely visible, sorted by their distance from the middle of the circle.
+    /// The markers that are completely visible, sorted by their distance from the middle of the image circle.
     pub markers: Vec<Marker>,
     /// Standard errors and covariances of the markers, in the order of `markers`. They are computed from the noise of
     /// the frame's pixels.
     pub errors: Vec<MarkerErrors>,
-    /// Markers that are cut off by the edge of the circle or of the frame, sorted by their distance from the middle of
-    /// the circle. Only their visible part is measured.
+    /// Markers that are cut off by the edge of the image circle or of the frame, sorted by their distance from the
+    /// middle of the image circle. Only their visible part is measured.
     pub cut: Vec<Marker>,
 }
 
 impl Found {
-    /// Errors of a marker; `None` if it is not one of the completely visible markers of this frame.
+    /// Errors of a marker; `None` if the marker is not a completely visible marker of this frame.
     pub fn errors_of(&self, marker: &Marker) -> Option<MarkerErrors> {
         let place = self.markers.iter().position(|one| one == marker)?;
         self.errors.get(place).copied()
@@ -75,9 +74,10 @@ pub struct Finder {
 
 impl Finder {
     /// A finder for frames with the image circle `circle` and the background `ground`. If an argument is `None`, it is
-    /// estimated from each frame. The circle is fitted to the rim, where the colour of the frame's corners ends. If the
-    /// rim is not approximately a circle, the whole frame is used. The background is bright if the darkest green and
-    /// blue values are farther from the median of these values than the brightest values.
+    /// estimated from each frame. The circle is fitted to the rim of the sensor. Outside of the rim, the frame has the
+    /// colour of its corners. If the rim is not approximately a circle, the whole frame is used. The background is
+    /// found from the green and blue values of the frame. It is bright if the darkest values are farther from the
+    /// median than the brightest values.
     pub fn new(circle: Option<Mask>, ground: Option<Ground>) -> Self {
         Self {
             circle,
@@ -135,7 +135,7 @@ impl Finder {
         Ok(found)
     }
 
-    /// Half the side of the square that the top-hat transform uses, in bins.
+    /// Half the side of the square for the top-hat transform, in bins.
     fn half(&self, mask: &Mask, frame: &RgbImage) -> usize {
         let circle = (2.0 * mask.radius_px).min(f64::from(frame.width().min(frame.height())));
         let half = (circle / 16.0 / self.mask.frame.bin as f64).ceil() as usize;

@@ -32,7 +32,8 @@ pub(crate) struct GroundMask {
     pub(crate) frame: BinnedFrame,
     /// For each bin, whether it shows the sensor.
     pub(crate) inside: Vec<bool>,
-    /// Top-hat transform of the frame: for each bin, its brightness minus the brightness of the background around it.
+    /// Top-hat transform of the frame: for each bin, the difference between its brightness and the brightness of the
+    /// background around it.
     pub(crate) top_hat: Vec<u8>,
     /// For each bin, whether it shows the background, that is, neither a marker nor the surroundings of a marker.
     pub(crate) is_ground: Vec<bool>,
@@ -176,7 +177,7 @@ impl GroundMask {
     }
 }
 
-/// Returns a function that converts a sum of `pixels` bytes to their mean.
+/// Returns a function that converts a sum of `pixels` brightness values, of one byte each, to their mean.
 fn share_of(pixels: usize) -> impl Fn(u16) -> u8 {
     let scale = 65_536_u32.div_ceil(pixels as u32);
     move |sum| ((u32::from(sum) * scale) >> 16).min(255) as u8
@@ -194,7 +195,7 @@ fn scales() -> [u32; 256] {
     })
 }
 
-/// Two classes of pixels, background and markers, and the brightness limit that separates them.
+/// Two classes of pixels, background and markers, and the grey value that separates them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Classes {
     /// Limit between the classes. Pixels above this value belong to markers.
@@ -209,7 +210,8 @@ pub(crate) struct Classes {
 
 impl Classes {
     /// Divides the pixels into two classes such that the variance between the classes is largest (Otsu, 1979). The
-    /// limit is then moved to the middle between the means of the classes. `None` if all values are equal.
+    /// limit is then moved to the middle between the means of the classes. The result is `None` if all values are
+    /// equal.
     pub(crate) fn of(histogram: &[u32; 256]) -> Option<Self> {
         let count: f64 = histogram.iter().map(|&count| f64::from(count)).sum();
         let sum: f64 = weighted(histogram);
@@ -255,7 +257,7 @@ fn weighted(histogram: &[u32]) -> f64 {
         .sum()
 }
 
-/// The value below which the share `share` of the counts lies.
+/// The value of a histogram below which the share `share` of all counts lies.
 pub(crate) fn quantile(histogram: &[u32; 256], share: f64) -> u8 {
     let count: u64 = histogram.iter().map(|&count| u64::from(count)).sum();
     let wanted = share * count as f64;

@@ -17,11 +17,11 @@ const MIN_POINTS_ON_CIRCLE: f64 = 0.5;
 /// Smallest accepted share of the circle along which the rim is visible. Parts of the circle outside of the frame do
 /// not count.
 const MIN_VISIBLE: f64 = 0.8;
-/// Length of the arcs into which the circle is divided, in bins. The rim is visible along an arc if a point of the rim
-/// lies on it.
+/// Length of the arcs into which the image circle is divided, in bins. The rim is visible along an arc if a point of
+/// the rim lies on it.
 const STEP: f64 = 4.0;
-/// Largest accepted distance of a point of the rim from the circle. The distance is the first number, in bins, plus the
-/// product of the second number and the radius of the circle.
+/// The two terms of the largest accepted distance of a rim point from the circle. The first term is in bins, and the
+/// second term is a multiple of the circle's radius.
 const MAX_DISTANCE: [f64; 2] = [1.5, 0.01];
 /// Number of circles that are tried. Each of them goes through three points of the rim.
 const TRIES: usize = 64;
@@ -81,8 +81,8 @@ impl Mask {
         }
     }
 
-    /// Marks the pixels that are inside the circle, in a frame of `size` columns and rows. The radius of the circle is
-    /// reduced by `less` px.
+    /// Marks the pixels that are inside the circle. `size` contains the frame's number of columns and number of rows.
+    /// The radius of the circle is reduced by `less` px.
     pub(crate) fn fill(&self, less: f64, size: [usize; 2], inside: &mut Vec<bool>) {
         inside.clear();
         inside.resize(size[0] * size[1], false);
@@ -92,8 +92,8 @@ impl Mask {
         }
     }
 
-    /// The circle on which the rim lies, if the rim is visible along most of it. A ring of markers is not accepted,
-    /// because it has gaps.
+    /// The circle on which the rim lies; `None` unless the rim is visible along most of this circle. A ring of markers
+    /// is not accepted, because it has gaps.
     pub(crate) fn fit(rim: &Rim, binned: &BinnedFrame) -> Option<Self> {
         let points = rim.points();
         let circle = Circle::through_most(&points)?;
@@ -119,8 +119,8 @@ struct Circle {
 }
 
 impl Circle {
-    /// The circle on which most of the points lie, fitted to these points by least squares. `None` if fewer than half
-    /// of the points lie on it.
+    /// The circle on which most of the points lie, fitted to these points by least squares. The result is `None` if
+    /// fewer than half of the points lie on this circle.
     fn through_most(points: &[[f64; 2]]) -> Option<Self> {
         let points: Vec<[f64; 2]> = points
             .iter()
@@ -230,7 +230,8 @@ const MAX_CORNER_DIFFERENCE: f64 = 16.0;
 const MIN_DIFFERENCE: f64 = 8.0;
 
 impl Rim {
-    /// Finds the rim. `None` unless at least three of the frame's four corners have the same colour.
+    /// Finds the rim of the sensor. The result is `None` unless at least three of the frame's four corners have the
+    /// same colour.
     pub(crate) fn find(binned: &BinnedFrame) -> Option<Self> {
         let (colour, tolerance) = corner_colour(binned)?;
         let (width, height) = (binned.width, binned.height);
@@ -289,8 +290,8 @@ impl Rim {
 }
 
 /// The colour of the frame's corners, and the colour difference above which a bin does not have this colour. The limit
-/// follows from the differences within the corners. Both results are sums over the pixels of a bin. `None` unless at
-/// least three corners have the same colour.
+/// follows from the differences within the corners. Both results are sums over the pixels of a bin. The result is
+/// `None` unless at least three corners have the same colour.
 fn corner_colour(binned: &BinnedFrame) -> Option<([f64; 3], f64)> {
     let (width, height) = (binned.width, binned.height);
     let side = (width.min(height) / 40).max(2);
@@ -338,7 +339,7 @@ fn mean(values: &[[f64; 3]]) -> [f64; 3] {
         .map(|colour| values.iter().map(|value| value[colour]).sum::<f64>() / values.len() as f64)
 }
 
-/// The largest absolute difference between two colours, over red, green and blue.
+/// The largest of the absolute differences between the red, green and blue values of two colours.
 fn away(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a.iter()
         .zip(b)

@@ -29,8 +29,8 @@ const PATCH: usize = 8;
 /// Weight of the regularisation, relative to the weight of the patches. The regularisation limits the polynomial in
 /// areas where no background is visible.
 const REGULARISATION: f64 = 1e-7;
-/// Largest accepted deviation of a patch from the fitted light, as a multiple of the standard deviation of all
-/// deviations, which is estimated as 1.5 times their median. Patches with a larger deviation are not used.
+/// Largest accepted deviation of a patch from the fitted light, in standard deviations of the deviations of all
+/// patches. The standard deviation is estimated as 1.5 times the median. Patches with a larger deviation are not used.
 const MAX_DEVIATION: f64 = 3.0;
 
 type Terms = SVector<f64, 15>;
@@ -226,7 +226,8 @@ impl Lighting {
     }
 
     /// Deviation of a patch's mean colour from the fitted light, multiplied by the square root of the share of the
-    /// patch that shows the background. The mean of a smaller area has more noise, so its deviation counts less.
+    /// patch that shows the background. The deviation of a smaller background area counts less, because its mean has
+    /// more noise.
     fn deviation(&self, patch: &Patch) -> f64 {
         let square: f64 = [0, 1, 2]
             .map(|colour| (self.terms[colour].dot(&patch.terms) - patch.colour[colour]).powi(2))

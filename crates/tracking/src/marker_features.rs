@@ -11,17 +11,17 @@ const MAGENTA_TO_YELLOW: [f64; 2] = [0.75, 0.22];
 /// with a lower ratio may be grey dust. The ratio is 1 for pure magenta and pure yellow, and 1/2 where magenta and
 /// yellow overlap.
 const MIN_CHROMA: f64 = 0.2;
-/// Error of the light of a pixel on a marker's edge: its relative standard deviation multiplied by the marker's radius
-/// in px. The light varies because the edge crosses the pixel grid differently at every place, and because the light of
-/// a pixel is assigned to its middle. The value was measured on discs with radii of 8 to 26 px, with pixels that
-/// integrate the light over their area.
+/// Error of the light of a pixel on a marker's edge. It is the light's relative standard deviation multiplied by the
+/// marker's radius in px. The light has this error for two reasons: the edge crosses the pixel grid differently at
+/// every place, and the light of a pixel is assigned to its middle. The value was measured on discs with radii of 8 to
+/// 26 px, with pixels that integrate the light over their area.
 const EDGE_PX: f64 = 0.067;
-/// The light of edge pixels has errors that are equal in all colours, and errors that differ between colours. This is
-/// the share of the equal errors in the variance.
+/// Share of the error variance of edge pixels that is due to errors which are equal in all colours. The rest is due to
+/// errors that differ between colours.
 const COMMON_SHARE: f64 = 0.5;
 
-/// The marker with the sums `sums` over its pixels. `None` if its hue is outside the range of markers, or if a number
-/// is out of range.
+/// The marker with the sums `sums` over its pixels. The result is `None` if the hue is outside the range of markers, or
+/// if a number is out of range.
 pub(crate) fn marker(sums: &Sums, ground: Ground, pixels: usize) -> Option<Marker> {
     let weights = weights(sums, ground);
     let light = dot(weights, sums.light);
@@ -84,7 +84,7 @@ pub struct MarkerErrors {
 }
 
 impl MarkerErrors {
-    /// Errors of the mean over `frames` frames, if each frame has the errors `self`.
+    /// Errors of a marker whose features are means over `frames` frames. Each single frame has the errors `self`.
     pub fn averaged(&self, frames: u32) -> Self {
         let share = f64::from(frames.max(1)).recip();
         Self {

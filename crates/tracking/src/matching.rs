@@ -3,8 +3,8 @@
 //! The method is based on the fact that neighbouring markers move similarly. In the first step, a marker at rest and a
 //! pressed marker are matched under two conditions. Each must be the nearest marker to the other, and their distance
 //! must be less than half the distance between neighbouring markers. The second step removes matches whose displacement
-//! differs from the displacements of the neighbours. Then it searches each marker at the place that the matched
-//! neighbours of this marker predict. The second step is repeated until nothing changes.
+//! differs from the displacements of the neighbours. Then it searches each marker at the place that is predicted from
+//! the displacements of its matched neighbours. The second step is repeated until nothing changes.
 
 use crate::{Marker, Status, Track};
 
@@ -65,7 +65,7 @@ struct Matching<'a> {
     spacing: Vec<f64>,
     /// Neighbours of each marker at rest, sorted by increasing distance.
     around: Vec<Vec<usize>>,
-    /// For each marker at rest, the index of the matched pressed marker; `None` if it is not matched.
+    /// For each marker at rest, the index of the matched pressed marker; `None` if the marker at rest is not matched.
     pairs: Vec<Option<usize>>,
 }
 
@@ -98,7 +98,7 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// First step: matches pairs of markers in which each is the nearest marker to the other.
+    /// First step: matches a marker at rest and a pressed marker if each is the nearest marker to the other.
     fn match_nearest(&mut self) {
         let places: Vec<[f64; 2]> = self.rest.iter().map(|marker| marker.centroid_px).collect();
         self.pair(&places, FIRST_GATE);
@@ -224,9 +224,9 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// Index of the pressed marker that may be the two merged markers `parts`. It must not be `used`, and it must be
-    /// near the midpoint between the expected places of both markers. If there are several such markers, the nearest
-    /// one is returned.
+    /// Index of the pressed marker that may be the two merged markers `parts`. This marker must not be marked in
+    /// `used`, and it must be near the midpoint between the expected places of both markers. If there are several such
+    /// markers, the nearest one is returned.
     fn closest_free(&self, places: &[[f64; 2]], parts: [usize; 2], used: &[bool]) -> Option<usize> {
         let middle = [0, 1].map(|axis| 0.5 * (places[parts[0]][axis] + places[parts[1]][axis]));
         (0..self.pressed.len())

@@ -11,8 +11,8 @@ use crate::shapes::{Shape, Window};
 /// Width of the ring in which the background around a marker is measured, px. The ring surrounds the window of the
 /// marker.
 const RING_PX: i32 = 4;
-/// A marker ends at the distance from its shape at which the mean signal of several markers falls below this share of
-/// the full signal.
+/// Share of the full signal at which a marker ends. Its end is at the distance from the marker's shape at which the
+/// mean signal of several markers falls below this share.
 const END_SIGNAL: f64 = 0.004;
 /// Largest distance of a saturated pixel from a shape at which the pixel still counts as part of the marker, px.
 const HUE_REACH_PX: i32 = 2;
@@ -28,7 +28,7 @@ const MAX_DIFFERENCE: f64 = 0.15;
 /// background or adds to a dark background.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
-    /// Number of pixels.
+    /// Number of pixels in the window.
     pub(crate) count: f64,
     /// Sum of the offsets of the pixels from the origin `middle`, px.
     pub(crate) place: [f64; 2],
@@ -94,7 +94,7 @@ enum Contested {
     Nobody,
 }
 
-/// Difference between the background around a marker and the fitted light, as a share of the light.
+/// Difference between the background around a marker and the fitted light, as a share of the fitted light.
 #[derive(Clone, Copy, Default)]
 struct Offset {
     share: [f64; 3],
@@ -173,8 +173,8 @@ impl Scene<'_> {
         }
     }
 
-    /// Distance by which markers extend beyond their shapes, px. It is the distance from the shape at which the mean
-    /// signal of several markers ends.
+    /// Distance by which markers extend beyond their shapes, px. At this distance from the shapes, the mean signal of
+    /// several markers ends.
     fn reach(&self, patches: &mut [Patch]) -> i32 {
         let most = (0.4 * self.diameter_px).clamp(4.0, 16.0) as i32;
         self.grow(patches, most);
@@ -322,8 +322,8 @@ impl Scene<'_> {
         }
     }
 
-    /// Mean hue of the saturated pixels in and around a shape, in turns. The mean is arithmetic, not cyclic. `None` if
-    /// there are no such pixels.
+    /// Mean hue of the saturated pixels in and around a shape, in turns. The mean is arithmetic, not cyclic. The result
+    /// is `None` if there are no such pixels.
     fn mean_hue(&self, patch: &Patch) -> Option<f64> {
         let width = self.frame.width() as usize;
         let window = patch.hull.grown(HUE_REACH_PX, self.rows);
@@ -433,7 +433,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Corrects the sums for the difference between background and fitted light.
+    /// Corrects the sums for `offset`, the difference between the background around the marker and the fitted light.
     fn correct(&self, sums: &mut Sums, offset: &Offset) {
         for (colour, &share) in offset.share.iter().enumerate() {
             let scale = match self.ground {

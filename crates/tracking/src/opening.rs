@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     /// The opening by its definition. The value of a square is the smallest brightness inside the square. The opening
-    /// at a place is the largest value of all squares that contain the place and have an allowed middle.
+    /// at a place is the largest value among the squares that contain the place and have an allowed middle.
     fn by_definition(
         plane: &[u8],
         width: usize,

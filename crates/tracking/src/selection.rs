@@ -7,7 +7,7 @@ use crate::shapes::{Run, Shape, join};
 pub(crate) struct Selection {
     /// Completely visible shapes.
     pub(crate) whole: Vec<Shape>,
-    /// Shapes that the edge of the circle or of the frame cuts off.
+    /// Shapes that the edge of the image circle or of the frame cuts off.
     pub(crate) cut: Vec<Shape>,
     /// Diameter of a typical marker, in bins.
     pub(crate) diameter: f64,
@@ -90,8 +90,8 @@ pub(crate) fn select(
     }
 }
 
-/// Typical area of a marker: the median area of the shapes that may be markers. Each shape has its area as its weight,
-/// so that small specks have little influence.
+/// Typical area of a marker: the median area of the shapes that may be markers. In the median, each shape is weighted
+/// by its area, so that small specks have little influence.
 fn typical_area(shapes: &[Shape]) -> Option<f64> {
     let mut areas: Vec<usize> = shapes
         .iter()
@@ -115,7 +115,7 @@ fn has_marker_form(shape: &Shape) -> bool {
     form.elongation < MAX_ELONGATION && form.fill > MIN_FILL
 }
 
-/// Whether a shape reaches the rim of the circle or the border of the frame.
+/// Whether a shape reaches the rim of the sensor or the border of the frame.
 fn is_cut(shape: &Shape, width: usize, inside: &[bool]) -> bool {
     let height = inside.len() / width;
     shape.runs.iter().any(|run| {
@@ -129,9 +129,9 @@ fn is_cut(shape: &Shape, width: usize, inside: &[bool]) -> bool {
     })
 }
 
-/// Splits a shape into pieces by raising the limit of brightness until the shape falls apart. Each piece must have at
-/// least `least` pixels. Pixels between the pieces are assigned to the nearest piece. If no limit separates the shape
-/// into several pieces, the function returns the shape itself.
+/// Splits a shape into pieces: it raises the limit of the grey value until the shape falls apart. Each piece must have
+/// at least `least` pixels. Pixels between the pieces are assigned to the nearest piece. If no limit separates the
+/// shape into several pieces, the function returns the shape itself.
 fn split(shape: Shape, plane: &[u8], width: usize, limit: u8, least: usize) -> Vec<Shape> {
     let greatest = shape.values(plane, width).max().unwrap_or(0);
     let step = (greatest.saturating_sub(limit) / 16).max(1);

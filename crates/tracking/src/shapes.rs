@@ -83,7 +83,7 @@ impl Shape {
 }
 
 /// Finds the shapes in the grey image `plane`: connected pixels whose value is above `limit`. The shapes are sorted by
-/// their first pixels. `None` if there are more than `most` shapes.
+/// their first pixels. The result is `None` if there are more than `most` shapes.
 pub(crate) fn shapes(plane: &[u8], width: usize, limit: u8, most: usize) -> Option<Vec<Shape>> {
     let mut runs = Vec::new();
     for (row, line) in plane.chunks_exact(width).enumerate() {
@@ -92,7 +92,7 @@ pub(crate) fn shapes(plane: &[u8], width: usize, limit: u8, most: usize) -> Opti
     join(&runs, most)
 }
 
-/// Number of bytes that are tested together, to skip them quickly if none of them is above the limit.
+/// Number of bytes that are tested at the same time. If none of them is above the limit, all of them are skipped.
 const STRETCH: usize = 32;
 
 fn runs_of(line: &[u8], row: usize, limit: u8, runs: &mut Vec<Run>) {
@@ -128,7 +128,7 @@ fn runs_of(line: &[u8], row: usize, limit: u8, runs: &mut Vec<Run>) {
 }
 
 /// Joins runs into shapes. Runs belong to one shape if they touch at edges or corners. The runs must be sorted by rows
-/// and columns. `None` if there are more than `most` shapes.
+/// and columns. The result is `None` if there are more than `most` shapes.
 pub(crate) fn join(runs: &[Run], most: usize) -> Option<Vec<Shape>> {
     let mut parents: Vec<usize> = (0..runs.len()).collect();
     let mut above = 0;
@@ -204,8 +204,8 @@ impl Window {
         }
     }
 
-    /// A window that is enlarged by `reach` px in all directions. Only pixels between the first and last column in
-    /// `rows` are included.
+    /// This window, enlarged by `reach` px in all directions. It includes only pixels between the first and the last
+    /// column in `rows`.
     pub(crate) fn grown(&self, reach: i32, rows: &[(i32, i32)]) -> Self {
         let top = (self.top - reach).max(0);
         let bottom = (self.top + self.rows.len() as i32 + reach).min(rows.len() as i32);

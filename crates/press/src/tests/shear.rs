@@ -89,9 +89,8 @@ fn far_from_the_contact_the_shift_is_that_of_a_point_force() {
     }
 }
 
-/// Checks the displacement at the depth z below the middle of the contact, where z is in contact radii. For Poisson's
-/// ratio ν, the ratio of this displacement to the shift of the contact is [2(2 − ν) atan(1/z) − z/(1 + z²)] / (π(2 −
-/// ν)).
+/// Checks the displacement at the depth z (in contact radii) below the middle of the contact. For Poisson's ratio ν,
+/// this displacement divided by the shift of the contact is [2(2 − ν) atan(1/z) − z/(1 + z²)] / (π(2 − ν)).
 #[test]
 fn the_shift_below_the_centre_has_a_closed_form() {
     for depth in [0.0, 1e-12, 1e-3, 1.0, 1e3, 1e15] {

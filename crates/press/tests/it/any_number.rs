@@ -93,7 +93,7 @@ fn mostly(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![7 => range, 1 => any_number()]
 }
 
-/// A power of ten whose exponent is in the range.
+/// A power of ten whose exponent is in the range `exponents`.
 fn power(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     exponents.prop_map(|exponent| libm::pow(10f64, exponent))
 }
@@ -102,7 +102,7 @@ fn is_setting(value: f64, range: impl std::ops::RangeBounds<f64>) -> bool {
     range.contains(&value)
 }
 
-/// Returns the value if `is_good`. Otherwise checks that `result` is an error with the name `bad-setting`.
+/// Returns the value if `is_good` is true. Otherwise checks that `result` is an error with the name `bad-setting`.
 fn valid_value<T: std::fmt::Debug>(is_good: bool, result: Result<T, PressError>) -> Option<T> {
     if is_good {
         return Some(result.unwrap());
@@ -293,8 +293,8 @@ proptest! {
         prop_assert!(found.is_err() || is_finite(found.as_ref().unwrap()), "{found:?}");
     }
 
-    /// If all lengths are multiplied by a power of two, displacements are multiplied by it, and curvatures are divided
-    /// by it.
+    /// If all lengths are multiplied by a power of two, displacements are multiplied by this factor, and curvatures are
+    /// divided by it.
     #[test]
     fn scaled_lengths_scale_the_press(power in -60..60, object in -0.9..20.0, share in 1e-6..0.05, x in -10.0..10.0) {
         let scale = 2f64.powi(power);

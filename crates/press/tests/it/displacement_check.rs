@@ -12,8 +12,9 @@ const STATED: Measured = Measured {
     std: 0.02,
 };
 
-/// Codes of the misfits that are reported in each trial. The presses are simulated with the body `pressed`, changed by
-/// `change`, and fitted with the body `body`. If the fit fails, the code of its error is returned instead.
+/// Codes of the misfits that are reported in each trial. The presses are simulated with the body `pressed`, their
+/// readings are altered by `change`, and they are fitted with the body `body`. If a fit fails, its entry is the code of
+/// the error.
 fn codes(
     [body, pressed]: [&Body; 2],
     stated: Measured,
@@ -148,8 +149,8 @@ fn an_elongated_press_is_not_round() {
     assert!(misfit_share(&codes, Some("not-round")) > 0.9, "{codes:?}");
 }
 
-/// A fit of normal and tangential displacements. `std` is the standard deviation of normal displacements. For
-/// tangential displacements, it is 0.4 `std`.
+/// A fit of normal and tangential displacements. The standard deviations of their noise are `std` for normal and 0.4
+/// `std` for tangential displacements.
 fn in_all_directions(body: &Body, std: f64) -> ForwardFit {
     ForwardFit {
         normal_std: Some(std),
@@ -200,8 +201,8 @@ fn nearest(count: usize) -> Vec<usize> {
     order
 }
 
-/// A marker with an error near the contact may change the curvature, so it is reported. A marker far away does not
-/// change the curvature.
+/// A marker with an error near the contact may change the curvature, so the marker is reported. A marker far away does
+/// not change the curvature, so it is hardly ever reported.
 #[test]
 fn one_marker_among_sound_ones_is_named_if_it_changes_the_curvature() {
     let order = nearest(61);
@@ -217,8 +218,8 @@ fn one_marker_among_sound_ones_is_named_if_it_changes_the_curvature() {
     assert!(near > 0.3 && far < 0.05, "{near} {far}");
 }
 
-/// The interval also contains the curvature that is estimated without the contradicting marker, because either estimate
-/// may be right.
+/// The interval of the curvature must also contain the estimate without the contradicting marker, because the estimates
+/// with and without this marker may both be right.
 #[test]
 fn an_interval_contains_the_estimate_without_a_marker_that_contradicts() {
     let (markers, body) = (published(), half_space());

@@ -49,7 +49,7 @@ fn exact_readings_determine_the_curvature() {
     }
 }
 
-/// The markers form a grid of 7 × 7. From the apex, it extends by half of the skin's radius along ±x and ±y.
+/// The markers form a grid of 7 × 7. The grid extends from the apex by half of the skin's radius along ±x and ±y.
 #[test]
 fn exact_readings_on_sensors_of_any_size_determine_the_curvature() {
     type OfRadius = fn(f64) -> Body;

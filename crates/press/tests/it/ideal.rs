@@ -39,8 +39,8 @@ impl Ideal {
         Markers::new(self.skin(), &self.places).unwrap()
     }
 
-    /// Bodies for both discs, which are deeper than [`DEPTHS`] by `deeper`. If `layer` is stated, the bodies are bonded
-    /// layers of this thickness; otherwise they are half-spaces. Lengths are in multiples of `unit`.
+    /// Bodies for both discs, which are deeper than [`DEPTHS`] by `deeper`. If `layer` contains a thickness, the bodies
+    /// are bonded layers of this thickness; otherwise they are half-spaces. Lengths are in multiples of `unit`.
     pub(crate) fn bodies(&self, layer: Option<f64>, deeper: [f64; 2]) -> [Body; 2] {
         [0, 1].map(|disc| {
             let depth = (DEPTHS[disc] + deeper[disc]) * self.unit;

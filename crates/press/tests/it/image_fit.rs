@@ -139,7 +139,7 @@ fn noiseless_pictures_determine_the_press() {
     }
 }
 
-/// One marker has an additional displacement, and one is not visible in the press.
+/// One marker has an additional displacement, and one other marker is not visible in the press.
 #[test]
 fn noiseless_pictures_determine_the_displacements() {
     let truth = Truth::drawn(0, [0.0; 5]);

@@ -53,7 +53,7 @@ pub(crate) fn fit_of(body: &Body, std: f64) -> ForwardFit {
     }
 }
 
-/// Kolmogorov distance between the distribution of p-values and the uniform distribution.
+/// Kolmogorov distance of the distribution of the p-values from the uniform distribution.
 pub(crate) fn distance_from_uniform(mut p_values: Vec<f64>) -> f64 {
     p_values.sort_by(f64::total_cmp);
     let count = p_values.len() as f64;

@@ -53,7 +53,7 @@ impl Member {
         self.object(py)?.bind(py).get().fields(py)
     }
 
-    /// Computes a field without computing the other fields.
+    /// Computes one field of this estimate without the other fields.
     fn alone(&self, name: &str) -> Option<Alone> {
         match self {
             Self::Made(made, ..) => made.alone(name),
@@ -149,7 +149,7 @@ fn row(value: &Bound<'_, PyAny>) -> Option<Vec<f64>> {
     list.iter().map(|item| number(&item)).collect()
 }
 
-/// Combines the values of one field in many estimates, if each value was computed without the other fields of its
+/// Combines the values that one field has in many estimates. Each value was computed without the other fields of its
 /// estimate.
 fn of_alone(py: Python<'_>, all: Vec<Option<Alone>>) -> PyResult<Bound<'_, PyAny>> {
     let mut rows = Vec::with_capacity(all.len());

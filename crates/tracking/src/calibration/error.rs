@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq)]
 #[strum(serialize_all = "kebab-case")]
 pub enum CalibrationError {
-    /// There are fewer points than a fit of a line needs.
+    /// There are fewer points than a fit of a line needs, or the calibration has no parts.
     #[error("{count} {what}; a calibration needs at least {needed}")]
     TooFewPoints {
         /// Text that states what was counted: points, or parts of the calibration.
@@ -28,13 +28,13 @@ pub enum CalibrationError {
         what: &'static str,
         /// Displacement that all points have, length.
         displacement: f64,
-        /// Number of points of the fit.
+        /// Number of points to which the line is fitted.
         count: usize,
     },
     /// A number is not finite.
     #[error("point {point} (counting from 0): a number is not finite, or beyond 1e100")]
     NotFinite {
-        /// Index of the point.
+        /// Index of the point that contains the number, counted from 0.
         point: usize,
     },
     /// The signal does not change with the displacement.

@@ -46,14 +46,14 @@ pub struct LateralCalibration {
     pub per_indentation: Option<f64>,
     /// Standard error of the coefficient p₁, px per length squared.
     pub per_indentation_std: Option<f64>,
-    /// Root mean square of the residuals of the fit, px, divided by the slope. The result is a length.
+    /// Root mean square of the fit's residuals (px), divided by the slope (px per length). The result is a length.
     pub residual_rms: f64,
-    /// Standard deviation of the residuals of the fit, px, divided by the slope. The result is a length. It is
-    /// corrected for the degrees of freedom; `None` if there are no degrees of freedom.
+    /// Standard deviation of the fit's residuals (px), divided by the slope (px per length). The result is a length. It
+    /// is corrected for the degrees of freedom; `None` if there are no degrees of freedom.
     pub residual_std: Option<f64>,
     /// The fitted line without an intercept, for a ratio that does not depend on the normal displacement.
     pub line: Line,
-    /// The fitted line with an intercept, for comparison; `None` if it cannot be determined.
+    /// The fitted line with an intercept, for comparison; `None` if the points do not determine it.
     pub with_intercept: Option<Line>,
     /// Smallest and largest tangential displacement of the fitted points, length.
     pub range: [f64; 2],
@@ -68,8 +68,8 @@ const WORDS: Words = Words {
 };
 
 impl LateralCalibration {
-    /// Fits the ratio of shift to displacement. The shift is the component of the centroid's shift in the direction of
-    /// the known displacement.
+    /// Fits the ratio of the centroid's shift to the known tangential displacement. Only the component of the shift in
+    /// the direction of the displacement is used.
     ///
     /// # Errors
     /// [`CalibrationError`] for fewer than two points, for equal displacements, for numbers that are not finite, and if
@@ -168,7 +168,7 @@ impl LateralCalibration {
     }
 }
 
-/// Length of the known displacement, and component of the shift in the direction of this displacement, px.
+/// Length of the point's known displacement, and the component of its shift in the direction of this displacement, px.
 fn along(point: &LateralPoint) -> [f64; 2] {
     let [x, y] = point.tangential;
     let length = libm::hypot(x, y);

@@ -12,7 +12,7 @@ const LARGEST: f64 = 1e100;
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Line {
-    /// Change of the signal per length.
+    /// Change of the signal per length of displacement.
     pub slope: f64,
     /// Standard error of the slope; `None` if there are no degrees of freedom.
     pub slope_std: Option<f64>,
@@ -26,12 +26,12 @@ pub struct Line {
     /// Standard deviation of the signal's residuals, divided by the slope. The result is a length. It is corrected for
     /// the degrees of freedom; `None` if there are no degrees of freedom.
     pub residual_std: Option<f64>,
-    /// Number of points.
+    /// Number of points to which the line was fitted.
     #[serde(rename = "points")]
     pub count: usize,
 }
 
-/// Names of a fit's displacement and signal, for messages.
+/// Names of the displacement and the signal of a fit. Messages contain these names.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Words {
     /// Kind of the displacement: normal or tangential.

@@ -62,8 +62,8 @@ pub struct NormalPoint {
     pub growth: f64,
 }
 
-/// Calibration of the normal displacement. The displacement is the signal divided by the slope, multiplied by the
-/// marker's gain. The signal is the weighted sum of the change of hue and the nearness.
+/// Calibration of the normal displacement. The displacement is the signal divided by the slope of the line, multiplied
+/// by the marker's gain. The signal is the weighted sum of the change of hue and the nearness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NormalCalibration {
     /// Feature from which normal displacements are computed.
@@ -73,7 +73,7 @@ pub struct NormalCalibration {
     pub weights: [f64; 2],
     /// The fitted line through the origin. Displacements are computed from this line.
     pub line: Line,
-    /// The fitted line with an intercept, for comparison; `None` if it cannot be determined.
+    /// The fitted line with an intercept, for comparison; `None` if the points do not determine it.
     pub with_intercept: Option<Line>,
     /// Smallest and largest displacement of the fitted points, length.
     pub range: [f64; 2],
@@ -191,7 +191,7 @@ pub(super) fn range(displacements: impl Iterator<Item = f64>) -> [f64; 2] {
 
 /// The weights of hue change and [`nearness`] for which the weighted sum of these two numbers fits the known
 /// displacements best. If hue change and nearness are always proportional to each other, the weights are not unique,
-/// and those with the smallest norm are returned. If neither changes, both weights are 0.
+/// and those with the smallest norm are returned. If neither number changes, both weights are 0.
 fn best_weights(numbers: &[[f64; 3]]) -> [f64; 2] {
     let largest = |part: usize| {
         numbers

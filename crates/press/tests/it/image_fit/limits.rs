@@ -18,7 +18,7 @@ struct Press {
     unit: f64,
     /// Standard deviations of the uncertain sensor parameters, as in [`Ideal::fit`].
     known: [f64; 5],
-    /// Stated noise, relative to [`STDS`].
+    /// Stated standard deviations of the noise, relative to [`STDS`].
     stated: f64,
     /// Curvature of the object, relative to the curvature of the sensor.
     object: f64,
