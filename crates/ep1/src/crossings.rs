@@ -37,7 +37,7 @@ pub(crate) struct Crossing {
     pub(crate) offset: f64,
     /// Distance between the edges of both pads; 0 if the pads are neighbours.
     pub(crate) gap: f64,
-    /// Rotation vector of the probe at the crossing.
+    /// Rotation vector of the probe, from the start of the roll to the crossing.
     pub(crate) rotation: Vector3<f64>,
     /// Standard deviation of the rotation in the direction that moves the contact across the edge (rad).
     pub(crate) std: f64,

@@ -66,7 +66,7 @@ pub enum Ep1Error {
     /// A number in a reading is not finite, or a result computed from this reading is not finite.
     #[error("probe {probe} (counting from 0): the reading is not finite")]
     NotFinite {
-        /// Number of the probe, counted from 0.
+        /// Index of the probe, counted from 0.
         probe: usize,
     },
     /// A number in the readings is too large or too small for double precision, or a computed result is.

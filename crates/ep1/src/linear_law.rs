@@ -212,6 +212,6 @@ pub(crate) struct Solution {
     pub(crate) stds: [f64; 4],
     /// Whether the contact moves forwards in every direction of rolling.
     pub(crate) moved: bool,
-    /// Whether all numbers of the result are finite.
+    /// Whether all computed curvatures and standard errors are finite.
     pub(crate) in_range: bool,
 }

@@ -61,7 +61,7 @@ impl PadCell {
         self.pitch
     }
 
-    /// Whether a place, relative to the centre of the pad, is in the pad.
+    /// Whether the pad contains `place`, which is relative to the centre of the pad.
     pub fn contains(&self, place: &Vector2<f64>) -> bool {
         let half = 0.5 * self.pitch;
         self.normals().all(|normal| normal.dot(place) <= half)
@@ -182,7 +182,7 @@ pub(crate) fn check(
     Ok(())
 }
 
-/// Whether the chart of the probe contains a place.
+/// Whether `place` is a point of the probe, that is, less than half a turn from the origin of the coordinates.
 fn is_on_probe(radius: f64, place: &Vector2<f64>) -> bool {
     place.norm_squared() < (std::f64::consts::PI * radius).powi(2)
 }

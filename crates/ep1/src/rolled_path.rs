@@ -115,7 +115,7 @@ pub(crate) struct RollRotations {
 /// The contact at one sample.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PathPoint {
-    /// The contact frame, relative to the contact frame at the start.
+    /// Orientation of the contact frame, relative to the contact frame at the start of the roll.
     frame: Matrix3<f64>,
     /// Position of the contact on the object, in the carried frame.
     pub(crate) x: Vector2<f64>,
@@ -123,7 +123,7 @@ pub(crate) struct PathPoint {
     drive: Vector2<f64>,
     /// Inverse of the sum of the curvature forms of both bodies at the contact.
     pub(crate) mobility: Matrix2<f64>,
-    /// Angle by which the probe has spun about the normal.
+    /// Angle by which the probe has rotated about the contact normal since the start of the roll.
     spin: f64,
 }
 
@@ -187,7 +187,7 @@ impl RollRotations {
 }
 
 impl PathPoint {
-    /// The rotation `step` in the contact frame, at the middle of the step.
+    /// Converts the rotation `step` of the probe to the contact frame that exists at the middle of the step.
     fn turn_of(&self, step: &Vector3<f64>) -> Vector3<f64> {
         let in_frame = self.frame.tr_mul(step);
         let half = self.mobility * drive_of(&in_frame) * 0.5;
@@ -217,7 +217,7 @@ impl PathPoint {
         Some((turn, last.z + slopes.row(2).transpose().dot(&turn)))
     }
 
-    /// The contact after a rotation `turn` in the contact frame.
+    /// The contact after the probe has rotated by `turn`, a rotation vector in the contact frame.
     fn after(&self, shape: &LocalShape, turn: &Vector3<f64>) -> Option<Self> {
         let spin = self.spin + turn.z;
         let mean_spin = self.spin + 0.5 * turn.z;
@@ -249,12 +249,12 @@ impl PathPoint {
     }
 }
 
-/// The drive (−Δθ_y, Δθ_x) of a rotation vector.
+/// The drive (−Δθ_y, Δθ_x), which follows from the rotation vector of the probe.
 pub(crate) fn drive_of(rotation: &Vector3<f64>) -> Vector2<f64> {
     Vector2::new(-rotation.y, rotation.x)
 }
 
-/// A vector after a rotation by `angle`.
+/// The plane vector `vector` after a rotation by `angle`.
 fn spun(vector: &Vector2<f64>, angle: f64) -> Vector2<f64> {
     if angle == 0.0 {
         return *vector;

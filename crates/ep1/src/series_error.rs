@@ -15,9 +15,9 @@ pub enum SeriesError {
     /// A number in a sample is not finite.
     #[error("roll {roll}, sample {sample} (counting from 0): a number is not finite")]
     NotFinite {
-        /// Number of the roll, counted from 0.
+        /// Index of the roll, counted from 0.
         roll: usize,
-        /// Number of the sample in the roll, counted from 0.
+        /// Index of the sample in the roll, counted from 0.
         sample: usize,
     },
     /// A time is not later than the time of the sample before.
@@ -27,9 +27,9 @@ pub enum SeriesError {
         Number(*last_s)
     )]
     TimeOrder {
-        /// Number of the roll, counted from 0.
+        /// Index of the roll, counted from 0.
         roll: usize,
-        /// Number of the sample in the roll, counted from 0.
+        /// Index of the sample in the roll, counted from 0.
         sample: usize,
         /// Time of the sample, s.
         time_s: f64,
@@ -39,9 +39,9 @@ pub enum SeriesError {
     /// The contact point or pad of a sample is more than half a turn from the pads' origin.
     #[error("roll {roll}, sample {sample} (counting from 0): the place is not on the probe")]
     OffProbe {
-        /// Number of the roll, counted from 0.
+        /// Index of the roll, counted from 0.
         roll: usize,
-        /// Number of the sample in the roll, counted from 0.
+        /// Index of the sample in the roll, counted from 0.
         sample: usize,
     },
     /// Too few rolls are usable.
@@ -66,7 +66,7 @@ pub enum SeriesError {
          the others most: state the noise of the rotations, or let the curvature change along the rolls (trajectory)"
     )]
     Contradiction {
-        /// Number of the roll that contradicts the other rolls most, counted from 0.
+        /// Index (from 0) of the roll that contradicts the other rolls most.
         roll: usize,
     },
     /// The contact moved against the direction of the rolls.

@@ -26,7 +26,7 @@ pub enum Ep2Error {
     /// A coordinate, a component of a normal or a weight is not finite, or its square would overflow.
     #[error("contact {contact} (counting from 0): a number is not finite, or beyond 1e150")]
     NotFinite {
-        /// Number of the contact, counted from 0.
+        /// Index of the contact, counted from 0.
         contact: usize,
     },
     /// A weight is not above 0.
@@ -35,9 +35,9 @@ pub enum Ep2Error {
         weight = Number(*weight)
     )]
     BadWeight {
-        /// Number of the contact, counted from 0.
+        /// Index of the contact, counted from 0.
         contact: usize,
-        /// The weight that is not above 0.
+        /// The weight of the contact, which is not above 0.
         weight: f64,
     },
     /// A normal is zero, or so short that it has no direction.
@@ -46,7 +46,7 @@ pub enum Ep2Error {
         length = Number(*length)
     )]
     BadNormal {
-        /// Number of the contact, counted from 0.
+        /// Index of the contact, counted from 0.
         contact: usize,
         /// Largest component of the normal, as an absolute value.
         length: f64,
@@ -54,7 +54,7 @@ pub enum Ep2Error {
     /// Some contacts have a normal and some do not.
     #[error("contact {contact} (counting from 0) has no normal, but others have one")]
     MissingNormal {
-        /// Number of the first contact without a normal, counted from 0.
+        /// Index (from 0) of the first contact without a normal.
         contact: usize,
     },
     /// All contacts are at one point.
@@ -85,7 +85,7 @@ pub enum Ep2Error {
          patch"
     )]
     Folded {
-        /// Number of the contact with the largest angle, counted from 0.
+        /// Index (from 0) of the contact with the largest angle between its normal and the mean normal.
         contact: usize,
         /// Largest angle between the normal of a contact and the mean normal (degrees).
         angle_deg: f64,
@@ -108,7 +108,7 @@ pub enum Ep2Error {
         Number::rounded(*angle_deg)
     )]
     NoSide {
-        /// Angle between the outward direction and the plane, degrees.
+        /// Angle between the outward direction and the plane of the patch (degrees).
         angle_deg: f64,
     },
     /// The path of the tip's centre has a smaller radius of curvature than the tip. This is impossible on any object,

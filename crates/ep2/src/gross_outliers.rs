@@ -23,7 +23,7 @@ const MIN_PLACES_WITH_GAP: usize = 20;
 /// Contacts beyond a gap are outliers if they are in blocks of at most this mean number of consecutive rows. Longer
 /// blocks are strokes.
 const MAX_BLOCK: usize = 3;
-/// Largest share of contacts that may be outliers.
+/// Largest share of outliers among the contacts of a log. A larger share is an error.
 pub(crate) const MAX_OUTLIER_SHARE: f64 = 0.2;
 /// P-value below which a contact counts as an outlier near the surface. For many contacts, the limit is 4.5 standard
 /// deviations.
@@ -50,7 +50,7 @@ pub enum OutlierReason {
 /// A contact that is left out, and the reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlier {
-    /// Index of the contact, counted from 0.
+    /// Index of the contact in the log, counted from 0.
     pub contact: usize,
     /// Reason for which the contact is left out.
     pub reason: OutlierReason,
@@ -98,7 +98,7 @@ impl SoundContacts {
         Ok(Self::without(contacts, outliers))
     }
 
-    /// The contacts without these outliers, which must be sorted.
+    /// The contacts without `outliers`. The outliers must be in ascending order of their indices.
     pub(crate) fn without(contacts: &[Contact], outliers: Vec<Outlier>) -> Self {
         let mut left_out = outliers.iter().map(|outlier| outlier.contact).peekable();
         let mut rows: Vec<usize> = (0..contacts.len()).collect();

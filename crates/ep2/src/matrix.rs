@@ -17,7 +17,7 @@ impl SparseMap {
         Self { from, to, entries }
     }
 
-    /// The map after every factor was divided by `unit`.
+    /// The same map, but with every factor divided by `unit`.
     pub(crate) fn in_unit(mut self, unit: f64) -> Self {
         self.entries.iter_mut().for_each(|entry| entry.2 /= unit);
         self

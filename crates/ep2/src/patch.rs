@@ -205,7 +205,7 @@ impl Patch {
     }
 }
 
-/// The direction, scaled such that the largest absolute value of its components is 1.
+/// The direction `outward`, scaled such that the largest absolute value of its components is 1.
 pub(crate) fn direction(outward: &Vector3<f64>) -> Result<Vector3<f64>, Ep2Error> {
     // Use the sum of the components as the length, because it is NaN if any component is NaN. `amax` would ignore a
     // NaN.
@@ -302,7 +302,7 @@ fn finger_places(contacts: &[Contact], samples: &[Sample]) -> Vec<f64> {
     fingers.iter().map(|[count, sum]| sum / count).collect()
 }
 
-/// Mean distance between neighbouring places; `None` if the places coincide.
+/// Mean distance between neighbouring fingers, whose coordinates are `places`; `None` if all coordinates are equal.
 fn mean_distance(places: &[f64]) -> Option<f64> {
     let low = places.iter().copied().fold(f64::INFINITY, f64::min);
     let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -30,7 +30,7 @@ use weight::{Choice, Search};
 /// Largest number of knot intervals per side. With more intervals, the dense matrices of the coefficients would take
 /// seconds.
 const MAX_INTERVALS: usize = 24;
-/// Largest automatic number of knot intervals per side.
+/// Largest number of knot intervals per side that is chosen automatically.
 const MAX_DEFAULT_INTERVALS: usize = 12;
 /// Largest ratio of the number of coefficients to the number of equations for an automatic number of intervals.
 const MAX_COEFFICIENTS_PER_EQUATION: f64 = 0.3;
@@ -83,7 +83,7 @@ pub(crate) struct Basis {
     intervals: [usize; 2],
     /// Variances of the contacts' errors.
     variances: Variances,
-    /// Whether the variances are stated by the user.
+    /// Whether the user stated the variances of heights and slopes.
     is_known: bool,
     /// Noise of the contacts of the patch; `None` if it is neither stated nor estimated.
     noise: Option<NoiseEstimate>,

@@ -92,7 +92,7 @@ impl Status {
     }
 }
 
-/// A smoothing spline that was fitted to points.
+/// A smoothing spline that was fitted to points, with data about the fit.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Smoothed {
     /// The fitted spline.

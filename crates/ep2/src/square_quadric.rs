@@ -37,12 +37,12 @@ impl Square {
         }
     }
 
-    /// The middle of the rectangle, in the patch's unit.
+    /// The middle of the patch's rectangle, in the patch's unit of length.
     pub(crate) const fn centre(&self) -> [f64; 2] {
         self.centre
     }
 
-    /// Half the lengths of the rectangle's sides, in the patch's unit.
+    /// Half the lengths of the sides of the patch's rectangle, in the patch's unit of length.
     pub(crate) const fn half(&self) -> [f64; 2] {
         self.half
     }

@@ -13,7 +13,7 @@ const UNKNOWNS: usize = 7;
 const CURVATURE: usize = 2;
 /// Smallest number of contacts from which the curvature of a stroke is computed.
 const MIN_CONTACTS: usize = 8;
-/// Probability that the interval contains the curvature.
+/// Probability that the computed interval contains the true curvature.
 const PROBABILITY: f64 = 0.95;
 /// Largest ratio of the scatter of contacts across a stroke to their noise. With a larger ratio, the contacts are not a
 /// single stroke.
@@ -26,7 +26,7 @@ const MAX_SPREAD: f64 = 0.1;
 const MIN_STD: f64 = 1e-6;
 /// Relative standard error that is added to the curvature, because derivatives of order 7 and higher are neglected.
 const MODEL_ERROR: f64 = 1e-3;
-/// Number of iterations in which the noise is estimated.
+/// Number of iterations in which the noise of the contacts is estimated.
 const ITERATIONS: usize = 5;
 
 type Row = SVector<f64, UNKNOWNS>;

@@ -36,7 +36,7 @@ pub enum Meridian {
 /// A point of a [`Meridian`] and the surface normal there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeridianPoint {
-    /// Distance of the point from the axis, length.
+    /// Distance of the point from the axis of the meridian (length).
     pub r: f64,
     /// Height above the apex along the normal at the apex; negative below the apex.
     pub height: f64,

@@ -55,7 +55,7 @@ macro_rules! delegate {
 /// A computation on a surface that is compiled separately for each type of surface. It is faster than the same
 /// computation on a [`Shape`], because a [`Shape`] selects the type at every call.
 pub trait Visitor {
-    /// Type of the result of the computation.
+    /// Type of the result that [`Visitor`] computes.
     type Out;
 
     /// Runs the computation on one surface.

@@ -349,7 +349,7 @@ fn check_features(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), 
 /// All calibration points of one kind (normal or tangential), from all files together.
 struct Pooled<'a, P> {
     points: Vec<P>,
-    /// File, series and line of each point.
+    /// For each point: name of its file, number of its series, and line in the file.
     sources: Vec<(&'a str, Option<u64>, Option<usize>)>,
 }
 

@@ -27,7 +27,7 @@ const HEADER: &str = "\
 #[serde(deny_unknown_fields)]
 struct CalibrationFile {
     length_unit: LengthUnit,
-    /// Number of markers in the frame at rest.
+    /// Number of markers in the frame at rest from which the sensor was calibrated.
     markers: Option<usize>,
     /// Mean hue of the markers at rest, turns.
     hue_turns: Option<f64>,

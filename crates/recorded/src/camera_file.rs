@@ -61,7 +61,7 @@ pub struct CameraEstimate {
 }
 
 impl CameraEstimate {
-    /// Covariance of the camera's parameters as a matrix.
+    /// Converts the covariance of the camera's parameters to a matrix.
     pub(super) fn covariance(&self) -> DMatrix<f64> {
         let size = self.covariance.len();
         DMatrix::from_fn(size, size, |row, column| self.covariance[row][column])
@@ -107,7 +107,7 @@ impl CameraEstimate {
 pub struct Residual {
     /// Index of the marker in the layout, from 0.
     pub marker: usize,
-    /// Distance between the observed and the predicted centroid, px.
+    /// Distance between the observed and the predicted centroid of the marker (px).
     pub px: f64,
 }
 

@@ -223,7 +223,7 @@ fn geometry_of(camera: &CameraEstimate) -> CameraGeometry {
     }
 }
 
-/// Parameters of a camera, in the order of [`NAMES`].
+/// Parameters of the camera `geometry`, in the order of [`NAMES`].
 fn numbers(geometry: &CameraGeometry) -> [f64; CAMERA.len()] {
     let OddTerms { k3, k5 } = geometry.odd_terms;
     let ([x, y], [a, b, c], [d, e, f]) = (geometry.centre_px, geometry.place, geometry.turn_deg);

@@ -2,7 +2,7 @@
 
 use super::table_format::Decimal;
 
-/// The finite number that a field contains.
+/// Parses the text of a table field, which must be a finite number.
 pub(super) fn number(text: &str, decimal: Decimal) -> Result<f64, String> {
     let parsed = match decimal {
         Decimal::Point => text.parse::<f64>(),

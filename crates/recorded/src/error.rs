@@ -26,14 +26,14 @@ pub enum RecordedError {
     /// An array of readings is wrong: either its length or a number in it.
     #[error("{array}{}: {message}", brackets(index))]
     Array {
-        /// Name of the argument with the array.
+        /// Name of the argument that contains the array.
         array: &'static str,
         /// Index of the wrong number in the array, counted from 0: its row and, if there are several columns, its
         /// column. The list is empty if the array as a whole is wrong.
         index: Vec<usize>,
         /// The wrong number; `None` if the array as a whole is wrong.
         value: Option<f64>,
-        /// Description of the problem, with the value.
+        /// Description of the problem, with the wrong value.
         message: String,
     },
     /// The numbers in the file are valid, but no estimate can be computed from them.

@@ -100,7 +100,7 @@ pub struct GlideEstimate {
     /// for other methods. If the method did not reach the target (`knots-exhausted`, `unsettled`), do not use the
     /// curvatures.
     pub(super) status: Option<&'static str>,
-    /// Effective number of parameters of the fit.
+    /// Effective degrees of freedom of the fitted surface.
     pub(super) effective_unknowns: f64,
     /// Number of map points along each side.
     pub(super) grid: usize,

@@ -148,7 +148,7 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Images of the markers in the pressed frame.
+    /// Images of the matched markers in the pressed frame.
     fn images(&self) -> MarkerImages {
         let tracks = self.matched.tracks.iter();
         let tracks: Vec<Option<Track>> = tracks

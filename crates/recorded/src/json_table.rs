@@ -202,7 +202,7 @@ fn records(object: &Map<String, Json>) -> Option<Vec<Json>> {
     rows.iter().map(row).collect()
 }
 
-/// The object of a row and its line.
+/// The JSON object of a row, and the line where it begins.
 type Object = Result<(Json, usize), RecordedError>;
 
 fn is_list(text: Text<'_>) -> bool {

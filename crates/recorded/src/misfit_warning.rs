@@ -6,11 +6,11 @@ use palpate_study::Warning;
 
 /// Words by which the warnings name readings, such as shifts or displacements.
 pub(super) struct ReadingWords<'w> {
-    /// Name of a reading, by its index from 0.
+    /// Returns the name of the reading with a given index, counted from 0.
     pub(super) reading: &'w dyn Fn(usize) -> String,
     /// Plural noun for the readings to which the stated noise refers, for example `shifts`.
     pub(super) noise_of: &'w str,
-    /// Unit of the stated quantities in the warnings.
+    /// Unit in which the warnings write the stated noise and the other stated quantities.
     pub(super) unit: &'w str,
 }
 

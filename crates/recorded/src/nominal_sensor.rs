@@ -50,7 +50,7 @@ pub(super) struct CameraGeometry {
     pub(super) centre_px: [f64; 2],
     /// Focal length, px per radian.
     pub(super) px_per_rad: f64,
-    /// Position relative to the sensor's centre, length.
+    /// Position of the camera relative to the sensor's centre (length).
     pub(super) place: [f64; 3],
     /// Turn of the camera, degrees.
     pub(super) turn_deg: [f64; 3],

@@ -34,7 +34,7 @@ pub(super) struct Principal {
     axis_deg: f64,
     /// Standard error of `axis_deg`, degrees. It is at most 52, which is the value for a completely unknown axis.
     axis_std_deg: f64,
-    /// Semi-axes of the contact, length, the longer one first.
+    /// Semi-axes of the contact ellipse (length), the longer semi-axis first.
     semi_axes: [f64; 2],
 }
 

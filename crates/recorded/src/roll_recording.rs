@@ -181,7 +181,7 @@ impl RollRecording {
         self.rows = rows.collect();
     }
 
-    /// Number of the probe to which a reading belongs.
+    /// The probe to which a reading belongs, as its number in the file or, for arrays, its index.
     pub(super) fn probe(&self, reading: usize) -> u64 {
         self.probes.get(reading).copied().unwrap_or(reading as u64)
     }

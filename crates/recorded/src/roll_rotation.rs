@@ -8,8 +8,8 @@ use palpate_study::readings::{AXIS_ANGLE, Column, MATRIX, QUATERNION, ROTATION_V
 
 use super::header::Header;
 
-/// Largest accepted error of a quaternion's length, and of the lengths and scalar products of a matrix's axes. Such
-/// errors occur because files contain rounded numbers.
+/// Largest accepted error in the length of a quaternion or of an axis, and in the scalar products of a matrix's axes.
+/// Such errors occur because files contain rounded numbers.
 const MAX_ERROR: f64 = 1e-3;
 
 /// Frame of reference for rotations. The axes u and v of the contact are the x and y axes of this frame.

@@ -15,9 +15,9 @@ use palpate_study::config::LengthUnit;
 /// A contact that was left out of the fit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct LeftOut {
-    /// Number of the contact's row in the readings, counted from 1.
+    /// Row number of the contact in the readings, counted from 1.
     row: usize,
-    /// Line in the file; `None` for arrays.
+    /// Line of the contact in the file; `None` for arrays.
     #[serde(skip_serializing_if = "Option::is_none")]
     line: Option<usize>,
     /// Reason why the contact was left out: `sentinel`, `zeros`, `far` or `misfit`.

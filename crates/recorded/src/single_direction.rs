@@ -18,7 +18,7 @@ const ACROSS_SHARE: f64 = 0.1;
 /// Normal curvature along the path of the contact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DirectedCurvature {
-    /// Curvature along the path, > 0 if convex.
+    /// Normal curvature of the object along the path, > 0 if convex.
     pub curvature_along: Value,
     /// Direction of the path, degrees, from +u towards +v of the readings.
     pub direction_deg: f64,

@@ -143,7 +143,7 @@ fn list(
         .find_map(|number| (0..count).map(|element| place(number(element))).collect())
 }
 
-/// Words of a name, and the numbers after them.
+/// Splits a column name into its words and the numbers after the words.
 fn numbered(name: &str) -> (Vec<String>, Vec<String>) {
     let mut start = words(&spelt(name));
     let is_word = |word: &String| word.parse::<usize>().is_err();

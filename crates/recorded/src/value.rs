@@ -73,7 +73,7 @@ impl Value {
         }
     }
 
-    /// A value with the interval of the estimate `estimated`.
+    /// Converts the estimate `estimated` to a value with its standard error, its interval and its unit.
     pub(super) fn of(estimated: &Estimated, power: Unit, length: LengthUnit) -> Self {
         let ends = [estimated.interval.low, estimated.interval.high];
         Self {

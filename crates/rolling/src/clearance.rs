@@ -60,7 +60,7 @@ struct Start {
 }
 
 impl Terrain {
-    /// Adds the tiles within `reach` of a place.
+    /// Samples the heights of all tiles within the distance `reach` of a place, and stores these tiles.
     fn add(&mut self, object: &Shape, place: &Vector2<f64>, reach: f64) {
         let spacing = self.spacing;
         let ends = |along: f64| {

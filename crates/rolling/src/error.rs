@@ -52,7 +52,7 @@ pub enum RollFault {
 pub struct RollError {
     /// Reason why the roll ended.
     pub fault: RollFault,
-    /// Time since the start of the first motion.
+    /// Time from the start of the first motion to the end of the roll, s.
     pub time_s: f64,
     /// The last contact point on the object, or the deepest point of an overlap, in the object's frame.
     pub on_object: Point3<f64>,

@@ -78,7 +78,7 @@ fn choice(model: Model, reason: String, error_bound: Option<f64>) -> Choice {
     }
 }
 
-/// RK4 with this number of steps per motion.
+/// The integrator RK4 with `steps` steps per motion.
 pub(crate) const fn rk4_method(steps: usize) -> Method {
     Method::Rk4(Rk4 { steps })
 }
@@ -139,7 +139,7 @@ impl Setting<'_> {
         }
     }
 
-    /// The cheapest model whose error is within the tolerance.
+    /// The cheapest model whose error on the rolls `rolls` is within `tolerance`, and the reason for the choice.
     fn cheapest(&self, tolerance: f64, chart: Chart, rolls: Rolls<'_>) -> (Rung, Choice) {
         if tolerance >= CLOSED_FORM_ERROR
             && let Ok(rung) = self.closed_form(rolls)

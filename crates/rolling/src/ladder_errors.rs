@@ -16,7 +16,7 @@ const STAGES: usize = 12;
 /// The measured ratio of processor instructions is 2.1 on a saddle, 1.5 on an ellipsoid, and less on a height field
 /// from a formula.
 const RELATIVE_COST: f64 = 1.5;
-/// Numbers of RK4 steps that are tried, cheapest first.
+/// Numbers of steps per motion with which RK4 is tried, in ascending order of the cost.
 const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
 
 /// To choose a model, all rolls are integrated several times. This is the largest number of evaluations of the contact

@@ -82,7 +82,7 @@ pub struct Choice<M = Model> {
 /// The rolls without noise, for which a model is chosen. Each roll consists of one or more consecutive motions.
 #[derive(Clone, Copy, Debug)]
 pub struct Rolls<'a> {
-    /// The motions of each roll, in order.
+    /// For each roll, its motions in the order of time.
     pub rolls: &'a [Vec<Motion>],
     /// Whether the actual rolls differ from these rolls because of noise.
     pub has_noise: bool,
@@ -94,7 +94,7 @@ pub enum InvalidRoll {
     /// The probe cannot touch the object at the place of the first contact.
     #[error("no first contact: {0}")]
     FirstContact(#[from] SurfaceError),
-    /// The bodies do not touch at a single point.
+    /// The contact at the start of the rolls is not a single point.
     #[error("no rolling contact: {0}")]
     Fault(#[from] RollFault),
     /// The model that the user has set cannot compute these rolls.

@@ -53,7 +53,7 @@ pub struct Rung {
 /// Accuracy with which a model computes the true values of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Accuracy {
-    /// The model simulates the scene with this relative error.
+    /// The model can simulate the scene. The number is its relative error.
     Error(f64),
     /// The model cannot simulate the scene. The text states the reason.
     Impossible(String),

@@ -1,4 +1,4 @@
-//! Tables of one simulation of a scene.
+//! Tables of true values and readings from one simulation of a scene.
 
 use image::RgbImage;
 use palpate_rolling::RollError;

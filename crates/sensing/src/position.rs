@@ -9,7 +9,7 @@ use crate::{Distribution, InvalidSensor, Stream};
 pub enum PositionAxes {
     /// The position has errors along x, y and z. They are independent and have the same size.
     Xyz,
-    /// The position has an error along z only.
+    /// The position has an error along z, but not along x or y.
     Z,
 }
 

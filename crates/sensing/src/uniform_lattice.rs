@@ -11,7 +11,7 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 
 use crate::InvalidSensor;
 
-/// A lattice of pads over the whole sphere.
+/// A spherical Fibonacci lattice of pads over the whole sphere.
 ///
 /// ```
 /// use palpate_sensing::UniformLattice;

@@ -7,7 +7,7 @@ use crate::knots::Knots;
 use crate::noise::Kinds;
 use crate::square_quadric::{Square, SquareQuadric};
 
-/// Degree of the spline in both directions.
+/// Degree of the spline along u and along v.
 pub(super) const DEGREE: usize = 3;
 /// Number of B-splines along one direction that are not 0 at a position.
 const SUPPORT: usize = DEGREE + 1;

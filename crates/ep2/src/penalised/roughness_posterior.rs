@@ -113,7 +113,7 @@ struct Candidate {
     square_amplitude: f64,
     /// Triangular factors of the matrix 1 + amplitude² × information of the process.
     factors: Factors,
-    /// Posterior mean of the factor of each mode.
+    /// For each mode, the posterior mean of the factor by which it is multiplied.
     mean: Vec<f64>,
     /// Factor by which the assumed variances must be multiplied to explain the residuals; 1 if the variances are
     /// stated.

@@ -79,7 +79,7 @@ pub(super) struct Choice {
 /// Sums over the modes at a smoothing weight λ. A prime denotes the derivative with respect to ln λ.
 #[derive(Clone, Copy, Debug)]
 struct Sums<T = f64> {
-    /// Weighted sum of squared residuals at this smoothing weight.
+    /// Weighted sum of squared residuals of the fit with the smoothing weight λ.
     residual: T,
     residual_prime: T,
     /// Weighted sum of squared residuals plus λ times the penalty, with the smoothing weight λ.

@@ -26,7 +26,7 @@ pub(super) struct Cloud {
 }
 
 impl Cloud {
-    /// The cloud with only every `step`-th contact.
+    /// A selection of these contacts: every contact whose index is a multiple of `step`.
     pub(super) fn thinned(&self, step: usize) -> Self {
         Self {
             places: self.places.iter().copied().step_by(step).collect(),
@@ -151,7 +151,8 @@ impl Pose {
         self.axes.transpose() * (Vector3::z() + across * self.curvature) / s
     }
 
-    /// Distance, normal and their derivatives at a position.
+    /// Distance of a position from the surface, surface normal there, and derivatives of both with respect to the
+    /// fitted parameters.
     #[inline]
     pub(super) fn deviation(&self, place: &Vector3<f64>, with_normal: bool) -> Deviation {
         let k = self.curvature;
@@ -232,7 +233,7 @@ impl Pose {
         )
     }
 
-    /// A measured normal in the axes of the pose.
+    /// Converts a measured normal to the axes of the pose.
     #[inline]
     pub(super) fn in_axes(&self, normal: &Vector3<f64>) -> Vector3<f64> {
         self.axes * normal

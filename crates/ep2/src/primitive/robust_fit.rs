@@ -11,7 +11,7 @@ use crate::gross_outliers::{MAX_OUTLIER_SHARE, OUTLIER_PROBABILITY};
 
 /// Number of iterations of a fit.
 const ITERATIONS: usize = 20;
-/// Number of iterations in which the variances are estimated.
+/// Number of iterations in which the variances of positions and normals are estimated.
 const VARIANCE_ITERATIONS: usize = 8;
 /// A fit ends if χ² decreases by less than this value, which is the square of 1 % of a standard error.
 const MIN_DECREASE: f64 = 1e-4;
@@ -32,7 +32,7 @@ const START_CONTACTS: usize = 600;
 const SUBSETS: u64 = 60;
 /// Number of contacts in a subset.
 const SUBSET_SIZE: usize = 8;
-/// Number of iterations of the fit to a subset.
+/// Number of iterations of the fit to a subset of the contacts.
 const SUBSET_ITERATIONS: usize = 15;
 /// Compares a fit that starts from a subset of the contacts with the fit that starts from all contacts. The fit from
 /// the subset is used only if its median distance and its variance are smaller by at least this factor.
@@ -452,7 +452,8 @@ impl Limits {
         Self(of)
     }
 
-    /// Selects the contacts within the limits. The returned pose is not fitted to them yet.
+    /// Selects the contacts within the limits. The returned pose is `pose`; it is not yet fitted to the selected
+    /// contacts.
     fn apply(self, pose: &Pose, cloud: &Cloud) -> RobustFit {
         let [distances, normals] = residuals(pose, cloud);
         let is_near = |(index, distance): (usize, &f64)| {

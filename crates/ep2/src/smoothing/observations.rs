@@ -24,7 +24,7 @@ pub(super) struct Observations<'a> {
     points: &'a [WeightedPoint],
     /// Unit of the heights and unit of the weights in the computation.
     units: [f64; 2],
-    /// B-splines at each point, along both variables.
+    /// For each point, the B-splines in u and in v that are not zero there.
     bases: Vec<[LocalBasis; 2]>,
     /// Indices of the points, sorted by panel (rectangle between knots).
     order: Vec<usize>,
@@ -49,7 +49,7 @@ impl LocalBasis {
 /// Sums over all points whose coordinate along an axis is in the same interval between knots.
 #[derive(Clone, Copy, Default)]
 pub(super) struct IntervalSums {
-    /// Sum of the squared residuals of these points.
+    /// Sum of the squared residuals of all points in the interval.
     pub(super) squares: f64,
     /// Sum of the squared residuals, each multiplied by the point's coordinate.
     pub(super) moments: f64,
@@ -175,7 +175,7 @@ impl<'a> Observations<'a> {
             .sum()
     }
 
-    /// Sums for each interval along u and for each interval along v.
+    /// Sums of squared residuals for each knot interval along u and for each knot interval along v.
     pub(super) fn interval_sums(
         &self,
         mesh: &Mesh,

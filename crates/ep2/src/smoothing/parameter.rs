@@ -1,6 +1,6 @@
 //! Searches the smoothing parameter p for which the residual sum F(p) has the required value.
 
-/// Maximum number of parameters that are tried.
+/// Maximum number of values of the smoothing parameter p that are tried.
 const MOST_TRIALS: usize = 20;
 /// If a parameter is far from the root, the next parameter is the current parameter multiplied by this factor (if the
 /// parameter is too large) or divided by it (if it is too small).

@@ -37,7 +37,7 @@ impl Block {
         }
     }
 
-    /// Whether there is no space for another row.
+    /// Whether the block has no space for another row.
     pub(super) const fn is_full(&self) -> bool {
         self.rows == self.packs * LANES
     }

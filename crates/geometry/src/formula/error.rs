@@ -43,7 +43,7 @@ pub enum FormulaErrorKind {
     /// A malformed number, such as `1.2.3` or `1e+`.
     #[error("`{0}` is not a number")]
     BadNumber(String),
-    /// A constant part whose value is infinite or undefined.
+    /// A part of the formula that is constant and whose value is infinite or undefined.
     #[error("this part is {0}, not finite")]
     NotFinite(f64),
     /// A name that is neither a variable nor a parameter.
@@ -78,9 +78,9 @@ pub enum FormulaErrorKind {
     /// Two operands without an operator between them, as in `2x`.
     #[error("multiplication needs a sign: write `{left}*{right}`")]
     ImplicitMultiplication {
-        /// The last word of the left operand.
+        /// Last word of the operand on the left side of the missing operator.
         left: String,
-        /// The first word of the right operand.
+        /// First word of the operand on the right side of the missing operator.
         right: String,
     },
     /// `**`, which other languages use for a power. In formulas, a power is written as `^`.

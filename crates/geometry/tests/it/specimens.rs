@@ -10,7 +10,7 @@ use palpate_geometry::{Parameters, Shape, Surface};
 
 pub(crate) type Solid = Box<dyn Fn(&Point3<f64>) -> bool>;
 
-/// A surface, points on it, and its properties.
+/// A surface for the tests, with test points on the surface and some of its properties.
 pub(crate) struct Specimen {
     pub(crate) name: String,
     pub(crate) shape: Shape,

@@ -41,7 +41,7 @@ fn text(radius: f64, misalignment: f64) -> String {
 struct Truth {
     place: [f64; 3],
     turn_deg: [f64; 3],
-    /// Relative error of the nominal pixels per radian.
+    /// Relative error of the nominal scale of the camera (pixels per radian).
     scale: f64,
     /// Diameter of the yellow discs, length.
     yellow: f64,
@@ -127,7 +127,7 @@ fn refused(image: RgbImage, study: &Study) -> String {
         .to_string()
 }
 
-/// Differences between the estimate and the true values, divided by the standard errors.
+/// For each camera parameter: difference between the estimate and the true value, divided by the standard error.
 fn pulls(estimate: &CameraEstimate, truth: &Truth) -> Vec<f64> {
     let scale = truth.lens().px_per_rad() * (1.0 + truth.scale);
     let of = |axis: usize| {

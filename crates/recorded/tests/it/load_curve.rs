@@ -1,4 +1,4 @@
-//! Estimates of effective radii from load curves.
+//! Tests estimates of the effective radius from load curves.
 
 use palpate_press::Body;
 use palpate_recorded::{LoadOptions, RecordedFile, estimate_force, parse_load_curve};

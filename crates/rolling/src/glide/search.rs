@@ -78,7 +78,7 @@ pub(super) struct Search<'a, S> {
 }
 
 impl<S: Surface> Search<'_, S> {
-    /// The contact that the tip meets first.
+    /// The first contact of the tip when it is lowered.
     pub(super) fn contact(&self) -> Result<Foot, GlideError> {
         palpate_statistics::work::searched(1);
         // If the object is rugged, the tip may fit at several contacts. The choice among them must not depend on the
@@ -301,7 +301,7 @@ impl Relief {
         relief
     }
 
-    /// The largest height of the tip's centre in the grid.
+    /// The largest height in the grid, that is, the highest position of the tip's centre.
     fn summit(&self) -> f64 {
         self.heights
             .iter()

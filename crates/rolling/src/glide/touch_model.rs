@@ -64,7 +64,7 @@ pub enum InvalidTouch {
         tolerance = Number(*tolerance)
     )]
     Tolerance {
-        /// The tolerance that is out of its range.
+        /// The stated tolerance, which is out of its range.
         tolerance: f64,
     },
 }

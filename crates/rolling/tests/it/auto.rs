@@ -26,7 +26,7 @@ impl Numbers {
         low + (high - low) * self.next()
     }
 
-    /// A random number with uniformly distributed logarithm.
+    /// A random number between `low` and `high` whose logarithm is uniformly distributed.
     fn decades(&mut self, low: f64, high: f64) -> f64 {
         libm::exp(self.between(libm::log(low), libm::log(high)))
     }

@@ -16,7 +16,7 @@ fn newton(tolerance: f64) -> TouchModel {
     TouchModel::Newton { tolerance }
 }
 
-/// Positions in a square, away from lines of symmetry.
+/// Positions in a square with the half-width `half_width`, none of them on a line of symmetry.
 fn places(half_width: f64) -> impl Iterator<Item = (f64, f64)> {
     (0..49).map(move |index| {
         let [i, j] = [index / 7, index % 7].map(f64::from);

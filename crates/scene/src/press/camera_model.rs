@@ -32,7 +32,7 @@ pub(super) struct SimulatedCamera {
     pub(super) seed: u64,
 }
 
-/// Level of detail with which the camera is simulated.
+/// The way in which the camera is simulated: with or without pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CameraModel {
     /// The image of each marker is computed directly, without pixels.

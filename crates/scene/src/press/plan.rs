@@ -146,7 +146,7 @@ fn layer_with_tables(config: &PressConfig, choice: &Choice, markers: usize) -> O
 /// Inputs from which the true press, the sensor and the estimator are built.
 pub(super) struct PressSetup<'a> {
     pub(super) config: &'a PressConfig,
-    /// Model of the body; it is never `auto`.
+    /// Model of the sensor's soft body; it is never `auto`.
     pub(super) model: &'a PressModelConfig,
     pub(super) sphere: &'a MarkerSphere<'a>,
     pub(super) markers: &'a Markers,
@@ -340,7 +340,7 @@ const LARGEST_TOLERANCE: f64 = 1.0;
 /// The models that can compute a press, and the depths at which their displacements are compared.
 #[derive(Clone, Debug)]
 pub(super) struct PressRungs {
-    /// Model in the config, which may be `auto`.
+    /// Model of the soft body that the config states; it may be `auto`.
     requested: PressModelConfig,
     radius: f64,
     /// Depths at which displacements are compared. The first is the depth of the markers, midway between their discs.
@@ -488,7 +488,7 @@ impl PressRungs {
         })
     }
 
-    /// Bodies of a model, one for each depth.
+    /// Builds the soft body of a model for each of the compared depths.
     fn bodies(&self, model: &PressModelConfig) -> Result<Vec<SoftBody>, FieldError> {
         let body = |&depth| SoftBody::new(model, self.radius, depth, Body::solved_layer);
         self.depths.iter().map(body).collect()

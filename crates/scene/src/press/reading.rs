@@ -30,7 +30,7 @@ struct MarkerReading {
 /// Readings of one press, made by [`PressSensor::read`].
 #[derive(Clone, Debug)]
 pub(super) struct PressReading {
-    /// Indices of the tracked markers, in ascending order.
+    /// Indices (in the layout) of the tracked markers, in ascending order.
     tracked: Vec<usize>,
     /// Normal displacement of each tracked marker.
     normal: Vec<f64>,
@@ -87,7 +87,7 @@ impl PressReading {
     }
 }
 
-/// Sensor of the markers in a press.
+/// The sensor that measures the displacements of the markers in a press.
 #[derive(Clone, Debug)]
 pub(super) enum PressSensor {
     /// A sensor that reads the displacements of all markers directly.
@@ -300,7 +300,7 @@ pub(super) struct CameraPressSensor {
     pub(super) variation: Option<SensorVariation>,
 }
 
-/// Change of a marker's image in a press.
+/// Change of a marker's image from rest to press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MarkerChange {
     /// Change of the hue of the marker's summed light from rest to press, turns.

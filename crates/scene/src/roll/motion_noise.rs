@@ -22,7 +22,7 @@ pub(super) struct Roll {
     pub(super) command: Motion,
     /// Rotation of the probe, summed in the contact frame, rad.
     pub(super) rotation: Vector2<f64>,
-    /// Displacement of the contact on the probe.
+    /// Displacement of the contact on the probe, without noise.
     pub(super) displacement: Vector2<f64>,
     /// Terrain (height of the object) along the roll. `None` if the probe cannot overlap the object, even with noise.
     pub(super) terrain: Option<Terrain>,

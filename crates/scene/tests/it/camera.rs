@@ -50,7 +50,7 @@ fn refused(text: &str) -> String {
     format!("{}: {}", error.path(), error.message())
 }
 
-/// The outcomes of the quantity `name` in a trial.
+/// The results of one trial for the quantity with the name `name`.
 fn outcomes(scene: &Scene, trial: u64, name: &str) -> Vec<Observation> {
     let mut outcomes = Vec::new();
     scene

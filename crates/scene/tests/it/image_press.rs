@@ -34,7 +34,7 @@ fn scene(text: &str) -> Scene {
     scene.expect("a scene")
 }
 
-/// Observations of one quantity in the first trials.
+/// Results for the quantity `quantity` in the first `trials` trials.
 fn outcomes(scene: &Scene, quantity: &str, trials: u64) -> Vec<Observation> {
     let place = scene
         .quantities()

@@ -11,7 +11,7 @@ fn draws(seed: u64, trial: u64) -> impl Iterator<Item = [f32; Stream::NORMALS]> 
     std::iter::repeat_with(move || stream.standard_normals())
 }
 
-/// Probability that a standard normal number is below `limit`.
+/// Probability that a normal number with mean 0 and standard deviation 1 is below `limit`.
 fn below(limit: f64) -> f64 {
     0.5 * libm::erfc(-limit * FRAC_1_SQRT_2)
 }
